@@ -1,0 +1,2 @@
+//! The command `fakir`.
+fn main() {}

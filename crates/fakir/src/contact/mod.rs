@@ -1,0 +1,325 @@
+//! What every method answers with: the state of contact under a load, pillar by
+//! pillar, and the critical state at which the lens reaches the floor.
+//!
+//! *Top contact* is governed by `p >= 0`, `gap >= 0`, `p gap = 0` on the pillar
+//! tops, where `gap = f - h + w + column - zeta` with `f` the undeformed lens above
+//! the floor and `zeta` the indentation: how far the lens has come down since its
+//! lowest point was level with the pillar tops. The gap to the floor between the
+//! pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
+//! indentation at which it vanishes somewhere.
+
+mod run;
+
+pub use run::{CancelToken, Progress, Run, Stage, Termination};
+
+use crate::system::{InvalidQuantity, Point, System};
+
+/// How a question is answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Method {
+    /// Spectral expansion of the pressure on every pillar top; the exact method.
+    Spectral(Accuracy),
+    /// One flat punch per pillar.
+    Punch(PunchForm),
+    /// The lattice replaced by a layer of springs on a half-space.
+    Homogenised,
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::Spectral(Accuracy::Default)
+    }
+}
+
+impl Method {
+    /// The name used in case files and results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Spectral(_) => "spectral",
+            Self::Punch(_) => "punch",
+            Self::Homogenised => "homogenised",
+        }
+    }
+}
+
+/// How finely the spectral method resolves the pressure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Accuracy {
+    /// About 1e-6 in force where all touched pillars are fully covered, 1e-5 where the
+    /// contact edge crosses pillar tops.
+    #[default]
+    Default,
+    /// About 1e-8 and 1e-6, at several times the cost.
+    Accurate,
+}
+
+/// The two forms of the punch lattice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PunchForm {
+    /// As in the paper's approximations: pillars act on each other as flat punches seen
+    /// from their centre, and meet the lens at their centre.
+    Plain,
+    /// Both averaged over the receiving pillar top: the lowest degree of the spectral method.
+    #[default]
+    Corrected,
+}
+
+/// What is prescribed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// Indentation `zeta`, m, zero or positive.
+    Indentation(f64),
+    /// Normal force `F`, N, zero or positive.
+    Force(f64),
+}
+
+/// How much of a pillar top the lens touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum PillarStatus {
+    /// Nothing of it.
+    Untouched,
+    /// A part of it: the edge of the contact crosses the pillar top.
+    Partial,
+    /// All of it.
+    Full,
+}
+
+impl PillarStatus {
+    /// `"untouched"`, `"partial"` or `"full"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Untouched => "untouched",
+            Self::Partial => "partial",
+            Self::Full => "full",
+        }
+    }
+}
+
+/// One pillar of a contact state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PillarState {
+    /// Lattice indices `(i, j)` of [`HexagonalLattice::centre`](crate::system::HexagonalLattice::centre).
+    pub index: (i64, i64),
+    /// Centre, m from the lens axis.
+    pub centre: Point,
+    /// Whether the lens touches it.
+    pub status: PillarStatus,
+    /// Normal force on it, N.
+    pub force: f64,
+    /// Pressure at the centre of its top, Pa.
+    pub centre_pressure: f64,
+    /// Smallest and largest edge coefficient around its rim, Pa: the pressure near the edge
+    /// of a pillar of radius `a` is `coefficient/sqrt(1 - (r/a)^2)`, and so is infinite at the
+    /// edge itself wherever the coefficient is positive.
+    pub edge_coefficient: [f64; 2],
+}
+
+/// Estimated relative errors of a result, from refinement of what was computed.
+///
+/// They are errors of the numerical solution, not of the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorEstimate {
+    /// Relative error of the force.
+    pub force: f64,
+    /// Relative error of the indentation.
+    pub indentation: f64,
+}
+
+/// A condition under which a result should be read with care.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// The contact radius is more than a fifth of the lens radius, where treating the lens as
+    /// a half-space becomes doubtful.
+    LargeContact {
+        /// Contact radius over lens radius.
+        ratio: f64,
+    },
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::LargeContact { ratio } => write!(
+                f,
+                "the contact radius is {ratio:.2} of the lens radius: above 0.2 the lens is no \
+                 longer well described as a half-space"
+            ),
+        }
+    }
+}
+
+/// The contact under a load.
+#[derive(Debug, Clone)]
+pub struct ContactState {
+    /// What was solved.
+    pub system: System,
+    /// How.
+    pub method: Method,
+    /// Indentation `zeta`, m.
+    pub indentation: f64,
+    /// Normal force `F`, N.
+    pub force: f64,
+    /// Distance from the lens axis of the farthest point of a pillar top in contact, m.
+    pub contact_radius: f64,
+    /// Number of pillars touched, fully or partially.
+    pub pillars_in_contact: usize,
+    /// Number of pillars crossed by the edge of the contact.
+    pub pillars_partially_in_contact: usize,
+    /// The touched pillars, those nearest to the lens axis first. Empty for methods that do
+    /// not resolve pillars.
+    pub pillars: Vec<PillarState>,
+    /// Smallest gap between lens and floor, m. Negative past the transition: the state is
+    /// then computed as if the floor were not there.
+    pub smallest_floor_gap: f64,
+    /// Where the floor gap is smallest, m from the lens axis (one of its symmetric copies).
+    pub smallest_gap_position: Point,
+    /// Estimated relative errors of the numerical solution.
+    pub error: ErrorEstimate,
+    /// Why the solver stopped.
+    pub termination: Termination,
+    /// Newton steps taken.
+    pub iterations: usize,
+    /// What to be careful about.
+    pub warnings: Vec<Warning>,
+}
+
+impl ContactState {
+    /// Whether the floor would have been touched already.
+    #[must_use]
+    pub fn beyond_transition(&self) -> bool {
+        self.smallest_floor_gap < 0.0
+    }
+
+    /// Whether the numbers are the solution.
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.termination == Termination::Converged
+    }
+}
+
+/// What the lens meets first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regime {
+    /// Pillar tops: there is a top contact before the transition.
+    TopFirst,
+    /// The floor: it is reached before any pillar, without force.
+    BottomFirst,
+}
+
+impl Regime {
+    /// `"top_first"` or `"bottom_first"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TopFirst => "top_first",
+            Self::BottomFirst => "bottom_first",
+        }
+    }
+}
+
+/// The state in which the lens just reaches the floor between the pillars.
+#[derive(Debug, Clone)]
+pub struct CriticalState {
+    /// Whether there was a top contact before.
+    pub regime: Regime,
+    /// The contact at the transition: critical force `F_c`, critical indentation `zeta_c`,
+    /// top contact radius, pillars.
+    pub contact: ContactState,
+    /// Where the floor is touched, m from the lens axis, folded into one symmetry copy by
+    /// [`LatticeSymmetry::fold`](crate::system::LatticeSymmetry::fold).
+    pub floor_contact: Point,
+}
+
+impl CriticalState {
+    /// Critical contact radius `a_c`: the larger of the top contact radius and the distance
+    /// `r_c` of the floor contact from the lens axis, m.
+    #[must_use]
+    pub fn contact_radius(&self) -> f64 {
+        self.contact
+            .contact_radius
+            .max(self.floor_contact_distance())
+    }
+
+    /// `r_c`, the distance of the floor contact from the lens axis, m.
+    #[must_use]
+    pub fn floor_contact_distance(&self) -> f64 {
+        self.floor_contact[0].hypot(self.floor_contact[1])
+    }
+
+    /// Force, contact radius and indentation in the paper's reduced variables.
+    #[must_use]
+    pub fn normalized(&self) -> Normalized {
+        Normalized::new(
+            &self.contact.system,
+            self.contact.force,
+            self.contact_radius(),
+            self.contact.indentation,
+        )
+    }
+}
+
+/// The paper's reduced variables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Normalized {
+    /// `F gamma_int/(h d)`.
+    pub force: f64,
+    /// `a/e`.
+    pub contact_radius: f64,
+    /// `zeta/h`.
+    pub indentation: f64,
+}
+
+impl Normalized {
+    /// Reduces a force (N), a contact radius (m) and an indentation (m).
+    #[must_use]
+    pub fn new(system: &System, force: f64, contact_radius: f64, indentation: f64) -> Self {
+        let pillar = system.pillar();
+        Self {
+            force: force * system.internal_compliance() / (pillar.height * pillar.diameter),
+            contact_radius: contact_radius / system.lattice().pitch,
+            indentation: indentation / pillar.height,
+        }
+    }
+}
+
+/// Why no result can be given.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// A prescribed load that cannot be.
+    #[error(transparent)]
+    InvalidQuantity(#[from] InvalidQuantity),
+    /// The contact would reach past half the lens radius.
+    #[error(
+        "the contact would reach {:.3e} m from the lens axis, more than half the lens radius \
+         {lens_radius:.3e} m, where a lens is not a half-space: lower the load, use lower pillars \
+         or a larger lens", .contact_radius
+    )]
+    ContactExceedsLens {
+        /// Contact radius, or a lower bound on it, m.
+        contact_radius: f64,
+        /// Lens radius, m.
+        lens_radius: f64,
+    },
+    /// The problem does not fit the memory allowed.
+    #[error(
+        "about {pillars} pillars would be touched, which takes {:.1} GB of memory; the limit is \
+         {:.1} GB: raise the limit, lower the load or widen the pitch",
+        *.bytes as f64 / 1e9, *.limit as f64 / 1e9
+    )]
+    TooLarge {
+        /// Pillars in the window that would have to be solved.
+        pillars: usize,
+        /// Memory it would take, bytes.
+        bytes: usize,
+        /// Memory allowed, bytes.
+        limit: usize,
+    },
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}

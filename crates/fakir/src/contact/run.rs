@@ -1,0 +1,124 @@
+//! How a computation is run, as opposed to what is computed: cancellation,
+//! progress, threads, memory; and how it ended.
+
+use super::SolveError;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A flag that asks a running computation to stop.
+///
+/// Clones share the flag. The solvers look at it at every iteration.
+#[derive(Debug, Clone, Default)]
+pub struct CancelToken(Arc<AtomicBool>);
+
+impl CancelToken {
+    /// Asks the computation to stop.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it was asked to.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// What a computation is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Stage {
+    /// Preparing the influence of pillars on each other.
+    Coupling,
+    /// Solving with one unknown per pillar, as a start.
+    Punch,
+    /// Solving in full.
+    Spectral,
+    /// Estimating the error.
+    ErrorEstimate,
+}
+
+impl Stage {
+    /// A few words for a person.
+    #[must_use]
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Coupling => "coupling of the pillars",
+            Self::Punch => "punch lattice",
+            Self::Spectral => "spectral solution",
+            Self::ErrorEstimate => "error estimate",
+        }
+    }
+}
+
+/// A report from a running computation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// What it is doing.
+    pub stage: Stage,
+    /// Newton steps taken in this stage.
+    pub step: usize,
+    /// Pillars in the window that is being solved.
+    pub pillars: usize,
+    /// Pillars touched so far.
+    pub touched: usize,
+}
+
+/// How a computation is run. The default runs on the calling thread, silently.
+#[derive(Clone, Default)]
+pub struct Run<'a> {
+    /// Stops the computation when cancelled.
+    pub cancel: CancelToken,
+    /// Told what is going on, every Newton step.
+    pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+    /// Threads to share the work between; without it everything runs on the calling thread.
+    pub pool: Option<&'a rayon::ThreadPool>,
+    /// Most memory to use, bytes; 8 GB if not set.
+    pub memory_limit: Option<usize>,
+}
+
+impl Run<'_> {
+    /// Memory a computation may take, bytes: what was set, or 8 GB.
+    #[must_use]
+    pub fn memory_limit(&self) -> usize {
+        self.memory_limit.unwrap_or(8_000_000_000)
+    }
+
+    pub(crate) fn report(&self, progress: Progress) {
+        if let Some(listener) = self.progress {
+            listener(progress);
+        }
+    }
+
+    pub(crate) fn check_cancelled(&self) -> Result<(), SolveError> {
+        if self.cancel.is_cancelled() {
+            Err(SolveError::Interrupted)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Why a solver stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Termination {
+    /// The contact conditions hold to the tolerance.
+    Converged,
+    /// The limit on Newton steps was reached first; the numbers are not the solution.
+    IterationLimit,
+    /// Steps no longer improved the solution; the numbers are not the solution.
+    Stagnated,
+}
+
+impl Termination {
+    /// A sentence for a person.
+    #[must_use]
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "did not converge: the limit on Newton steps was reached",
+            Self::Stagnated => "did not converge: the steps no longer improve the solution",
+        }
+    }
+}
