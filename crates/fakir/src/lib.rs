@@ -1,5 +1,7 @@
 //! Contact between a smooth elastic lens and a surface patterned with pillars.
 pub mod contact;
+mod coupling;
+mod disc;
 pub mod system;
 
 use contact::{ContactState, CriticalState, Load, Method, Run, SolveError};

@@ -1,0 +1,421 @@
+//! The coupling of many pillars of a lattice as a convolution, by fast Fourier transform.
+//!
+//! The window is padded with zeros to at least twice its size, so that nothing wraps around:
+//! the lattice is finite and stands free. One kernel for every pair of modes; as
+//! `B_ij(-D) = (-1)^(l+l') B_ij(D)`, its transform is real or imaginary, and as
+//! `B_ji(D) = (-1)^(l+l') B_ij(D)`, the upper triangle is enough.
+//!
+//! A product makes three passes: rows of all modes are transformed (only those of the window
+//! hold anything); then, column by column, all modes are transformed, multiplied by the kernels
+//! and transformed back while they are in the cache; then the rows of the window back.
+
+use super::pair::PairCoupling;
+use super::window::Window;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+use std::sync::Arc;
+
+/// Rows transformed together, so that whole cache lines of the transposed array are written.
+const ROW_BLOCK: usize = 8;
+
+/// Padded arrays of fewer points than this are not worth sharing between threads.
+const PARALLEL_POINTS: usize = 40_000;
+
+pub(crate) struct LatticeConvolution {
+    /// Number of modes.
+    modes: usize,
+    /// Rows and columns of the window.
+    shape: (usize, usize),
+    /// Rows and columns after padding.
+    padded: (usize, usize),
+    /// Complex columns kept of a real transform, `padded.1/2 + 1`.
+    half: usize,
+    places: Vec<(usize, usize)>,
+    /// Whether the kernel of an upper-triangle pair of modes is odd.
+    odd: Vec<bool>,
+    /// Transformed kernels: for every column, every pair of modes, every row; its real part
+    /// where even, its imaginary part where odd. With the normalisation of the inverse.
+    kernel: Vec<f64>,
+    /// Row transforms: for every column, every mode, the rows of the window.
+    spectrum: Vec<Complex64>,
+    transforms: Transforms,
+}
+
+#[derive(Clone)]
+struct Transforms {
+    row: Arc<dyn RealToComplex<f64>>,
+    row_back: Arc<dyn ComplexToReal<f64>>,
+    column: Arc<dyn Fft<f64>>,
+    column_back: Arc<dyn Fft<f64>>,
+}
+
+/// Smallest even number of the form 2^a 3^b 5^c not below `least`.
+fn smooth_size(least: usize) -> usize {
+    let smooth = |mut n: usize| {
+        for prime in [2, 3, 5] {
+            while n % prime == 0 {
+                n /= prime;
+            }
+        }
+        n == 1
+    };
+    let mut size = least.max(2);
+    while size % 2 == 1 || !smooth(size) {
+        size += 1;
+    }
+    size
+}
+
+/// Bytes of the kernels and work arrays for a window of `rows` by `columns`.
+pub(crate) fn memory_estimate(shape: (usize, usize), modes: usize) -> usize {
+    let (rows, columns) = (smooth_size(2 * shape.0), smooth_size(2 * shape.1));
+    let half = columns / 2 + 1;
+    let pairs = modes * (modes + 1) / 2;
+    8 * pairs * rows * half + 16 * modes * half * shape.0
+}
+
+impl LatticeConvolution {
+    pub(crate) fn new(window: &Window, pair: &PairCoupling, pool: Option<&ThreadPool>) -> Self {
+        let modes = pair.modes().len();
+        let shape = window.shape();
+        let padded = (smooth_size(2 * shape.0 - 1), smooth_size(2 * shape.1 - 1));
+        let half = padded.1 / 2 + 1;
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        let transforms = Transforms {
+            row: real.plan_fft_forward(padded.1),
+            row_back: real.plan_fft_inverse(padded.1),
+            column: complex.plan_fft_forward(padded.0),
+            column_back: complex.plan_fft_inverse(padded.0),
+        };
+        let mut odd = Vec::with_capacity(pair.entry_count());
+        for (row, receiver) in pair.modes().iter().enumerate() {
+            for source in &pair.modes()[row..] {
+                odd.push((receiver.degree + source.degree) % 2 == 1);
+            }
+        }
+        let mut convolution = Self {
+            modes,
+            shape,
+            padded,
+            half,
+            places: window.places().to_vec(),
+            odd,
+            kernel: vec![0.0; pair.entry_count() * half * padded.0],
+            spectrum: vec![Complex64::default(); half * modes * shape.0],
+            transforms,
+        };
+        convolution.fill_kernels(pair, pool);
+        convolution
+    }
+
+    fn shared<'p>(&self, pool: Option<&'p ThreadPool>) -> Option<&'p ThreadPool> {
+        pool.filter(|pool| {
+            pool.current_num_threads() > 1 && self.padded.0 * self.padded.1 >= PARALLEL_POINTS
+        })
+    }
+
+    /// Kernels of all pairs of modes, transformed one after the other.
+    fn fill_kernels(&mut self, pair: &PairCoupling, pool: Option<&ThreadPool>) {
+        let (rows, columns) = self.padded;
+        let entries = pair.entry_count();
+        let mut grids = vec![0.0; entries * rows * columns];
+        fill_grids(pair, self.shape, self.padded, &mut grids);
+        let scale = 1.0 / (rows * columns) as f64;
+        let (half, transforms, odd) = (self.half, &self.transforms, &self.odd);
+        let transformed = |(entry, grid): (usize, &mut [f64])| -> Vec<f64> {
+            transform_kernel(transforms, grid, rows, columns, odd[entry], scale)
+        };
+        let transformed: Vec<Vec<f64>> = match self.shared(pool) {
+            Some(pool) => pool.install(|| {
+                grids
+                    .par_chunks_mut(rows * columns)
+                    .enumerate()
+                    .map(transformed)
+                    .collect()
+            }),
+            None => grids
+                .chunks_mut(rows * columns)
+                .enumerate()
+                .map(transformed)
+                .collect(),
+        };
+        for column in 0..half {
+            for (entry, values) in transformed.iter().enumerate() {
+                let start = (column * entries + entry) * rows;
+                self.kernel[start..start + rows]
+                    .copy_from_slice(&values[column * rows..(column + 1) * rows]);
+            }
+        }
+    }
+
+    pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], pool: Option<&ThreadPool>) {
+        let pool = self.shared(pool);
+        self.rows_forward(coefficients);
+        self.columns(pool);
+        self.rows_back(far);
+    }
+
+    fn row_ranges(&self) -> Vec<std::ops::Range<usize>> {
+        let mut ranges = Vec::with_capacity(self.shape.0);
+        let mut start = 0;
+        for row in 0..self.shape.0 {
+            let end = start + self.places[start..].partition_point(|place| place.0 == row);
+            ranges.push(start..end);
+            start = end;
+        }
+        ranges
+    }
+
+    fn rows_forward(&mut self, coefficients: &[f64]) {
+        let (modes, rows, half) = (self.modes, self.shape.0, self.half);
+        let ranges = self.row_ranges();
+        let mut input = self.transforms.row.make_input_vec();
+        let mut output = vec![Complex64::default(); half * ROW_BLOCK];
+        let mut scratch = self.transforms.row.make_scratch_vec();
+        for mode in 0..modes {
+            for first in (0..rows).step_by(ROW_BLOCK) {
+                let block = ROW_BLOCK.min(rows - first);
+                for k in 0..block {
+                    input.fill(0.0);
+                    for pillar in ranges[first + k].clone() {
+                        input[self.places[pillar].1] = coefficients[pillar * modes + mode];
+                    }
+                    // Lengths are those the plan was made for, so this cannot fail.
+                    let _ = self.transforms.row.process_with_scratch(
+                        &mut input,
+                        &mut output[k * half..(k + 1) * half],
+                        &mut scratch,
+                    );
+                }
+                for column in 0..half {
+                    let start = (column * modes + mode) * rows + first;
+                    for k in 0..block {
+                        self.spectrum[start + k] = output[k * half + column];
+                    }
+                }
+            }
+        }
+    }
+
+    fn rows_back(&self, far: &mut [f64]) {
+        let (modes, rows, half) = (self.modes, self.shape.0, self.half);
+        let ranges = self.row_ranges();
+        let mut input = vec![Complex64::default(); half * ROW_BLOCK];
+        let mut output = self.transforms.row_back.make_output_vec();
+        let mut scratch = self.transforms.row_back.make_scratch_vec();
+        for mode in 0..modes {
+            for first in (0..rows).step_by(ROW_BLOCK) {
+                let block = ROW_BLOCK.min(rows - first);
+                for column in 0..half {
+                    let start = (column * modes + mode) * rows + first;
+                    for k in 0..block {
+                        input[k * half + column] = self.spectrum[start + k];
+                    }
+                }
+                for k in 0..block {
+                    let row = &mut input[k * half..(k + 1) * half];
+                    // The transform of real data has real ends; rounding must not say otherwise.
+                    row[0].im = 0.0;
+                    row[half - 1].im = 0.0;
+                    let _ = self.transforms.row_back.process_with_scratch(
+                        row,
+                        &mut output,
+                        &mut scratch,
+                    );
+                    for pillar in ranges[first + k].clone() {
+                        far[pillar * modes + mode] = output[self.places[pillar].1];
+                    }
+                }
+            }
+        }
+    }
+
+    fn columns(&mut self, pool: Option<&ThreadPool>) {
+        let (modes, rows) = (self.modes, self.shape.0);
+        let padded = self.padded.0;
+        let entries = self.odd.len();
+        let (transforms, odd) = (&self.transforms, &self.odd);
+        let scratch_len = transforms
+            .column
+            .get_inplace_scratch_len()
+            .max(transforms.column_back.get_inplace_scratch_len());
+        let work = || ColumnWork {
+            input: vec![Complex64::default(); modes * padded],
+            output: vec![Complex64::default(); modes * padded],
+            scratch: vec![Complex64::default(); scratch_len],
+        };
+        let one = |work: &mut ColumnWork, (spectrum, kernel): (&mut [Complex64], &[f64])| {
+            work.input.fill(Complex64::default());
+            for (values, column) in spectrum
+                .chunks_exact(rows)
+                .zip(work.input.chunks_exact_mut(padded))
+            {
+                column[..rows].copy_from_slice(values);
+            }
+            transforms
+                .column
+                .process_with_scratch(&mut work.input, &mut work.scratch);
+            multiply(kernel, odd, modes, padded, &work.input, &mut work.output);
+            transforms
+                .column_back
+                .process_with_scratch(&mut work.output, &mut work.scratch);
+            for (values, column) in spectrum
+                .chunks_exact_mut(rows)
+                .zip(work.output.chunks_exact(padded))
+            {
+                values.copy_from_slice(&column[..rows]);
+            }
+        };
+        let kernel = &self.kernel;
+        match pool {
+            Some(pool) => pool.install(|| {
+                self.spectrum
+                    .par_chunks_mut(modes * rows)
+                    .zip(kernel.par_chunks(entries * padded))
+                    .for_each_init(work, one);
+            }),
+            None => {
+                let mut work = work();
+                self.spectrum
+                    .chunks_mut(modes * rows)
+                    .zip(kernel.chunks(entries * padded))
+                    .for_each(|pair| one(&mut work, pair));
+            }
+        }
+    }
+}
+
+struct ColumnWork {
+    input: Vec<Complex64>,
+    output: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+/// `output = K input` for one column of all modes.
+fn multiply(
+    kernel: &[f64],
+    odd: &[bool],
+    modes: usize,
+    padded: usize,
+    input: &[Complex64],
+    output: &mut [Complex64],
+) {
+    output.fill(Complex64::default());
+    let mut pairs = kernel.chunks_exact(padded).zip(odd);
+    for a in 0..modes {
+        for b in a..modes {
+            let Some((kernel, &odd)) = pairs.next() else {
+                return;
+            };
+            let source = &input[b * padded..(b + 1) * padded];
+            if odd {
+                add_imaginary(kernel, 1.0, source, &mut output[a * padded..(a + 1) * padded]);
+                let source = &input[a * padded..(a + 1) * padded];
+                add_imaginary(kernel, -1.0, source, &mut output[b * padded..(b + 1) * padded]);
+            } else {
+                add_real(kernel, source, &mut output[a * padded..(a + 1) * padded]);
+                if a != b {
+                    let source = &input[a * padded..(a + 1) * padded];
+                    add_real(kernel, source, &mut output[b * padded..(b + 1) * padded]);
+                }
+            }
+        }
+    }
+}
+
+fn add_real(kernel: &[f64], source: &[Complex64], target: &mut [Complex64]) {
+    for ((target, source), k) in target.iter_mut().zip(source).zip(kernel) {
+        target.re += k * source.re;
+        target.im += k * source.im;
+    }
+}
+
+fn add_imaginary(kernel: &[f64], sign: f64, source: &[Complex64], target: &mut [Complex64]) {
+    for ((target, source), k) in target.iter_mut().zip(source).zip(kernel) {
+        let k = sign * k;
+        target.re -= k * source.im;
+        target.im += k * source.re;
+    }
+}
+
+/// Kernels on the padded array, one grid for every entry: each distinct distance is computed
+/// once and used for its twelve (or six) places.
+fn fill_grids(
+    pair: &PairCoupling,
+    shape: (usize, usize),
+    padded: (usize, usize),
+    grids: &mut [f64],
+) {
+    let entries = pair.entry_count();
+    let (rows, columns) = padded;
+    let reach = (shape.0 as i64 - 1, shape.1 as i64 - 1);
+    let most = reach.0.max(reach.1);
+    let mut radial = vec![0.0; pair.radial_count()];
+    let mut block = vec![0.0; entries];
+    for i in 1..=most {
+        for j in 0..=i {
+            let norm = ((i * i + i * j + j * j) as f64).sqrt();
+            pair.radial(norm * pair.pitch(), &mut radial);
+            for (u, v) in images(i, j) {
+                if u.abs() > reach.0 || v.abs() > reach.1 {
+                    continue;
+                }
+                let direction = [
+                    0.5 * 3f64.sqrt() * (u + v) as f64 / norm,
+                    0.5 * (u - v) as f64 / norm,
+                ];
+                pair.upper_block(&radial, direction, &mut block);
+                let row = u.rem_euclid(rows as i64) as usize;
+                let column = v.rem_euclid(columns as i64) as usize;
+                for (entry, value) in block.iter().enumerate() {
+                    grids[(entry * rows + row) * columns + column] = *value;
+                }
+            }
+        }
+    }
+}
+
+/// The images of a lattice vector under the rotations and mirrors of the lattice. Some
+/// coincide on mirror lines.
+fn images(i: i64, j: i64) -> [(i64, i64); 12] {
+    let mut images = [(0, 0); 12];
+    let (mut u, mut v) = (i, j);
+    for k in 0..6 {
+        images[2 * k] = (u, v);
+        images[2 * k + 1] = (v, u);
+        (u, v) = (-v, u + v);
+    }
+    images
+}
+
+/// Two-dimensional transform of one kernel: for every column kept, its rows.
+fn transform_kernel(
+    transforms: &Transforms,
+    grid: &mut [f64],
+    rows: usize,
+    columns: usize,
+    odd: bool,
+    scale: f64,
+) -> Vec<f64> {
+    let half = columns / 2 + 1;
+    let mut spectrum = vec![Complex64::default(); half * rows];
+    let mut output = transforms.row.make_output_vec();
+    let mut scratch = transforms.row.make_scratch_vec();
+    for (row, input) in grid.chunks_exact_mut(columns).enumerate() {
+        let _ = transforms
+            .row
+            .process_with_scratch(input, &mut output, &mut scratch);
+        for (column, value) in output.iter().enumerate() {
+            spectrum[column * rows + row] = *value;
+        }
+    }
+    transforms.column.process(&mut spectrum);
+    spectrum
+        .iter()
+        .map(|value| scale * if odd { value.im } else { value.re })
+        .collect()
+}

@@ -1,0 +1,106 @@
+//! How pillars act on each other through the half-space.
+//!
+//! Lengths in pillar radii, pressures in units of the reduced modulus, as in
+//! [`disc`](crate::disc). [`pair`] has the coefficients between two pillars in closed form;
+//! [`LatticeCoupling`] applies those of all pillars of a window at once, directly for few and by
+//! fast Fourier transform for many.
+
+mod convolution;
+mod direct;
+pub(crate) mod pair;
+pub(crate) mod window;
+
+use crate::contact::Run;
+use convolution::LatticeConvolution;
+use direct::DirectCoupling;
+use pair::PairCoupling;
+use window::Window;
+
+/// Windows of up to this many pillars are coupled directly: below it one dense product takes
+/// less time than the transforms.
+const DIRECT_LIMIT: usize = 24;
+
+/// The displacement that every pillar of a window sees from all others.
+pub(crate) enum LatticeCoupling {
+    Direct(DirectCoupling),
+    Convolution(LatticeConvolution),
+}
+
+impl LatticeCoupling {
+    /// Prepares the coupling of the pillars of `window`.
+    pub(crate) fn new(window: &Window, pair: &PairCoupling, run: &Run<'_>) -> Self {
+        if window.len() <= DIRECT_LIMIT {
+            Self::Direct(DirectCoupling::new(window, pair))
+        } else {
+            Self::Convolution(LatticeConvolution::new(window, pair, run.pool))
+        }
+    }
+
+    /// `far = B c`: the load coefficients on every pillar from the pressure coefficients of all
+    /// others; both pillar by pillar, `mode count` each.
+    pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], run: &Run<'_>) {
+        match self {
+            Self::Direct(direct) => direct.apply(coefficients, far),
+            Self::Convolution(convolution) => convolution.apply(coefficients, far, run.pool),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::disc::basis::mode_count;
+    use crate::system::HexagonalLattice;
+
+    /// Any coefficients, reproducibly.
+    fn coefficients(count: usize) -> Vec<f64> {
+        (0..count)
+            .map(|k| (1.7 * k as f64 + 0.3 * (k as f64).sqrt()).sin())
+            .collect()
+    }
+
+    #[test]
+    fn direct_and_transformed_coupling_agree() {
+        for (degree, radius) in [(0, 9.0), (2, 9.0), (2, 31.0), (4, 17.0)] {
+            let lattice = HexagonalLattice {
+                pitch: 4.3,
+                offset: 0.3,
+                offset_angle: 0.5,
+            };
+            let window = Window::new(&lattice, radius);
+            let pair = PairCoupling::new(degree, lattice.pitch);
+            let c = coefficients(window.len() * mode_count(degree));
+            let mut direct = vec![0.0; c.len()];
+            DirectCoupling::new(&window, &pair).apply(&c, &mut direct);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+            for pool in [None, Some(&pool)] {
+                let mut transformed = vec![f64::NAN; c.len()];
+                LatticeConvolution::new(&window, &pair, pool).apply(&c, &mut transformed, pool);
+                let scale = direct.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+                for (a, b) in direct.iter().zip(&transformed) {
+                    assert!((a - b).abs() < 1e-13 * scale, "degree {degree}: {a} {b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coupling_is_symmetric_and_positive_with_the_self_terms() {
+        // Reciprocity: a' B c = c' B a for any two sets of pressures.
+        let lattice = HexagonalLattice::new(3.5);
+        let window = Window::new(&lattice, 20.0);
+        let pair = PairCoupling::new(2, lattice.pitch);
+        let run = Run::default();
+        let mut coupling = LatticeCoupling::new(&window, &pair, &run);
+        let a = coefficients(window.len() * 6);
+        let c: Vec<f64> = a.iter().map(|v| (7.0 * v).cos()).collect();
+        let (mut ba, mut bc) = (vec![0.0; a.len()], vec![0.0; a.len()]);
+        coupling.apply(&a, &mut ba, &run);
+        coupling.apply(&c, &mut bc, &run);
+        let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
+        assert!((dot(&c, &ba) - dot(&a, &bc)).abs() < 1e-12 * dot(&a, &a));
+        let own = crate::disc::basis::compliances(2, 0.0);
+        let energy: f64 = a.iter().enumerate().map(|(k, v)| own[k % 6] * v * v).sum();
+        assert!(energy + dot(&a, &ba) > 0.0);
+    }
+}

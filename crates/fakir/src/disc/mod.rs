@@ -1,0 +1,19 @@
+//! One pillar top: a disc of radius 1 on a half-space of reduced modulus 1.
+//!
+//! Lengths are in units of the pillar radius `d/2` and pressures in units of the reduced
+//! modulus `E*` throughout this module and in [`coupling`](crate::coupling). The pressure is
+//! `p = q/mu` with `mu = sqrt(1 - rho^2)`, and `q` is expanded in the modes of [`basis`]. On the
+//! hemisphere that stands on the disc, with `dOmega` its measure, `p dA = q dOmega`.
+//!
+//! * [`basis`]: the modes, and the surface displacement each of them makes inside the disc;
+//! * [`exterior`]: the displacement outside the disc;
+//! * [`nodes`]: the points at which `q >= 0` is asked for;
+//! * [`unilateral`]: the pressure on one pillar top under a given load, with `q >= 0`;
+//! * [`patch`]: a contact that lies wholly inside one pillar top.
+
+pub(crate) mod basis;
+pub(crate) mod exterior;
+pub(crate) mod nodes;
+pub(crate) mod quadrature;
+pub(crate) mod special;
+pub(crate) mod unilateral;
