@@ -8,7 +8,11 @@
 //! pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
 //! indentation at which it vanishes somewhere.
 
+mod floor;
+mod newton;
+mod problem;
 mod run;
+mod spectral;
 
 pub use run::{CancelToken, Progress, Run, Stage, Termination};
 

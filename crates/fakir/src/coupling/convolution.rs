@@ -69,14 +69,6 @@ fn smooth_size(least: usize) -> usize {
     size
 }
 
-/// Bytes of the kernels and work arrays for a window of `rows` by `columns`.
-pub(crate) fn memory_estimate(shape: (usize, usize), modes: usize) -> usize {
-    let (rows, columns) = (smooth_size(2 * shape.0), smooth_size(2 * shape.1));
-    let half = columns / 2 + 1;
-    let pairs = modes * (modes + 1) / 2;
-    8 * pairs * rows * half + 16 * modes * half * shape.0
-}
-
 impl LatticeConvolution {
     pub(crate) fn new(window: &Window, pair: &PairCoupling, pool: Option<&ThreadPool>) -> Self {
         let modes = pair.modes().len();

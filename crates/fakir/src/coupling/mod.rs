@@ -46,6 +46,21 @@ impl LatticeCoupling {
     }
 }
 
+/// About how many bytes the solution of that many pillars takes.
+///
+/// The lattice array is the rhombus around the window; twice as long and wide after padding.
+pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
+    // A rhombus around a circle has 4/(pi sqrt3/2)... of its area, in lattice cells.
+    let side = (pillars * 4.0 / (std::f64::consts::PI * 0.866)).sqrt() + 2.0;
+    let modes = modes as f64;
+    let pairs = 0.5 * modes * (modes + 1.0);
+    let kernels = 8.0 * pairs * (2.0 * side) * (side + 1.0);
+    let build = 8.0 * pairs * (2.0 * side).powi(2);
+    let spectrum = 16.0 * modes * side * (side + 1.0);
+    let vectors = 12.0 * 8.0 * modes * pillars;
+    kernels + build + spectrum + vectors
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

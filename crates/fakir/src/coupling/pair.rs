@@ -10,7 +10,8 @@
 //! (the Weber-Schafheitlin integral with a product of two Bessel functions; Watson, Theory
 //! of Bessel Functions, 5.41 and 13.4).
 
-use crate::disc::basis::{Mode, equator_value, gamma_degree, mode_count, modes};
+use crate::disc::basis::{Mode, UNIT_FORCE, equator_value, gamma_degree, mode_count, modes};
+use crate::disc::exterior::RadialFunction;
 use crate::disc::special::gamma_half;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -95,6 +96,8 @@ pub(crate) struct PairCoupling {
     modes: Vec<Mode>,
     pitch: f64,
     series: Vec<Series>,
+    /// Whether pillars act as flat punches on the centres of the others, without series.
+    flat_punches: Option<RadialFunction>,
     /// Entries with source index >= receiver index, row by row.
     entries: Vec<Entry>,
 }
@@ -132,7 +135,17 @@ impl PairCoupling {
             modes,
             pitch,
             series,
+            flat_punches: None,
             entries,
+        }
+    }
+
+    /// Degree 0 with the displacement `(2/pi) zeta arcsin(1/delta)` of a flat punch at the centre
+    /// of the receiving pillar instead of its average over the pillar, as in the paper.
+    pub(crate) fn of_flat_punches(pitch: f64) -> Self {
+        Self {
+            flat_punches: Some(RadialFunction::new(0, 0)),
+            ..Self::new(0, pitch)
         }
     }
 
@@ -157,6 +170,10 @@ impl PairCoupling {
 
     /// The parts that depend on the distance alone (`delta` in pillar radii), into `radial`.
     pub(crate) fn radial(&self, delta: f64, radial: &mut [f64]) {
+        if let Some(punch) = &self.flat_punches {
+            radial.fill(UNIT_FORCE * punch.value(delta.recip()));
+            return;
+        }
         for (value, series) in radial.iter_mut().zip(&self.series) {
             *value = series.value(delta);
         }

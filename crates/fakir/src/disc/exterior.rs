@@ -141,7 +141,7 @@ impl RadialFunction {
     }
 
     /// `S` alone.
-    fn value(&self, inverse_distance: f64) -> f64 {
+    pub(crate) fn value(&self, inverse_distance: f64) -> f64 {
         let z = inverse_distance * inverse_distance;
         inverse_distance.powi(self.twice_power as i32) * self.series(z).value
     }

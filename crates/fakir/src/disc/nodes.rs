@@ -19,7 +19,7 @@ impl Node {
     }
 }
 
-/// Bos array of an even `degree` `p`: rings of `2p + 1, 2p - 3, ..., 1` points, the outermost on
+/// Bos array of an even `degree` `p` (for `p = 0` the centre alone): rings of `2p + 1, 2p - 3, ..., 1` points, the outermost on
 /// the edge, at colatitudes `pi/2 (1 - 2k/p)`, alternate rings turned by half a step. The
 /// `(p+1)(p+2)/2` points determine a combination of the modes up to degree `p` uniquely
 /// (L. Bos, J. Approx. Theory 64, 271 (1991)).
@@ -27,7 +27,14 @@ impl Node {
 /// `turn` turns the whole array about the centre, rad. All rings have odd counts, so a turn by
 /// pi puts every node half-way between two others of its ring: an independent second array.
 pub(crate) fn bos_array(degree: usize, turn: f64) -> Vec<Node> {
-    debug_assert!(degree % 2 == 0 && degree > 0);
+    debug_assert!(degree % 2 == 0);
+    if degree == 0 {
+        return vec![Node {
+            mu: 1.0,
+            rho: 0.0,
+            direction: [1.0, 0.0],
+        }];
+    }
     let mut nodes = Vec::with_capacity(super::basis::mode_count(degree));
     for ring in 0..=degree / 2 {
         let count = 2 * degree + 1 - 4 * ring;

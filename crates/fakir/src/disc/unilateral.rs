@@ -172,6 +172,12 @@ impl LocalSolver {
         }
     }
 
+    /// Nodes that would be in tension without the condition: a first guess of the active ones.
+    pub(crate) fn first_guess(&mut self, top: &PillarTop, load: &[f64]) -> Vec<bool> {
+        self.prepare(top, load);
+        self.unconstrained.iter().map(|q| *q < 0.0).collect()
+    }
+
     /// Finds the pressure under `load` (leading modes suffice; the rest counts as zero).
     ///
     /// `active` marks the nodes without pressure: the first guess on entry, the solution on

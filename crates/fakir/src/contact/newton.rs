@@ -1,0 +1,716 @@
+//! Semismooth Newton method for all pillars of a window, with exact solutions on each.
+//!
+//! The unknowns are the leading pressure coefficients `c` of every pillar. A pillar under the
+//! load `s = zeta b1 + bs - B c` answers with the solution of its own unilateral problem, whose
+//! derivative is `P` (see [`unilateral`](crate::disc::unilateral)). With the status and active nodes
+//! of every pillar frozen, `c + P B c = P b + cb` is linear; it is solved for the parts of `c` that
+//! go with the indentation (`c1`) and without (`c0`), the indentation follows from what is
+//! prescribed, and the local problems give the next statuses and active nodes.
+
+use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::problem::{LensProjector, Problem};
+use super::run::{Progress, Run, Stage, Termination};
+use super::{PillarStatus, SolveError};
+use crate::coupling::LatticeCoupling;
+use crate::coupling::pair::PairCoupling;
+use crate::coupling::window::Window;
+use crate::disc::basis::{UNIT_FORCE, mode_count};
+use crate::disc::exterior::Exterior;
+use crate::disc::unilateral::{LocalSolver, PillarTop};
+use crate::system::Point;
+use rayon::prelude::*;
+
+/// Relative energy of the residual at which a linear solution counts as exact.
+const LINEAR_TOLERANCE: f64 = 1e-10;
+
+/// Tolerance of the first linear solution, when the statuses are still a guess.
+const FIRST_LINEAR_TOLERANCE: f64 = 1e-3;
+
+/// Largest difference, relative to the largest coefficient, between the local and the global
+/// solution on any pillar.
+const MISMATCH_TOLERANCE: f64 = 1e-7;
+
+/// Newton steps before giving up. One to six are typical.
+const STEP_LIMIT: usize = 60;
+
+/// Iterations of the conjugate gradient method before giving up; 10 to 25 are typical.
+const LINEAR_LIMIT: usize = 600;
+
+/// What fixes the indentation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Target {
+    /// The indentation itself.
+    Indentation(f64),
+    /// The force.
+    Force(f64),
+    /// First contact with the floor.
+    Floor,
+}
+
+/// A pillar that is touched in part.
+#[derive(Debug, Clone)]
+struct Partial {
+    pillar: usize,
+    /// Nodes without pressure.
+    active: Vec<bool>,
+    /// `P`, row by row.
+    derivative: Vec<f64>,
+    /// `cb`: the leading coefficients without leading load.
+    constant: Vec<f64>,
+    converged: bool,
+}
+
+/// Coefficients and the loads they make on the other pillars.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Response {
+    /// `c`
+    pub(crate) coefficients: Vec<f64>,
+    /// `B c`
+    pub(crate) far: Vec<f64>,
+}
+
+/// What a Newton solution ended with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Outcome {
+    pub(crate) indentation: f64,
+    pub(crate) termination: Termination,
+    pub(crate) steps: usize,
+    /// Lowest point of the floor, if it fixed the indentation.
+    pub(crate) floor: Option<FloorPoint>,
+    /// Largest difference between local and global coefficients, relative to the largest.
+    pub(crate) mismatch: f64,
+}
+
+/// Degrees of the discretisation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Degrees {
+    /// Modes by which pillars act on each other.
+    pub(crate) coupling: usize,
+    /// Nodes of the unilateral condition (even).
+    pub(crate) nodes: usize,
+}
+
+/// All pillars of a window with their statuses and responses.
+pub(crate) struct Newton<'a> {
+    pub(crate) problem: &'a Problem,
+    run: &'a Run<'a>,
+    stage: Stage,
+    pub(crate) window: Window,
+    coupling: LatticeCoupling,
+    pub(crate) top: PillarTop,
+    pub(crate) exterior: Exterior,
+    projector: LensProjector,
+    /// Leading modes per pillar.
+    pub(crate) modes: usize,
+    /// `bs`, pillar by pillar.
+    own_load: Vec<f64>,
+    pub(crate) status: Vec<PillarStatus>,
+    partial: Vec<Partial>,
+    /// Index into `partial` of every pillar that is there.
+    partial_of: Vec<u32>,
+    /// Response to a unit indentation.
+    pub(crate) unit: Response,
+    /// Response without indentation, or the whole response at a given indentation.
+    pub(crate) rest: Response,
+    pub(crate) floor: FloorSearch,
+    work: Work,
+}
+
+#[derive(Default)]
+struct Work {
+    load: Vec<f64>,
+    residual: Vec<f64>,
+    direction: Vec<f64>,
+    direction_load: Vec<f64>,
+    preconditioned: Vec<f64>,
+    product: Vec<f64>,
+}
+
+/// What the local problems changed.
+struct Change {
+    pillars: usize,
+    mismatch: f64,
+    local_failures: usize,
+}
+
+const NOT_PARTIAL: u32 = u32::MAX;
+
+impl<'a> Newton<'a> {
+    /// All pillars of the window untouched.
+    pub(crate) fn new(
+        problem: &'a Problem,
+        run: &'a Run<'a>,
+        stage: Stage,
+        window: Window,
+        pair: &PairCoupling,
+        top: PillarTop,
+    ) -> Self {
+        let modes = pair.modes().len();
+        let degree = pair.modes().last().map_or(0, |mode| mode.degree);
+        let projector = LensProjector::new(degree);
+        let size = window.len() * modes;
+        let mut own_load = vec![0.0; size];
+        for (centre, load) in window.centres().iter().zip(own_load.chunks_exact_mut(modes)) {
+            projector.project(problem, *centre, load);
+        }
+        run.report(Progress {
+            stage: Stage::Coupling,
+            step: 0,
+            pillars: window.len(),
+            touched: 0,
+        });
+        let response = Response {
+            coefficients: vec![0.0; size],
+            far: vec![0.0; size],
+        };
+        let work = Work {
+            load: vec![0.0; size],
+            residual: vec![0.0; size],
+            direction: vec![0.0; size],
+            direction_load: vec![0.0; size],
+            preconditioned: vec![0.0; size],
+            product: vec![0.0; size],
+        };
+        Self {
+            problem,
+            run,
+            stage,
+            coupling: LatticeCoupling::new(&window, pair, run),
+            exterior: Exterior::new(degree),
+            projector,
+            modes,
+            own_load,
+            status: vec![PillarStatus::Untouched; window.len()],
+            partial: Vec::new(),
+            partial_of: vec![NOT_PARTIAL; window.len()],
+            unit: response.clone(),
+            rest: response,
+            floor: FloorSearch::default(),
+            work,
+            top,
+            window,
+        }
+    }
+
+    /// Pillars act at their centre only: the lens meets them there, not on the average.
+    pub(crate) fn load_at_centres(&mut self) {
+        for (centre, load) in self
+            .window
+            .centres()
+            .iter()
+            .zip(self.own_load.chunks_exact_mut(self.modes))
+        {
+            load.fill(0.0);
+            load[0] = -UNIT_FORCE * self.problem.sag(*centre);
+        }
+    }
+
+    /// Number of touched pillars.
+    pub(crate) fn touched(&self) -> usize {
+        self.status
+            .iter()
+            .filter(|status| **status != PillarStatus::Untouched)
+            .count()
+    }
+
+    /// Force for the present responses at an indentation.
+    pub(crate) fn force(&self, indentation: f64) -> f64 {
+        let total = |response: &Response| -> f64 {
+            let firsts = response.coefficients.iter().step_by(self.modes);
+            UNIT_FORCE * firsts.sum::<f64>()
+        };
+        indentation * total(&self.unit) + total(&self.rest)
+    }
+
+    /// Distance from the lens axis of the farthest touched pillar centre.
+    pub(crate) fn reach(&self) -> f64 {
+        self.window
+            .centres()
+            .iter()
+            .zip(&self.status)
+            .filter(|(_, status)| **status != PillarStatus::Untouched)
+            .map(|([x, y], _)| x.hypot(*y))
+            .fold(0.0, f64::max)
+    }
+
+    /// Iterates from the present statuses until the contact conditions hold.
+    pub(crate) fn solve(&mut self, target: Target) -> Result<Outcome, SolveError> {
+        let mut tolerance = FIRST_LINEAR_TOLERANCE;
+        let mut fewest = usize::MAX;
+        let mut outcome = Outcome {
+            indentation: 0.0,
+            termination: Termination::IterationLimit,
+            steps: 0,
+            floor: None,
+            mismatch: f64::INFINITY,
+        };
+        for step in 1..=STEP_LIMIT {
+            outcome.steps = step;
+            self.run.check_cancelled()?;
+            self.report(step);
+            if !self.linear_step(target, tolerance)? {
+                outcome.termination = Termination::Stagnated;
+                return Ok(outcome);
+            }
+            let Some((indentation, floor)) = self.close(target) else {
+                outcome.termination = Termination::Stagnated;
+                return Ok(outcome);
+            };
+            (outcome.indentation, outcome.floor) = (indentation, floor);
+            let change = self.local_pass(indentation);
+            outcome.mismatch = change.mismatch;
+            let exact = tolerance <= LINEAR_TOLERANCE;
+            if change.pillars == 0 && exact && change.mismatch < MISMATCH_TOLERANCE {
+                if change.local_failures == 0 {
+                    outcome.termination = Termination::Converged;
+                } else {
+                    outcome.termination = Termination::Stagnated;
+                }
+                return Ok(outcome);
+            }
+            tolerance = if change.pillars == 0 {
+                LINEAR_TOLERANCE
+            } else if change.pillars < fewest {
+                fewest = change.pillars;
+                (0.03 * tolerance).max(LINEAR_TOLERANCE)
+            } else {
+                LINEAR_TOLERANCE
+            };
+        }
+        Ok(outcome)
+    }
+
+    fn report(&self, step: usize) {
+        self.run.report(Progress {
+            stage: self.stage,
+            step,
+            pillars: self.window.len(),
+            touched: self.touched(),
+        });
+    }
+
+    /// Responses with the present statuses and active nodes. `false` if the linear solver failed.
+    fn linear_step(&mut self, target: Target, tolerance: f64) -> Result<bool, SolveError> {
+        match target {
+            Target::Indentation(indentation) => {
+                self.unit.coefficients.fill(0.0);
+                self.unit.far.fill(0.0);
+                self.solve_linear(Part::Whole(indentation), tolerance)
+            }
+            Target::Force(_) | Target::Floor => {
+                Ok(self.solve_linear(Part::Unit, tolerance)?
+                    && self.solve_linear(Part::Rest, tolerance)?)
+            }
+        }
+    }
+
+    /// Response to a unit indentation for the present statuses, to the given tolerance.
+    pub(crate) fn solve_unit(&mut self, tolerance: f64) -> Result<bool, SolveError> {
+        self.solve_linear(Part::Unit, tolerance)
+    }
+
+    /// Preconditioned conjugate gradients on `(P^-1 + B) c = b + P^-1 cb`, in the dual variable
+    /// `s = P^-1 (c - cb)`, so that the singular `P` is never inverted.
+    fn solve_linear(&mut self, part: Part<'_>, tolerance: f64) -> Result<bool, SolveError> {
+        let mut work = std::mem::take(&mut self.work);
+        let mut response = std::mem::take(match part {
+            Part::Unit => &mut self.unit,
+            _ => &mut self.rest,
+        });
+        let solved = self.conjugate_gradients(part, tolerance, &mut response, &mut work);
+        match part {
+            Part::Unit => self.unit = response,
+            _ => self.rest = response,
+        }
+        self.work = work;
+        solved
+    }
+
+    fn conjugate_gradients(
+        &mut self,
+        part: Part<'_>,
+        tolerance: f64,
+        response: &mut Response,
+        work: &mut Work,
+    ) -> Result<bool, SolveError> {
+        let Response { coefficients, far } = response;
+        // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
+        self.coupling.apply(coefficients, far, self.run);
+        self.right_side(part, &mut work.load);
+        subtract(&mut work.load, far);
+        self.precondition(&work.load, coefficients);
+        self.add_constants(part, coefficients);
+        let scale = dot(&work.load, coefficients).abs();
+        work.residual.copy_from_slice(far);
+        self.coupling.apply(coefficients, far, self.run);
+        subtract(&mut work.residual, far);
+        self.precondition(&work.residual, &mut work.preconditioned);
+        work.direction.copy_from_slice(&work.preconditioned);
+        work.direction_load.copy_from_slice(&work.residual);
+        let mut energy = dot(&work.residual, &work.preconditioned);
+        for _ in 0..LINEAR_LIMIT {
+            if energy <= tolerance * tolerance * scale.max(f64::MIN_POSITIVE) {
+                return Ok(true);
+            }
+            self.run.check_cancelled()?;
+            self.coupling.apply(&work.direction, &mut work.product, self.run);
+            // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
+            let curvature = dot(&work.direction, &work.product)
+                + dot(&work.direction, &work.direction_load);
+            if curvature <= 0.0 {
+                return Ok(false);
+            }
+            let length = energy / curvature;
+            add_scaled(coefficients, length, &work.direction);
+            add_scaled(far, length, &work.product);
+            add_scaled(&mut work.residual, -length, &work.product);
+            add_scaled(&mut work.residual, -length, &work.direction_load);
+            self.precondition(&work.residual, &mut work.preconditioned);
+            let next = dot(&work.residual, &work.preconditioned);
+            let ratio = next / energy;
+            energy = next;
+            scale_and_add(&mut work.direction, ratio, &work.preconditioned);
+            scale_and_add(&mut work.direction_load, ratio, &work.residual);
+        }
+        Ok(false)
+    }
+
+    fn right_side(&self, part: Part<'_>, load: &mut [f64]) {
+        match part {
+            Part::Unit => {
+                load.fill(0.0);
+                load.iter_mut()
+                    .step_by(self.modes)
+                    .for_each(|b| *b = UNIT_FORCE);
+            }
+            Part::Rest => load.copy_from_slice(&self.own_load),
+            Part::Whole(indentation) => {
+                load.copy_from_slice(&self.own_load);
+                load.iter_mut()
+                    .step_by(self.modes)
+                    .for_each(|b| *b += indentation * UNIT_FORCE);
+            }
+            Part::Source(source) => load.copy_from_slice(source),
+        }
+    }
+
+    fn add_constants(&self, part: Part<'_>, coefficients: &mut [f64]) {
+        if matches!(part, Part::Unit | Part::Source(_)) {
+            return;
+        }
+        for partial in &self.partial {
+            let start = partial.pillar * self.modes;
+            for (c, constant) in coefficients[start..].iter_mut().zip(&partial.constant) {
+                *c += constant;
+            }
+        }
+    }
+
+    /// `z = P s`
+    fn precondition(&self, load: &[f64], result: &mut [f64]) {
+        let modes = self.modes;
+        let compliance = self.top.lead_compliance();
+        for (pillar, (load, result)) in load
+            .chunks_exact(modes)
+            .zip(result.chunks_exact_mut(modes))
+            .enumerate()
+        {
+            match self.status[pillar] {
+                PillarStatus::Untouched => result.fill(0.0),
+                PillarStatus::Full => {
+                    for ((c, s), lambda) in result.iter_mut().zip(load).zip(compliance) {
+                        *c = s / lambda;
+                    }
+                }
+                PillarStatus::Partial => {
+                    let partial = &self.partial[self.partial_of[pillar] as usize];
+                    for (c, row) in result
+                        .iter_mut()
+                        .zip(partial.derivative.chunks_exact(modes))
+                    {
+                        *c = dot(row, load);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The indentation that meets the target with the present responses.
+    fn close(&mut self, target: Target) -> Option<(f64, Option<FloorPoint>)> {
+        match target {
+            Target::Indentation(indentation) => Some((indentation, None)),
+            Target::Force(force) => {
+                let at_zero = self.force(0.0);
+                let slope = self.force(1.0) - at_zero;
+                (slope > 0.0).then(|| ((force - at_zero) / slope, None))
+            }
+            Target::Floor => {
+                let lowest = self.lowest_floor_point()?;
+                Some((lowest.indentation, Some(lowest)))
+            }
+        }
+    }
+
+    /// The lowest point of the floor: its indentation of contact, or, when `rest` is the whole
+    /// response, its gap plus the indentation.
+    pub(crate) fn lowest_floor_point(&mut self) -> Option<FloorPoint> {
+        let mut search = std::mem::take(&mut self.floor);
+        let lowest = self.with_discs(|discs| search.lowest(self.problem, discs));
+        self.floor = search;
+        lowest
+    }
+
+    /// Calls `consume` with the touched pillars as loaded discs.
+    pub(crate) fn with_discs<T>(&self, consume: impl FnOnce(&LoadedDiscs<'_>) -> T) -> T {
+        let modes = self.modes;
+        let touched = || {
+            (0..self.window.len()).filter(|&p| self.status[p] != PillarStatus::Untouched)
+        };
+        let centres: Vec<Point> = touched().map(|p| self.window.centres()[p]).collect();
+        let gather = |response: &Response| -> Vec<f64> {
+            touched()
+                .flat_map(|p| response.coefficients[p * modes..(p + 1) * modes].iter().copied())
+                .collect()
+        };
+        let (first, second) = (gather(&self.unit), gather(&self.rest));
+        consume(&LoadedDiscs {
+            exterior: &self.exterior,
+            modes,
+            centres: &centres,
+            radius: 1.0,
+            coefficients: [&first, &second],
+        })
+    }
+
+    /// Leading load on a pillar at an indentation, `zeta b1 + bs - B c`.
+    pub(crate) fn load(&self, pillar: usize, indentation: f64, load: &mut [f64]) {
+        let range = pillar * self.modes..(pillar + 1) * self.modes;
+        for (k, slot) in range.clone().zip(load.iter_mut()) {
+            *slot = self.own_load[k] - self.rest.far[k] - indentation * self.unit.far[k];
+        }
+        load[0] += indentation * UNIT_FORCE;
+    }
+
+    /// Load on a pillar with all modes of the lens shape over its top.
+    pub(crate) fn full_load(&self, pillar: usize, indentation: f64) -> Vec<f64> {
+        let count = self.projector.count().min(self.top.count());
+        let mut load = vec![0.0; count];
+        self.projector
+            .project(self.problem, self.window.centres()[pillar], &mut load);
+        self.load(pillar, indentation, &mut load[..self.modes]);
+        load
+    }
+
+    /// Solves every pillar under its present load, and takes over statuses and active nodes.
+    fn local_pass(&mut self, indentation: f64) -> Change {
+        let before = std::mem::take(&mut self.status);
+        self.status = self.statuses(indentation);
+        let partial: Vec<usize> = (0..self.window.len())
+            .filter(|&p| self.status[p] == PillarStatus::Partial)
+            .collect();
+        let guess = |pillar: usize| -> Option<&Partial> {
+            self.partial.get(self.partial_of[pillar] as usize)
+        };
+        let solve = |solver: &mut LocalSolver, pillar: &usize| {
+            self.solve_partial(solver, *pillar, indentation, guess(*pillar))
+        };
+        let solver = || LocalSolver::new(&self.top);
+        let solved: Vec<(Partial, Vec<f64>, bool)> = match self.run.pool {
+            Some(pool) if partial.len() > 1 => {
+                pool.install(|| partial.par_iter().map_init(solver, solve).collect())
+            }
+            _ => {
+                let mut solver = solver();
+                partial.iter().map(|p| solve(&mut solver, p)).collect()
+            }
+        };
+        let changed = before
+            .iter()
+            .zip(&self.status)
+            .filter(|(before, after)| before != after)
+            .count();
+        let moved = solved.iter().filter(|(_, _, moved)| *moved).count();
+        let mismatch = self.mismatch(indentation, &solved);
+        self.partial_of.fill(NOT_PARTIAL);
+        self.partial = solved.into_iter().map(|(partial, _, _)| partial).collect();
+        for (index, partial) in self.partial.iter().enumerate() {
+            self.partial_of[partial.pillar] = index as u32;
+        }
+        Change {
+            pillars: changed + moved,
+            mismatch,
+            local_failures: self.partial.iter().filter(|p| !p.converged).count(),
+        }
+    }
+
+    fn statuses(&self, indentation: f64) -> Vec<PillarStatus> {
+        let status = |load: &mut Vec<f64>, pillar: usize| {
+            self.load(pillar, indentation, load);
+            self.top.status(load)
+        };
+        let load = || vec![0.0; self.modes];
+        match self.run.pool {
+            Some(pool) if self.window.len() > 1000 => pool.install(|| {
+                (0..self.window.len())
+                    .into_par_iter()
+                    .map_init(load, status)
+                    .collect()
+            }),
+            _ => {
+                let mut load = load();
+                (0..self.window.len())
+                    .map(|pillar| status(&mut load, pillar))
+                    .collect()
+            }
+        }
+    }
+
+    /// The unilateral problem of one pillar: its new state, its leading coefficients, and
+    /// whether its active nodes changed.
+    fn solve_partial(
+        &self,
+        solver: &mut LocalSolver,
+        pillar: usize,
+        indentation: f64,
+        guess: Option<&Partial>,
+    ) -> (Partial, Vec<f64>, bool) {
+        let modes = self.modes;
+        let load = self.full_load(pillar, indentation);
+        let mut active = match guess {
+            Some(partial) if partial.pillar == pillar => partial.active.clone(),
+            _ => solver.first_guess(&self.top, &load),
+        };
+        let pivoting = solver.solve(&self.top, &load, &mut active);
+        let mut coefficients = vec![0.0; modes];
+        solver.coefficients(&self.top, &load, &mut coefficients);
+        let mut derivative = vec![0.0; modes * modes];
+        solver.derivative(&self.top, &mut derivative);
+        let constant = coefficients
+            .iter()
+            .zip(derivative.chunks_exact(modes))
+            .map(|(c, row)| c - dot(row, &load[..modes]))
+            .collect();
+        let moved = guess.is_none_or(|partial| partial.active != active);
+        let partial = Partial {
+            pillar,
+            active,
+            derivative,
+            constant,
+            converged: pivoting.converged,
+        };
+        (partial, coefficients, moved)
+    }
+
+    /// Largest difference between the coefficients of the local problems and those of the
+    /// linear solution, relative to the largest coefficient.
+    fn mismatch(&self, indentation: f64, solved: &[(Partial, Vec<f64>, bool)]) -> f64 {
+        let modes = self.modes;
+        let (mut largest, mut difference) = (f64::MIN_POSITIVE, 0.0_f64);
+        let mut load = vec![0.0; modes];
+        let mut partial = solved.iter();
+        for pillar in 0..self.window.len() {
+            let local = match self.status[pillar] {
+                PillarStatus::Untouched => {
+                    load.fill(0.0);
+                    &load
+                }
+                PillarStatus::Full => {
+                    self.load(pillar, indentation, &mut load);
+                    for (c, lambda) in load.iter_mut().zip(self.top.lead_compliance()) {
+                        *c /= lambda;
+                    }
+                    &load
+                }
+                // The partial pillars were solved in the order of the window.
+                PillarStatus::Partial => match partial.next() {
+                    Some((_, coefficients, _)) => coefficients,
+                    None => &load,
+                },
+            };
+            for (k, c) in local.iter().enumerate() {
+                let index = pillar * modes + k;
+                let global =
+                    indentation * self.unit.coefficients[index] + self.rest.coefficients[index];
+                largest = largest.max(c.abs());
+                difference = difference.max((c - global).abs());
+            }
+        }
+        difference / largest
+    }
+
+    /// Takes statuses and leading coefficients of full contact from a coarser solution.
+    pub(crate) fn start_from(&mut self, coarse: &Self) {
+        for pillar in 0..self.window.len() {
+            let Some(from) = coarse.window.find(self.window.index(pillar)) else {
+                continue;
+            };
+            self.status[pillar] = match coarse.status[from] {
+                PillarStatus::Partial => PillarStatus::Full,
+                status => status,
+            };
+            for (fine, coarse_response) in [
+                (&mut self.unit, &coarse.unit),
+                (&mut self.rest, &coarse.rest),
+            ] {
+                let shared = self.modes.min(coarse.modes);
+                fine.coefficients[pillar * self.modes..][..shared].copy_from_slice(
+                    &coarse_response.coefficients[from * coarse.modes..][..shared],
+                );
+            }
+        }
+        self.floor = coarse.floor.clone();
+    }
+
+    /// Marks the pillars whose tops the undeformed lens would enter at an indentation as
+    /// touched, and at least the nearest.
+    pub(crate) fn touch_up_to(&mut self, indentation: f64) {
+        let mut nearest = (f64::INFINITY, 0);
+        for (pillar, [x, y]) in self.window.centres().iter().enumerate() {
+            let distance = x.hypot(*y);
+            if distance < nearest.0 {
+                nearest = (distance, pillar);
+            }
+            if self.problem.lens.sag((distance - 1.0).max(0.0)) < indentation {
+                self.status[pillar] = PillarStatus::Full;
+            }
+        }
+        self.status[nearest.1] = PillarStatus::Full;
+    }
+}
+
+/// Which part of the response is solved for.
+#[derive(Debug, Clone, Copy)]
+enum Part<'a> {
+    /// `c1`
+    Unit,
+    /// `c0`
+    Rest,
+    /// `zeta c1 + c0`
+    Whole(f64),
+    /// The response to a given load.
+    Source(&'a [f64]),
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn subtract(a: &mut [f64], b: &[f64]) {
+    for (x, y) in a.iter_mut().zip(b) {
+        *x -= y;
+    }
+}
+
+/// `a += factor b`
+fn add_scaled(a: &mut [f64], factor: f64, b: &[f64]) {
+    for (x, y) in a.iter_mut().zip(b) {
+        *x += factor * y;
+    }
+}
+
+/// `a = factor a + b`
+fn scale_and_add(a: &mut [f64], factor: f64, b: &[f64]) {
+    for (x, y) in a.iter_mut().zip(b) {
+        *x = factor * *x + y;
+    }
+}

@@ -1,0 +1,225 @@
+//! The spectral method and the punch lattice: windows, starts and growth around
+//! [`Newton`](super::newton::Newton).
+
+use super::newton::{Degrees, Newton, Outcome, Target};
+use super::problem::Problem;
+use super::run::{Run, Stage};
+use super::{Accuracy, PunchForm, SolveError};
+use crate::coupling::pair::PairCoupling;
+use crate::coupling::window::Window;
+use crate::coupling::{self};
+use crate::disc::basis::mode_count;
+use crate::disc::unilateral::PillarTop;
+
+/// Largest contact radius over lens radius that is still solved.
+const LARGEST_CONTACT: f64 = 0.5;
+
+/// Degrees for an accuracy: of the coupling, which has to be finer the denser the texture, and
+/// of the nodes on partially touched pillars.
+pub(crate) fn degrees(accuracy: Accuracy, problem: &Problem) -> Degrees {
+    // Errors of degree p go as pitch^-(2p + 2); at p = 2 they are 3e-7 for phi = 0.2, where the
+    // pitch is 4.26 pillar radii.
+    let pitch = problem.lattice.pitch;
+    match accuracy {
+        Accuracy::Default => Degrees {
+            coupling: if pitch > 3.9 { 2 } else { 4 },
+            nodes: 8,
+        },
+        Accuracy::Accurate => Degrees {
+            coupling: if pitch > 3.0 { 4 } else { 6 },
+            nodes: 32,
+        },
+    }
+}
+
+/// A solution and how it was reached.
+pub(crate) struct Solution<'a> {
+    pub(crate) newton: Newton<'a>,
+    pub(crate) outcome: Outcome,
+    /// Newton steps of all stages.
+    pub(crate) steps: usize,
+}
+
+/// Solves the punch lattice.
+pub(crate) fn solve_punch<'a>(
+    problem: &'a Problem,
+    target: Target,
+    form: PunchForm,
+    run: &'a Run<'a>,
+) -> Result<Solution<'a>, SolveError> {
+    let mut radius = first_radius(problem, target);
+    let pair = match form {
+        PunchForm::Plain => PairCoupling::of_flat_punches(problem.lattice.pitch),
+        PunchForm::Corrected => PairCoupling::new(0, problem.lattice.pitch),
+    };
+    let mut steps = 0;
+    loop {
+        let radius_used = limited(problem, radius);
+        let window = checked_window(problem, radius_used, 1, run)?;
+        let top = PillarTop::new(0, 0, problem.column_compliance_ratio, 0.0);
+        let mut newton = Newton::new(problem, run, Stage::Punch, window, &pair, top);
+        if form == PunchForm::Plain {
+            newton.load_at_centres();
+        }
+        newton.touch_up_to(first_indentation(problem, target, radius));
+        let outcome = newton.solve(target)?;
+        steps += outcome.steps;
+        match growth(problem, &newton)? {
+            Some(larger) => radius = larger,
+            None => {
+                return Ok(Solution {
+                    newton,
+                    outcome,
+                    steps,
+                });
+            }
+        }
+    }
+}
+
+/// Solves in full, starting from the corrected punch lattice.
+pub(crate) fn solve_spectral<'a>(
+    problem: &'a Problem,
+    target: Target,
+    degrees: Degrees,
+    run: &'a Run<'a>,
+) -> Result<Solution<'a>, SolveError> {
+    let punch = solve_punch(problem, target, PunchForm::Corrected, run)?;
+    let mut steps = punch.steps;
+    let mut coarse = punch.newton;
+    let pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
+    let modes = mode_count(degrees.coupling);
+    let mut radius = coarse.reach() + 1.5 * problem.lattice.pitch;
+    loop {
+        let window = checked_window(problem, limited(problem, radius), modes, run)?;
+        let top = PillarTop::new(
+            degrees.nodes,
+            degrees.coupling,
+            problem.column_compliance_ratio,
+            0.0,
+        );
+        let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
+        newton.start_from(&coarse);
+        let outcome = newton.solve(target)?;
+        steps += outcome.steps;
+        match growth(problem, &newton)? {
+            Some(larger) => {
+                radius = larger;
+                coarse = newton;
+            }
+            None => {
+                return Ok(Solution {
+                    newton,
+                    outcome,
+                    steps,
+                });
+            }
+        }
+    }
+}
+
+/// Radius of a window that probably holds the contact.
+fn first_radius(problem: &Problem, target: Target) -> f64 {
+    let lens = problem.lens.radius;
+    let pitch = problem.lattice.pitch;
+    let margin = pitch + 1.0;
+    match target {
+        // The undeformed lens enters no pillar top beyond this.
+        Target::Indentation(indentation) => {
+            let depth = indentation.min(lens);
+            (depth * (2.0 * lens - depth)).sqrt() + 1.0
+        }
+        Target::Force(force) => {
+            // Of Hertz, and of the lens on independent pillars, the larger.
+            let hertz = (0.75 * lens * force).cbrt();
+            let cell = problem.lattice.cell_area();
+            let layer = 0.5 * cell * (1.0 + problem.column_compliance_ratio);
+            let springs = (4.0 * lens * layer * force / std::f64::consts::PI).powf(0.25);
+            1.3 * hertz.max(springs) + margin
+        }
+        // The paper's a_c = e sqrt(1 + (k phi)^2), which is e sqrt(1 + (R h/e^2)^2).
+        Target::Floor => pitch.hypot(lens * problem.height / pitch) + margin,
+    }
+}
+
+/// An indentation at which about the right pillars are touched.
+fn first_indentation(problem: &Problem, target: Target, radius: f64) -> f64 {
+    match target {
+        Target::Indentation(indentation) => indentation,
+        Target::Force(_) | Target::Floor => problem.lens.sag((0.7 * radius).min(problem.lens.radius)),
+    }
+}
+
+fn limited(problem: &Problem, radius: f64) -> f64 {
+    radius.min(LARGEST_CONTACT * problem.lens.radius + 2.0 * problem.lattice.pitch)
+}
+
+/// The window of a radius, if it fits the memory allowed.
+fn checked_window(
+    problem: &Problem,
+    radius: f64,
+    modes: usize,
+    run: &Run<'_>,
+) -> Result<Window, SolveError> {
+    let pillars = Window::expected_len(&problem.lattice, radius);
+    let bytes = coupling::memory_estimate(pillars, modes);
+    let limit = run.memory_limit();
+    if bytes > limit as f64 {
+        return Err(SolveError::TooLarge {
+            pillars: pillars as usize,
+            bytes: bytes as usize,
+            limit,
+        });
+    }
+    Ok(Window::new(&problem.lattice, radius))
+}
+
+/// A larger radius if the contact comes close to the edge of the window.
+fn growth(problem: &Problem, newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
+    let reach = newton.reach();
+    if reach - 1.0 > LARGEST_CONTACT * problem.lens.radius {
+        return Err(SolveError::ContactExceedsLens {
+            contact_radius: reach * problem.length,
+            lens_radius: problem.lens.radius * problem.length,
+        });
+    }
+    let radius = newton.window.radius();
+    let pitch = problem.lattice.pitch;
+    Ok((reach + pitch > radius).then(|| (1.3 * radius).max(reach + 2.0 * pitch)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::*;
+
+    #[test]
+    fn reference_scan() {
+        let text = include_str!("../../tests/reference/critical_states.csv");
+        for line in text.lines().skip(1) {
+            let f: Vec<&str> = line.split(',').collect();
+            let v = |k: usize| f[k].parse::<f64>().unwrap_or(0.0);
+            if v(4) == 0.0 { continue; }
+            let pillar = Pillar { diameter: 6e-6, height: 2.2e-6, compliance: if f[3] == "none" { PillarCompliance::None } else { PillarCompliance::Column } };
+            let system = System::new(
+                Lens { radius: 2.2e-3, material: Material::new(2e6, 0.5) },
+                Material::new(v(2), 0.5),
+                Texture { pillar, lattice: HexagonalLattice::with_surface_fraction(v(0), 6e-6).offset_by(v(1)) },
+            ).unwrap();
+            let problem = Problem::new(&system);
+            let run = Run::default();
+            for (name, degrees) in [("punch", None), ("2/8", Some(Degrees { coupling: 2, nodes: 8 })), ("2/16", Some(Degrees { coupling: 2, nodes: 16 })), ("4/24", Some(Degrees { coupling: 4, nodes: 24 })), ("4/32", Some(Degrees { coupling: 4, nodes: 32 }))] {
+                let t = std::time::Instant::now();
+                let s = match degrees {
+                    None => solve_punch(&problem, Target::Floor, PunchForm::Corrected, &run),
+                    Some(d) => solve_spectral(&problem, Target::Floor, d, &run),
+                }.unwrap();
+                let o = s.outcome;
+                let force = s.newton.force(o.indentation) * problem.force();
+                let x = o.floor.unwrap().position;
+                println!("{} {} {} {name}: F {:.3e} (err {:.1e}) zeta {:.3e} (err {:.1e}) x {:?} touched {} steps {} {:?} mism {:.1e} {:?}", f[0], f[1], f[3],
+                    force / v(4) - 1.0, v(11), o.indentation * problem.length / v(5) - 1.0, v(12), problem.metres(x), s.newton.touched(), s.steps, o.termination, o.mismatch, t.elapsed());
+            }
+        }
+    }
+}
