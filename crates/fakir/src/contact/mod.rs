@@ -8,6 +8,7 @@
 //! pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
 //! indentation at which it vanishes somewhere.
 
+mod estimate;
 mod floor;
 mod newton;
 mod problem;

@@ -113,6 +113,8 @@ pub(crate) struct Newton<'a> {
     /// Response without indentation, or the whole response at a given indentation.
     pub(crate) rest: Response,
     pub(crate) floor: FloorSearch,
+    /// Whether `rest` holds the whole response at the solved indentation.
+    whole: bool,
     work: Work,
 }
 
@@ -186,6 +188,7 @@ impl<'a> Newton<'a> {
             unit: response.clone(),
             rest: response,
             floor: FloorSearch::default(),
+            whole: false,
             work,
             top,
             window,
@@ -219,7 +222,7 @@ impl<'a> Newton<'a> {
             let firsts = response.coefficients.iter().step_by(self.modes);
             UNIT_FORCE * firsts.sum::<f64>()
         };
-        indentation * total(&self.unit) + total(&self.rest)
+        self.unit_factor(indentation) * total(&self.unit) + total(&self.rest)
     }
 
     /// Distance from the lens axis of the farthest touched pillar centre.
@@ -289,12 +292,32 @@ impl<'a> Newton<'a> {
         });
     }
 
+    /// Factor of the unit response in the whole one.
+    fn unit_factor(&self, indentation: f64) -> f64 {
+        if self.whole { 0.0 } else { indentation }
+    }
+
+    /// Degree of the coupling.
+    pub(crate) fn degree(&self) -> usize {
+        self.exterior.degree()
+    }
+
+    /// `c` at an indentation, pillar by pillar.
+    pub(crate) fn total_coefficients(&self, indentation: f64) -> Vec<f64> {
+        let factor = self.unit_factor(indentation);
+        self.unit
+            .coefficients
+            .iter()
+            .zip(&self.rest.coefficients)
+            .map(|(unit, rest)| factor * unit + rest)
+            .collect()
+    }
+
     /// Responses with the present statuses and active nodes. `false` if the linear solver failed.
     fn linear_step(&mut self, target: Target, tolerance: f64) -> Result<bool, SolveError> {
+        self.whole = matches!(target, Target::Indentation(_));
         match target {
             Target::Indentation(indentation) => {
-                self.unit.coefficients.fill(0.0);
-                self.unit.far.fill(0.0);
                 self.solve_linear(Part::Whole(indentation), tolerance)
             }
             Target::Force(_) | Target::Floor => {
@@ -307,6 +330,46 @@ impl<'a> Newton<'a> {
     /// Response to a unit indentation for the present statuses, to the given tolerance.
     pub(crate) fn solve_unit(&mut self, tolerance: f64) -> Result<bool, SolveError> {
         self.solve_linear(Part::Unit, tolerance)
+    }
+
+    /// Response of the pillars to a given load, with statuses and active nodes frozen.
+    pub(crate) fn respond_to(
+        &mut self,
+        load: &[f64],
+        tolerance: f64,
+    ) -> Result<Response, SolveError> {
+        let mut response = Response {
+            coefficients: vec![0.0; load.len()],
+            far: vec![0.0; load.len()],
+        };
+        let mut work = std::mem::take(&mut self.work);
+        let solved =
+            self.conjugate_gradients(Part::Source(load), tolerance, &mut response, &mut work);
+        self.work = work;
+        solved.map(|_| response)
+    }
+
+    /// `b1 - B c1`: what a unit change of a local answer does to the force.
+    pub(crate) fn unit_sensitivity(&self) -> Vec<f64> {
+        let mut load = vec![0.0; self.unit.far.len()];
+        self.right_side(Part::Unit, &mut load);
+        subtract(&mut load, &self.unit.far);
+        load
+    }
+
+    /// `W(x)` of every pillar: what its coefficients move a point of the floor by.
+    pub(crate) fn point_load(&self, position: Point) -> Vec<f64> {
+        let mut load = vec![0.0; self.unit.far.len()];
+        for ([x, y], load) in self
+            .window
+            .centres()
+            .iter()
+            .zip(load.chunks_exact_mut(self.modes))
+        {
+            self.exterior
+                .values([position[0] - x, position[1] - y], load);
+        }
+        load
     }
 
     /// Preconditioned conjugate gradients on `(P^-1 + B) c = b + P^-1 cb`, in the dual variable
@@ -472,7 +535,12 @@ impl<'a> Newton<'a> {
                 .flat_map(|p| response.coefficients[p * modes..(p + 1) * modes].iter().copied())
                 .collect()
         };
-        let (first, second) = (gather(&self.unit), gather(&self.rest));
+        let second = gather(&self.rest);
+        let first = if self.whole {
+            vec![0.0; second.len()]
+        } else {
+            gather(&self.unit)
+        };
         consume(&LoadedDiscs {
             exterior: &self.exterior,
             modes,
@@ -484,9 +552,9 @@ impl<'a> Newton<'a> {
 
     /// Leading load on a pillar at an indentation, `zeta b1 + bs - B c`.
     pub(crate) fn load(&self, pillar: usize, indentation: f64, load: &mut [f64]) {
-        let range = pillar * self.modes..(pillar + 1) * self.modes;
-        for (k, slot) in range.clone().zip(load.iter_mut()) {
-            *slot = self.own_load[k] - self.rest.far[k] - indentation * self.unit.far[k];
+        let factor = self.unit_factor(indentation);
+        for (k, slot) in (pillar * self.modes..).zip(load.iter_mut()) {
+            *slot = self.own_load[k] - self.rest.far[k] - factor * self.unit.far[k];
         }
         load[0] += indentation * UNIT_FORCE;
     }
@@ -605,6 +673,7 @@ impl<'a> Newton<'a> {
     /// linear solution, relative to the largest coefficient.
     fn mismatch(&self, indentation: f64, solved: &[(Partial, Vec<f64>, bool)]) -> f64 {
         let modes = self.modes;
+        let factor = self.unit_factor(indentation);
         let (mut largest, mut difference) = (f64::MIN_POSITIVE, 0.0_f64);
         let mut load = vec![0.0; modes];
         let mut partial = solved.iter();
@@ -629,8 +698,7 @@ impl<'a> Newton<'a> {
             };
             for (k, c) in local.iter().enumerate() {
                 let index = pillar * modes + k;
-                let global =
-                    indentation * self.unit.coefficients[index] + self.rest.coefficients[index];
+                let global = factor * self.unit.coefficients[index] + self.rest.coefficients[index];
                 largest = largest.max(c.abs());
                 difference = difference.max((c - global).abs());
             }

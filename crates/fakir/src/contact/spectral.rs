@@ -210,15 +210,15 @@ mod tests {
             let run = Run::default();
             for (name, degrees) in [("punch", None), ("2/8", Some(Degrees { coupling: 2, nodes: 8 })), ("2/16", Some(Degrees { coupling: 2, nodes: 16 })), ("4/24", Some(Degrees { coupling: 4, nodes: 24 })), ("4/32", Some(Degrees { coupling: 4, nodes: 32 }))] {
                 let t = std::time::Instant::now();
-                let s = match degrees {
+                let mut s = match degrees {
                     None => solve_punch(&problem, Target::Floor, PunchForm::Corrected, &run),
                     Some(d) => solve_spectral(&problem, Target::Floor, d, &run),
                 }.unwrap();
                 let o = s.outcome;
                 let force = s.newton.force(o.indentation) * problem.force();
                 let x = o.floor.unwrap().position;
-                println!("{} {} {} {name}: F {:.3e} (err {:.1e}) zeta {:.3e} (err {:.1e}) x {:?} touched {} steps {} {:?} mism {:.1e} {:?}", f[0], f[1], f[3],
-                    force / v(4) - 1.0, v(11), o.indentation * problem.length / v(5) - 1.0, v(12), problem.metres(x), s.newton.touched(), s.steps, o.termination, o.mismatch, t.elapsed());
+                println!("{} {} {} {name}: F {:.3e} (err {:.1e}) zeta {:.3e} (err {:.1e}) x {:?} touched {} steps {} {:?} mism {:.1e} {:?} est {:?}", f[0], f[1], f[3],
+                    force / v(4) - 1.0, v(11), o.indentation * problem.length / v(5) - 1.0, v(12), problem.metres(x), s.newton.touched(), s.steps, o.termination, o.mismatch, t.elapsed(), degrees.map(|d| { let t = std::time::Instant::now(); let e = super::super::estimate::estimate(&mut s.newton, &o, Target::Floor, match d.nodes { 8 => 12, 16=>24, 24=>16, _ => 24 }).unwrap(); (format!("{:.1e} {:.1e}", e.force, e.indentation), t.elapsed()) }));
             }
         }
     }

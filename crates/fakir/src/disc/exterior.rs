@@ -195,6 +195,11 @@ impl Exterior {
         }
     }
 
+    /// Highest degree.
+    pub(crate) fn degree(&self) -> usize {
+        self.modes.last().map_or(0, |mode| mode.degree)
+    }
+
     /// Adds to `sums` the displacement at `point` (pillar radii from the centre, outside the
     /// disc) under two sets of coefficients at once.
     pub(crate) fn add_jets(
@@ -218,11 +223,26 @@ impl Exterior {
         }
     }
 
+    /// Number of modes.
+    pub(crate) fn count(&self) -> usize {
+        self.modes.len()
+    }
+
     /// Displacement at `point` of every mode, into `values`.
     pub(crate) fn values(&self, point: [f64; 2], values: &mut [f64]) {
+        self.values_of_first(self.modes.len(), point, values);
+    }
+
+    /// As [`Self::values`], for the first `count` modes at the most.
+    pub(crate) fn values_of_first(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
         let inverse_distance = point[0].hypot(point[1]).recip();
         let mut radial = 0.0;
-        for ((value, mode), &which) in values.iter_mut().zip(&self.modes).zip(&self.radial_of) {
+        for ((value, mode), &which) in values
+            .iter_mut()
+            .zip(&self.modes)
+            .zip(&self.radial_of)
+            .take(count)
+        {
             if !mode.sine {
                 radial = self.radial[which].value(inverse_distance);
             }

@@ -1,0 +1,273 @@
+//! Error estimates by refinement around a converged solution.
+//!
+//! A change `delta` of the answer of one pillar to its load changes any linear result `r` by
+//! `s_r delta`, with `s_r = L - B y` and `y` the response of the pillars to the load `L` that
+//! belongs to the result: `b1` for the force, the displacement `W(x_c)` of the floor point for
+//! the indentation of first contact. Two refinements give such changes:
+//!
+//! * on partially touched pillars, the answer with another node array;
+//! * on fully touched ones, the modes beyond the degree of the coupling, which neighbours excite
+//!   at first order.
+
+use super::newton::{Newton, Outcome, Response, Target};
+use super::{ErrorEstimate, PillarStatus, SolveError};
+use crate::coupling::pair::PairCoupling;
+use crate::disc::basis::{compliances, mode_count};
+use crate::disc::exterior::Exterior;
+use crate::disc::unilateral::{LocalSolver, PillarTop};
+use crate::system::Point;
+
+/// Relative error of linear algebra, quadrature and the lens shape together; nothing is claimed
+/// to be better.
+const FLOOR: f64 = 1e-8;
+
+/// What refinement finds is multiplied by this: the refined answer has an error of its own.
+const SAFETY: f64 = 2.0;
+
+/// Relative energy of the residual for the adjoint responses: two digits of an error are enough.
+const ADJOINT_TOLERANCE: f64 = 1e-3;
+
+/// Degrees by which the coupling is extended: interior pillars of a hexagonal lattice see little
+/// of degree 3, more of degree 4.
+const EXTRA_DEGREES: usize = 2;
+
+/// Neighbours beyond this distance (pillar radii) do not excite the extra modes noticeably.
+const NEIGHBOURHOOD: f64 = 13.0;
+
+/// Load and response that belong to one result.
+struct Adjoint {
+    /// Factor of `W(x_c)` in the load.
+    floor: f64,
+    /// `y`
+    coefficients: Vec<f64>,
+    /// `s_r = L - B y`
+    sensitivity: Vec<f64>,
+}
+
+/// Estimates the relative errors of force and indentation of a converged solution.
+pub(crate) fn estimate(
+    newton: &mut Newton<'_>,
+    outcome: &Outcome,
+    target: Target,
+    check_nodes: usize,
+) -> Result<ErrorEstimate, SolveError> {
+    let force = newton.force(outcome.indentation);
+    if force <= 0.0 || outcome.indentation <= 0.0 {
+        return Ok(ErrorEstimate {
+            force: 0.0,
+            indentation: 0.0,
+        });
+    }
+    let total = newton.total_coefficients(outcome.indentation);
+    let [of_force, of_indentation] = adjoints(newton, outcome, target)?;
+    let adjoints = [&of_force, &of_indentation];
+    let nodes = node_changes(newton, outcome, check_nodes, &total, adjoints);
+    let degree = degree_changes(newton, outcome, &total, adjoints);
+    let relative = |k: usize, value: f64, prescribed: bool| {
+        if prescribed {
+            0.0
+        } else {
+            FLOOR + outcome.mismatch + SAFETY * (nodes[k] + degree[k]) / value
+        }
+    };
+    Ok(ErrorEstimate {
+        force: relative(0, force, matches!(target, Target::Force(_))),
+        indentation: relative(
+            1,
+            outcome.indentation,
+            matches!(target, Target::Indentation(_)),
+        ),
+    })
+}
+
+/// Adjoints of the force and of the indentation.
+fn adjoints(
+    newton: &mut Newton<'_>,
+    outcome: &Outcome,
+    target: Target,
+) -> Result<[Adjoint; 2], SolveError> {
+    let slope = match target {
+        Target::Indentation(_) => {
+            newton.solve_unit(ADJOINT_TOLERANCE)?;
+            0.0
+        }
+        Target::Force(_) | Target::Floor => newton.force(1.0) - newton.force(0.0),
+    };
+    let size = newton.unit.far.len();
+    let mut load = vec![0.0; size];
+    let mut response = Response {
+        coefficients: vec![0.0; size],
+        far: vec![0.0; size],
+    };
+    let mut factor = 0.0;
+    if let Some(point) = outcome.floor {
+        load = newton.point_load(point.position);
+        response = newton.respond_to(&load, ADJOINT_TOLERANCE)?;
+        let unit_displacement: f64 = load
+            .iter()
+            .zip(&newton.unit.coefficients)
+            .map(|(w, c)| w * c)
+            .sum();
+        factor = 1.0 / (1.0 - unit_displacement);
+    }
+    let unit = newton.unit_sensitivity();
+    let combine = |along_unit: f64, floor: f64| Adjoint {
+        floor,
+        coefficients: (0..size)
+            .map(|k| {
+                along_unit * newton.unit.coefficients[k] + floor * response.coefficients[k]
+            })
+            .collect(),
+        sensitivity: (0..size)
+            .map(|k| along_unit * unit[k] + floor * (load[k] - response.far[k]))
+            .collect(),
+    };
+    Ok(match target {
+        Target::Force(_) => [combine(0.0, 0.0), combine(-1.0 / slope, 0.0)],
+        Target::Floor => [combine(1.0, slope * factor), combine(0.0, factor)],
+        Target::Indentation(_) => [combine(1.0, 0.0), combine(0.0, 0.0)],
+    })
+}
+
+/// Changes of the two results when partially touched pillars are solved on another node array:
+/// the larger of the sum, and of the sum as if signs were random.
+fn node_changes(
+    newton: &Newton<'_>,
+    outcome: &Outcome,
+    check_nodes: usize,
+    total: &[f64],
+    adjoints: [&Adjoint; 2],
+) -> [f64; 2] {
+    let modes = newton.modes;
+    let partial: Vec<usize> = (0..newton.window.len())
+        .filter(|&p| newton.status[p] == PillarStatus::Partial)
+        .collect();
+    if partial.is_empty() {
+        return [0.0; 2];
+    }
+    let top = PillarTop::new(
+        check_nodes,
+        newton.degree(),
+        newton.problem.column_compliance_ratio,
+        0.0,
+    );
+    let mut solver = LocalSolver::new(&top);
+    let mut sums = [0.0; 2];
+    let mut squares = [0.0; 2];
+    let mut refined = vec![0.0; modes];
+    for pillar in partial {
+        let load = newton.full_load(pillar, outcome.indentation);
+        let load = &load[..load.len().min(top.count())];
+        let mut active = solver.first_guess(&top, load);
+        solver.solve(&top, load, &mut active);
+        solver.coefficients(&top, load, &mut refined);
+        for (k, adjoint) in adjoints.iter().enumerate() {
+            let change: f64 = (0..modes)
+                .map(|i| {
+                    let index = pillar * modes + i;
+                    adjoint.sensitivity[index] * (refined[i] - total[index])
+                })
+                .sum();
+            sums[k] += change;
+            squares[k] += change * change;
+        }
+    }
+    [0, 1].map(|k| f64::max(f64::abs(sums[k]), f64::sqrt(squares[k])))
+}
+
+/// Changes of the two results when the coupling takes in the next degrees.
+fn degree_changes(
+    newton: &Newton<'_>,
+    outcome: &Outcome,
+    total: &[f64],
+    adjoints: [&Adjoint; 2],
+) -> [f64; 2] {
+    let (modes, extended) = (newton.modes, newton.degree() + EXTRA_DEGREES);
+    let count = mode_count(extended);
+    let neighbours = Neighbours::new(newton, extended);
+    let compliance = compliances(extended, 0.0);
+    let exterior = Exterior::new(extended);
+    let mut floor_load = vec![0.0; count];
+    let mut loads = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
+    let fields = [
+        total,
+        adjoints[0].coefficients.as_slice(),
+        adjoints[1].coefficients.as_slice(),
+    ];
+    let mut sums = [0.0; 2];
+    for pillar in 0..newton.window.len() {
+        if newton.status[pillar] != PillarStatus::Full {
+            continue;
+        }
+        for (load, field) in loads.iter_mut().zip(fields) {
+            neighbours.load(newton, pillar, field, load);
+        }
+        if let Some(point) = outcome.floor {
+            let [x, y] = newton.window.centres()[pillar];
+            exterior.values([point.position[0] - x, point.position[1] - y], &mut floor_load);
+        }
+        for (k, adjoint) in adjoints.iter().enumerate() {
+            // Loads are - B c; the sign of the product of two of them does not show.
+            sums[k] += (modes..count)
+                .map(|i| {
+                    let sensitivity = adjoint.floor * floor_load[i] - loads[k + 1][i];
+                    -loads[0][i] * sensitivity / compliance[i]
+                })
+                .sum::<f64>();
+        }
+    }
+    sums.map(f64::abs)
+}
+
+/// Coupling blocks to the extra modes from the neighbours of a pillar.
+struct Neighbours {
+    /// Lattice steps from receiver to source, and the block of each: rows the extended modes,
+    /// columns the present ones.
+    blocks: Vec<((i64, i64), Vec<f64>)>,
+    count: usize,
+}
+
+impl Neighbours {
+    fn new(newton: &Newton<'_>, degree: usize) -> Self {
+        let lattice = &newton.problem.lattice;
+        let pair = PairCoupling::new(degree, lattice.pitch);
+        let count = mode_count(degree);
+        let modes = newton.modes;
+        let reach = (NEIGHBOURHOOD / lattice.pitch * 2.0 / 3f64.sqrt()).ceil().max(1.0) as i64;
+        let nearest_ring = 1.01 * lattice.pitch;
+        let mut whole = vec![0.0; count * count];
+        let mut blocks = Vec::new();
+        for i in -reach..=reach {
+            for j in -reach..=reach {
+                let [x, y]: Point = lattice.lattice_vector(i, j);
+                let distance = x.hypot(y);
+                if (i, j) == (0, 0) || distance > NEIGHBOURHOOD.max(nearest_ring) {
+                    continue;
+                }
+                pair.block([-x, -y], &mut whole);
+                let block = whole
+                    .chunks_exact(count)
+                    .flat_map(|row| row[..modes].iter().copied())
+                    .collect();
+                blocks.push(((i, j), block));
+            }
+        }
+        Self { blocks, count }
+    }
+
+    fn load(&self, newton: &Newton<'_>, pillar: usize, field: &[f64], load: &mut [f64]) {
+        let modes = newton.modes;
+        let (i, j) = newton.window.index(pillar);
+        load.fill(0.0);
+        for ((di, dj), block) in &self.blocks {
+            let Some(source) = newton.window.find((i + di, j + dj)) else {
+                continue;
+            };
+            let coefficients = &field[source * modes..(source + 1) * modes];
+            for (row, value) in load.iter_mut().enumerate().take(self.count).skip(modes) {
+                let block = &block[row * modes..(row + 1) * modes];
+                *value += block.iter().zip(coefficients).map(|(b, c)| b * c).sum::<f64>();
+            }
+        }
+    }
+}

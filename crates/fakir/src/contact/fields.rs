@@ -1,0 +1,208 @@
+//! Displacement, gap and pressure at any point of a contact state.
+
+use super::problem::Problem;
+use crate::disc::basis::{BasisEvaluator, compliances};
+use crate::disc::exterior::Exterior;
+use crate::system::{HexagonalLattice, Point};
+use std::collections::HashMap;
+
+/// Within this distance of a partially touched pillar (pillar radii), all its modes count;
+/// beyond, the modes by which pillars act on each other.
+const NEAR: f64 = 4.0;
+
+/// Pressure on a disc of the surface.
+#[derive(Debug, Clone)]
+pub(crate) struct Disc {
+    /// Lattice indices of the pillar it lies on.
+    pub(crate) index: (i64, i64),
+    /// Centre and radius, pillar radii.
+    pub(crate) centre: Point,
+    pub(crate) radius: f64,
+    /// Coefficients of `q`, by rising degree.
+    pub(crate) coefficients: Vec<f64>,
+}
+
+impl Disc {
+    /// `q` at a point in units of the disc radius from its centre.
+    pub(crate) fn density(&self, basis: &mut BasisEvaluator, point: Point) -> f64 {
+        let mut values = vec![0.0; basis.modes().len()];
+        basis.evaluate(point, &mut values);
+        dot(&values, &self.coefficients)
+    }
+
+    /// Force, in scaled units.
+    pub(crate) fn force(&self) -> f64 {
+        crate::disc::basis::UNIT_FORCE * self.coefficients[0] * self.radius * self.radius
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// The solution of a contact problem as functions of position.
+///
+/// Positions are in m from the lens axis. Evaluation at a point visits every touched pillar.
+#[derive(Debug, Clone)]
+pub struct Fields {
+    problem: Problem,
+    /// Scaled.
+    indentation: f64,
+    discs: Vec<Disc>,
+    disc_of: HashMap<(i64, i64), usize>,
+    exterior: Exterior,
+    /// Of all modes, for points close to discs with more than the leading ones.
+    close_exterior: Exterior,
+    compliance: Vec<f64>,
+}
+
+impl Fields {
+    /// `degree` is that of the leading modes, `close_degree` the highest of all.
+    pub(crate) fn new(
+        problem: Problem,
+        indentation: f64,
+        discs: Vec<Disc>,
+        degree: usize,
+        close_degree: usize,
+    ) -> Self {
+        Self {
+            disc_of: discs
+                .iter()
+                .enumerate()
+                .map(|(k, disc)| (disc.index, k))
+                .collect(),
+            exterior: Exterior::new(degree),
+            close_exterior: Exterior::new(close_degree),
+            compliance: compliances(close_degree, 0.0),
+            problem,
+            indentation,
+            discs,
+        }
+    }
+
+    fn scaled(&self, position: Point) -> Point {
+        [
+            position[0] / self.problem.length,
+            position[1] / self.problem.length,
+        ]
+    }
+
+    /// The pillar whose top holds a scaled position, and the distance from its centre.
+    fn pillar_under(&self, position: Point) -> Option<(i64, i64)> {
+        let lattice: &HexagonalLattice = &self.problem.lattice;
+        let (i, j) = lattice.nearest_pillar(position);
+        let [x, y] = lattice.centre(i, j);
+        ((x - position[0]).hypot(y - position[1]) <= 1.0).then_some((i, j))
+    }
+
+    /// Whether a position is on a pillar top rather than above the floor.
+    #[must_use]
+    pub fn is_on_pillar(&self, position: Point) -> bool {
+        self.pillar_under(self.scaled(position)).is_some()
+    }
+
+    /// How far the pressure has moved the two surfaces apart, `w`, m: the sum over both bodies,
+    /// without the shortening of the pillars.
+    #[must_use]
+    pub fn displacement(&self, position: Point) -> f64 {
+        self.scaled_displacement(self.scaled(position)) * self.problem.length
+    }
+
+    fn scaled_displacement(&self, position: Point) -> f64 {
+        let mut values = vec![0.0; self.compliance.len()];
+        self.discs
+            .iter()
+            .map(|disc| {
+                let at = [
+                    (position[0] - disc.centre[0]) / disc.radius,
+                    (position[1] - disc.centre[1]) / disc.radius,
+                ];
+                disc.radius * self.from_disc(disc, at, &mut values)
+            })
+            .sum()
+    }
+
+    fn from_disc(&self, disc: &Disc, at: Point, values: &mut [f64]) -> f64 {
+        let distance = at[0].hypot(at[1]);
+        if distance <= 1.0 {
+            let mut basis = BasisEvaluator::new(self.degree_of(disc));
+            basis.evaluate(at, values);
+            return disc
+                .coefficients
+                .iter()
+                .zip(values.iter())
+                .zip(&self.compliance)
+                .map(|((c, y), lambda)| c * y * lambda)
+                .sum();
+        }
+        let exterior = if distance < NEAR {
+            &self.close_exterior
+        } else {
+            &self.exterior
+        };
+        exterior.values_of_first(disc.coefficients.len(), at, values);
+        let count = exterior.count().min(disc.coefficients.len());
+        dot(&values[..count], &disc.coefficients[..count])
+    }
+
+    fn degree_of(&self, disc: &Disc) -> usize {
+        degree_with(disc.coefficients.len())
+    }
+
+    /// Gap between the lens and the surface below it, m: the pillar top where there is one, the
+    /// floor elsewhere. Zero in contact, up to the resolution of the solution.
+    #[must_use]
+    pub fn gap(&self, position: Point) -> f64 {
+        let at = self.scaled(position);
+        let above_floor = self.problem.height + self.problem.sag(at)
+            + self.scaled_displacement(at)
+            - self.indentation;
+        let gap = match self.pillar_under(at) {
+            None => above_floor,
+            Some(index) => above_floor - self.problem.height + self.column_sink(index),
+        };
+        gap * self.problem.length
+    }
+
+    /// Shortening of a pillar: `kappa F/2` in scaled units, from `lambda_00 = pi (1 + kappa)`.
+    fn column_sink(&self, index: (i64, i64)) -> f64 {
+        self.disc_of.get(&index).map_or(0.0, |&k| {
+            0.5 * self.problem.column_compliance_ratio * self.discs[k].force()
+        })
+    }
+
+    /// Contact pressure, Pa: zero out of contact, infinite at the very edge of a covered pillar
+    /// top.
+    #[must_use]
+    pub fn pressure(&self, position: Point) -> f64 {
+        let at = self.scaled(position);
+        let Some(&k) = self
+            .pillar_under(at)
+            .and_then(|index| self.disc_of.get(&index))
+        else {
+            return 0.0;
+        };
+        let disc = &self.discs[k];
+        let point = [
+            (at[0] - disc.centre[0]) / disc.radius,
+            (at[1] - disc.centre[1]) / disc.radius,
+        ];
+        let rho_squared = point[0] * point[0] + point[1] * point[1];
+        if rho_squared > 1.0 {
+            return 0.0;
+        }
+        let mut basis = BasisEvaluator::new(self.degree_of(disc));
+        let density = disc.density(&mut basis, point);
+        if density <= 0.0 {
+            return 0.0;
+        }
+        density / (1.0 - rho_squared).sqrt() * self.problem.pressure
+    }
+}
+
+/// The degree whose modes are that many.
+pub(crate) fn degree_with(count: usize) -> usize {
+    (0..)
+        .find(|&degree| crate::disc::basis::mode_count(degree) >= count)
+        .unwrap_or(0)
+}
