@@ -1,6 +1,7 @@
 //! Contact between a smooth elastic lens and a surface patterned with pillars.
 pub mod contact;
 pub mod system;
+pub mod theory;
 
 use contact::{ContactState, CriticalState, Load, Method, Run, SolveError};
 use system::System;
