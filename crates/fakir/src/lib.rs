@@ -3,6 +3,7 @@ pub mod contact;
 mod coupling;
 mod disc;
 pub mod system;
+pub mod theory;
 
 use contact::{ContactState, CriticalState, Load, Method, Run, SolveError};
 use system::System;

@@ -324,6 +324,17 @@ pub enum SolveError {
         /// Memory allowed, bytes.
         limit: usize,
     },
+    /// The homogenised lattice does not apply to pillars this close together.
+    #[error(
+        "the homogenised lattice needs a surface fraction below {limit:.3} for these materials, \
+         but it is {surface_fraction:.3}: widen the pitch or use the spectral method"
+    )]
+    TextureTooDense {
+        /// Fraction of the surface that is pillar top.
+        surface_fraction: f64,
+        /// Where the model ends for this lens and substrate.
+        limit: f64,
+    },
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,

@@ -1,0 +1,21 @@
+//! Approximate answers in closed form or nearly so: the formulas of the paper, and the
+//! pillar lattice replaced by a layer of springs.
+//!
+//! * [`closed_forms`]: the paper's formulas for the critical state, as printed and
+//!   corrected where they differ, the transition curve and the phase diagram;
+//! * [`lattice_sums`]: the sums over the pillars under a Hertz-like load that they rest on,
+//!   with the paper's fits and the exact limits of the fitted coefficients;
+//! * [`lattice_potential`]: what a uniformly loaded lattice of pillars does to one pillar
+//!   and to the floor between three;
+//! * [`homogenised`]: the model built on that, with no fitted constant.
+//!
+//! "The paper" is the one named in [`crate::system`]. All quantities are in SI units.
+
+pub mod closed_forms;
+pub mod homogenised;
+pub mod lattice_potential;
+pub mod lattice_sums;
+mod quadrature;
+#[cfg(test)]
+mod reference;
+mod spring_layer;

@@ -1,0 +1,75 @@
+//! The paper's systems and the reference critical states, for tests.
+
+use crate::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+
+/// Young's moduli of the rigid, intermediate and soft substrates of the paper, Pa.
+pub(super) const RIGID: f64 = 1e9;
+pub(super) const INTERMEDIATE: f64 = 2e6;
+pub(super) const SOFT: f64 = 2e3;
+
+/// The paper's lens and pillars on a lattice of the given surface fraction.
+pub(super) fn paper(
+    surface_fraction: f64,
+    substrate_modulus: f64,
+    compliance: PillarCompliance,
+) -> System {
+    let pillar = Pillar {
+        diameter: 6.0e-6,
+        height: 2.2e-6,
+        compliance,
+    };
+    System::new(
+        Lens {
+            radius: 2.2e-3,
+            material: Material::new(2e6, 0.5),
+        },
+        Material::new(substrate_modulus, 0.5),
+        Texture {
+            pillar,
+            lattice: HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter),
+        },
+    )
+    .unwrap()
+}
+
+/// As [`paper`], with the intermediate substrate and its column compliance.
+pub(super) fn intermediate(surface_fraction: f64) -> System {
+    paper(surface_fraction, INTERMEDIATE, PillarCompliance::Column)
+}
+
+/// A critical state of `tests/reference/critical_states.csv`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reference {
+    pub(super) force: f64,
+    pub(super) indentation: f64,
+    pub(super) floor_contact_distance: f64,
+    pub(super) top_contact_radius: f64,
+}
+
+/// The reference for one of the paper's systems, with the lens axis on a pillar.
+pub(super) fn reference(system: &System) -> Reference {
+    let table = include_str!("../../tests/reference/critical_states.csv");
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let compliance = match system.pillar().compliance {
+        PillarCompliance::Column => "column",
+        PillarCompliance::None => "none",
+    };
+    reader
+        .records()
+        .map(|record| record.unwrap())
+        .find_map(|record| {
+            let number = |column: usize| record[column].parse::<f64>().unwrap();
+            let near = |value: f64, wanted: f64| (value - wanted).abs() <= 1e-9 * wanted;
+            let wanted = near(number(0), system.texture().surface_fraction())
+                && near(number(1), system.lattice().offset)
+                && near(number(2), system.substrate().young_modulus)
+                && &record[3] == compliance;
+            wanted.then(|| Reference {
+                force: number(4),
+                indentation: number(5),
+                floor_contact_distance: number(6).hypot(number(7)),
+                top_contact_radius: number(8),
+            })
+        })
+        .unwrap()
+}
