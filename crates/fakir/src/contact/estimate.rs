@@ -114,9 +114,7 @@ fn adjoints(
     let combine = |along_unit: f64, floor: f64| Adjoint {
         floor,
         coefficients: (0..size)
-            .map(|k| {
-                along_unit * newton.unit.coefficients[k] + floor * response.coefficients[k]
-            })
+            .map(|k| along_unit * newton.unit.coefficients[k] + floor * response.coefficients[k])
             .collect(),
         sensitivity: (0..size)
             .map(|k| along_unit * unit[k] + floor * (load[k] - response.far[k]))
@@ -204,7 +202,10 @@ fn degree_changes(
         }
         if let Some(point) = outcome.floor {
             let [x, y] = newton.window.centres()[pillar];
-            exterior.values([point.position[0] - x, point.position[1] - y], &mut floor_load);
+            exterior.values(
+                [point.position[0] - x, point.position[1] - y],
+                &mut floor_load,
+            );
         }
         for (k, adjoint) in adjoints.iter().enumerate() {
             // Loads are - B c; the sign of the product of two of them does not show.
@@ -233,7 +234,9 @@ impl Neighbours {
         let pair = PairCoupling::new(degree, lattice.pitch);
         let count = mode_count(degree);
         let modes = newton.modes;
-        let reach = (NEIGHBOURHOOD / lattice.pitch * 2.0 / 3f64.sqrt()).ceil().max(1.0) as i64;
+        let reach = (NEIGHBOURHOOD / lattice.pitch * 2.0 / 3f64.sqrt())
+            .ceil()
+            .max(1.0) as i64;
         let nearest_ring = 1.01 * lattice.pitch;
         let mut whole = vec![0.0; count * count];
         let mut blocks = Vec::new();
@@ -266,7 +269,11 @@ impl Neighbours {
             let coefficients = &field[source * modes..(source + 1) * modes];
             for (row, value) in load.iter_mut().enumerate().take(self.count).skip(modes) {
                 let block = &block[row * modes..(row + 1) * modes];
-                *value += block.iter().zip(coefficients).map(|(b, c)| b * c).sum::<f64>();
+                *value += block
+                    .iter()
+                    .zip(coefficients)
+                    .map(|(b, c)| b * c)
+                    .sum::<f64>();
             }
         }
     }

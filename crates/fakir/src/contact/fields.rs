@@ -154,8 +154,7 @@ impl Fields {
     #[must_use]
     pub fn gap(&self, position: Point) -> f64 {
         let at = self.scaled(position);
-        let above_floor = self.problem.height + self.problem.sag(at)
-            + self.scaled_displacement(at)
+        let above_floor = self.problem.height + self.problem.sag(at) + self.scaled_displacement(at)
             - self.indentation;
         let gap = match self.pillar_under(at) {
             None => above_floor,

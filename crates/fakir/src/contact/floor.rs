@@ -82,7 +82,11 @@ impl FloorSearch {
     ///
     /// The first call looks everywhere near the lens axis, the following ones start from the
     /// lowest points found before.
-    pub(crate) fn lowest(&mut self, problem: &Problem, discs: &LoadedDiscs<'_>) -> Option<FloorPoint> {
+    pub(crate) fn lowest(
+        &mut self,
+        problem: &Problem,
+        discs: &LoadedDiscs<'_>,
+    ) -> Option<FloorPoint> {
         if self.starts.is_empty() {
             self.starts = first_starts(problem, discs);
         }
@@ -101,7 +105,8 @@ impl FloorSearch {
         minima.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
         minima.truncate(KEPT);
         self.starts.clear();
-        self.starts.extend(minima.iter().map(|point| point.position));
+        self.starts
+            .extend(minima.iter().map(|point| point.position));
         minima.first().copied()
     }
 
@@ -180,7 +185,11 @@ fn descend(problem: &Problem, discs: &LoadedDiscs<'_>, start: Point) -> Option<F
         let length = step[0].hypot(step[1]);
         // Half-way to the nearest edge at the most: beyond it lies a pillar.
         let longest = 0.5 * clearance(problem, position).max(1e-12);
-        let mut factor = if length > longest { longest / length } else { 1.0 };
+        let mut factor = if length > longest {
+            longest / length
+        } else {
+            1.0
+        };
         let mut moved = None;
         while factor * length > 0.1 * STEP_TOLERANCE {
             let trial = [
@@ -218,10 +227,7 @@ fn newton_step(jet: &FieldJet) -> [f64; 2] {
     let floor = 1e-6 * (mean.abs() + spread) + f64::MIN_POSITIVE;
     let along = (gx * cos + gy * sin) / (mean + spread).abs().max(floor);
     let across = (gy * cos - gx * sin) / (mean - spread).abs().max(floor);
-    [
-        -(along * cos - across * sin),
-        -(along * sin + across * cos),
-    ]
+    [-(along * cos - across * sin), -(along * sin + across * cos)]
 }
 
 /// Where to start: holes and bridges near the lens axis, the lens axis itself, and in wide
@@ -242,7 +248,11 @@ fn first_starts(problem: &Problem, discs: &LoadedDiscs<'_>) -> Vec<Point> {
         .flat_map(|[x, y]| [[x + hole, *y], [x - hole, *y]])
     {
         let near = point[0].hypot(point[1]) < 1.6 * pitch;
-        if near && holes.iter().all(|other| distance(*other, point) > 0.1 * pitch) {
+        if near
+            && holes
+                .iter()
+                .all(|other| distance(*other, point) > 0.1 * pitch)
+        {
             holes.push(point);
         }
     }
@@ -271,7 +281,10 @@ fn first_starts(problem: &Problem, discs: &LoadedDiscs<'_>) -> Vec<Point> {
         if added.len() == KEPT {
             break;
         }
-        if added.iter().all(|other| distance(*other, point) > separation) {
+        if added
+            .iter()
+            .all(|other| distance(*other, point) > separation)
+        {
             added.push(point);
         }
     }

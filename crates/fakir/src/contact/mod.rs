@@ -8,16 +8,22 @@
 //! pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
 //! indentation at which it vanishes somewhere.
 
+mod answers;
 mod estimate;
+mod fields;
 mod floor;
 mod newton;
 mod problem;
 mod run;
 mod spectral;
 
+pub use fields::Fields;
 pub use run::{CancelToken, Progress, Run, Stage, Termination};
 
 use crate::system::{InvalidQuantity, Point, System};
+use std::sync::Arc;
+
+pub(crate) use answers::{PillarMethod, press, transition};
 
 /// How a question is answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -145,6 +151,18 @@ pub enum Warning {
     },
 }
 
+/// Contact radius over lens radius beyond which a contact is warned of.
+const DOUBTFUL_CONTACT: f64 = 0.2;
+
+/// Warnings for a contact radius relative to the lens radius.
+pub(crate) fn contact_warnings(ratio: f64) -> Vec<Warning> {
+    if ratio > DOUBTFUL_CONTACT {
+        vec![Warning::LargeContact { ratio }]
+    } else {
+        Vec::new()
+    }
+}
+
 impl std::fmt::Display for Warning {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -190,9 +208,35 @@ pub struct ContactState {
     pub iterations: usize,
     /// What to be careful about.
     pub warnings: Vec<Warning>,
+    /// Displacement, gap and pressure at any point; not for methods that do not resolve pillars.
+    pub fields: Option<Arc<Fields>>,
 }
 
 impl ContactState {
+    /// The state at an indentation (m) at which nothing is touched.
+    pub(crate) fn untouched(system: &System, method: Method, indentation: f64) -> Self {
+        Self {
+            system: *system,
+            method,
+            indentation,
+            force: 0.0,
+            contact_radius: 0.0,
+            pillars_in_contact: 0,
+            pillars_partially_in_contact: 0,
+            pillars: Vec::new(),
+            smallest_floor_gap: system.pillar().height - indentation,
+            smallest_gap_position: [0.0, 0.0],
+            error: ErrorEstimate {
+                force: 0.0,
+                indentation: 0.0,
+            },
+            termination: Termination::Converged,
+            iterations: 0,
+            warnings: Vec::new(),
+            fields: None,
+        }
+    }
+
     /// Whether the floor would have been touched already.
     #[must_use]
     pub fn beyond_transition(&self) -> bool {

@@ -14,7 +14,7 @@ use super::{PillarStatus, SolveError};
 use crate::coupling::LatticeCoupling;
 use crate::coupling::pair::PairCoupling;
 use crate::coupling::window::Window;
-use crate::disc::basis::{UNIT_FORCE, mode_count};
+use crate::disc::basis::UNIT_FORCE;
 use crate::disc::exterior::Exterior;
 use crate::disc::unilateral::{LocalSolver, PillarTop};
 use crate::system::Point;
@@ -152,7 +152,11 @@ impl<'a> Newton<'a> {
         let projector = LensProjector::new(degree);
         let size = window.len() * modes;
         let mut own_load = vec![0.0; size];
-        for (centre, load) in window.centres().iter().zip(own_load.chunks_exact_mut(modes)) {
+        for (centre, load) in window
+            .centres()
+            .iter()
+            .zip(own_load.chunks_exact_mut(modes))
+        {
             projector.project(problem, *centre, load);
         }
         run.report(Progress {
@@ -320,10 +324,8 @@ impl<'a> Newton<'a> {
             Target::Indentation(indentation) => {
                 self.solve_linear(Part::Whole(indentation), tolerance)
             }
-            Target::Force(_) | Target::Floor => {
-                Ok(self.solve_linear(Part::Unit, tolerance)?
-                    && self.solve_linear(Part::Rest, tolerance)?)
-            }
+            Target::Force(_) | Target::Floor => Ok(self.solve_linear(Part::Unit, tolerance)?
+                && self.solve_linear(Part::Rest, tolerance)?),
         }
     }
 
@@ -416,10 +418,11 @@ impl<'a> Newton<'a> {
                 return Ok(true);
             }
             self.run.check_cancelled()?;
-            self.coupling.apply(&work.direction, &mut work.product, self.run);
+            self.coupling
+                .apply(&work.direction, &mut work.product, self.run);
             // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
-            let curvature = dot(&work.direction, &work.product)
-                + dot(&work.direction, &work.direction_load);
+            let curvature =
+                dot(&work.direction, &work.product) + dot(&work.direction, &work.direction_load);
             if curvature <= 0.0 {
                 return Ok(false);
             }
@@ -526,13 +529,16 @@ impl<'a> Newton<'a> {
     /// Calls `consume` with the touched pillars as loaded discs.
     pub(crate) fn with_discs<T>(&self, consume: impl FnOnce(&LoadedDiscs<'_>) -> T) -> T {
         let modes = self.modes;
-        let touched = || {
-            (0..self.window.len()).filter(|&p| self.status[p] != PillarStatus::Untouched)
-        };
+        let touched =
+            || (0..self.window.len()).filter(|&p| self.status[p] != PillarStatus::Untouched);
         let centres: Vec<Point> = touched().map(|p| self.window.centres()[p]).collect();
         let gather = |response: &Response| -> Vec<f64> {
             touched()
-                .flat_map(|p| response.coefficients[p * modes..(p + 1) * modes].iter().copied())
+                .flat_map(|p| {
+                    response.coefficients[p * modes..(p + 1) * modes]
+                        .iter()
+                        .copied()
+                })
                 .collect()
         };
         let second = gather(&self.rest);
@@ -567,6 +573,35 @@ impl<'a> Newton<'a> {
             .project(self.problem, self.window.centres()[pillar], &mut load);
         self.load(pillar, indentation, &mut load[..self.modes]);
         load
+    }
+
+    /// All coefficients of a partially touched pillar.
+    pub(crate) fn partial_coefficients(
+        &self,
+        pillar: usize,
+        indentation: f64,
+        solver: &mut LocalSolver,
+    ) -> Vec<f64> {
+        let load = self.full_load(pillar, indentation);
+        let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
+            Some(partial) => partial.active.clone(),
+            None => solver.first_guess(&self.top, &load),
+        };
+        solver.solve(&self.top, &load, &mut active);
+        let mut coefficients = vec![0.0; self.top.count()];
+        solver.coefficients(&self.top, &load, &mut coefficients);
+        coefficients
+    }
+
+    /// The point of the smallest floor gap at a solved indentation, with the gap plus the
+    /// indentation.
+    pub(crate) fn lowest_gap(&mut self, indentation: f64) -> Option<FloorPoint> {
+        if !self.whole {
+            self.rest.coefficients = self.total_coefficients(indentation);
+            add_scaled(&mut self.rest.far, indentation, &self.unit.far);
+            self.whole = true;
+        }
+        self.lowest_floor_point()
     }
 
     /// Solves every pillar under its present load, and takes over statuses and active nodes.

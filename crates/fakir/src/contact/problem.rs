@@ -106,7 +106,11 @@ impl LensProjector {
     /// `- ∫ Y_i f dOmega` over the pillar top at `centre`, for as many modes as `load` holds.
     pub(crate) fn project(&self, problem: &Problem, centre: Point, load: &mut [f64]) {
         load.fill(0.0);
-        for (point, row) in self.points.iter().zip(self.weights.chunks_exact(self.count)) {
+        for (point, row) in self
+            .points
+            .iter()
+            .zip(self.weights.chunks_exact(self.count))
+        {
             let sag = problem.sag([centre[0] + point[0], centre[1] + point[1]]);
             for (value, weight) in load.iter_mut().zip(row) {
                 *value -= weight * sag;

@@ -12,7 +12,7 @@ use crate::disc::basis::mode_count;
 use crate::disc::unilateral::PillarTop;
 
 /// Largest contact radius over lens radius that is still solved.
-const LARGEST_CONTACT: f64 = 0.5;
+pub(crate) const LARGEST_CONTACT: f64 = 0.5;
 
 /// Degrees for an accuracy: of the coupling, which has to be finer the denser the texture, and
 /// of the nodes on partially touched pillars.
@@ -146,7 +146,9 @@ fn first_radius(problem: &Problem, target: Target) -> f64 {
 fn first_indentation(problem: &Problem, target: Target, radius: f64) -> f64 {
     match target {
         Target::Indentation(indentation) => indentation,
-        Target::Force(_) | Target::Floor => problem.lens.sag((0.7 * radius).min(problem.lens.radius)),
+        Target::Force(_) | Target::Floor => {
+            problem.lens.sag((0.7 * radius).min(problem.lens.radius))
+        }
     }
 }
 
@@ -199,26 +201,107 @@ mod tests {
         for line in text.lines().skip(1) {
             let f: Vec<&str> = line.split(',').collect();
             let v = |k: usize| f[k].parse::<f64>().unwrap_or(0.0);
-            if v(4) == 0.0 { continue; }
-            let pillar = Pillar { diameter: 6e-6, height: 2.2e-6, compliance: if f[3] == "none" { PillarCompliance::None } else { PillarCompliance::Column } };
+            if v(4) == 0.0 {
+                continue;
+            }
+            let pillar = Pillar {
+                diameter: 6e-6,
+                height: 2.2e-6,
+                compliance: if f[3] == "none" {
+                    PillarCompliance::None
+                } else {
+                    PillarCompliance::Column
+                },
+            };
             let system = System::new(
-                Lens { radius: 2.2e-3, material: Material::new(2e6, 0.5) },
+                Lens {
+                    radius: 2.2e-3,
+                    material: Material::new(2e6, 0.5),
+                },
                 Material::new(v(2), 0.5),
-                Texture { pillar, lattice: HexagonalLattice::with_surface_fraction(v(0), 6e-6).offset_by(v(1)) },
-            ).unwrap();
+                Texture {
+                    pillar,
+                    lattice: HexagonalLattice::with_surface_fraction(v(0), 6e-6).offset_by(v(1)),
+                },
+            )
+            .unwrap();
             let problem = Problem::new(&system);
             let run = Run::default();
-            for (name, degrees) in [("punch", None), ("2/8", Some(Degrees { coupling: 2, nodes: 8 })), ("2/16", Some(Degrees { coupling: 2, nodes: 16 })), ("4/24", Some(Degrees { coupling: 4, nodes: 24 })), ("4/32", Some(Degrees { coupling: 4, nodes: 32 }))] {
+            for (name, degrees) in [
+                ("punch", None),
+                (
+                    "2/8",
+                    Some(Degrees {
+                        coupling: 2,
+                        nodes: 8,
+                    }),
+                ),
+                (
+                    "2/16",
+                    Some(Degrees {
+                        coupling: 2,
+                        nodes: 16,
+                    }),
+                ),
+                (
+                    "4/24",
+                    Some(Degrees {
+                        coupling: 4,
+                        nodes: 24,
+                    }),
+                ),
+                (
+                    "4/32",
+                    Some(Degrees {
+                        coupling: 4,
+                        nodes: 32,
+                    }),
+                ),
+            ] {
                 let t = std::time::Instant::now();
                 let mut s = match degrees {
                     None => solve_punch(&problem, Target::Floor, PunchForm::Corrected, &run),
                     Some(d) => solve_spectral(&problem, Target::Floor, d, &run),
-                }.unwrap();
+                }
+                .unwrap();
                 let o = s.outcome;
                 let force = s.newton.force(o.indentation) * problem.force();
                 let x = o.floor.unwrap().position;
-                println!("{} {} {} {name}: F {:.3e} (err {:.1e}) zeta {:.3e} (err {:.1e}) x {:?} touched {} steps {} {:?} mism {:.1e} {:?} est {:?}", f[0], f[1], f[3],
-                    force / v(4) - 1.0, v(11), o.indentation * problem.length / v(5) - 1.0, v(12), problem.metres(x), s.newton.touched(), s.steps, o.termination, o.mismatch, t.elapsed(), degrees.map(|d| { let t = std::time::Instant::now(); let e = super::super::estimate::estimate(&mut s.newton, &o, Target::Floor, match d.nodes { 8 => 12, 16=>24, 24=>16, _ => 24 }).unwrap(); (format!("{:.1e} {:.1e}", e.force, e.indentation), t.elapsed()) }));
+                println!(
+                    "{} {} {} {name}: F {:.3e} (err {:.1e}) zeta {:.3e} (err {:.1e}) x {:?} touched {} steps {} {:?} mism {:.1e} {:?} est {:?}",
+                    f[0],
+                    f[1],
+                    f[3],
+                    force / v(4) - 1.0,
+                    v(11),
+                    o.indentation * problem.length / v(5) - 1.0,
+                    v(12),
+                    problem.metres(x),
+                    s.newton.touched(),
+                    s.steps,
+                    o.termination,
+                    o.mismatch,
+                    t.elapsed(),
+                    degrees.map(|d| {
+                        let t = std::time::Instant::now();
+                        let e = super::super::estimate::estimate(
+                            &mut s.newton,
+                            &o,
+                            Target::Floor,
+                            match d.nodes {
+                                8 => 12,
+                                16 => 24,
+                                24 => 16,
+                                _ => 24,
+                            },
+                        )
+                        .unwrap();
+                        (
+                            format!("{:.1e} {:.1e}", e.force, e.indentation),
+                            t.elapsed(),
+                        )
+                    })
+                );
             }
         }
     }

@@ -144,7 +144,12 @@ impl LatticeConvolution {
         }
     }
 
-    pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], pool: Option<&ThreadPool>) {
+    pub(crate) fn apply(
+        &mut self,
+        coefficients: &[f64],
+        far: &mut [f64],
+        pool: Option<&ThreadPool>,
+    ) {
         let pool = self.shared(pool);
         self.rows_forward(coefficients);
         self.columns(pool);
@@ -305,9 +310,19 @@ fn multiply(
             };
             let source = &input[b * padded..(b + 1) * padded];
             if odd {
-                add_imaginary(kernel, 1.0, source, &mut output[a * padded..(a + 1) * padded]);
+                add_imaginary(
+                    kernel,
+                    1.0,
+                    source,
+                    &mut output[a * padded..(a + 1) * padded],
+                );
                 let source = &input[a * padded..(a + 1) * padded];
-                add_imaginary(kernel, -1.0, source, &mut output[b * padded..(b + 1) * padded]);
+                add_imaginary(
+                    kernel,
+                    -1.0,
+                    source,
+                    &mut output[b * padded..(b + 1) * padded],
+                );
             } else {
                 add_real(kernel, source, &mut output[a * padded..(a + 1) * padded]);
                 if a != b {

@@ -30,7 +30,10 @@ impl DirectCoupling {
     }
 
     pub(crate) fn apply(&self, coefficients: &[f64], far: &mut [f64]) {
-        for (value, row) in far.iter_mut().zip(self.matrix.chunks_exact(self.size.max(1))) {
+        for (value, row) in far
+            .iter_mut()
+            .zip(self.matrix.chunks_exact(self.size.max(1)))
+        {
             *value = row.iter().zip(coefficients).map(|(b, c)| b * c).sum();
         }
     }

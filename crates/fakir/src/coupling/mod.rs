@@ -87,7 +87,10 @@ mod tests {
             let c = coefficients(window.len() * mode_count(degree));
             let mut direct = vec![0.0; c.len()];
             DirectCoupling::new(&window, &pair).apply(&c, &mut direct);
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(2)
+                .build()
+                .unwrap();
             for pool in [None, Some(&pool)] {
                 let mut transformed = vec![f64::NAN; c.len()];
                 LatticeConvolution::new(&window, &pair, pool).apply(&c, &mut transformed, pool);

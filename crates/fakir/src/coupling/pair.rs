@@ -262,8 +262,7 @@ mod tests {
         for (at, weight, receiver) in &rule {
             field.fill(0.0);
             for (from, weight, source) in &rule {
-                let distance =
-                    (at[0] + offset[0] - from[0]).hypot(at[1] + offset[1] - from[1]);
+                let distance = (at[0] + offset[0] - from[0]).hypot(at[1] + offset[1] - from[1]);
                 for (sum, value) in field.iter_mut().zip(source) {
                     *sum += weight * value / (PI * distance);
                 }

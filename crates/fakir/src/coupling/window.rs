@@ -38,7 +38,9 @@ impl Window {
             indexed
                 .iter()
                 .map(|(index, _)| pick(index))
-                .fold((i64::MAX, i64::MIN), |(low, high), v| (low.min(v), high.max(v)))
+                .fold((i64::MAX, i64::MIN), |(low, high), v| {
+                    (low.min(v), high.max(v))
+                })
         };
         let ((low_i, high_i), (low_j, high_j)) = (bounds(|v| v.0), bounds(|v| v.1));
         Self {

@@ -108,6 +108,10 @@ impl BasisEvaluator {
         }
     }
 
+    pub(crate) fn degree(&self) -> usize {
+        self.degree
+    }
+
     pub(crate) fn modes(&self) -> &[Mode] {
         &self.modes
     }
@@ -159,8 +163,7 @@ impl BasisEvaluator {
                 ((2.0 * mf + 1.0) / (2.0 * mf)).sqrt() * rho * table[triangle(m - 1, m - 1)];
         }
         for m in 0..self.degree {
-            table[triangle(m + 1, m)] =
-                (2.0 * m as f64 + 3.0).sqrt() * mu * table[triangle(m, m)];
+            table[triangle(m + 1, m)] = (2.0 * m as f64 + 3.0).sqrt() * mu * table[triangle(m, m)];
         }
         for l in 2..=self.degree {
             for m in 0..=l - 2 {
@@ -175,8 +178,7 @@ impl BasisEvaluator {
 /// `y_lm = Pbar_lm(0)`, the modes without their angular factor at the edge of the disc.
 pub(crate) fn equator_value(degree: usize, order: usize) -> f64 {
     // |y_lm| follows from lambda = 2 pi^2 y^2/(2l + 1); the sign is that of P_lm(0).
-    let magnitude =
-        ((2 * degree + 1) as f64 * eigenvalue(degree, order) / (2.0 * PI * PI)).sqrt();
+    let magnitude = ((2 * degree + 1) as f64 * eigenvalue(degree, order) / (2.0 * PI * PI)).sqrt();
     if ((degree - order) / 2) % 2 == 0 {
         magnitude
     } else {

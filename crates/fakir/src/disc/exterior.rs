@@ -86,7 +86,8 @@ impl RadialFunction {
         let (a, b, c) = (0.5 * a2 as f64, 0.5 * b2 as f64, degree as f64 + 1.5);
         let angular = if order == 0 { 1.0 } else { SQRT_2 };
         let (gamma_a, gamma_b, gamma_c) = (gamma_half(a2), gamma_half(b2), gamma_degree(degree));
-        let factor = angular * equator_value(degree, order) / PI.sqrt() * gamma_a * gamma_b / gamma_c;
+        let factor =
+            angular * equator_value(degree, order) / PI.sqrt() * gamma_a * gamma_b / gamma_c;
         // Abramowitz & Stegun 15.3.6 with c - a - b = 1/2.
         let gamma_c_a = gamma_half(2 * degree + 3 - a2);
         let gamma_c_b = gamma_half(2 * degree + 3 - b2);
@@ -256,10 +257,7 @@ impl Exterior {
 fn power([x, y]: [f64; 2], exponent: usize) -> [f64; 2] {
     let mut result = [1.0, 0.0];
     for _ in 0..exponent {
-        result = [
-            result[0] * x - result[1] * y,
-            result[0] * y + result[1] * x,
-        ];
+        result = [result[0] * x - result[1] * y, result[0] * y + result[1] * x];
     }
     result
 }
@@ -319,7 +317,10 @@ mod tests {
         for delta in [1.0, 1.0 + 1e-9, 1.01, 1.15, 1.2, 1.5, 4.0, 17.0, 300.0_f64] {
             let expected = 2.0 / PI * delta.recip().asin();
             let found = coefficient * radial.value(delta.recip());
-            assert!((found / expected - 1.0).abs() < 1e-14, "{delta}: {found} {expected}");
+            assert!(
+                (found / expected - 1.0).abs() < 1e-14,
+                "{delta}: {found} {expected}"
+            );
         }
     }
 
@@ -363,7 +364,10 @@ mod tests {
         basis.evaluate_polar(0.0, 1.0, direction, &mut inside);
         for ((outside, inside), mode) in outside.iter().zip(&inside).zip(modes(degree)) {
             let expected = inside * super::super::basis::eigenvalue(mode.degree, mode.order);
-            assert!((outside - expected).abs() < 1e-9, "{mode:?}: {outside} {expected}");
+            assert!(
+                (outside - expected).abs() < 1e-9,
+                "{mode:?}: {outside} {expected}"
+            );
         }
     }
 

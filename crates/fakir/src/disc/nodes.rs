@@ -12,10 +12,7 @@ pub(crate) struct Node {
 
 impl Node {
     pub(crate) fn point(&self) -> [f64; 2] {
-        [
-            self.rho * self.direction[0],
-            self.rho * self.direction[1],
-        ]
+        [self.rho * self.direction[0], self.rho * self.direction[1]]
     }
 }
 
@@ -70,7 +67,11 @@ mod tests {
         for degree in [2, 8, 16, 24] {
             let nodes = bos_array(degree, 0.0);
             assert_eq!(nodes.len(), mode_count(degree));
-            assert!(nodes[..edge_count(degree)].iter().all(|node| node.mu == 0.0));
+            assert!(
+                nodes[..edge_count(degree)]
+                    .iter()
+                    .all(|node| node.mu == 0.0)
+            );
             assert!(nodes[edge_count(degree)..].iter().all(|node| node.mu > 0.0));
         }
     }

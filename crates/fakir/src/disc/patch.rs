@@ -55,6 +55,11 @@ impl PatchSolver {
         }
     }
 
+    /// Number of modes.
+    pub(crate) fn count(&self) -> usize {
+        self.edge.len()
+    }
+
     /// The contact of a given radius under a lens of the given shape.
     pub(crate) fn with_radius(&self, radius: f64, sag: impl Fn(f64) -> f64) -> Patch {
         let count = self.edge.len();
@@ -108,22 +113,23 @@ impl PatchSolver {
         // Regula falsi (Illinois) on the radius squared, in which indentation is all but linear.
         let (mut low_square, mut low_excess) = (0.0, -value);
         let mut high_square = largest * largest;
-        for _ in 0..200 {
-            let square = (low_square * high_excess - high_square * low_excess)
-                / (high_excess - low_excess);
+        let mut last_side = 0;
+        for _ in 0..100 {
+            let square =
+                (low_square * high_excess - high_square * low_excess) / (high_excess - low_excess);
             let patch = self.with_radius(square.max(f64::MIN_POSITIVE).sqrt(), &sag);
             let found = excess(&patch);
-            let done = found.abs() <= 1e-14 * value.abs()
-                || (high_square - low_square) <= 1e-15 * high_square;
-            if found > 0.0 {
+            let side = if found > 0.0 { 1 } else { -1 };
+            if side > 0 {
                 (high_square, high_excess) = (square, found);
-                low_excess *= 0.5;
+                low_excess *= if last_side == side { 0.5 } else { 1.0 };
             } else {
                 (low_square, low_excess) = (square, found);
-                high_excess *= 0.5;
+                high_excess *= if last_side == side { 0.5 } else { 1.0 };
             }
+            last_side = side;
             high = patch;
-            if done {
+            if found.abs() <= 1e-14 * value || high_square - low_square <= 1e-15 * high_square {
                 break;
             }
         }
@@ -158,8 +164,14 @@ mod tests {
             .find(1.0, sag, |patch| patch.indentation, wanted.indentation)
             .unwrap();
         assert!((found.radius / 0.37 - 1.0).abs() < 1e-12);
-        let by_force = solver.find(1.0, sag, |patch| patch.force, wanted.force).unwrap();
+        let by_force = solver
+            .find(1.0, sag, |patch| patch.force, wanted.force)
+            .unwrap();
         assert!((by_force.indentation / wanted.indentation - 1.0).abs() < 1e-12);
-        assert!(solver.find(0.3, sag, |patch| patch.force, wanted.force).is_none());
+        assert!(
+            solver
+                .find(0.3, sag, |patch| patch.force, wanted.force)
+                .is_none()
+        );
     }
 }

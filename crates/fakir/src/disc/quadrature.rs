@@ -31,7 +31,10 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
     let (mut previous, mut value) = (1.0, x);
     for k in 2..=n {
         let k = k as f64;
-        (previous, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * previous) / k);
+        (previous, value) = (
+            value,
+            ((2.0 * k - 1.0) * x * value - (k - 1.0) * previous) / k,
+        );
     }
     (value, n as f64 * (x * value - previous) / (x * x - 1.0))
 }

@@ -197,14 +197,13 @@ impl LocalSolver {
                     steps,
                 };
             }
-            let violated =
-                |k: usize, active: &[bool], solver: &Self| {
-                    if active[k] {
-                        solver.multiplier[k] < 0.0
-                    } else {
-                        solver.pressure[k] < -PRESSURE_TOLERANCE * scale
-                    }
-                };
+            let violated = |k: usize, active: &[bool], solver: &Self| {
+                if active[k] {
+                    solver.multiplier[k] < 0.0
+                } else {
+                    solver.pressure[k] < -PRESSURE_TOLERANCE * scale
+                }
+            };
             let count = (0..top.count)
                 .filter(|&k| violated(k, active, self))
                 .count();
@@ -343,7 +342,11 @@ impl LocalSolver {
         );
         for i in 0..lead {
             for j in 0..lead {
-                let free = if i == j { top.compliance[i].recip() } else { 0.0 };
+                let free = if i == j {
+                    top.compliance[i].recip()
+                } else {
+                    0.0
+                };
                 derivative[i * lead + j] = free
                     - dot(
                         &self.right[i * size..(i + 1) * size],

@@ -25,16 +25,13 @@ use super::lattice_potential::{hollow_potential, site_potential};
 use super::spring_layer::{LayerModes, UnitContact};
 use crate::contact::{
     ContactState, CriticalState, ErrorEstimate, Load, Method, Regime, Run, SolveError, Termination,
-    Warning,
+    contact_warnings,
 };
 use crate::system::{MAXIMUM_SURFACE_FRACTION, Point, Quantity, Requirement, System};
 use std::f64::consts::PI;
 
 /// Beyond this fraction of the lens radius a contact is refused.
 const LARGEST_CONTACT: f64 = 0.5;
-
-/// Beyond this fraction of the lens radius a contact is warned of.
-const DOUBTFUL_CONTACT: f64 = 0.2;
 
 /// Relative difference between the two resolutions below which a solution is called
 /// converged. They differ by 2e-7 at most, for springs that hardly give way.
@@ -145,7 +142,7 @@ pub fn transition(system: &System, run: &Run<'_>) -> Result<CriticalState, Solve
     if nearest_edge_sag(system) >= system.pillar().height {
         return Ok(CriticalState {
             regime: Regime::BottomFirst,
-            contact: untouched(system, system.pillar().height),
+            contact: ContactState::untouched(system, Method::Homogenised, system.pillar().height),
             floor_contact: [0.0, 0.0],
         });
     }
@@ -179,9 +176,11 @@ pub fn press(system: &System, load: Load, run: &Run<'_>) -> Result<ContactState,
     let bottom_first = first_touch >= system.pillar().height;
     match target {
         Target::Indentation(zeta) if zeta <= 0.0 || (bottom_first && zeta <= first_touch) => {
-            return Ok(untouched(system, zeta));
+            return Ok(ContactState::untouched(system, Method::Homogenised, zeta));
         }
-        Target::Force(force) if force <= 0.0 => return Ok(untouched(system, 0.0)),
+        Target::Force(force) if force <= 0.0 => {
+            return Ok(ContactState::untouched(system, Method::Homogenised, 0.0));
+        }
         _ => {}
     }
     let mut contact = solve(system, &HomogenisedLattice::new(system)?, target)?;
@@ -304,44 +303,13 @@ fn solve(
             Termination::Stagnated
         },
         iterations,
-        warnings: warnings(contact.radius / system.lens().radius),
-        ..untouched(system, 0.0)
+        warnings: contact_warnings(contact.radius / system.lens().radius),
+        ..ContactState::untouched(system, Method::Homogenised, 0.0)
     })
 }
 
 fn relative_difference(coarse: f64, fine: f64) -> f64 {
     (coarse / fine - 1.0).abs().max(ROUNDING)
-}
-
-fn warnings(ratio: f64) -> Vec<Warning> {
-    if ratio > DOUBTFUL_CONTACT {
-        vec![Warning::LargeContact { ratio }]
-    } else {
-        Vec::new()
-    }
-}
-
-/// The lens at an indentation at which it touches no pillar.
-fn untouched(system: &System, indentation: f64) -> ContactState {
-    ContactState {
-        system: *system,
-        method: Method::Homogenised,
-        indentation,
-        force: 0.0,
-        contact_radius: 0.0,
-        pillars_in_contact: 0,
-        pillars_partially_in_contact: 0,
-        pillars: Vec::new(),
-        smallest_floor_gap: system.pillar().height - indentation,
-        smallest_gap_position: [0.0, 0.0],
-        error: ErrorEstimate {
-            force: 0.0,
-            indentation: 0.0,
-        },
-        termination: Termination::Converged,
-        iterations: 0,
-        warnings: Vec::new(),
-    }
 }
 
 /// Height of the undeformed lens above its lowest point, over the nearest pillar edge, m; 0

@@ -1,0 +1,606 @@
+//! Answers of the methods that resolve pillars, assembled from their solutions.
+
+use super::estimate::estimate;
+use super::fields::{Disc, Fields, degree_with};
+use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::newton::{Degrees, Newton, Outcome, Target};
+use super::problem::Problem;
+use super::run::{Progress, Run, Stage, Termination};
+use super::spectral::{LARGEST_CONTACT, Solution, degrees, solve_punch, solve_spectral};
+use super::{
+    Accuracy, ContactState, CriticalState, ErrorEstimate, Load, Method, PillarState, PillarStatus,
+    PunchForm, Regime, SolveError, contact_warnings,
+};
+use crate::disc::basis::{BasisEvaluator, mode_count};
+use crate::disc::exterior::Exterior;
+use crate::disc::nodes::edge_count;
+use crate::disc::patch::{Patch, PatchSolver};
+use crate::disc::unilateral::LocalSolver;
+use crate::system::{Point, Quantity, Requirement, System};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Relative error claimed for a contact inside one pillar top.
+const PATCH_ERROR: f64 = 1e-8;
+
+/// What the punch lattices leave out, relative, plain and corrected: the largest differences from
+/// the spectral method at surface fractions up to 0.2. They do not refine, so this cannot be
+/// estimated from within.
+const PUNCH_ERROR: [f64; 2] = [0.1, 0.02];
+
+/// Which method solves the pillars.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PillarMethod {
+    Spectral(Accuracy),
+    Punch(PunchForm),
+}
+
+impl From<PillarMethod> for Method {
+    fn from(method: PillarMethod) -> Self {
+        match method {
+            PillarMethod::Spectral(accuracy) => Self::Spectral(accuracy),
+            PillarMethod::Punch(form) => Self::Punch(form),
+        }
+    }
+}
+
+/// The contact under a load.
+pub(crate) fn press(
+    system: &System,
+    load: Load,
+    method: PillarMethod,
+    run: &Run<'_>,
+) -> Result<ContactState, SolveError> {
+    let problem = Problem::new(system);
+    let target = match load {
+        Load::Indentation(indentation) => {
+            Requirement::NotNegative.check(Quantity::Indentation, indentation)?;
+            Target::Indentation(indentation / problem.length)
+        }
+        Load::Force(force) => {
+            Requirement::NotNegative.check(Quantity::Force, force)?;
+            Target::Force(force / problem.force())
+        }
+    };
+    let first_touch = problem.lens.sag(problem.nearest_edge());
+    match target {
+        Target::Indentation(indentation) if indentation <= first_touch => {
+            return Ok(without_contact(system, &problem, method, indentation));
+        }
+        Target::Force(force) if force <= 0.0 => {
+            return Ok(without_contact(system, &problem, method, first_touch));
+        }
+        _ => {}
+    }
+    Ok(solve(system, &problem, target, method, run)?.0)
+}
+
+/// The critical state.
+pub(crate) fn transition(
+    system: &System,
+    method: PillarMethod,
+    run: &Run<'_>,
+) -> Result<CriticalState, SolveError> {
+    let problem = Problem::new(system);
+    if problem.touches_floor_first() {
+        let mut contact = without_contact(system, &problem, method, problem.height);
+        contact.smallest_floor_gap = 0.0;
+        contact.smallest_gap_position = [0.0, 0.0];
+        return Ok(CriticalState {
+            regime: Regime::BottomFirst,
+            contact,
+            floor_contact: [0.0, 0.0],
+        });
+    }
+    let (mut contact, alone) = solve(system, &problem, Target::Floor, method, run)?;
+    contact.smallest_floor_gap = 0.0;
+    let [x, y] = contact.smallest_gap_position;
+    let floor_contact = if alone {
+        [x.hypot(y), 0.0]
+    } else {
+        system.lattice().symmetry().fold([x, y])
+    };
+    Ok(CriticalState {
+        regime: Regime::TopFirst,
+        contact,
+        floor_contact,
+    })
+}
+
+/// Solves for a target; says too whether the contact is round, with one pillar under the axis.
+fn solve(
+    system: &System,
+    problem: &Problem,
+    target: Target,
+    method: PillarMethod,
+    run: &Run<'_>,
+) -> Result<(ContactState, bool), SolveError> {
+    if let PillarMethod::Spectral(_) = method
+        && let Some(patch) = find_patch(problem, target)
+    {
+        let state = patch_state(system, problem, method, &patch);
+        let alone = is_under_axis(problem, state.pillars[0].centre);
+        return Ok((state, alone));
+    }
+    let (mut solution, degrees) = match method {
+        PillarMethod::Spectral(accuracy) => {
+            let degrees = degrees(accuracy, problem);
+            (solve_spectral(problem, target, degrees, run)?, degrees)
+        }
+        PillarMethod::Punch(form) => (
+            solve_punch(problem, target, form, run)?,
+            Degrees {
+                coupling: 0,
+                nodes: 0,
+            },
+        ),
+    };
+    let error = solution_error(&mut solution, target, method, degrees, run)?;
+    let state = assemble(system, problem, target, method, solution, error)?;
+    let alone = state.pillars.len() == 1 && is_under_axis(problem, state.pillars[0].centre);
+    Ok((state, alone))
+}
+
+/// Whether a pillar stands under the lens axis.
+fn is_under_axis(problem: &Problem, centre: Point) -> bool {
+    centre[0].hypot(centre[1]) < 1e-9 * problem.length
+}
+
+fn solution_error(
+    solution: &mut Solution<'_>,
+    target: Target,
+    method: PillarMethod,
+    degrees: Degrees,
+    run: &Run<'_>,
+) -> Result<ErrorEstimate, SolveError> {
+    if solution.outcome.termination != Termination::Converged {
+        return Ok(ErrorEstimate {
+            force: 1.0,
+            indentation: 1.0,
+        });
+    }
+    match method {
+        PillarMethod::Punch(form) => {
+            let error = match form {
+                PunchForm::Plain => PUNCH_ERROR[0],
+                PunchForm::Corrected => PUNCH_ERROR[1],
+            };
+            Ok(ErrorEstimate {
+                force: if matches!(target, Target::Force(_)) {
+                    0.0
+                } else {
+                    error
+                },
+                indentation: if matches!(target, Target::Indentation(_)) {
+                    0.0
+                } else {
+                    error
+                },
+            })
+        }
+        PillarMethod::Spectral(_) => {
+            run.report(Progress {
+                stage: Stage::ErrorEstimate,
+                step: solution.steps,
+                pillars: solution.newton.window.len(),
+                touched: solution.newton.touched(),
+            });
+            let check_nodes = if degrees.nodes <= 16 {
+                degrees.nodes + 4
+            } else {
+                degrees.nodes - 8
+            };
+            estimate(&mut solution.newton, &solution.outcome, target, check_nodes)
+        }
+    }
+}
+
+/// A state without any contact: the lens above, or just at, the pillar tops.
+fn without_contact(
+    system: &System,
+    problem: &Problem,
+    method: PillarMethod,
+    indentation: f64,
+) -> ContactState {
+    let exterior = Exterior::new(0);
+    let discs = LoadedDiscs {
+        exterior: &exterior,
+        modes: 1,
+        centres: &[],
+        radius: 1.0,
+        coefficients: [&[], &[]],
+    };
+    let lowest = FloorSearch::default().lowest(problem, &discs);
+    let fields = Fields::new(problem.clone(), indentation, Vec::new(), 0, 0);
+    ContactState {
+        fields: Some(Arc::new(fields)),
+        ..floor_gap(
+            problem,
+            ContactState::untouched(system, method.into(), indentation * problem.length),
+            indentation,
+            lowest,
+        )
+    }
+}
+
+/// The state with its smallest floor gap.
+fn floor_gap(
+    problem: &Problem,
+    state: ContactState,
+    indentation: f64,
+    lowest: Option<FloorPoint>,
+) -> ContactState {
+    match lowest {
+        None => state,
+        Some(point) => ContactState {
+            smallest_floor_gap: (point.indentation - indentation) * problem.length,
+            smallest_gap_position: problem.metres(point.position),
+            ..state
+        },
+    }
+}
+
+/// The contact as a circle inside the pillar top under the lens axis, if it is one.
+fn find_patch(problem: &Problem, target: Target) -> Option<Patch> {
+    let lattice = &problem.lattice;
+    let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
+    let [x, y] = lattice.centre(i, j);
+    let largest = 1.0 - x.hypot(y);
+    if largest <= 0.0 {
+        return None;
+    }
+    let solver = PatchSolver::new(problem.column_compliance_ratio);
+    let sag = |r: f64| problem.lens.sag(r);
+    let patch = match target {
+        Target::Indentation(value) => solver.find(largest, sag, |patch| patch.indentation, value),
+        Target::Force(value) => solver.find(largest, sag, |patch| patch.force, value),
+        Target::Floor => {
+            let exterior = Exterior::new(patch_degree());
+            let reached = |patch: &Patch| {
+                patch_floor(problem, &exterior, patch).map_or(f64::NEG_INFINITY, |point| {
+                    patch.indentation - (point.indentation - problem.height)
+                })
+            };
+            solver.find(largest, sag, reached, problem.height)
+        }
+    }?;
+    // No other pillar may be touched: the nearest edge of the next one stays below the lens.
+    let next = next_nearest(problem, (i, j));
+    (problem.lens.sag((next - 1.0).max(0.0)) > patch.indentation).then_some(patch)
+}
+
+fn patch_degree() -> usize {
+    degree_with(PatchSolver::new(0.0).count())
+}
+
+/// Distance from the lens axis of the nearest pillar other than `index`.
+fn next_nearest(problem: &Problem, (i, j): (i64, i64)) -> f64 {
+    [(1, 0), (0, 1), (-1, 0), (0, -1), (1, -1), (-1, 1)]
+        .into_iter()
+        .map(|(di, dj)| {
+            let [x, y] = problem.lattice.centre(i + di, j + dj);
+            x.hypot(y)
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Lowest point of the floor under a patch: its gap plus the indentation.
+fn patch_floor(problem: &Problem, exterior: &Exterior, patch: &Patch) -> Option<FloorPoint> {
+    let zeros = vec![0.0; patch.coefficients.len()];
+    let discs = LoadedDiscs {
+        exterior,
+        modes: patch.coefficients.len(),
+        centres: &[[0.0, 0.0]],
+        radius: patch.radius,
+        coefficients: [&zeros, &patch.coefficients],
+    };
+    FloorSearch::default().lowest(problem, &discs)
+}
+
+fn patch_state(
+    system: &System,
+    problem: &Problem,
+    method: PillarMethod,
+    patch: &Patch,
+) -> ContactState {
+    let index = problem.lattice.nearest_pillar([0.0, 0.0]);
+    let degree = patch_degree();
+    let lowest = patch_floor(problem, &Exterior::new(degree), patch);
+    let disc = Disc {
+        index,
+        centre: [0.0, 0.0],
+        radius: patch.radius,
+        coefficients: patch.coefficients.clone(),
+    };
+    let fields = Fields::new(
+        problem.clone(),
+        patch.indentation,
+        vec![disc],
+        degree,
+        degree,
+    );
+    let centre = system.lattice().centre(index.0, index.1);
+    let force = patch.force * problem.force();
+    let pillar = PillarState {
+        index,
+        centre,
+        status: PillarStatus::Partial,
+        force,
+        centre_pressure: fields.pressure(centre),
+        edge_coefficient: [0.0; 2],
+    };
+    let indentation = patch.indentation * problem.length;
+    floor_gap(
+        problem,
+        ContactState {
+            force,
+            contact_radius: patch.radius * problem.length,
+            pillars_in_contact: 1,
+            pillars_partially_in_contact: 1,
+            pillars: vec![pillar],
+            fields: Some(Arc::new(fields)),
+            error: ErrorEstimate {
+                force: PATCH_ERROR,
+                indentation: PATCH_ERROR,
+            },
+            ..ContactState::untouched(system, method.into(), indentation)
+        },
+        patch.indentation,
+        lowest,
+    )
+}
+
+/// The answer from a solution of all pillars.
+fn assemble(
+    system: &System,
+    problem: &Problem,
+    target: Target,
+    method: PillarMethod,
+    solution: Solution<'_>,
+    error: ErrorEstimate,
+) -> Result<ContactState, SolveError> {
+    let Solution {
+        mut newton,
+        outcome,
+        steps,
+    } = solution;
+    let indentation = outcome.indentation;
+    let lowest = match target {
+        Target::Floor => outcome.floor,
+        Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(indentation),
+    };
+    let touched = touched_pillars(problem, &newton, &outcome);
+    let contact_radius = touched
+        .iter()
+        .map(|pillar| pillar.reach)
+        .fold(0.0, f64::max);
+    let ratio = contact_radius / problem.lens.radius;
+    if ratio > LARGEST_CONTACT {
+        return Err(SolveError::ContactExceedsLens {
+            contact_radius: contact_radius * problem.length,
+            lens_radius: system.lens().radius,
+        });
+    }
+    let partial = touched
+        .iter()
+        .filter(|pillar| pillar.state.status == PillarStatus::Partial)
+        .count();
+    let close_degree = touched
+        .iter()
+        .map(|pillar| degree_with(pillar.disc.coefficients.len()))
+        .max()
+        .unwrap_or(0);
+    let force = newton.force(indentation) * problem.force();
+    let (pillars, discs): (Vec<_>, Vec<_>) = touched.into_iter().map(|p| (p.state, p.disc)).unzip();
+    let fields = Fields::new(
+        problem.clone(),
+        indentation,
+        discs,
+        newton.degree(),
+        close_degree,
+    );
+    let state = ContactState {
+        force,
+        contact_radius: contact_radius * problem.length,
+        pillars_in_contact: pillars.len(),
+        pillars_partially_in_contact: partial,
+        pillars,
+        fields: Some(Arc::new(fields)),
+        error,
+        termination: outcome.termination,
+        iterations: steps,
+        warnings: contact_warnings(ratio),
+        ..ContactState::untouched(system, method.into(), indentation * problem.length)
+    };
+    Ok(floor_gap(problem, state, indentation, lowest))
+}
+
+struct TouchedPillar {
+    state: PillarState,
+    disc: Disc,
+    /// Distance from the lens axis of its farthest point in contact, pillar radii.
+    reach: f64,
+}
+
+/// The touched pillars, nearest to the lens axis first.
+fn touched_pillars(
+    problem: &Problem,
+    newton: &Newton<'_>,
+    outcome: &Outcome,
+) -> Vec<TouchedPillar> {
+    let modes = newton.modes;
+    let total = newton.total_coefficients(outcome.indentation);
+    let mut solver = LocalSolver::new(&newton.top);
+    let mut lead = BasisEvaluator::new(newton.degree());
+    let mut all = BasisEvaluator::new(degree_with(newton.top.count()));
+    let mut touched: Vec<TouchedPillar> = (0..newton.window.len())
+        .filter(|&pillar| newton.status[pillar] != PillarStatus::Untouched)
+        .map(|pillar| {
+            let status = newton.status[pillar];
+            let partial = status == PillarStatus::Partial;
+            let coefficients = if partial {
+                newton.partial_coefficients(pillar, outcome.indentation, &mut solver)
+            } else {
+                total[pillar * modes..(pillar + 1) * modes].to_vec()
+            };
+            let basis = if partial { &mut all } else { &mut lead };
+            touched_pillar(problem, newton, pillar, coefficients, basis)
+        })
+        .collect();
+    let key = |pillar: &TouchedPillar| {
+        let [x, y] = pillar.state.centre;
+        (x.hypot(y) / problem.length * 1e6).round()
+    };
+    touched.sort_by(|a, b| {
+        key(a)
+            .total_cmp(&key(b))
+            .then(a.state.index.cmp(&b.state.index))
+    });
+    touched
+}
+
+fn touched_pillar(
+    problem: &Problem,
+    newton: &Newton<'_>,
+    pillar: usize,
+    coefficients: Vec<f64>,
+    basis: &mut BasisEvaluator,
+) -> TouchedPillar {
+    let centre = newton.window.centres()[pillar];
+    let status = newton.status[pillar];
+    let disc = Disc {
+        index: newton.window.index(pillar),
+        centre,
+        radius: 1.0,
+        coefficients,
+    };
+    let reach = match status {
+        PillarStatus::Partial => contact_reach(&disc, basis),
+        _ => centre[0].hypot(centre[1]) + 1.0,
+    };
+    let state = PillarState {
+        index: disc.index,
+        centre: problem.metres(centre),
+        status,
+        force: disc.force() * problem.force(),
+        centre_pressure: disc.density(basis, [0.0, 0.0]).max(0.0) * problem.pressure,
+        edge_coefficient: edge_range(&disc, basis).map(|q| q * problem.pressure),
+    };
+    TouchedPillar { state, disc, reach }
+}
+
+/// Smallest and largest `q` around the edge. Between nodes the pressure may dip below zero
+/// where there is no contact; that is zero.
+fn edge_range(disc: &Disc, basis: &mut BasisEvaluator) -> [f64; 2] {
+    let degree = basis.degree();
+    let samples = edge_count(degree.max(8));
+    let mut values = vec![0.0; mode_count(degree)];
+    let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
+    for k in 0..samples {
+        let (sin, cos) = (2.0 * PI * k as f64 / samples as f64).sin_cos();
+        basis.evaluate_polar(0.0, 1.0, [cos, sin], &mut values);
+        let q: f64 = values
+            .iter()
+            .zip(&disc.coefficients)
+            .map(|(y, c)| y * c)
+            .sum();
+        smallest = smallest.min(q);
+        largest = largest.max(q);
+    }
+    [smallest.max(0.0), largest]
+}
+
+/// Distance from the lens axis of the farthest contact on a partially touched pillar.
+///
+/// Along rays from the lens axis `q^2` is linear near the free edge of the contact (`q` goes as
+/// the square root of the distance from it), so its zero is extrapolated from where `q` falls
+/// through 0.30 and 0.12 of its largest value on the ray.
+fn contact_reach(disc: &Disc, basis: &mut BasisEvaluator) -> f64 {
+    const RAYS: usize = 61;
+    const SAMPLES: usize = 161;
+    let [x, y] = disc.centre;
+    let distance = x.hypot(y);
+    if distance < 1.0 {
+        return reach_around(disc, basis);
+    }
+    let half_angle = (1.0 / distance).asin();
+    let axis = y.atan2(x);
+    let mut reach = 0.0_f64;
+    for ray in 0..RAYS {
+        let angle = half_angle * (2.0 * (ray as f64 + 0.5) / RAYS as f64 - 1.0);
+        let (sin, cos) = (axis + angle).sin_cos();
+        let along = x * cos + y * sin;
+        let half_chord = (1.0 - (distance * distance - along * along))
+            .max(0.0)
+            .sqrt();
+        let (near, far) = (along - half_chord, along + half_chord);
+        let density =
+            |basis: &mut BasisEvaluator, s: f64| disc.density(basis, [s * cos - x, s * sin - y]);
+        if let Some(end) = ray_end(near, far, SAMPLES, |s| density(basis, s)) {
+            reach = reach.max(end);
+        }
+    }
+    reach
+}
+
+/// As [`contact_reach`] with the lens axis on the pillar itself.
+fn reach_around(disc: &Disc, basis: &mut BasisEvaluator) -> f64 {
+    const RAYS: usize = 72;
+    const SAMPLES: usize = 161;
+    let [x, y] = disc.centre;
+    (0..RAYS)
+        .filter_map(|ray| {
+            let (sin, cos) = (2.0 * PI * ray as f64 / RAYS as f64).sin_cos();
+            let along = x * cos + y * sin;
+            let across_squared = x * x + y * y - along * along;
+            let far = along + (1.0 - across_squared).max(0.0).sqrt();
+            ray_end(0.0, far, SAMPLES, |s| {
+                disc.density(basis, [s * cos - x, s * sin - y])
+            })
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Where the contact ends along a ray on which `density` is known from `near` to `far`.
+fn ray_end(
+    near: f64,
+    far: f64,
+    samples: usize,
+    mut density: impl FnMut(f64) -> f64,
+) -> Option<f64> {
+    let step = (far - near) / (samples - 1) as f64;
+    let values: Vec<f64> = (0..samples)
+        .map(|k| density(near + step * k as f64))
+        .collect();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    if largest <= 0.0 {
+        return None;
+    }
+    let crossing = |level: f64| -> f64 {
+        let level = level * largest;
+        let Some(last) = values.iter().rposition(|q| *q >= level) else {
+            return near;
+        };
+        if last + 1 == samples {
+            return far;
+        }
+        let fraction = (values[last] - level) / (values[last] - values[last + 1]);
+        near + step * (last as f64 + fraction)
+    };
+    let (upper, lower) = (crossing(0.30), crossing(0.12));
+    // q^2 goes through 0.09 and 0.0144: its zero lies 0.0144/0.0756 of their distance further.
+    Some((lower + (lower - upper) * 0.0144 / (0.09 - 0.0144)).min(far))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ray_ends_where_a_square_root_does() {
+        let end = ray_end(3.0, 5.0, 161, |s| (4.2 - s).max(0.0).sqrt()).unwrap();
+        assert!((end - 4.2).abs() < 2e-3);
+        assert_eq!(ray_end(0.0, 1.0, 11, |_| 1.0), Some(1.0));
+        assert_eq!(ray_end(0.0, 1.0, 11, |_| -1.0), None);
+    }
+}
