@@ -6,17 +6,21 @@ use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
 use super::newton::{Degrees, Newton, Outcome, Target};
 use super::problem::Problem;
 use super::run::{Progress, Run, Stage, Termination};
-use super::spectral::{LARGEST_CONTACT, Solution, degrees, solve_punch, solve_spectral};
+use super::spectral::{
+    LARGEST_CONTACT, Solution, degrees, rough_contact_radius, solve_punch, solve_spectral,
+};
 use super::{
     Accuracy, ContactState, CriticalState, ErrorEstimate, Load, Method, PillarState, PillarStatus,
     PunchForm, Regime, SolveError, contact_warnings,
 };
+use crate::coupling::window::Window;
 use crate::disc::basis::{BasisEvaluator, mode_count};
 use crate::disc::exterior::Exterior;
 use crate::disc::nodes::edge_count;
 use crate::disc::patch::{Patch, PatchSolver};
 use crate::disc::unilateral::LocalSolver;
 use crate::system::{Point, Quantity, Requirement, System};
+use crate::theory::homogenised;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -122,13 +126,17 @@ fn solve(
         let alone = is_under_axis(problem, state.pillars[0].centre);
         return Ok((state, alone));
     }
+    let guess = homogenised_radius(system, problem, target, run);
     let (mut solution, degrees) = match method {
         PillarMethod::Spectral(accuracy) => {
             let degrees = degrees(accuracy, problem);
-            (solve_spectral(problem, target, degrees, run)?, degrees)
+            (
+                solve_spectral(problem, target, guess, degrees, run)?,
+                degrees,
+            )
         }
         PillarMethod::Punch(form) => (
-            solve_punch(problem, target, form, run)?,
+            solve_punch(problem, target, guess, form, run)?,
             Degrees {
                 coupling: 0,
                 nodes: 0,
@@ -139,6 +147,33 @@ fn solve(
     let state = assemble(system, problem, target, method, solution, error)?;
     let alone = state.pillars.len() == 1 && is_under_axis(problem, state.pillars[0].centre);
     Ok((state, alone))
+}
+
+/// Pillars touched above which the homogenised lattice knows the contact radius well.
+const MANY_PILLARS: f64 = 40.0;
+
+/// Contact radius of the homogenised lattice, where it can be trusted.
+fn homogenised_radius(
+    system: &System,
+    problem: &Problem,
+    target: Target,
+    run: &Run<'_>,
+) -> Option<f64> {
+    let rough = rough_contact_radius(problem, target);
+    if Window::expected_len(&problem.lattice, rough) < MANY_PILLARS {
+        return None;
+    }
+    let contact = match target {
+        Target::Floor => homogenised::transition(system, run).ok()?.contact,
+        Target::Force(force) => {
+            homogenised::press(system, Load::Force(force * problem.force()), run).ok()?
+        }
+        Target::Indentation(indentation) => {
+            let load = Load::Indentation(indentation * problem.length);
+            homogenised::press(system, load, run).ok()?
+        }
+    };
+    Some(contact.contact_radius / problem.length).filter(|radius| *radius > 0.0)
 }
 
 /// Whether a pillar stands under the lens axis.
@@ -516,8 +551,8 @@ fn edge_range(disc: &Disc, basis: &mut BasisEvaluator) -> [f64; 2] {
 /// the square root of the distance from it), so its zero is extrapolated from where `q` falls
 /// through 0.30 and 0.12 of its largest value on the ray.
 fn contact_reach(disc: &Disc, basis: &mut BasisEvaluator) -> f64 {
-    const RAYS: usize = 61;
-    const SAMPLES: usize = 161;
+    const RAYS: usize = 21;
+    const SAMPLES: usize = 49;
     let [x, y] = disc.centre;
     let distance = x.hypot(y);
     if distance < 1.0 {
@@ -545,8 +580,8 @@ fn contact_reach(disc: &Disc, basis: &mut BasisEvaluator) -> f64 {
 
 /// As [`contact_reach`] with the lens axis on the pillar itself.
 fn reach_around(disc: &Disc, basis: &mut BasisEvaluator) -> f64 {
-    const RAYS: usize = 72;
-    const SAMPLES: usize = 161;
+    const RAYS: usize = 36;
+    const SAMPLES: usize = 49;
     let [x, y] = disc.centre;
     (0..RAYS)
         .filter_map(|ray| {

@@ -16,8 +16,12 @@ const STEP_LIMIT: usize = 60;
 /// its square.
 const STEP_TOLERANCE: f64 = 1e-9;
 
-/// Starting points kept from one search to the next.
-const KEPT: usize = 8;
+/// Lowest points kept from one search to the next are those within this fraction of the lowest:
+/// neighbouring holes differ by 1e-3, and so does the solution from one Newton step to the next.
+const KEPT_WITHIN: f64 = 0.05;
+
+/// Starting points taken from a scan, besides the holes.
+const SCANNED: usize = 8;
 
 /// In textures wider than this pitch (pillar radii) the lowest point may lie anywhere around a
 /// pillar; in denser ones it lies in a hole.
@@ -103,7 +107,6 @@ impl FloorSearch {
             }
         }
         minima.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
-        minima.truncate(KEPT);
         self.starts.clear();
         self.starts
             .extend(minima.iter().map(|point| point.position));
@@ -278,7 +281,7 @@ fn first_starts(problem: &Problem, discs: &LoadedDiscs<'_>) -> Vec<Point> {
     let separation = 0.12 * pitch;
     let mut added: Vec<Point> = Vec::new();
     for (_, point) in rated {
-        if added.len() == KEPT {
+        if added.len() == SCANNED {
             break;
         }
         if added

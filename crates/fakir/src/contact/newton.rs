@@ -30,6 +30,10 @@ const FIRST_LINEAR_TOLERANCE: f64 = 1e-3;
 /// solution on any pillar.
 const MISMATCH_TOLERANCE: f64 = 1e-7;
 
+/// Relative difference in the indentation of first contact between floor points that count as
+/// equally low.
+const FLOOR_TOLERANCE: f64 = 1e-10;
+
 /// Newton steps before giving up. One to six are typical.
 const STEP_LIMIT: usize = 60;
 
@@ -260,6 +264,12 @@ impl<'a> Newton<'a> {
                 return Ok(outcome);
             }
             let Some((indentation, floor)) = self.close(target) else {
+                // A response to three digits may make the floor recede from the lens where an
+                // exact one does not.
+                if tolerance > LINEAR_TOLERANCE {
+                    tolerance = LINEAR_TOLERANCE;
+                    continue;
+                }
                 outcome.termination = Termination::Stagnated;
                 return Ok(outcome);
             };
@@ -267,7 +277,11 @@ impl<'a> Newton<'a> {
             let change = self.local_pass(indentation);
             outcome.mismatch = change.mismatch;
             let exact = tolerance <= LINEAR_TOLERANCE;
-            if change.pillars == 0 && exact && change.mismatch < MISMATCH_TOLERANCE {
+            if change.pillars == 0
+                && exact
+                && change.mismatch < MISMATCH_TOLERANCE
+                && !self.found_lower_floor(&outcome)
+            {
                 if change.local_failures == 0 {
                     outcome.termination = Termination::Converged;
                 } else {
@@ -285,6 +299,18 @@ impl<'a> Newton<'a> {
             };
         }
         Ok(outcome)
+    }
+
+    /// Whether a search from scratch finds a lower point of the floor than the one that closed
+    /// the last step. The next step then starts from it.
+    fn found_lower_floor(&mut self, outcome: &Outcome) -> bool {
+        let Some(present) = outcome.floor else {
+            return false;
+        };
+        self.floor = FloorSearch::default();
+        self.lowest_floor_point().is_some_and(|lowest| {
+            lowest.indentation < present.indentation * (1.0 - FLOOR_TOLERANCE)
+        })
     }
 
     fn report(&self, step: usize) {
@@ -761,19 +787,17 @@ impl<'a> Newton<'a> {
                 );
             }
         }
-        self.floor = coarse.floor.clone();
     }
 
-    /// Marks the pillars whose tops the undeformed lens would enter at an indentation as
-    /// touched, and at least the nearest.
-    pub(crate) fn touch_up_to(&mut self, indentation: f64) {
+    /// Marks the pillars within a radius of the lens axis as touched, and at least the nearest.
+    pub(crate) fn touch_within(&mut self, radius: f64) {
         let mut nearest = (f64::INFINITY, 0);
         for (pillar, [x, y]) in self.window.centres().iter().enumerate() {
             let distance = x.hypot(*y);
             if distance < nearest.0 {
                 nearest = (distance, pillar);
             }
-            if self.problem.lens.sag((distance - 1.0).max(0.0)) < indentation {
+            if distance < radius {
                 self.status[pillar] = PillarStatus::Full;
             }
         }

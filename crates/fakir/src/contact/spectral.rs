@@ -44,10 +44,13 @@ pub(crate) struct Solution<'a> {
 pub(crate) fn solve_punch<'a>(
     problem: &'a Problem,
     target: Target,
+    contact_radius: Option<f64>,
     form: PunchForm,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
-    let mut radius = first_radius(problem, target);
+    let pitch = problem.lattice.pitch;
+    let mut contact = contact_radius.unwrap_or_else(|| rough_contact_radius(problem, target));
+    let mut radius = 1.05 * contact + 1.5 * pitch + 1.0;
     let pair = match form {
         PunchForm::Plain => PairCoupling::of_flat_punches(problem.lattice.pitch),
         PunchForm::Corrected => PairCoupling::new(0, problem.lattice.pitch),
@@ -61,11 +64,11 @@ pub(crate) fn solve_punch<'a>(
         if form == PunchForm::Plain {
             newton.load_at_centres();
         }
-        newton.touch_up_to(first_indentation(problem, target, radius));
+        newton.touch_within(contact);
         let outcome = newton.solve(target)?;
         steps += outcome.steps;
         match growth(problem, &newton)? {
-            Some(larger) => radius = larger,
+            Some(larger) => (radius, contact) = (larger, newton.reach()),
             None => {
                 return Ok(Solution {
                     newton,
@@ -81,10 +84,11 @@ pub(crate) fn solve_punch<'a>(
 pub(crate) fn solve_spectral<'a>(
     problem: &'a Problem,
     target: Target,
+    contact_radius: Option<f64>,
     degrees: Degrees,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
-    let punch = solve_punch(problem, target, PunchForm::Corrected, run)?;
+    let punch = solve_punch(problem, target, contact_radius, PunchForm::Corrected, run)?;
     let mut steps = punch.steps;
     let mut coarse = punch.newton;
     let pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
@@ -118,37 +122,23 @@ pub(crate) fn solve_spectral<'a>(
     }
 }
 
-/// Radius of a window that probably holds the contact.
-fn first_radius(problem: &Problem, target: Target) -> f64 {
+/// A radius near that of the contact, by the roughest of means.
+pub(crate) fn rough_contact_radius(problem: &Problem, target: Target) -> f64 {
     let lens = problem.lens.radius;
     let pitch = problem.lattice.pitch;
-    let margin = pitch + 1.0;
     match target {
-        // The undeformed lens enters no pillar top beyond this.
-        Target::Indentation(indentation) => {
-            let depth = indentation.min(lens);
-            (depth * (2.0 * lens - depth)).sqrt() + 1.0
-        }
+        // Half the area in which the undeformed lens enters pillar tops, as in Hertz's contact.
+        Target::Indentation(indentation) => (indentation.min(lens) * lens).sqrt(),
         Target::Force(force) => {
             // Of Hertz, and of the lens on independent pillars, the larger.
             let hertz = (0.75 * lens * force).cbrt();
             let cell = problem.lattice.cell_area();
             let layer = 0.5 * cell * (1.0 + problem.column_compliance_ratio);
             let springs = (4.0 * lens * layer * force / std::f64::consts::PI).powf(0.25);
-            1.3 * hertz.max(springs) + margin
+            hertz.max(springs)
         }
         // The paper's a_c = e sqrt(1 + (k phi)^2), which is e sqrt(1 + (R h/e^2)^2).
-        Target::Floor => pitch.hypot(lens * problem.height / pitch) + margin,
-    }
-}
-
-/// An indentation at which about the right pillars are touched.
-fn first_indentation(problem: &Problem, target: Target, radius: f64) -> f64 {
-    match target {
-        Target::Indentation(indentation) => indentation,
-        Target::Force(_) | Target::Floor => {
-            problem.lens.sag((0.7 * radius).min(problem.lens.radius))
-        }
+        Target::Floor => pitch.hypot(lens * problem.height / pitch),
     }
 }
 
@@ -260,8 +250,8 @@ mod tests {
             ] {
                 let t = std::time::Instant::now();
                 let mut s = match degrees {
-                    None => solve_punch(&problem, Target::Floor, PunchForm::Corrected, &run),
-                    Some(d) => solve_spectral(&problem, Target::Floor, d, &run),
+                    None => solve_punch(&problem, Target::Floor, None, PunchForm::Corrected, &run),
+                    Some(d) => solve_spectral(&problem, Target::Floor, None, d, &run),
                 }
                 .unwrap();
                 let o = s.outcome;

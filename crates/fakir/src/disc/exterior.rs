@@ -45,27 +45,51 @@ pub(crate) struct RadialFunction {
     singular: Vec<f64>,
 }
 
-/// A function of one variable with its first two derivatives.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Jet {
-    pub(crate) value: f64,
-    pub(crate) first: f64,
-    pub(crate) second: f64,
+/// Radial functions evaluated side by side.
+const LANES: usize = 4;
+
+/// One number for each of [`LANES`] radial functions.
+type Lanes = [f64; LANES];
+
+/// Functions of one variable with their first two derivatives.
+#[derive(Debug, Clone, Copy)]
+struct Jets {
+    value: Lanes,
+    first: Lanes,
+    second: Lanes,
 }
 
-/// Polynomial and two derivatives, by Horner's rule.
-fn horner(coefficients: &[f64], x: f64) -> Jet {
-    let (mut value, mut first, mut half_second) = (0.0, 0.0, 0.0);
-    for &coefficient in coefficients.iter().rev() {
-        half_second = half_second * x + first;
-        first = first * x + value;
-        value = value * x + coefficient;
+/// Polynomials and two derivatives, by Horner's rule.
+fn horner_jets(coefficients: &[Lanes], x: f64) -> Jets {
+    let (mut value, mut first, mut half_second) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    for coefficient in coefficients.iter().rev() {
+        for k in 0..LANES {
+            half_second[k] = half_second[k] * x + first[k];
+            first[k] = first[k] * x + value[k];
+            value[k] = value[k] * x + coefficient[k];
+        }
     }
-    Jet {
+    Jets {
         value,
         first,
-        second: 2.0 * half_second,
+        second: half_second.map(|half| 2.0 * half),
     }
+}
+
+/// A polynomial, by Horner's rule.
+fn horner(coefficients: &[f64], x: f64) -> f64 {
+    coefficients
+        .iter()
+        .rev()
+        .fold(0.0, |value, coefficient| value * x + coefficient)
+}
+
+/// Number of terms about `z = 0` that are enough at `z`.
+fn far_terms(z: f64) -> usize {
+    TERMS_FOR
+        .iter()
+        .find(|(bound, _)| z <= *bound)
+        .map_or(FAR_TERMS, |(_, terms)| *terms)
 }
 
 /// Coefficients of `factor 2F1(a, b; c; x)` in powers of `x`.
@@ -102,49 +126,19 @@ impl RadialFunction {
         }
     }
 
-    /// `F` and its derivatives with respect to `z`. At `z = 1` the derivatives are infinite.
-    fn series(&self, z: f64) -> Jet {
+    /// `F(z)`
+    fn series(&self, z: f64) -> f64 {
         if z <= NEAR {
-            let terms = TERMS_FOR
-                .iter()
-                .find(|(bound, _)| z <= *bound)
-                .map_or(FAR_TERMS, |(_, terms)| *terms);
-            return horner(&self.far[..terms], z);
+            return horner(&self.far[..far_terms(z)], z);
         }
         let u = (1.0 - z).max(0.0);
-        let root = u.sqrt();
-        let regular = horner(&self.regular, u);
-        let singular = horner(&self.singular, u);
-        Jet {
-            value: regular.value + root * singular.value,
-            first: -(regular.first + root * singular.first + 0.5 * singular.value / root),
-            second: regular.second + root * singular.second + singular.first / root
-                - 0.25 * singular.value / (root * u),
-        }
-    }
-
-    /// `S` and its derivatives with respect to `t`.
-    fn jet(&self, t: f64, inverse_distance: f64) -> Jet {
-        let z = inverse_distance * inverse_distance;
-        debug_assert!((z * t - 1.0).abs() < 1e-12);
-        let series = self.series(z);
-        let alpha = 0.5 * self.twice_power as f64;
-        let power = inverse_distance.powi(self.twice_power as i32);
-        // S = z^alpha F(z); z dS/dz and z^2 d2S/dz2 follow, and dz/dt = -z^2.
-        let (f, zf1, z2f2) = (series.value, z * series.first, z * z * series.second);
-        let zg1 = power * (alpha * f + zf1);
-        let z2g2 = power * (alpha * (alpha - 1.0) * f + 2.0 * alpha * zf1 + z2f2);
-        Jet {
-            value: power * f,
-            first: -z * zg1,
-            second: z * z * (z2g2 + 2.0 * zg1),
-        }
+        horner(&self.regular, u) + u.sqrt() * horner(&self.singular, u)
     }
 
     /// `S` alone.
     pub(crate) fn value(&self, inverse_distance: f64) -> f64 {
         let z = inverse_distance * inverse_distance;
-        inverse_distance.powi(self.twice_power as i32) * self.series(z).value
+        inverse_distance.powi(self.twice_power as i32) * self.series(z)
     }
 }
 
@@ -169,6 +163,80 @@ impl FieldJet {
     }
 }
 
+/// [`LANES`] radial functions, coefficient by coefficient.
+#[derive(Debug, Clone)]
+struct RadialGroup {
+    twice_power: [usize; LANES],
+    far: Vec<Lanes>,
+    regular: Vec<Lanes>,
+    singular: Vec<Lanes>,
+    /// Modes that belong to them: mode, lane.
+    modes: Vec<(usize, usize)>,
+}
+
+impl RadialGroup {
+    fn new(functions: &[RadialFunction], modes: Vec<(usize, usize)>) -> Self {
+        let gather = |pick: fn(&RadialFunction) -> &Vec<f64>| -> Vec<Lanes> {
+            (0..pick(&functions[0]).len())
+                .map(|term| {
+                    let mut lanes = [0.0; LANES];
+                    for (lane, function) in lanes.iter_mut().zip(functions) {
+                        *lane = pick(function)[term];
+                    }
+                    lanes
+                })
+                .collect()
+        };
+        let mut twice_power = [1; LANES];
+        for (power, function) in twice_power.iter_mut().zip(functions) {
+            *power = function.twice_power;
+        }
+        Self {
+            twice_power,
+            far: gather(|function| &function.far),
+            regular: gather(|function| &function.regular),
+            singular: gather(|function| &function.singular),
+            modes,
+        }
+    }
+
+    /// `F` with its derivatives with respect to `z`. At `z = 1` the derivatives are infinite.
+    fn series(&self, z: f64) -> Jets {
+        if z <= NEAR {
+            return horner_jets(&self.far[..far_terms(z)], z);
+        }
+        let u = (1.0 - z).max(0.0);
+        let root = u.sqrt();
+        let regular = horner_jets(&self.regular, u);
+        let singular = horner_jets(&self.singular, u);
+        let mut jets = regular;
+        for k in 0..LANES {
+            let (s0, s1, s2) = (singular.value[k], singular.first[k], singular.second[k]);
+            jets.value[k] += root * s0;
+            jets.first[k] = -(regular.first[k] + root * s1 + 0.5 * s0 / root);
+            jets.second[k] += root * s2 + s1 / root - 0.25 * s0 / (root * u);
+        }
+        jets
+    }
+
+    /// `S` with its derivatives with respect to `t`, `powers` those of the inverse distance.
+    fn jets(&self, z: f64, powers: &[f64]) -> Jets {
+        let mut jets = self.series(z);
+        for k in 0..LANES {
+            // S = z^alpha F(z); z dS/dz and z^2 d2S/dz2 follow, and dz/dt = -z^2.
+            let alpha = 0.5 * self.twice_power[k] as f64;
+            let power = powers[self.twice_power[k]];
+            let (f, zf1, z2f2) = (jets.value[k], z * jets.first[k], z * z * jets.second[k]);
+            let zg1 = power * (alpha * f + zf1);
+            let z2g2 = power * (alpha * (alpha - 1.0) * f + 2.0 * alpha * zf1 + z2f2);
+            jets.value[k] = power * f;
+            jets.first[k] = -z * zg1;
+            jets.second[k] = z * z * (z2g2 + 2.0 * zg1);
+        }
+        jets
+    }
+}
+
 /// The displacement outside a disc, for all modes up to a degree.
 #[derive(Debug, Clone)]
 pub(crate) struct Exterior {
@@ -176,7 +244,11 @@ pub(crate) struct Exterior {
     /// One per (degree, order), and for every mode which.
     radial: Vec<RadialFunction>,
     radial_of: Vec<usize>,
+    groups: Vec<RadialGroup>,
 }
+
+/// Highest degree of which derivatives are evaluated.
+const MAXIMUM_DEGREE: usize = 16;
 
 impl Exterior {
     pub(crate) fn new(degree: usize) -> Self {
@@ -189,10 +261,22 @@ impl Exterior {
             }
             radial_of.push(radial.len() - 1);
         }
+        let groups = radial
+            .chunks(LANES)
+            .enumerate()
+            .map(|(group, functions)| {
+                let members = (0..modes.len())
+                    .filter(|&mode| radial_of[mode] / LANES == group)
+                    .map(|mode| (mode, radial_of[mode] % LANES))
+                    .collect();
+                RadialGroup::new(functions, members)
+            })
+            .collect();
         Self {
             modes,
             radial,
             radial_of,
+            groups,
         }
     }
 
@@ -201,32 +285,41 @@ impl Exterior {
         self.modes.last().map_or(0, |mode| mode.degree)
     }
 
+    /// Number of modes.
+    pub(crate) fn count(&self) -> usize {
+        self.modes.len()
+    }
+
     /// Adds to `sums` the displacement at `point` (pillar radii from the centre, outside the
-    /// disc) under two sets of coefficients at once.
+    /// disc) under two sets of coefficients at once. For degrees up to [`MAXIMUM_DEGREE`].
     pub(crate) fn add_jets(
         &self,
         point: [f64; 2],
         coefficients: [&[f64]; 2],
         sums: &mut [FieldJet; 2],
     ) {
+        let degree = self.degree().min(MAXIMUM_DEGREE);
         let [x, y] = point;
-        let t = x * x + y * y;
-        let inverse_distance = t.sqrt().recip();
-        let mut jet = Jet::default();
-        for (index, mode) in self.modes.iter().enumerate() {
-            if !mode.sine {
-                jet = self.radial[self.radial_of[index]].jet(t, inverse_distance);
-            }
-            let field = harmonic_times(mode, point, &jet);
-            for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
-                sum.add_scaled(coefficient[index], &field);
+        let inverse_distance = (x * x + y * y).sqrt().recip();
+        let mut powers = [1.0; 2 * MAXIMUM_DEGREE + 2];
+        for k in 1..2 * degree + 2 {
+            powers[k] = powers[k - 1] * inverse_distance;
+        }
+        let mut harmonics = [[1.0, 0.0]; MAXIMUM_DEGREE + 1];
+        for k in 1..=degree {
+            let [re, im] = harmonics[k - 1];
+            harmonics[k] = [re * x - im * y, re * y + im * x];
+        }
+        for group in &self.groups {
+            let jets = group.jets(powers[2], &powers);
+            for &(mode, lane) in &group.modes {
+                let radial = [jets.value[lane], jets.first[lane], jets.second[lane]];
+                let field = harmonic_times(&self.modes[mode], point, &harmonics, radial);
+                for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
+                    sum.add_scaled(coefficient[mode], &field);
+                }
             }
         }
-    }
-
-    /// Number of modes.
-    pub(crate) fn count(&self) -> usize {
-        self.modes.len()
     }
 
     /// Displacement at `point` of every mode, into `values`.
@@ -257,41 +350,40 @@ impl Exterior {
 fn power([x, y]: [f64; 2], exponent: usize) -> [f64; 2] {
     let mut result = [1.0, 0.0];
     for _ in 0..exponent {
-        result = [result[0] * x - result[1] * y, result[0] * y + result[1] * x];
+        result = [
+            result[0] * x - result[1] * y,
+            result[0] * y + result[1] * x,
+        ];
     }
     result
 }
 
-/// `H(x, y) S(t)` with `H` the real or imaginary part of `(x + iy)^m` and `t = x^2 + y^2`.
-fn harmonic_times(mode: &Mode, point: [f64; 2], radial: &Jet) -> FieldJet {
+/// `H(x, y) S(t)` with `H` the real or imaginary part of `(x + iy)^m` and `t = x^2 + y^2`;
+/// `harmonics` the powers of `x + iy`, `radial` is `S` with its two derivatives.
+fn harmonic_times(
+    mode: &Mode,
+    point: [f64; 2],
+    harmonics: &[[f64; 2]],
+    radial: [f64; 3],
+) -> FieldJet {
     let m = mode.order;
     let pick = |[re, im]: [f64; 2]| if mode.sine { im } else { re };
     // d/dx (x+iy)^m = m (x+iy)^(m-1), d/dy = i d/dx.
     let times_i = |[re, im]: [f64; 2]| [-im, re];
-    let h = pick(power(point, m));
-    let (hx, hy, hxx, hxy) = if m == 0 {
-        (0.0, 0.0, 0.0, 0.0)
-    } else {
-        let mf = m as f64;
-        let lower = power(point, m - 1).map(|v| v * mf);
-        let second = if m >= 2 {
-            power(point, m - 2).map(|v| v * mf * (mf - 1.0))
+    let derivative = |order: usize, factor: f64| {
+        if m >= order {
+            harmonics[m - order].map(|v| v * factor)
         } else {
             [0.0, 0.0]
-        };
-        (
-            pick(lower),
-            pick(times_i(lower)),
-            pick(second),
-            pick(times_i(second)),
-        )
+        }
     };
+    let h = pick(harmonics[m]);
+    let first = derivative(1, m as f64);
+    let second = derivative(2, (m * m.saturating_sub(1)) as f64);
+    let (hx, hy) = (pick(first), pick(times_i(first)));
+    let (hxx, hxy) = (pick(second), pick(times_i(second)));
     let [x, y] = point;
-    let Jet {
-        value: s,
-        first: s1,
-        second: s2,
-    } = *radial;
+    let [s, s1, s2] = radial;
     FieldJet {
         value: h * s,
         gradient: [hx * s + 2.0 * x * h * s1, hy * s + 2.0 * y * h * s1],
