@@ -479,7 +479,7 @@ fn touched_pillars(
                 total[pillar * modes..(pillar + 1) * modes].to_vec()
             };
             let basis = if partial { &mut all } else { &mut lead };
-            touched_pillar(problem, newton, pillar, coefficients, basis)
+            touched_pillar(problem, newton, pillar, outcome.indentation, coefficients, basis)
         })
         .collect();
     let key = |pillar: &TouchedPillar| {
@@ -498,6 +498,7 @@ fn touched_pillar(
     problem: &Problem,
     newton: &Newton<'_>,
     pillar: usize,
+    indentation: f64,
     coefficients: Vec<f64>,
     basis: &mut BasisEvaluator,
 ) -> TouchedPillar {
@@ -510,7 +511,10 @@ fn touched_pillar(
         coefficients,
     };
     let reach = match status {
-        PillarStatus::Partial => contact_reach(&disc, basis),
+        PillarStatus::Partial => {
+            let gap = newton.gap_coefficients(pillar, indentation, &disc.coefficients);
+            contact_reach(centre, &gap, basis)
+        }
         _ => centre[0].hypot(centre[1]) + 1.0,
     };
     let state = PillarState {
@@ -545,86 +549,73 @@ fn edge_range(disc: &Disc, basis: &mut BasisEvaluator) -> [f64; 2] {
     [smallest.max(0.0), largest]
 }
 
-/// Distance from the lens axis of the farthest contact on a partially touched pillar.
+/// Distance from the lens axis of the farthest contact on a partially touched pillar, whose gap
+/// is the combination of modes with coefficients `gap`.
 ///
-/// Along rays from the lens axis `q^2` is linear near the free edge of the contact (`q` goes as
-/// the square root of the distance from it), so its zero is extrapolated from where `q` falls
-/// through 0.30 and 0.12 of its largest value on the ray.
-fn contact_reach(disc: &Disc, basis: &mut BasisEvaluator) -> f64 {
-    const RAYS: usize = 21;
-    const SAMPLES: usize = 49;
-    let [x, y] = disc.centre;
+/// It is looked for on rays from the lens axis. The pressure itself is of little use: between
+/// nodes it is not exactly zero out of contact. The gap is smooth; see [`ray_end`].
+fn contact_reach(centre: Point, gap: &[f64], basis: &mut BasisEvaluator) -> f64 {
+    const RAYS: usize = 24;
+    const SAMPLES: usize = 40;
+    let [x, y] = centre;
     let distance = x.hypot(y);
-    if distance < 1.0 {
-        return reach_around(disc, basis);
-    }
-    let half_angle = (1.0 / distance).asin();
     let axis = y.atan2(x);
-    let mut reach = 0.0_f64;
-    for ray in 0..RAYS {
-        let angle = half_angle * (2.0 * (ray as f64 + 0.5) / RAYS as f64 - 1.0);
-        let (sin, cos) = (axis + angle).sin_cos();
-        let along = x * cos + y * sin;
-        let half_chord = (1.0 - (distance * distance - along * along))
-            .max(0.0)
-            .sqrt();
-        let (near, far) = (along - half_chord, along + half_chord);
-        let density =
-            |basis: &mut BasisEvaluator, s: f64| disc.density(basis, [s * cos - x, s * sin - y]);
-        if let Some(end) = ray_end(near, far, SAMPLES, |s| density(basis, s)) {
-            reach = reach.max(end);
-        }
-    }
-    reach
-}
-
-/// As [`contact_reach`] with the lens axis on the pillar itself.
-fn reach_around(disc: &Disc, basis: &mut BasisEvaluator) -> f64 {
-    const RAYS: usize = 36;
-    const SAMPLES: usize = 49;
-    let [x, y] = disc.centre;
-    (0..RAYS)
+    // With the lens axis on the pillar, all around.
+    let half_angle = if distance < 1.0 {
+        PI
+    } else {
+        (1.0 / distance).asin()
+    };
+    let mut values = vec![0.0; gap.len()];
+    (0..=RAYS)
         .filter_map(|ray| {
-            let (sin, cos) = (2.0 * PI * ray as f64 / RAYS as f64).sin_cos();
+            let angle = half_angle * (2.0 * ray as f64 / RAYS as f64 - 1.0);
+            let (sin, cos) = (axis + angle).sin_cos();
             let along = x * cos + y * sin;
-            let across_squared = x * x + y * y - along * along;
-            let far = along + (1.0 - across_squared).max(0.0).sqrt();
-            ray_end(0.0, far, SAMPLES, |s| {
-                disc.density(basis, [s * cos - x, s * sin - y])
+            let across_squared = (distance * distance - along * along).max(0.0);
+            let half_chord = (1.0 - across_squared).max(0.0).sqrt();
+            let (near, far) = ((along - half_chord).max(0.0), along + half_chord);
+            ray_end(near, far, SAMPLES, |s| {
+                basis.evaluate([s * cos - x, s * sin - y], &mut values);
+                values.iter().zip(gap).map(|(y, g)| y * g).sum()
             })
         })
         .fold(0.0, f64::max)
 }
 
-/// Where the contact ends along a ray on which `density` is known from `near` to `far`.
-fn ray_end(
-    near: f64,
-    far: f64,
-    samples: usize,
-    mut density: impl FnMut(f64) -> f64,
-) -> Option<f64> {
+/// Where the contact ends along a ray on which the gap is known from `near` to `far`; `None` if
+/// nothing of it is in contact.
+///
+/// Out of contact the gap grows as the distance to the power 3/2 at first, so that the distance
+/// is a series in `gap^(2/3)`. Its constant term follows from where the gap last passes three
+/// fractions of its value at the far end.
+fn ray_end(near: f64, far: f64, samples: usize, mut gap: impl FnMut(f64) -> f64) -> Option<f64> {
+    const LEVELS: [f64; 3] = [0.03, 0.1, 0.3];
     let step = (far - near) / (samples - 1) as f64;
-    let values: Vec<f64> = (0..samples)
-        .map(|k| density(near + step * k as f64))
-        .collect();
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    if largest <= 0.0 {
-        return None;
+    let values: Vec<f64> = (0..samples).map(|k| gap(near + step * k as f64)).collect();
+    let last = values[samples - 1];
+    if last <= 0.0 {
+        return Some(far);
     }
-    let crossing = |level: f64| -> f64 {
-        let level = level * largest;
-        let Some(last) = values.iter().rposition(|q| *q >= level) else {
-            return near;
-        };
-        if last + 1 == samples {
-            return far;
-        }
-        let fraction = (values[last] - level) / (values[last] - values[last + 1]);
-        near + step * (last as f64 + fraction)
-    };
-    let (upper, lower) = (crossing(0.30), crossing(0.12));
-    // q^2 goes through 0.09 and 0.0144: its zero lies 0.0144/0.0756 of their distance further.
-    Some((lower + (lower - upper) * 0.0144 / (0.09 - 0.0144)).min(far))
+    let mut positions = [0.0; 3];
+    for (position, level) in positions.iter_mut().zip(LEVELS) {
+        let level = level * last;
+        let below = values.iter().rposition(|gap| *gap < level)?;
+        let fraction = (level - values[below]) / (values[below + 1] - values[below]);
+        *position = near + step * (below as f64 + fraction);
+    }
+    let end = constant_term(LEVELS.map(|level| level.powf(2.0 / 3.0)), positions);
+    (end >= near).then_some(end.min(far))
+}
+
+/// Value at zero of the parabola through three points.
+fn constant_term(x: [f64; 3], y: [f64; 3]) -> f64 {
+    (0..3)
+        .map(|k| {
+            let (a, b) = (x[(k + 1) % 3], x[(k + 2) % 3]);
+            y[k] * a * b / ((x[k] - a) * (x[k] - b))
+        })
+        .sum()
 }
 
 #[cfg(test)]
@@ -632,10 +623,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ray_ends_where_a_square_root_does() {
-        let end = ray_end(3.0, 5.0, 161, |s| (4.2 - s).max(0.0).sqrt()).unwrap();
-        assert!((end - 4.2).abs() < 2e-3);
-        assert_eq!(ray_end(0.0, 1.0, 11, |_| 1.0), Some(1.0));
-        assert_eq!(ray_end(0.0, 1.0, 11, |_| -1.0), None);
+    fn ray_ends_where_the_gap_opens() {
+        let opening = |s: f64| (s - 4.2_f64).max(0.0).powf(1.5) * (1.0 + 0.1 * (s - 4.2));
+        let end = ray_end(3.0, 5.0, 40, opening).unwrap();
+        assert!((end - 4.2).abs() < 5e-3, "{end}");
+        assert_eq!(ray_end(0.0, 1.0, 11, |_| -1.0), Some(1.0));
+        assert_eq!(ray_end(0.0, 1.0, 11, |_| 1.0), None);
     }
 }

@@ -619,6 +619,23 @@ impl<'a> Newton<'a> {
         coefficients
     }
 
+    /// Coefficients of the gap over a pillar top, `Lam c - b`.
+    pub(crate) fn gap_coefficients(
+        &self,
+        pillar: usize,
+        indentation: f64,
+        coefficients: &[f64],
+    ) -> Vec<f64> {
+        let load = self.full_load(pillar, indentation);
+        let mut gap: Vec<f64> = coefficients
+            .iter()
+            .zip(self.top.compliance())
+            .map(|(c, lambda)| c * lambda)
+            .collect();
+        subtract(&mut gap, &load);
+        gap
+    }
+
     /// The point of the smallest floor gap at a solved indentation, with the gap plus the
     /// indentation.
     pub(crate) fn lowest_gap(&mut self, indentation: f64) -> Option<FloorPoint> {

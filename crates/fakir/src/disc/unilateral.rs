@@ -109,8 +109,9 @@ impl PillarTop {
         &self.compliance[..self.lead]
     }
 
-    pub(crate) fn nodes(&self) -> &[Node] {
-        &self.nodes
+    /// Compliances of all modes.
+    pub(crate) fn compliance(&self) -> &[f64] {
+        &self.compliance
     }
 
     fn row(&self, node: usize) -> &[f64] {
