@@ -302,7 +302,8 @@ impl Exterior {
         let [x, y] = point;
         let inverse_distance = (x * x + y * y).sqrt().recip();
         let mut powers = [1.0; 2 * MAXIMUM_DEGREE + 2];
-        for k in 1..2 * degree + 2 {
+        // The square is needed at every degree.
+        for k in 1..(2 * degree + 2).max(3) {
             powers[k] = powers[k - 1] * inverse_distance;
         }
         let mut harmonics = [[1.0, 0.0]; MAXIMUM_DEGREE + 1];
@@ -465,8 +466,14 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_the_value() {
-        let exterior = Exterior::new(3);
-        let count = mode_count(3);
+        for degree in [0, 1, 3] {
+            check_derivatives(degree);
+        }
+    }
+
+    fn check_derivatives(degree: usize) {
+        let exterior = Exterior::new(degree);
+        let count = mode_count(degree);
         let step = 1e-5;
         for point in [[1.05, 0.1], [1.4, -0.7], [-3.0, 2.0], [9.0, 20.0]] {
             for which in 0..count {
