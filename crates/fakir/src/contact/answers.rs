@@ -479,7 +479,14 @@ fn touched_pillars(
                 total[pillar * modes..(pillar + 1) * modes].to_vec()
             };
             let basis = if partial { &mut all } else { &mut lead };
-            touched_pillar(problem, newton, pillar, outcome.indentation, coefficients, basis)
+            touched_pillar(
+                problem,
+                newton,
+                pillar,
+                outcome.indentation,
+                coefficients,
+                basis,
+            )
         })
         .collect();
     let key = |pillar: &TouchedPillar| {
@@ -626,8 +633,7 @@ impl Ray {
         for (position, level) in positions.iter_mut().zip(LEVELS) {
             let level = level * last;
             let below = self.gaps.iter().rposition(|gap| *gap < level)?;
-            let fraction =
-                (level - self.gaps[below]) / (self.gaps[below + 1] - self.gaps[below]);
+            let fraction = (level - self.gaps[below]) / (self.gaps[below + 1] - self.gaps[below]);
             *position = self.near + self.step * (below as f64 + fraction);
         }
         let end = constant_term(LEVELS.map(|level| level.powf(2.0 / 3.0)), positions);

@@ -16,10 +16,6 @@ const STEP_LIMIT: usize = 60;
 /// its square.
 const STEP_TOLERANCE: f64 = 1e-9;
 
-/// Lowest points kept from one search to the next are those within this fraction of the lowest:
-/// neighbouring holes differ by 1e-3, and so does the solution from one Newton step to the next.
-const KEPT_WITHIN: f64 = 0.05;
-
 /// Starting points taken from a scan, besides the holes.
 const SCANNED: usize = 8;
 
@@ -111,11 +107,6 @@ impl FloorSearch {
         self.starts
             .extend(minima.iter().map(|point| point.position));
         minima.first().copied()
-    }
-
-    /// Forgets where the lowest points were.
-    pub(crate) fn forget(&mut self) {
-        self.starts.clear();
     }
 }
 

@@ -300,10 +300,10 @@ impl Exterior {
     ) {
         let degree = self.degree().min(MAXIMUM_DEGREE);
         let [x, y] = point;
-        let inverse_distance = (x * x + y * y).sqrt().recip();
+        let inverse_square = (x * x + y * y).recip();
+        let inverse_distance = inverse_square.sqrt();
         let mut powers = [1.0; 2 * MAXIMUM_DEGREE + 2];
-        // The square is needed at every degree.
-        for k in 1..(2 * degree + 2).max(3) {
+        for k in 1..2 * degree + 2 {
             powers[k] = powers[k - 1] * inverse_distance;
         }
         let mut harmonics = [[1.0, 0.0]; MAXIMUM_DEGREE + 1];
@@ -312,7 +312,7 @@ impl Exterior {
             harmonics[k] = [re * x - im * y, re * y + im * x];
         }
         for group in &self.groups {
-            let jets = group.jets(powers[2], &powers);
+            let jets = group.jets(inverse_square, &powers);
             for &(mode, lane) in &group.modes {
                 let radial = [jets.value[lane], jets.first[lane], jets.second[lane]];
                 let field = harmonic_times(&self.modes[mode], point, &harmonics, radial);
@@ -351,10 +351,7 @@ impl Exterior {
 fn power([x, y]: [f64; 2], exponent: usize) -> [f64; 2] {
     let mut result = [1.0, 0.0];
     for _ in 0..exponent {
-        result = [
-            result[0] * x - result[1] * y,
-            result[0] * y + result[1] * x,
-        ];
+        result = [result[0] * x - result[1] * y, result[0] * y + result[1] * x];
     }
     result
 }
@@ -399,8 +396,8 @@ fn harmonic_times(
 #[cfg(test)]
 mod tests {
     use super::super::basis::{BasisEvaluator, mode_count};
-    use super::super::quadrature::hemisphere;
     use super::*;
+    use crate::quadrature::hemisphere;
 
     #[test]
     fn flat_punch_outside() {
