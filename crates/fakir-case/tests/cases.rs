@@ -1,5 +1,8 @@
 //! What well-formed case files mean, and that they survive writing and reading.
 
+// Numbers are read to the last bit.
+#![allow(clippy::float_cmp)]
+
 use fakir::contact::{Accuracy, Method, PunchForm};
 use fakir::system::{HexagonalLattice, PillarCompliance, System};
 use fakir_case::{Case, CaseError, CaseFile};
