@@ -32,7 +32,7 @@
 //! # Ok::<(), fakir_case::CaseError>(())
 //! ```
 //!
-//! * A quantity is a string with a [unit], or a bare number in SI units.
+//! * A quantity is a string with a [unit](mod@unit), or a bare number in SI units.
 //! * Exactly one of `texture.surface_fraction` and `texture.pitch` is given.
 //! * May be left out: `texture.lattice` (hexagonal), `texture.offset` (0), `texture.offset_angle` (0),
 //!   `texture.pillar.compliance` (column), and all of `[method]` (spectral, default).

@@ -1,7 +1,7 @@
 //! What well-formed case files mean, and that they survive writing and reading.
 
 // Numbers are read to the last bit.
-#![allow(clippy::float_cmp)]
+#![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use fakir::contact::{Accuracy, Method, PunchForm};
 use fakir::system::{HexagonalLattice, PillarCompliance, System};

@@ -1,5 +1,7 @@
 //! Every way to get a case file wrong that we have thought of, and what the user is told.
 
+#![allow(clippy::unwrap_used)]
+
 use fakir_case::{Case, CaseError, CaseFile};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 use std::path::Path;
