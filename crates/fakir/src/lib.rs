@@ -42,6 +42,7 @@
 pub mod contact;
 mod coupling;
 mod disc;
+pub mod love;
 pub mod system;
 pub mod theory;
 

@@ -479,7 +479,14 @@ fn touched_pillars(
                 total[pillar * modes..(pillar + 1) * modes].to_vec()
             };
             let basis = if partial { &mut all } else { &mut lead };
-            touched_pillar(problem, newton, pillar, outcome.indentation, coefficients, basis)
+            touched_pillar(
+                problem,
+                newton,
+                pillar,
+                outcome.indentation,
+                coefficients,
+                basis,
+            )
         })
         .collect();
     let key = |pillar: &TouchedPillar| {

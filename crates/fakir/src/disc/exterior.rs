@@ -350,10 +350,7 @@ impl Exterior {
 fn power([x, y]: [f64; 2], exponent: usize) -> [f64; 2] {
     let mut result = [1.0, 0.0];
     for _ in 0..exponent {
-        result = [
-            result[0] * x - result[1] * y,
-            result[0] * y + result[1] * x,
-        ];
+        result = [result[0] * x - result[1] * y, result[0] * y + result[1] * x];
     }
     result
 }
