@@ -18,4 +18,4 @@ mod operator;
 
 pub use grid::{Cells, Grid, InvalidGrid, Run};
 pub use kernel::Rectangle;
-pub use operator::{Dense, Operator, displacement_at};
+pub use operator::{Dense, Operator, WithColumns, displacement_at};

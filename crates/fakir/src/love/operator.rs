@@ -121,3 +121,81 @@ impl Operator for Dense {
         }
     }
 }
+
+/// Any operator, plus a compliance of each pillar as a column.
+///
+/// Every cell of a pillar moves by `compliance` times the force on the whole pillar: a term of
+/// rank one for each of them.
+#[derive(Debug, Clone)]
+pub struct WithColumns<O> {
+    operator: O,
+    /// Pillar of each cell, or [`WithColumns::NO_PILLAR`].
+    pillars: Vec<u32>,
+    /// `compliance` times the area of a cell, m/Pa.
+    influence: f64,
+    /// Work space: sum of the pressures on each pillar.
+    sums: Vec<f64>,
+}
+
+impl WithColumns<()> {
+    /// Label of the cells that stand on no pillar.
+    pub const NO_PILLAR: u32 = u32::MAX;
+}
+
+impl<O: Operator> WithColumns<O> {
+    /// Adds columns of the given compliance (m/N), such as `4 h/(pi E d^2)`, under the cells of
+    /// `operator`. `pillars` has one label for every cell: pillars are counted from zero, and
+    /// [`WithColumns::NO_PILLAR`] is none.
+    ///
+    /// # Panics
+    /// If there is not one label for every cell.
+    #[must_use]
+    pub fn new(operator: O, compliance: f64, pillars: Vec<u32>) -> Self {
+        assert_eq!(pillars.len(), operator.len(), "one label for every cell");
+        let count = pillars
+            .iter()
+            .filter(|pillar| **pillar != WithColumns::NO_PILLAR)
+            .max()
+            .map_or(0, |last| *last as usize + 1);
+        let influence = compliance * operator.cells().grid().cell_area();
+        Self {
+            operator,
+            pillars,
+            influence,
+            sums: vec![0.0; count],
+        }
+    }
+
+    /// The operator without the columns.
+    pub fn without_columns(&mut self) -> &mut O {
+        &mut self.operator
+    }
+
+    /// Bytes that the columns take on top of the operator.
+    #[must_use]
+    pub fn memory_estimate(cells: &Cells, pillars: usize) -> usize {
+        size_of::<u32>() * cells.len() + size_of::<f64>() * pillars
+    }
+}
+
+impl<O: Operator> Operator for WithColumns<O> {
+    fn cells(&self) -> &Cells {
+        self.operator.cells()
+    }
+
+    fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+        self.operator.apply(pressure, displacement);
+        self.sums.fill(0.0);
+        // Cells on no pillar have no sum, as their label is beyond the last.
+        for (pillar, pressure) in self.pillars.iter().zip(pressure) {
+            if let Some(sum) = self.sums.get_mut(*pillar as usize) {
+                *sum += pressure;
+            }
+        }
+        for (pillar, displacement) in self.pillars.iter().zip(displacement) {
+            if let Some(sum) = self.sums.get(*pillar as usize) {
+                *displacement += self.influence * sum;
+            }
+        }
+    }
+}
