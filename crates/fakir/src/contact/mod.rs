@@ -11,11 +11,11 @@
 mod answers;
 mod estimate;
 mod fields;
-mod floor;
-mod newton;
-mod problem;
+pub(crate) mod floor;
+pub(crate) mod newton;
+pub(crate) mod problem;
 mod run;
-mod spectral;
+pub(crate) mod spectral;
 
 pub use fields::Fields;
 pub use run::{CancelToken, Progress, Run, Stage, Termination};

@@ -14,8 +14,13 @@
 
 mod grid;
 mod kernel;
+mod lattice;
 mod operator;
+pub(crate) mod pillars;
+pub mod solver;
 
 pub use grid::{Cells, Grid, InvalidGrid, Run};
 pub use kernel::Rectangle;
-pub use operator::{Dense, Operator, WithColumns, displacement_at};
+pub use lattice::LatticeOfGrids;
+pub use pillars::{ElementMesh, MeshLayout};
+pub use operator::{Dense, Operator, Columns, displacement_at};

@@ -7,10 +7,10 @@ use std::f64::consts::PI;
 
 /// The normal displacement of every cell from the pressure on every cell: linear and symmetric.
 ///
-/// Vectors have one entry for each of [`cells`](Self::cells), in their order.
+/// Vectors have one entry for each cell.
 pub trait Operator {
-    /// The cells that the operator acts on.
-    fn cells(&self) -> &Cells;
+    /// Number of unknowns.
+    fn len(&self) -> usize;
 
     /// `displacement = W pressure`, m from Pa.
     ///
@@ -18,9 +18,13 @@ pub trait Operator {
     /// If a length is not [`len`](Self::len).
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]);
 
-    /// Number of unknowns.
-    fn len(&self) -> usize {
-        self.cells().len()
+    /// An approximate solution of `W direction = residual`, symmetric and positive; by default
+    /// the residual itself.
+    ///
+    /// # Panics
+    /// If a length is not [`len`](Self::len).
+    fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
+        direction.copy_from_slice(residual);
     }
 
     /// Whether there is nothing to act on.
@@ -30,12 +34,16 @@ pub trait Operator {
 }
 
 impl<O: Operator + ?Sized> Operator for Box<O> {
-    fn cells(&self) -> &Cells {
-        (**self).cells()
+    fn len(&self) -> usize {
+        (**self).len()
     }
 
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         (**self).apply(pressure, displacement);
+    }
+
+    fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
+        (**self).precondition(residual, direction);
     }
 }
 
@@ -101,8 +109,8 @@ impl Dense {
 }
 
 impl Operator for Dense {
-    fn cells(&self) -> &Cells {
-        &self.cells
+    fn len(&self) -> usize {
+        self.cells.len()
     }
 
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
@@ -122,65 +130,47 @@ impl Operator for Dense {
     }
 }
 
-/// Any operator, plus a compliance of each pillar as a column.
-///
-/// Every cell of a pillar moves by `compliance` times the force on the whole pillar: a term of
-/// rank one for each of them.
+/// An operator with columns under the pillars: each sinks uniformly in proportion to the force on
+/// it, which adds a term of rank one for every pillar.
 #[derive(Debug, Clone)]
-pub struct WithColumns<O> {
+pub struct Columns<O> {
     operator: O,
-    /// Pillar of each cell, or [`WithColumns::NO_PILLAR`].
+    /// Pillar of each cell.
     pillars: Vec<u32>,
-    /// `compliance` times the area of a cell, m/Pa.
-    influence: f64,
+    /// Displacement of a pillar from the sum of the pressures on its cells, m/Pa.
+    influence: Vec<f64>,
     /// Work space: sum of the pressures on each pillar.
     sums: Vec<f64>,
 }
 
-impl WithColumns<()> {
+impl Columns<()> {
     /// Label of the cells that stand on no pillar.
     pub const NO_PILLAR: u32 = u32::MAX;
 }
 
-impl<O: Operator> WithColumns<O> {
-    /// Adds columns of the given compliance (m/N), such as `4 h/(pi E d^2)`, under the cells of
-    /// `operator`. `pillars` has one label for every cell: pillars are counted from zero, and
-    /// [`WithColumns::NO_PILLAR`] is none.
+impl<O: Operator> Columns<O> {
+    /// Adds columns under the cells of `operator`. `pillars` has one label for every cell:
+    /// pillars are counted from zero, and [`Columns::NO_PILLAR`] is none. `influence` is, for
+    /// every pillar, how far it sinks for a unit sum of the pressures on its cells, m/Pa: its
+    /// compliance, such as `4 h/(pi E d^2)`, times the area of a cell.
     ///
     /// # Panics
     /// If there is not one label for every cell.
     #[must_use]
-    pub fn new(operator: O, compliance: f64, pillars: Vec<u32>) -> Self {
+    pub fn new(operator: O, pillars: Vec<u32>, influence: Vec<f64>) -> Self {
         assert_eq!(pillars.len(), operator.len(), "one label for every cell");
-        let count = pillars
-            .iter()
-            .filter(|pillar| **pillar != WithColumns::NO_PILLAR)
-            .max()
-            .map_or(0, |last| *last as usize + 1);
-        let influence = compliance * operator.cells().grid().cell_area();
         Self {
             operator,
             pillars,
+            sums: vec![0.0; influence.len()],
             influence,
-            sums: vec![0.0; count],
         }
-    }
-
-    /// The operator without the columns.
-    pub fn without_columns(&mut self) -> &mut O {
-        &mut self.operator
-    }
-
-    /// Bytes that the columns take on top of the operator.
-    #[must_use]
-    pub fn memory_estimate(cells: &Cells, pillars: usize) -> usize {
-        size_of::<u32>() * cells.len() + size_of::<f64>() * pillars
     }
 }
 
-impl<O: Operator> Operator for WithColumns<O> {
-    fn cells(&self) -> &Cells {
-        self.operator.cells()
+impl<O: Operator> Operator for Columns<O> {
+    fn len(&self) -> usize {
+        self.operator.len()
     }
 
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
@@ -192,10 +182,17 @@ impl<O: Operator> Operator for WithColumns<O> {
                 *sum += pressure;
             }
         }
+        for (sum, influence) in self.sums.iter_mut().zip(&self.influence) {
+            *sum *= influence;
+        }
         for (pillar, displacement) in self.pillars.iter().zip(displacement) {
             if let Some(sum) = self.sums.get(*pillar as usize) {
-                *displacement += self.influence * sum;
+                *displacement += sum;
             }
         }
+    }
+
+    fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
+        self.operator.precondition(residual, direction);
     }
 }
