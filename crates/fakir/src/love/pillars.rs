@@ -556,3 +556,29 @@ fn next_indentation(indentation: f64, gap: f64, slope: Option<f64>, bracket: [f6
         guess.clamp(1.001 * indentation, 2.0 * indentation)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::*;
+
+    #[test]
+    fn scan() {
+        for (phi, offset, reference) in [(0.002, 0.0, [1.507047291e-05,2.471482591e-06]), (0.01, 0.0, [9.230580374e-05,2.783077845e-06]), (0.03, 0.0, [0.0003807377798,4.082351531e-06]), (0.01, 1.0/3.0, [8.790444725e-05,2.660206487e-06])] {
+            let pillar = Pillar { diameter: 6e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
+            let m = Material::new(2e6, 0.5);
+            let system = System::new(Lens { radius: 2.2e-3, material: m }, m, Texture { pillar, lattice: HexagonalLattice::with_surface_fraction(phi, 6e-6).offset_by(offset) }).unwrap();
+            let problem = Problem::new(&system);
+            let run = Run::default();
+            for across in [8, 16, 32] {
+                for matched in [false, true] {
+                    let t = std::time::Instant::now();
+                    let s = solve(&problem, Target::Floor, ElementMesh { cells_per_diameter: across, matched, ..ElementMesh::default() }, &run).unwrap();
+                    let f = s.contact.force * problem.force();
+                    let z = s.contact.indentation * problem.length;
+                    println!("{phi} {offset:.2} m {across} {matched} F {:.3e} zeta {:.3e} coarse {:.2e} products {} {:?} {:?} {:?} pillars {} elements {}", f / reference[0] - 1.0, z / reference[1] - 1.0, s.coarse[0] * problem.force() / reference[0] - 1.0, s.level.products, s.contact.termination, s.contact.certificate, t.elapsed(), s.level.window.len(), s.level.elements.len());
+                }
+            }
+        }
+    }
+}

@@ -15,9 +15,10 @@
 //! For any `p >= 0` and any lower bound `m` of `v`, the energy of `p` at the indentation
 //! `zeta + m` is at most `A Σ p (v - m)` above the minimum: the duality gap, since `W` is
 //! positive definite and `v - m >= 0` makes `p` dual feasible. Under a force it is the gap of
-//! M. Frank and P. Wolfe (Nav. Res. Logist. Q. 3, 95 (1956)). It needs nothing but the gap,
-//! so it can neither be fooled by small steps nor by a wrong contact area; iteration ends when
-//! it falls below a fraction of the elastic energy, and for no other reason.
+//! M. Frank and P. Wolfe (Nav. Res. Logist. Q. 3, 95 (1956)). At a prescribed indentation the
+//! work `-m A Σ p` over the distance by which it is missed is added. The certificate needs
+//! nothing but the gap, so it can neither be fooled by small steps nor by a wrong contact area;
+//! iteration ends when it falls below a fraction of the elastic energy, and for no other reason.
 //!
 //! # Method
 //!
@@ -279,8 +280,13 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             Load::Force(_) => lowest,
         };
         let depth = (self.indentation - lowest).max(0.0);
-        // A Σ p (v - m) over the elastic energy A/2 Σ p u.
-        let bound = (weighted - sum * (self.indentation - depth)).max(0.0);
+        // A Σ p (v - m) over the elastic energy A/2 Σ p u, and the work over the distance by
+        // which a prescribed indentation is missed.
+        let missed = match self.load {
+            Load::Indentation(_) => depth,
+            Load::Force(_) => 0.0,
+        };
+        let bound = (weighted - sum * (self.indentation - depth - missed)).max(0.0);
         self.certificate = Certificate {
             energy_bound: if work > 0.0 {
                 2.0 * bound / work
