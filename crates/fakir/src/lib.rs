@@ -70,6 +70,7 @@ pub fn press(
             contact::press(system, load, PillarMethod::Spectral(accuracy), run)
         }
         Method::Punch(form) => contact::press(system, load, PillarMethod::Punch(form), run),
+        Method::Love(mesh) => contact::press(system, load, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::press(system, load, run),
     }
 }
@@ -91,6 +92,7 @@ pub fn transition(
             contact::transition(system, PillarMethod::Spectral(accuracy), run)
         }
         Method::Punch(form) => contact::transition(system, PillarMethod::Punch(form), run),
+        Method::Love(mesh) => contact::transition(system, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::transition(system, run),
     }
 }

@@ -78,7 +78,8 @@ impl<'a> LatticeOfGrids<'a> {
         compliance: f64,
         pool: Option<&'a ThreadPool>,
     ) -> Self {
-        let extent = |pick: fn(&(usize, usize)) -> usize| pillars.iter().map(pick).max().unwrap_or(0) + 1;
+        let extent =
+            |pick: fn(&(usize, usize)) -> usize| pillars.iter().map(pick).max().unwrap_or(0) + 1;
         let shape = (extent(|p| p.0), extent(|p| p.1));
         let grid = cells.grid();
         let local = LocalTransform::new(
@@ -137,7 +138,10 @@ impl<'a> LatticeOfGrids<'a> {
         let (local, shape) = (&self.local, self.shape);
         let offset_spectrum = |place: usize| -> Vec<Complex64> {
             let (row, column) = (place / columns, place % columns);
-            match (wrapped(row, shape.0, rows), wrapped(column, shape.1, columns)) {
+            match (
+                wrapped(row, shape.0, rows),
+                wrapped(column, shape.1, columns),
+            ) {
                 (Some(i), Some(j)) => local.kernel_spectrum(influence, (i, j)),
                 _ => Vec::new(),
             }
@@ -203,7 +207,8 @@ impl<'a> LatticeOfGrids<'a> {
             }
             for frequency in 0..frequencies {
                 for k in 0..size {
-                    self.spectra[frequency * count + first + k] = block[k * frequencies + frequency];
+                    self.spectra[frequency * count + first + k] =
+                        block[k * frequencies + frequency];
                 }
             }
         }
@@ -221,7 +226,8 @@ impl<'a> LatticeOfGrids<'a> {
             let size = BLOCK.min(count - first);
             for frequency in 0..frequencies {
                 for k in 0..size {
-                    block[k * frequencies + frequency] = self.spectra[frequency * count + first + k];
+                    block[k * frequencies + frequency] =
+                        self.spectra[frequency * count + first + k];
                 }
             }
             for (k, spectrum) in block.chunks_exact_mut(frequencies).take(size).enumerate() {
@@ -310,7 +316,11 @@ impl Operator for LatticeOfGrids<'_> {
 
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         assert_eq!(pressure.len(), self.len(), "one pressure for every cell");
-        assert_eq!(displacement.len(), self.len(), "one displacement for every cell");
+        assert_eq!(
+            displacement.len(),
+            self.len(),
+            "one displacement for every cell"
+        );
         self.spread(pressure);
         self.convolve();
         self.collect(displacement);
@@ -413,7 +423,8 @@ impl LocalTransform {
             debug_assert!(done.is_ok());
         }
         transpose(&work.row, spectrum, self.rows, self.half);
-        self.column.process_with_scratch(spectrum, &mut work.scratch);
+        self.column
+            .process_with_scratch(spectrum, &mut work.scratch);
     }
 
     /// `work.array` from its spectrum, which is used up; not normalised.

@@ -22,5 +22,5 @@ pub mod solver;
 pub use grid::{Cells, Grid, InvalidGrid, Run};
 pub use kernel::Rectangle;
 pub use lattice::LatticeOfGrids;
+pub use operator::{Columns, Dense, Operator, displacement_at};
 pub use pillars::{ElementMesh, MeshLayout};
-pub use operator::{Dense, Operator, Columns, displacement_at};

@@ -18,10 +18,12 @@ use super::lattice::LatticeOfGrids;
 use super::operator::{Columns, Dense, Operator};
 use super::solver::{self, ElementContact, Settings};
 use crate::contact::floor::{FloorDisplacement, FloorPoint, FloorSearch};
+use crate::contact::newton::Target;
 use crate::contact::problem::Problem;
 use crate::contact::spectral::{LARGEST_CONTACT, rough_contact_radius};
-use crate::contact::newton::Target;
-use crate::contact::{CancelToken, Load, Progress, Run, SolveError, Stage, Termination};
+use crate::contact::{
+    CancelToken, Load, PillarStatus, Progress, Run, SolveError, Stage, Termination,
+};
 use crate::coupling::window::Window;
 use crate::disc::exterior::FieldJet;
 use crate::system::Point;
@@ -75,8 +77,7 @@ impl Default for ElementMesh {
 /// The elements on the pillars of a window, and the contact on them.
 pub(crate) struct Level<'a> {
     problem: &'a Problem,
-    mesh: ElementMesh,
-    pub(crate) window: Window,
+    window: Window,
     run: &'a Run<'a>,
     operator: Box<dyn Operator + 'a>,
     elements: Elements,
@@ -160,7 +161,16 @@ fn capacity(cells: Cells) -> f64 {
     };
     let mut operator = Dense::new(cells, 1.0);
     let load = Load::Indentation(1.0);
-    solver::solve(&mut operator, &level, area, load, None, &settings, &CancelToken::default()).force
+    solver::solve(
+        &mut operator,
+        &level,
+        area,
+        load,
+        None,
+        &settings,
+        &CancelToken::default(),
+    )
+    .force
 }
 
 impl<'a> Level<'a> {
@@ -179,7 +189,6 @@ impl<'a> Level<'a> {
         let separation = elements.centres.iter().map(|at| problem.sag(*at)).collect();
         Ok(Self {
             problem,
-            mesh,
             window,
             run,
             operator,
@@ -201,9 +210,9 @@ impl<'a> Level<'a> {
             let Some(pillar) = known[next.elements.pillars[element] as usize] else {
                 continue;
             };
-            let key = self
-                .elements
-                .key(&self.window, pillar as u32, next.elements.centres[element]);
+            let key =
+                self.elements
+                    .key(&self.window, pillar as u32, next.elements.centres[element]);
             if let Some(parent) = self.elements.lookup.get(&key) {
                 next.start[element] = self.start[*parent];
             }
@@ -352,11 +361,7 @@ fn on_pillars<'a>(
         .centres()
         .iter()
         .zip(0..)
-        .flat_map(|([x, y], pillar)| {
-            cells
-                .centres()
-                .map(move |[u, v]| ([x + u, y + v], pillar))
-        })
+        .flat_map(|([x, y], pillar)| cells.centres().map(move |[u, v]| ([x + u, y + v], pillar)))
         .collect();
     let elements = Elements::new(mesh, size, window, &placed);
     let column = 0.5 * problem.column_compliance_ratio * size * size;
@@ -405,22 +410,114 @@ fn pattern_capacity(pattern: &[(i64, i64)], size: f64) -> f64 {
     capacity(Cells::where_true(&grid, |index| selected[index]))
 }
 
-/// The last two levels of a solution.
-pub(crate) struct Solution<'a> {
+/// The contact on the finest level.
+pub(crate) struct ElementSolution<'a> {
     pub(crate) level: Level<'a>,
     pub(crate) contact: ElementContact,
     pub(crate) floor: Option<FloorPoint>,
+    /// Products with the operators of all levels.
+    pub(crate) products: usize,
     /// Force and indentation on cells twice as large.
-    pub(crate) coarse: [f64; 2],
+    coarse: Option<[f64; 2]>,
+}
+
+/// A pillar that bears pressure.
+pub(crate) struct TouchedPillar {
+    pub(crate) index: (i64, i64),
+    pub(crate) status: PillarStatus,
+    pub(crate) force: f64,
+    /// That of the cell at its centre, or around it.
+    pub(crate) centre_pressure: f64,
+    /// Distance from the lens axis of its farthest point in contact.
+    pub(crate) reach: f64,
+}
+
+/// What is summed up over the cells of a pillar.
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    cells: usize,
+    loaded: usize,
+    pressure: f64,
+    /// Sum of the pressures, and number, of the cells around the centre.
+    central: [f64; 2],
+    farthest: f64,
+}
+
+impl ElementSolution<'_> {
+    /// Relative differences of force and indentation from those on cells twice as large; without
+    /// those nothing is known.
+    pub(crate) fn errors(&self) -> [f64; 2] {
+        let relative = |fine: f64, coarse: f64| (coarse / fine - 1.0).abs().max(TOLERANCE);
+        self.coarse.map_or([1.0; 2], |[force, indentation]| {
+            [
+                relative(self.contact.force, force),
+                relative(self.contact.indentation, indentation),
+            ]
+        })
+    }
+
+    /// The pillars that bear pressure.
+    pub(crate) fn touched_pillars(&self) -> Vec<TouchedPillar> {
+        let window = &self.level.window;
+        let elements = &self.level.elements;
+        let mut tallies = vec![Tally::default(); window.len()];
+        for ((centre, pillar), pressure) in elements
+            .centres
+            .iter()
+            .zip(&elements.pillars)
+            .zip(&self.contact.pressure)
+        {
+            let pillar = *pillar as usize;
+            let [x, y] = window.centres()[pillar];
+            let tally = &mut tallies[pillar];
+            tally.cells += 1;
+            tally.pressure += pressure;
+            if (centre[0] - x).hypot(centre[1] - y) < elements.size {
+                tally.central[0] += pressure;
+                tally.central[1] += 1.0;
+            }
+            if *pressure > 0.0 {
+                tally.loaded += 1;
+                let outer = centre[0].hypot(centre[1]) + 0.5 * elements.size;
+                tally.farthest = tally.farthest.max(outer);
+            }
+        }
+        let area = elements.size * elements.size;
+        tallies
+            .iter()
+            .enumerate()
+            .filter(|(_, tally)| tally.loaded > 0)
+            .map(|(pillar, tally)| {
+                let [x, y] = window.centres()[pillar];
+                let full = tally.loaded == tally.cells;
+                TouchedPillar {
+                    index: window.index(pillar),
+                    status: if full {
+                        PillarStatus::Full
+                    } else {
+                        PillarStatus::Partial
+                    },
+                    force: area * tally.pressure,
+                    centre_pressure: tally.central[0] / tally.central[1].max(1.0),
+                    reach: if full {
+                        x.hypot(y) + 1.0
+                    } else {
+                        tally.farthest
+                    },
+                }
+            })
+            .collect()
+    }
 }
 
 /// Solves for a target level by level, up to the mesh.
 pub(crate) fn solve<'a>(
     problem: &'a Problem,
     target: Target,
+    contact_radius: Option<f64>,
     mesh: ElementMesh,
     run: &'a Run<'a>,
-) -> Result<Solution<'a>, SolveError> {
+) -> Result<ElementSolution<'a>, SolveError> {
     let mut levels = vec![mesh];
     while let Some(last) = levels.last().copied()
         && last.cells_per_diameter >= 2 * FEWEST_CELLS
@@ -431,12 +528,13 @@ pub(crate) fn solve<'a>(
         });
     }
     let pitch = problem.lattice.pitch;
-    let mut radius = 1.05 * rough_contact_radius(problem, target) + 1.5 * pitch + 1.0;
+    let guess = contact_radius.unwrap_or_else(|| rough_contact_radius(problem, target));
+    let mut radius = 1.05 * guess + 1.5 * pitch + 1.0;
     let mut search = Search {
         indentation: problem.height,
         slope: None,
     };
-    let mut solved: Option<Solution<'a>> = None;
+    let mut solved: Option<ElementSolution<'a>> = None;
     while let Some(mesh) = levels.pop() {
         let mut level = match &solved {
             None => Level::new(problem, mesh, limited(problem, radius), run)?,
@@ -453,8 +551,9 @@ pub(crate) fn solve<'a>(
             level = level.successor(mesh, limited(problem, radius))?;
         };
         radius = level.reach(&contact) + 1.5 * pitch;
-        let coarse = solved.map_or([f64::NAN; 2], |s| [s.contact.force, s.contact.indentation]);
-        solved = Some(Solution {
+        let coarse = solved.map(|s| [s.contact.force, s.contact.indentation]);
+        solved = Some(ElementSolution {
+            products: level.products,
             level,
             contact,
             floor,
@@ -564,19 +663,61 @@ mod tests {
 
     #[test]
     fn scan() {
-        for (phi, offset, reference) in [(0.002, 0.0, [1.507047291e-05,2.471482591e-06]), (0.01, 0.0, [9.230580374e-05,2.783077845e-06]), (0.03, 0.0, [0.0003807377798,4.082351531e-06]), (0.01, 1.0/3.0, [8.790444725e-05,2.660206487e-06])] {
-            let pillar = Pillar { diameter: 6e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
+        for (phi, offset, reference) in [
+            (0.002, 0.0, [1.507047291e-05, 2.471482591e-06]),
+            (0.01, 0.0, [9.230580374e-05, 2.783077845e-06]),
+            (0.03, 0.0, [0.0003807377798, 4.082351531e-06]),
+            (0.01, 1.0 / 3.0, [8.790444725e-05, 2.660206487e-06]),
+        ] {
+            let pillar = Pillar {
+                diameter: 6e-6,
+                height: 2.2e-6,
+                compliance: PillarCompliance::Column,
+            };
             let m = Material::new(2e6, 0.5);
-            let system = System::new(Lens { radius: 2.2e-3, material: m }, m, Texture { pillar, lattice: HexagonalLattice::with_surface_fraction(phi, 6e-6).offset_by(offset) }).unwrap();
+            let system = System::new(
+                Lens {
+                    radius: 2.2e-3,
+                    material: m,
+                },
+                m,
+                Texture {
+                    pillar,
+                    lattice: HexagonalLattice::with_surface_fraction(phi, 6e-6).offset_by(offset),
+                },
+            )
+            .unwrap();
             let problem = Problem::new(&system);
             let run = Run::default();
             for across in [8, 16, 32] {
                 for matched in [false, true] {
                     let t = std::time::Instant::now();
-                    let s = solve(&problem, Target::Floor, ElementMesh { cells_per_diameter: across, matched, ..ElementMesh::default() }, &run).unwrap();
+                    let s = solve(
+                        &problem,
+                        Target::Floor,
+                        None,
+                        ElementMesh {
+                            cells_per_diameter: across,
+                            matched,
+                            ..ElementMesh::default()
+                        },
+                        &run,
+                    )
+                    .unwrap();
                     let f = s.contact.force * problem.force();
                     let z = s.contact.indentation * problem.length;
-                    println!("{phi} {offset:.2} m {across} {matched} F {:.3e} zeta {:.3e} coarse {:.2e} products {} {:?} {:?} {:?} pillars {} elements {}", f / reference[0] - 1.0, z / reference[1] - 1.0, s.coarse[0] * problem.force() / reference[0] - 1.0, s.level.products, s.contact.termination, s.contact.certificate, t.elapsed(), s.level.window.len(), s.level.elements.len());
+                    println!(
+                        "{phi} {offset:.2} m {across} {matched} F {:.3e} zeta {:.3e} coarse {:.2e} products {} {:?} {:?} {:?} pillars {} elements {}",
+                        f / reference[0] - 1.0,
+                        z / reference[1] - 1.0,
+                        s.coarse.unwrap()[0] * problem.force() / reference[0] - 1.0,
+                        s.level.products,
+                        s.contact.termination,
+                        s.contact.certificate,
+                        t.elapsed(),
+                        s.level.window.len(),
+                        s.level.elements.len()
+                    );
                 }
             }
         }

@@ -197,7 +197,11 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             self.pressure.iter_mut().for_each(|p| *p *= scale);
             return;
         }
-        let nearest = self.separation.iter().copied().fold(f64::INFINITY, f64::min);
+        let nearest = self
+            .separation
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
         let touching = |s: f64| s <= nearest;
         let count = self.separation.iter().filter(|s| touching(**s)).count();
         for (pressure, separation) in self.pressure.iter_mut().zip(self.separation) {
@@ -323,21 +327,22 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             dot(&self.previous_residual, &self.search)
         };
         self.precondition();
-        let slope_change = dot(&self.residual, &self.search)
-            - dot(&self.previous_residual, &self.search);
+        let slope_change =
+            dot(&self.residual, &self.search) - dot(&self.previous_residual, &self.search);
         // Polak and Ribiere, restarting where it is negative.
         let memory = if previous_slope > 0.0 {
             (slope_change / previous_slope).max(0.0)
         } else {
             0.0
         };
-        for ((direction, search), free) in self
-            .direction
-            .iter_mut()
-            .zip(&self.search)
-            .zip(&self.free)
+        for ((direction, search), free) in
+            self.direction.iter_mut().zip(&self.search).zip(&self.free)
         {
-            *direction = if *free { search + memory * *direction } else { 0.0 };
+            *direction = if *free {
+                search + memory * *direction
+            } else {
+                0.0
+            };
         }
         if matches!(self.load, Load::Force(_)) {
             self.leave_the_force_alone();
@@ -352,7 +357,11 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         self.operator.precondition(&self.residual, &mut self.search);
         mask(&mut self.search, &self.free);
         if let Load::Force(_) = self.load {
-            let ones: Vec<f64> = self.free.iter().map(|free| f64::from(u8::from(*free))).collect();
+            let ones: Vec<f64> = self
+                .free
+                .iter()
+                .map(|free| f64::from(u8::from(*free)))
+                .collect();
             self.operator.precondition(&ones, &mut self.uniform);
             mask(&mut self.uniform, &self.free);
             let excess = sum(&self.search) / sum(&self.uniform);
