@@ -506,3 +506,168 @@ fn mask(values: &mut [f64], free: &[bool]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::grid::{Cells, Grid};
+    use super::super::operator::Dense;
+    use super::*;
+
+    /// A sphere of radius 1 on 31 by 31 cells of a half-space of compliance 1.
+    fn sphere() -> (Dense, Vec<f64>, f64) {
+        let grid = Grid::centred(31, 31, 0.01).unwrap();
+        let cells = Cells::all(&grid);
+        let separation = cells
+            .centres()
+            .map(|[x, y]| 0.5 * (x * x + y * y))
+            .collect();
+        (Dense::new(cells, 1.0), separation, grid.cell_area())
+    }
+
+    fn press(load: Load, start: Option<&[f64]>) -> ElementContact {
+        let (mut operator, separation, area) = sphere();
+        solve(
+            &mut operator,
+            &separation,
+            area,
+            load,
+            start,
+            &Settings::default(),
+            &CancelToken::default(),
+        )
+    }
+
+    #[test]
+    fn sphere_as_hertz() {
+        // Johnson, Contact Mechanics, section 4.2: a^2 = R zeta, F = 4/3 E* sqrt(R) zeta^(3/2).
+        let indentation = 0.01;
+        let contact = press(Load::Indentation(indentation), None);
+        assert_eq!(contact.termination, Termination::Converged);
+        let hertz = 4.0 / 3.0 * f64::powf(indentation, 1.5);
+        assert!(
+            (contact.force / hertz - 1.0).abs() < 5e-3,
+            "{}",
+            contact.force / hertz
+        );
+        let area = contact.pressure.iter().filter(|p| **p > 0.0).count() as f64 * 1e-4;
+        assert!((area / (std::f64::consts::PI * indentation) - 1.0).abs() < 0.05);
+        assert!(contact.pressure.iter().all(|p| *p >= 0.0));
+        assert!(contact.certificate.interpenetration < 1e-7 * indentation);
+        assert!(contact.certificate.gap_under_pressure < 1e-7 * indentation);
+    }
+
+    #[test]
+    fn force_and_indentation_belong_together() {
+        let first = press(Load::Indentation(0.007), None);
+        let second = press(Load::Force(first.force), None);
+        assert_eq!(second.termination, Termination::Converged);
+        assert!((second.force / first.force - 1.0).abs() < 1e-12);
+        assert!((second.indentation / first.indentation - 1.0).abs() < 1e-7);
+        let largest = first.pressure.iter().copied().fold(0.0, f64::max);
+        for (a, b) in first.pressure.iter().zip(&second.pressure) {
+            assert!((a - b).abs() < 1e-3 * largest);
+        }
+    }
+
+    #[test]
+    fn any_start_leads_to_the_same_pressures() {
+        let cold = press(Load::Indentation(0.01), None);
+        let wild: Vec<f64> = (0..961).map(|k| f64::from(k % 7) - 2.0).collect();
+        let warm = press(Load::Indentation(0.01), Some(&wild));
+        assert_eq!(warm.termination, Termination::Converged);
+        assert!((warm.force / cold.force - 1.0).abs() < 1e-7);
+    }
+
+    #[test]
+    fn certificate_bounds_the_energy_error() {
+        // Against a solution ten thousand times as exact.
+        let energy = |contact: &ElementContact| -> f64 {
+            let (_, separation, _) = sphere();
+            contact
+                .pressure
+                .iter()
+                .zip(&contact.gap)
+                .zip(&separation)
+                .map(|((p, gap), s)| 0.5 * p * (gap + s - contact.indentation))
+                .sum()
+        };
+        let (mut operator, separation, area) = sphere();
+        let mut at = |tolerance| {
+            let settings = Settings {
+                tolerance,
+                ..Settings::default()
+            };
+            let load = Load::Indentation(0.01);
+            let cancel = CancelToken::default();
+            solve(
+                &mut operator,
+                &separation,
+                area,
+                load,
+                None,
+                &settings,
+                &cancel,
+            )
+        };
+        let exact = at(1e-12);
+        for tolerance in [1e-1, 1e-2, 1e-4, 1e-6] {
+            let rough = at(tolerance);
+            let elastic: f64 = rough
+                .pressure
+                .iter()
+                .zip(&rough.gap)
+                .zip(&separation)
+                .map(|((p, gap), s)| 0.5 * p * (gap - s + rough.indentation))
+                .sum();
+            let error = (energy(&rough) - energy(&exact)) / elastic;
+            assert!(error <= rough.certificate.energy_bound + 1e-12);
+            assert!(error >= -1e-12);
+        }
+    }
+
+    #[test]
+    fn nothing_is_touched_without_indentation() {
+        let contact = press(Load::Indentation(0.0), None);
+        assert_eq!(contact.termination, Termination::Converged);
+        assert_eq!(contact.force, 0.0);
+    }
+
+    #[test]
+    fn stops_when_asked() {
+        let (mut operator, separation, area) = sphere();
+        let cancel = CancelToken::default();
+        cancel.cancel();
+        let contact = solve(
+            &mut operator,
+            &separation,
+            area,
+            Load::Indentation(0.01),
+            None,
+            &Settings::default(),
+            &cancel,
+        );
+        assert_eq!(contact.termination, Termination::Interrupted);
+    }
+
+    #[test]
+    fn says_that_it_did_not_converge() {
+        let (mut operator, separation, area) = sphere();
+        let settings = Settings {
+            product_limit: 3,
+            ..Settings::default()
+        };
+        let load = Load::Force(1e-3);
+        let cancel = CancelToken::default();
+        let contact = solve(
+            &mut operator,
+            &separation,
+            area,
+            load,
+            None,
+            &settings,
+            &cancel,
+        );
+        assert_eq!(contact.termination, Termination::IterationLimit);
+        assert!(contact.certificate.energy_bound > settings.tolerance);
+    }
+}
