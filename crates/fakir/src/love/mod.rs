@@ -12,10 +12,17 @@
 //!
 //! Lengths in m, pressures in Pa, compliances in 1/Pa.
 
+#[cfg(test)]
+mod conformance;
+mod convolution;
+mod free_space;
 mod grid;
 mod kernel;
 mod operator;
+mod periodic;
 
+pub use free_space::FreeSpaceConvolution;
 pub use grid::{Cells, Grid, InvalidGrid, Run};
 pub use kernel::Rectangle;
 pub use operator::{Dense, Operator, WithColumns, displacement_at};
+pub use periodic::PeriodicConvolution;
