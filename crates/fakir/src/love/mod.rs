@@ -12,15 +12,22 @@
 //!
 //! Lengths in m, pressures in Pa, compliances in 1/Pa.
 
+#[cfg(test)]
+mod conformance;
+mod convolution;
+mod free_space;
 mod grid;
 mod kernel;
 mod lattice;
 mod operator;
+mod periodic;
 pub(crate) mod pillars;
 pub mod solver;
 
+pub use free_space::FreeSpaceConvolution;
 pub use grid::{Cells, Grid, InvalidGrid, Run};
 pub use kernel::Rectangle;
 pub use lattice::LatticeOfGrids;
 pub use operator::{Columns, Dense, Operator, displacement_at};
+pub use periodic::{PeriodicConvolution, Preconditioned};
 pub use pillars::{ElementMesh, MeshLayout};

@@ -13,9 +13,11 @@
 //!
 //! Units are those of [`Problem`]: lengths in pillar radii, pressures in `E*`.
 
+use super::free_space::FreeSpaceConvolution;
 use super::grid::{Cells, Grid};
 use super::lattice::LatticeOfGrids;
 use super::operator::{Columns, Dense, Operator};
+use super::periodic::Preconditioned;
 use super::solver::{self, ElementContact, Settings};
 use crate::contact::floor::{FloorDisplacement, FloorPoint, FloorSearch};
 use crate::contact::newton::Target;
@@ -184,7 +186,7 @@ impl<'a> Level<'a> {
         let window = Window::new(&problem.lattice, radius);
         let (operator, elements): (Box<dyn Operator + 'a>, _) = match mesh.layout {
             MeshLayout::Pillars => on_pillars(problem, mesh, &window, run)?,
-            MeshLayout::Pattern => todo!(),
+            MeshLayout::Pattern => on_pattern(problem, mesh, &window, run)?,
         };
         let separation = elements.centres.iter().map(|at| problem.sag(*at)).collect();
         Ok(Self {
@@ -370,6 +372,51 @@ fn on_pillars<'a>(
         elements.pillars.clone(),
         vec![column; window.len()],
     );
+    Ok((Box::new(operator), elements))
+}
+
+/// One grid over the pattern, with a corner of cells on the lens axis.
+fn on_pattern<'a>(
+    problem: &Problem,
+    mesh: ElementMesh,
+    window: &Window,
+    run: &'a Run<'a>,
+) -> Result<Mesh<'a>, SolveError> {
+    let size = 2.0 / mesh.cells_per_diameter as f64;
+    let extent = |axis: usize| {
+        let reach = window.centres().iter().map(|c| c[axis].abs() + 1.0);
+        2 * (reach.fold(0.0, f64::max) / size).ceil() as usize
+    };
+    let (columns, rows) = (extent(0), extent(1));
+    let grid = Grid::centred(columns, rows, size).expect("the window has a size");
+    let pillar_at = |point: Point| {
+        let (i, j) = problem.lattice.nearest_pillar(point);
+        let [x, y] = problem.lattice.centre(i, j);
+        let inside = (point[0] - x).hypot(point[1] - y) < 1.0;
+        inside.then(|| window.find((i, j))).flatten()
+    };
+    let cells = Cells::where_centre(&grid, |point| pillar_at(point).is_some());
+    let threads = run.pool.map_or(1, rayon::ThreadPool::current_num_threads);
+    let bytes = Preconditioned::<FreeSpaceConvolution<'_>>::memory_estimate(&cells)
+        + FreeSpaceConvolution::memory_estimate(&cells, threads)
+        + BYTES_PER_ELEMENT * cells.len();
+    check_memory(window.len(), bytes, run)?;
+    let placed: Vec<(Point, u32)> = cells
+        .centres()
+        .filter_map(|point| Some((point, pillar_at(point)? as u32)))
+        .collect();
+    let elements = Elements::new(mesh, size, window, &placed);
+    let area = size * size;
+    let column = 0.5 * problem.column_compliance_ratio;
+    let missing = if mesh.matched {
+        missing_compliance(&elements, window)
+    } else {
+        vec![0.0; window.len()]
+    };
+    let compliance = missing.iter().map(|c| area * (c + column)).collect();
+    let operator = FreeSpaceConvolution::new(cells.clone(), 1.0, run.pool);
+    let operator = Preconditioned::new(operator, cells, run.pool);
+    let operator = Columns::new(operator, elements.pillars.clone(), compliance);
     Ok((Box::new(operator), elements))
 }
 
@@ -659,67 +706,55 @@ fn next_indentation(indentation: f64, gap: f64, slope: Option<f64>, bracket: [f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::system::*;
 
     #[test]
-    fn scan() {
-        for (phi, offset, reference) in [
-            (0.002, 0.0, [1.507047291e-05, 2.471482591e-06]),
-            (0.01, 0.0, [9.230580374e-05, 2.783077845e-06]),
-            (0.03, 0.0, [0.0003807377798, 4.082351531e-06]),
-            (0.01, 1.0 / 3.0, [8.790444725e-05, 2.660206487e-06]),
-        ] {
-            let pillar = Pillar {
-                diameter: 6e-6,
-                height: 2.2e-6,
-                compliance: PillarCompliance::Column,
-            };
-            let m = Material::new(2e6, 0.5);
-            let system = System::new(
-                Lens {
-                    radius: 2.2e-3,
-                    material: m,
-                },
-                m,
-                Texture {
-                    pillar,
-                    lattice: HexagonalLattice::with_surface_fraction(phi, 6e-6).offset_by(offset),
-                },
-            )
-            .unwrap();
-            let problem = Problem::new(&system);
-            let run = Run::default();
-            for across in [8, 16, 32] {
-                for matched in [false, true] {
-                    let t = std::time::Instant::now();
-                    let s = solve(
-                        &problem,
-                        Target::Floor,
-                        None,
-                        ElementMesh {
-                            cells_per_diameter: across,
-                            matched,
-                            ..ElementMesh::default()
-                        },
-                        &run,
-                    )
-                    .unwrap();
-                    let f = s.contact.force * problem.force();
-                    let z = s.contact.indentation * problem.length;
-                    println!(
-                        "{phi} {offset:.2} m {across} {matched} F {:.3e} zeta {:.3e} coarse {:.2e} products {} {:?} {:?} {:?} pillars {} elements {}",
-                        f / reference[0] - 1.0,
-                        z / reference[1] - 1.0,
-                        s.coarse.unwrap()[0] * problem.force() / reference[0] - 1.0,
-                        s.level.products,
-                        s.contact.termination,
-                        s.contact.certificate,
-                        t.elapsed(),
-                        s.level.window.len(),
-                        s.level.elements.len()
-                    );
-                }
-            }
+    fn matched_cells_bear_the_force_of_a_flat_punch() {
+        // F = 2 E* a zeta, Johnson, Contact Mechanics, eq. 3.36, with a = E* = zeta = 1.
+        for across in [4, 5, 8, 11, 16] {
+            assert!((capacity(disc_cells(across, true)) / 2.0 - 1.0).abs() < 1e-9);
+            let plain = capacity(disc_cells(across, false)) / 2.0 - 1.0;
+            assert!(
+                plain.abs() > 1e-4 && plain.abs() < 0.5 / across as f64,
+                "{plain}"
+            );
         }
+    }
+
+    #[test]
+    fn displacement_of_the_floor_is_that_of_its_cells() {
+        // Against Love's rectangle, at the distance of a floor contact in a dense texture.
+        let cells = disc_cells(16, true);
+        let [size, _] = cells.grid().cell();
+        let placed: Vec<(Point, u32)> = cells.centres().map(|centre| (centre, 0)).collect();
+        let lattice = crate::system::HexagonalLattice::new(4.0);
+        let window = Window::new(&lattice, 0.1);
+        let elements = Elements::new(ElementMesh::default(), size, &window, &placed);
+        let pressure: Vec<f64> = placed.iter().map(|([x, y], _)| 2.0 + x - y * y).collect();
+        let floor = FloorUnderCells::new(&elements, &pressure);
+        for point in [[2.0, 0.4], [0.0, -1.7], [5.0, 9.0]] {
+            let expected = super::super::displacement_at(&cells, 1.0, &pressure, point);
+            let jet = floor.displacement(point)[1];
+            assert!((jet.value / expected - 1.0).abs() < 1e-7);
+            let step = 1e-4;
+            let at = |dx: f64, dy: f64| floor.displacement([point[0] + dx, point[1] + dy])[1];
+            let slope = (at(step, 0.0).value - at(-step, 0.0).value) / (2.0 * step);
+            assert!((slope - jet.gradient[0]).abs() < 1e-6);
+            let bend = (at(0.0, step).gradient[0] - at(0.0, -step).gradient[0]) / (2.0 * step);
+            assert!((bend - jet.hessian[1]).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn next_trial_stays_in_the_bracket() {
+        assert_eq!(
+            next_indentation(1.0, 0.5, Some(-1.0), [1.0, f64::INFINITY]),
+            1.5
+        );
+        assert_eq!(
+            next_indentation(1.0, 5.0, Some(-1.0), [1.0, f64::INFINITY]),
+            2.0
+        );
+        assert_eq!(next_indentation(1.0, -0.1, Some(-0.01), [0.6, 1.0]), 0.8);
+        assert_eq!(next_indentation(1.0, -0.1, None, [0.5, 1.0]), 0.8);
     }
 }
