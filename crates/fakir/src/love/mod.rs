@@ -22,7 +22,7 @@ mod operator;
 mod periodic;
 
 pub use free_space::FreeSpaceConvolution;
-pub use grid::{Cells, Grid, InvalidGrid, Run};
+pub use grid::{Cells, Grid, InvalidGrid, Segment};
 pub use kernel::Rectangle;
 pub use operator::{Dense, Operator, WithColumns, displacement_at};
 pub use periodic::PeriodicConvolution;
