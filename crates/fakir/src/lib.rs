@@ -21,7 +21,7 @@
 //!
 //! * [`system`]: what is pressed. Everything public is in SI units.
 //! * [`press`] and [`transition`]: the contact under a load, and the critical state, by any
-//!   [`Method`](contact::Method), coarse to exact:
+//!   [`Method`], coarse to exact:
 //!   [homogenised lattice](theory::homogenised), punch lattice, spectral.
 //! * [`contact`]: what comes back: forces, radii, every pillar, [fields](contact::Fields),
 //!   convergence and error estimates.
@@ -37,12 +37,13 @@
 //! one of the unknowns. The punch lattice is its lowest degree.
 //!
 //! The crate opens no files, prints nothing and starts no threads; a
-//! [`Run`](contact::Run) hands it a thread pool, a listener for progress and a way to stop.
+//! [`Run`] hands it a thread pool, a listener for progress and a way to stop.
 
 pub mod contact;
 mod coupling;
 mod disc;
 pub mod love;
+mod quadrature;
 pub mod system;
 pub mod theory;
 

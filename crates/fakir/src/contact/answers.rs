@@ -560,10 +560,12 @@ fn edge_range(disc: &Disc, basis: &mut BasisEvaluator) -> [f64; 2] {
 /// is the combination of modes with coefficients `gap`.
 ///
 /// It is looked for on rays from the lens axis. The pressure itself is of little use: between
-/// nodes it is not exactly zero out of contact. The gap is smooth; see [`ray_end`].
+/// nodes it is not exactly zero out of contact. The gap is smooth; see [`Ray::contact_end`].
+/// Rays along which it hardly opens are left out: the contact ends at about the same distance
+/// on all rays, and is best seen where the gap opens widest.
 fn contact_reach(centre: Point, gap: &[f64], basis: &mut BasisEvaluator) -> f64 {
     const RAYS: usize = 24;
-    const SAMPLES: usize = 40;
+    const OPEN: f64 = 0.5;
     let [x, y] = centre;
     let distance = x.hypot(y);
     let axis = y.atan2(x);
@@ -574,45 +576,69 @@ fn contact_reach(centre: Point, gap: &[f64], basis: &mut BasisEvaluator) -> f64 
         (1.0 / distance).asin()
     };
     let mut values = vec![0.0; gap.len()];
-    (0..=RAYS)
-        .filter_map(|ray| {
+    let rays: Vec<Ray> = (0..=RAYS)
+        .map(|ray| {
             let angle = half_angle * (2.0 * ray as f64 / RAYS as f64 - 1.0);
             let (sin, cos) = (axis + angle).sin_cos();
             let along = x * cos + y * sin;
             let across_squared = (distance * distance - along * along).max(0.0);
             let half_chord = (1.0 - across_squared).max(0.0).sqrt();
             let (near, far) = ((along - half_chord).max(0.0), along + half_chord);
-            ray_end(near, far, SAMPLES, |s| {
+            Ray::new(near, far, |s| {
                 basis.evaluate([s * cos - x, s * sin - y], &mut values);
                 values.iter().zip(gap).map(|(y, g)| y * g).sum()
             })
         })
+        .collect();
+    let widest = rays.iter().map(Ray::far_gap).fold(0.0, f64::max);
+    rays.iter()
+        .filter(|ray| ray.far_gap() <= 0.0 || ray.far_gap() >= OPEN * widest)
+        .filter_map(Ray::contact_end)
         .fold(0.0, f64::max)
 }
 
-/// Where the contact ends along a ray on which the gap is known from `near` to `far`; `None` if
-/// nothing of it is in contact.
-///
-/// Out of contact the gap grows as the distance to the power 3/2 at first, so that the distance
-/// is a series in `gap^(2/3)`. Its constant term follows from where the gap last passes three
-/// fractions of its value at the far end.
-fn ray_end(near: f64, far: f64, samples: usize, mut gap: impl FnMut(f64) -> f64) -> Option<f64> {
-    const LEVELS: [f64; 3] = [0.03, 0.1, 0.3];
-    let step = (far - near) / (samples - 1) as f64;
-    let values: Vec<f64> = (0..samples).map(|k| gap(near + step * k as f64)).collect();
-    let last = values[samples - 1];
-    if last <= 0.0 {
-        return Some(far);
+/// The gap along a piece of a ray from the lens axis.
+struct Ray {
+    /// Where the piece begins, and the distance between samples.
+    near: f64,
+    step: f64,
+    gaps: [f64; Ray::SAMPLES],
+}
+
+impl Ray {
+    const SAMPLES: usize = 40;
+
+    fn new(near: f64, far: f64, mut gap: impl FnMut(f64) -> f64) -> Self {
+        let step = (far - near) / (Self::SAMPLES - 1) as f64;
+        let gaps = std::array::from_fn(|k| gap(near + step * k as f64));
+        Self { near, step, gaps }
     }
-    let mut positions = [0.0; 3];
-    for (position, level) in positions.iter_mut().zip(LEVELS) {
-        let level = level * last;
-        let below = values.iter().rposition(|gap| *gap < level)?;
-        let fraction = (level - values[below]) / (values[below + 1] - values[below]);
-        *position = near + step * (below as f64 + fraction);
+
+    fn far_gap(&self) -> f64 {
+        self.gaps[Self::SAMPLES - 1]
     }
-    let end = constant_term(LEVELS.map(|level| level.powf(2.0 / 3.0)), positions);
-    (end >= near).then_some(end.min(far))
+
+    /// Where the contact ends; `None` if there is none.
+    ///
+    /// Out of contact the gap grows as the distance to the power 3/2 at first, so that the
+    /// distance is a series in `gap^(2/3)`. Its constant term follows from where the gap last
+    /// passes three fractions of its value at the far end.
+    fn contact_end(&self) -> Option<f64> {
+        const LEVELS: [f64; 3] = [0.03, 0.1, 0.3];
+        let last = self.far_gap();
+        if last <= 0.0 {
+            return Some(self.near + self.step * (Self::SAMPLES - 1) as f64);
+        }
+        let mut positions = [0.0; 3];
+        for (position, level) in positions.iter_mut().zip(LEVELS) {
+            let level = level * last;
+            let below = self.gaps.iter().rposition(|gap| *gap < level)?;
+            let fraction = (level - self.gaps[below]) / (self.gaps[below + 1] - self.gaps[below]);
+            *position = self.near + self.step * (below as f64 + fraction);
+        }
+        let end = constant_term(LEVELS.map(|level| level.powf(2.0 / 3.0)), positions);
+        (end >= self.near).then_some(end.min(positions[0]))
+    }
 }
 
 /// Value at zero of the parabola through three points.
@@ -632,9 +658,9 @@ mod tests {
     #[test]
     fn ray_ends_where_the_gap_opens() {
         let opening = |s: f64| (s - 4.2_f64).max(0.0).powf(1.5) * (1.0 + 0.1 * (s - 4.2));
-        let end = ray_end(3.0, 5.0, 40, opening).unwrap();
+        let end = Ray::new(3.0, 5.0, opening).contact_end().unwrap();
         assert!((end - 4.2).abs() < 5e-3, "{end}");
-        assert_eq!(ray_end(0.0, 1.0, 11, |_| -1.0), Some(1.0));
-        assert_eq!(ray_end(0.0, 1.0, 11, |_| 1.0), None);
+        assert_eq!(Ray::new(0.0, 1.0, |_| -1.0).contact_end(), Some(1.0));
+        assert_eq!(Ray::new(0.0, 1.0, |_| 1.0).contact_end(), None);
     }
 }

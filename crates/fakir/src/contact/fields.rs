@@ -117,12 +117,12 @@ impl Fields {
                     (position[0] - disc.centre[0]) / disc.radius,
                     (position[1] - disc.centre[1]) / disc.radius,
                 ];
-                disc.radius * self.from_disc(disc, at, &mut values)
+                disc.radius * self.displacement_by(disc, at, &mut values)
             })
             .sum()
     }
 
-    fn from_disc(&self, disc: &Disc, at: Point, values: &mut [f64]) -> f64 {
+    fn displacement_by(&self, disc: &Disc, at: Point, values: &mut [f64]) -> f64 {
         let distance = at[0].hypot(at[1]);
         if distance <= 1.0 {
             let mut basis = BasisEvaluator::new(self.degree_of(disc));

@@ -16,10 +16,6 @@ const STEP_LIMIT: usize = 60;
 /// its square.
 const STEP_TOLERANCE: f64 = 1e-9;
 
-/// Lowest points kept from one search to the next are those within this fraction of the lowest:
-/// neighbouring holes differ by 1e-3, and so does the solution from one Newton step to the next.
-const KEPT_WITHIN: f64 = 0.05;
-
 /// Starting points taken from a scan, besides the holes.
 const SCANNED: usize = 8;
 
@@ -47,9 +43,14 @@ pub(crate) struct FloorPoint {
     pub(crate) indentation: f64,
 }
 
-impl LoadedDiscs<'_> {
-    /// `w1` and `w0` at a point outside all discs, with derivatives.
-    pub(crate) fn displacement(&self, position: Point) -> [FieldJet; 2] {
+/// What the pressures do to the floor.
+pub(crate) trait FloorDisplacement {
+    /// `w1` and `w0` at a point off the pillars, with derivatives.
+    fn displacement(&self, position: Point) -> [FieldJet; 2];
+}
+
+impl FloorDisplacement for LoadedDiscs<'_> {
+    fn displacement(&self, position: Point) -> [FieldJet; 2] {
         let mut sums = [FieldJet::default(); 2];
         let scale = self.radius.recip();
         for (disc, centre) in self.centres.iter().enumerate() {
@@ -89,14 +90,14 @@ impl FloorSearch {
     pub(crate) fn lowest(
         &mut self,
         problem: &Problem,
-        discs: &LoadedDiscs<'_>,
+        loaded: &impl FloorDisplacement,
     ) -> Option<FloorPoint> {
         if self.starts.is_empty() {
-            self.starts = first_starts(problem, discs);
+            self.starts = first_starts(problem, loaded);
         }
         let mut minima: Vec<FloorPoint> = Vec::with_capacity(self.starts.len());
         for start in &self.starts {
-            let Some(minimum) = descend(problem, discs, *start) else {
+            let Some(minimum) = descend(problem, loaded, *start) else {
                 continue;
             };
             let known = minima
@@ -111,11 +112,6 @@ impl FloorSearch {
         self.starts
             .extend(minima.iter().map(|point| point.position));
         minima.first().copied()
-    }
-
-    /// Forgets where the lowest points were.
-    pub(crate) fn forget(&mut self) {
-        self.starts.clear();
     }
 }
 
@@ -132,13 +128,13 @@ fn clearance(problem: &Problem, position: Point) -> f64 {
 /// `zeta(x)` with derivatives; `None` on pillars and where the floor recedes from the lens.
 fn indentation_of_contact(
     problem: &Problem,
-    discs: &LoadedDiscs<'_>,
+    loaded: &impl FloorDisplacement,
     position: Point,
 ) -> Option<FieldJet> {
     if clearance(problem, position) <= 0.0 {
         return None;
     }
-    let [unit, rest] = discs.displacement(position);
+    let [unit, rest] = loaded.displacement(position);
     let sag = sag_jet(problem, position)?;
     let denominator = 1.0 - unit.value;
     if denominator <= 0.0 {
@@ -180,9 +176,9 @@ fn sag_jet(problem: &Problem, [x, y]: Point) -> Option<FieldJet> {
 }
 
 /// Newton's method with the Hessian made positive, halving steps that do not descend.
-fn descend(problem: &Problem, discs: &LoadedDiscs<'_>, start: Point) -> Option<FloorPoint> {
+fn descend(problem: &Problem, loaded: &impl FloorDisplacement, start: Point) -> Option<FloorPoint> {
     let mut position = start;
-    let mut jet = indentation_of_contact(problem, discs, position)?;
+    let mut jet = indentation_of_contact(problem, loaded, position)?;
     for _ in 0..STEP_LIMIT {
         let step = newton_step(&jet);
         let length = step[0].hypot(step[1]);
@@ -199,7 +195,7 @@ fn descend(problem: &Problem, discs: &LoadedDiscs<'_>, start: Point) -> Option<F
                 position[0] + factor * step[0],
                 position[1] + factor * step[1],
             ];
-            if let Some(next) = indentation_of_contact(problem, discs, trial)
+            if let Some(next) = indentation_of_contact(problem, loaded, trial)
                 && next.value <= jet.value
             {
                 moved = Some((trial, next));
@@ -235,7 +231,7 @@ fn newton_step(jet: &FieldJet) -> [f64; 2] {
 
 /// Where to start: holes and bridges near the lens axis, the lens axis itself, and in wide
 /// textures rings around the nearest pillars, as far as they promise a low gap.
-fn first_starts(problem: &Problem, discs: &LoadedDiscs<'_>) -> Vec<Point> {
+fn first_starts(problem: &Problem, loaded: &impl FloorDisplacement) -> Vec<Point> {
     let lattice = &problem.lattice;
     let pitch = lattice.pitch;
     let (i0, j0) = lattice.nearest_pillar([0.0, 0.0]);
@@ -274,7 +270,7 @@ fn first_starts(problem: &Problem, discs: &LoadedDiscs<'_>) -> Vec<Point> {
     }
     let mut rated: Vec<(f64, Point)> = others
         .into_iter()
-        .filter_map(|point| Some((indentation_of_contact(problem, discs, point)?.value, point)))
+        .filter_map(|point| Some((indentation_of_contact(problem, loaded, point)?.value, point)))
         .collect();
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut starts = holes;

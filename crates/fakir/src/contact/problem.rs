@@ -2,7 +2,7 @@
 //! reduced modulus, so that forces are in units of `E* (d/2)^2`.
 
 use crate::disc::basis::{BasisEvaluator, mode_count};
-use crate::disc::quadrature::hemisphere;
+use crate::quadrature::hemisphere;
 use crate::system::{HexagonalLattice, Lens, Point, System};
 
 /// Degree up to which the lens shape is projected on the modes of a pillar top. The sag is

@@ -243,7 +243,7 @@ fn angle_multiple([cos, sin]: [f64; 2], multiple: i32) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::disc::basis::BasisEvaluator;
-    use crate::disc::quadrature::hemisphere;
+    use crate::quadrature::hemisphere;
 
     /// `∫∫ Y_i Y_j/(pi |x - x'|) dOmega dOmega'` over two discs, by product quadrature.
     fn by_quadrature(degree: usize, offset: [f64; 2]) -> Vec<f64> {

@@ -57,7 +57,7 @@ pub(crate) fn eigenvalue(degree: usize, order: usize) -> f64 {
 
 /// `Gamma((n+1)/2)/Gamma((n+2)/2)`, stable for any `n`.
 fn gamma_ratio(n: usize) -> f64 {
-    let (mut value, mut k) = if n % 2 == 0 {
+    let (mut value, mut k) = if n.is_multiple_of(2) {
         (PI.sqrt(), 0)
     } else {
         (2.0 / PI.sqrt(), 1)
@@ -179,7 +179,7 @@ impl BasisEvaluator {
 pub(crate) fn equator_value(degree: usize, order: usize) -> f64 {
     // |y_lm| follows from lambda = 2 pi^2 y^2/(2l + 1); the sign is that of P_lm(0).
     let magnitude = ((2 * degree + 1) as f64 * eigenvalue(degree, order) / (2.0 * PI * PI)).sqrt();
-    if ((degree - order) / 2) % 2 == 0 {
+    if ((degree - order) / 2).is_multiple_of(2) {
         magnitude
     } else {
         -magnitude
@@ -204,8 +204,8 @@ pub(crate) fn gamma_degree(degree: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::quadrature::{gauss_legendre, hemisphere};
     use super::*;
+    use crate::quadrature::{gauss_legendre, hemisphere};
 
     #[test]
     fn modes_are_orthonormal_on_the_hemisphere() {

@@ -15,6 +15,5 @@ pub(crate) mod basis;
 pub(crate) mod exterior;
 pub(crate) mod nodes;
 pub(crate) mod patch;
-pub(crate) mod quadrature;
 pub(crate) mod special;
 pub(crate) mod unilateral;

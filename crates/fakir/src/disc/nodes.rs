@@ -10,21 +10,15 @@ pub(crate) struct Node {
     pub(crate) direction: [f64; 2],
 }
 
-impl Node {
-    pub(crate) fn point(&self) -> [f64; 2] {
-        [self.rho * self.direction[0], self.rho * self.direction[1]]
-    }
-}
-
-/// Bos array of an even `degree` `p` (for `p = 0` the centre alone): rings of `2p + 1, 2p - 3, ..., 1` points, the outermost on
-/// the edge, at colatitudes `pi/2 (1 - 2k/p)`, alternate rings turned by half a step. The
-/// `(p+1)(p+2)/2` points determine a combination of the modes up to degree `p` uniquely
+/// Bos array of an even `degree` `p` (for `p = 0` the centre alone): rings of
+/// `2p + 1, 2p - 3, ..., 1` points, the outermost on the edge, at colatitudes
+/// `pi/2 (1 - 2k/p)`, alternate rings turned by half a step. The `(p+1)(p+2)/2` points determine a combination of the modes up to degree `p` uniquely
 /// (L. Bos, J. Approx. Theory 64, 271 (1991)).
 ///
 /// `turn` turns the whole array about the centre, rad. All rings have odd counts, so a turn by
 /// pi puts every node half-way between two others of its ring: an independent second array.
 pub(crate) fn bos_array(degree: usize, turn: f64) -> Vec<Node> {
-    debug_assert!(degree % 2 == 0);
+    debug_assert!(degree.is_multiple_of(2));
     if degree == 0 {
         return vec![Node {
             mu: 1.0,

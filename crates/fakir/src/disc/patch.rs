@@ -7,7 +7,7 @@
 //! with two modes; further modes carry the shape of the sphere.
 
 use super::basis::{BasisEvaluator, UNIT_FORCE, compliances, mode_count};
-use super::quadrature::hemisphere;
+use crate::quadrature::hemisphere;
 
 /// Degree of the modes: those of the sphere fall by `(radius/2R)^2` for each step of two.
 const DEGREE: usize = 8;

@@ -9,7 +9,7 @@
 //! Pires, Comput. Oper. Res. 21, 587 (1994)).
 
 use super::basis::{BasisEvaluator, compliances, mode_count};
-use super::nodes::{Node, bos_array};
+use super::nodes::bos_array;
 use crate::contact::PillarStatus;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor as llt;
@@ -39,7 +39,6 @@ pub(crate) struct PillarTop {
     lead: usize,
     /// `Lam`.
     compliance: Vec<f64>,
-    nodes: Vec<Node>,
     /// `V`, one row of `count` values per node.
     values: Vec<f64>,
     /// `G`, symmetric.
@@ -93,7 +92,6 @@ impl PillarTop {
             count,
             lead: mode_count(lead),
             compliance,
-            nodes,
             values,
             response,
         }
@@ -143,13 +141,6 @@ impl PillarTop {
             PillarStatus::Full
         } else {
             PillarStatus::Partial
-        }
-    }
-
-    /// The pressure `q` at the nodes for the given coefficients.
-    pub(crate) fn node_pressure(&self, coefficients: &[f64], pressure: &mut [f64]) {
-        for (node, value) in pressure.iter_mut().enumerate() {
-            *value = dot(self.row(node), coefficients);
         }
     }
 }
@@ -361,8 +352,8 @@ impl LocalSolver {
 #[cfg(test)]
 mod tests {
     use super::super::basis::UNIT_FORCE;
-    use super::super::quadrature::hemisphere;
     use super::*;
+    use crate::quadrature::hemisphere;
 
     /// Projects a wanted displacement on the modes.
     fn project(degree: usize, wanted: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
@@ -405,8 +396,9 @@ mod tests {
             let (coefficients, active, pivoting) = solve(degree, &load);
             assert!(pivoting.converged);
             let top = PillarTop::new(degree, 2, 0.0, 0.0);
-            let mut pressure = vec![0.0; top.count()];
-            top.node_pressure(&coefficients, &mut pressure);
+            let pressure: Vec<f64> = (0..top.count())
+                .map(|node| dot(top.row(node), &coefficients))
+                .collect();
             for (q, active) in pressure.iter().zip(&active) {
                 assert!(*q > -1e-9, "tension {q}");
                 assert!(!active || q.abs() < 1e-9);

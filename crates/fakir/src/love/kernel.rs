@@ -5,7 +5,7 @@
 //! Love's closed form (Johnson, Contact Mechanics, eq. 3.25), which far away is a small
 //! difference of large terms; there the multipole expansion takes over.
 
-use crate::disc::quadrature::gauss_legendre;
+use crate::quadrature::gauss_legendre;
 
 /// Multipoles kept: degrees 0, 2, ..., `2 TERMS - 2`.
 const TERMS: usize = 12;

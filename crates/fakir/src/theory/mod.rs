@@ -15,7 +15,6 @@ pub mod closed_forms;
 pub mod homogenised;
 pub mod lattice_potential;
 pub mod lattice_sums;
-mod quadrature;
 #[cfg(test)]
 mod reference;
 mod spring_layer;

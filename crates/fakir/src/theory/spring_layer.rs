@@ -31,7 +31,7 @@
 //!
 //! in which every term converges fast.
 
-use super::quadrature::gauss_legendre;
+use crate::quadrature::gauss_legendre;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -197,7 +197,8 @@ impl Discretised {
 fn arc_rule(count: usize) -> Vec<[f64; 2]> {
     gauss_legendre(count)
         .into_iter()
-        .map(|[tau, weight]| {
+        .map(|(x, weight)| {
+            let (tau, weight) = (0.5 * (1.0 + x), 0.5 * weight);
             let v = 1.0 - tau * tau;
             let geometric: f64 = (0..2 * EDGE_POWER).map(|power| v.powi(power)).sum();
             let density = 2.0 * f64::from(EDGE_POWER) * v.powi(2 * EDGE_POWER - 1);
