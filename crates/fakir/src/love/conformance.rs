@@ -74,8 +74,7 @@ fn assert_close(a: &[f64], b: &[f64], tolerance: f64, what: &str) {
     for (k, (a, b)) in a.iter().zip(b).enumerate() {
         assert!(
             (a - b).abs() <= tolerance * scale,
-            "{what}, cell {k} of {}: {a} {b}",
-            b.abs()
+            "{what}, cell {k}: {a} {b}"
         );
     }
 }
@@ -201,9 +200,11 @@ fn with_columns<'a>(cells: Cells) -> Box<dyn Operator + 'a> {
     Box::new(Columns::new(operator, pillars, vec![influence; 200]))
 }
 
-/// Least energy of the free half-space: the transform of Love's kernel on the grid is smallest
-/// for the checkerboard, and was found to be 0.29 of the response of a cell to itself.
-const FREE_ENERGY: f64 = 0.25;
+/// Least energy of the free half-space. That of the endless grid is the least of the transform of
+/// its kernel, which is the one at the checkerboard: 0.49232 of the response of a cell to itself
+/// for cells of 0.5 by 0.8 (alternating sum of Love's closed form over 83 by 83 cells). Fewer
+/// cells have no less.
+const FREE_ENERGY: f64 = 0.4923;
 
 #[test]
 fn dense_conforms() {

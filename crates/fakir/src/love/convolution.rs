@@ -6,7 +6,7 @@
 //! they are in the cache; then the rows that hold cells are transformed back. Rows without cells
 //! are neither stored nor transformed.
 
-use super::grid::{Cells, Run};
+use super::grid::{Cells, Segment};
 use super::operator::check_lengths;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -130,23 +130,30 @@ pub(super) struct Bounds {
 
 impl Bounds {
     pub(super) fn of(cells: &Cells) -> Self {
-        let runs = cells.runs();
-        let (Some(lowest), Some(highest)) = (runs.first(), runs.last()) else {
+        let segments = cells.segments();
+        let (Some(lowest), Some(highest)) = (segments.first(), segments.last()) else {
             return Self {
                 first: [0, 0],
                 shape: [1, 1],
                 held_rows: 0,
             };
         };
-        let left = runs.iter().map(|run| run.column).min().unwrap_or(0);
-        let right = runs.iter().map(|run| run.column + run.count).max();
+        let left = segments
+            .iter()
+            .map(|segment| segment.column)
+            .min()
+            .unwrap_or(0);
+        let right = segments
+            .iter()
+            .map(|segment| segment.column + segment.count)
+            .max();
         Self {
             first: [left, lowest.row],
             shape: [
                 right.map_or(1, |right| right - left),
                 highest.row + 1 - lowest.row,
             ],
-            held_rows: runs.chunk_by(|a, b| a.row == b.row).count(),
+            held_rows: segments.chunk_by(|a, b| a.row == b.row).count(),
         }
     }
 }
@@ -159,8 +166,8 @@ pub(super) struct Convolution<'p, T> {
     first_column: usize,
     /// Rows that hold cells, counted from the first of the transform.
     rows: Vec<usize>,
-    /// Where the runs of each of these rows start, and the end.
-    row_runs: Vec<usize>,
+    /// Where the segments of each of these rows start, and the end.
+    row_segments: Vec<usize>,
     /// The spectrum, a block of columns after the other; each has the columns of every row held.
     /// The locks let threads that own rows write to blocks, and are held for a moment.
     spectrum: Vec<RwLock<Vec<Complex64>>>,
@@ -179,10 +186,10 @@ impl<'p, T: Transform> Convolution<'p, T> {
         pool: Option<&'p ThreadPool>,
     ) -> Self {
         let mut rows = Vec::new();
-        let mut row_runs = vec![0];
-        for runs in cells.runs().chunk_by(|a, b| a.row == b.row) {
-            rows.push(runs[0].row - first[1]);
-            row_runs.push(row_runs[rows.len() - 1] + runs.len());
+        let mut row_segments = vec![0];
+        for segments in cells.segments().chunk_by(|a, b| a.row == b.row) {
+            rows.push(segments[0].row - first[1]);
+            row_segments.push(row_segments[rows.len() - 1] + segments.len());
         }
         let columns = transform.column_count();
         let spectrum: Vec<_> = (0..columns)
@@ -204,7 +211,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
             cells,
             transform,
             rows,
-            row_runs,
+            row_segments,
             spectrum,
             pool,
         }
@@ -220,6 +227,25 @@ impl<'p, T: Transform> Convolution<'p, T> {
 
     pub(super) fn pool(&self) -> Option<&'p ThreadPool> {
         self.pool
+    }
+
+    /// Bytes of the spectrum and the work spaces.
+    #[cfg(test)]
+    pub(super) fn memory(&self) -> usize {
+        let spectrum: usize = self
+            .spectrum
+            .iter()
+            .map(|block| size_of_val(&**block.read().unwrap()))
+            .sum();
+        let work: usize = self
+            .workspaces
+            .iter()
+            .map(|work| {
+                let work = work.lock().unwrap();
+                size_of_val(&*work.lines) + size_of_val(&*work.scratch) + size_of_val(&*work.row)
+            })
+            .sum();
+        spectrum + work
     }
 
     pub(super) fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
@@ -260,15 +286,17 @@ impl<'p, T: Transform> Convolution<'p, T> {
     }
 
     /// Runs of one of the rows held.
-    fn runs(&self, row: usize) -> &[Run] {
-        &self.cells.runs()[self.row_runs[row]..self.row_runs[row + 1]]
+    fn segments(&self, row: usize) -> &[Segment] {
+        &self.cells.segments()[self.row_segments[row]..self.row_segments[row + 1]]
     }
 
     /// Places in vectors of the cells of some of the rows held.
     fn unknowns(&self, rows: &Range<usize>) -> Range<usize> {
         let start = |row: usize| {
-            let runs = &self.cells.runs()[self.row_runs[row]..];
-            runs.first().map_or(self.cells.len(), |run| run.start)
+            let segments = &self.cells.segments()[self.row_segments[row]..];
+            segments
+                .first()
+                .map_or(self.cells.len(), |segment| segment.start)
         };
         start(rows.start)..start(rows.end)
     }
@@ -280,10 +308,10 @@ impl<'p, T: Transform> Convolution<'p, T> {
         let work = &mut *self.workspace();
         for (row, line) in rows.clone().zip(work.lines.chunks_exact_mut(stride)) {
             work.row.fill(0.0);
-            for run in self.runs(row) {
-                let column = run.column - self.first_column;
-                work.row[column..column + run.count]
-                    .copy_from_slice(&pressure[run.start..run.start + run.count]);
+            for segment in self.segments(row) {
+                let column = segment.column - self.first_column;
+                work.row[column..column + segment.count]
+                    .copy_from_slice(&pressure[segment.start..segment.start + segment.count]);
             }
             self.transform
                 .row_forward(&mut work.row, &mut line[..columns], &mut work.scratch);
@@ -371,11 +399,11 @@ impl<'p, T: Transform> Convolution<'p, T> {
         for (row, line) in rows.zip(work.lines.chunks_exact_mut(stride)) {
             self.transform
                 .row_back(&mut line[..columns], &mut work.row, &mut work.scratch);
-            for run in self.runs(row) {
-                let column = run.column - self.first_column;
-                let start = run.start - offset;
-                displacement[start..start + run.count]
-                    .copy_from_slice(&work.row[column..column + run.count]);
+            for segment in self.segments(row) {
+                let column = segment.column - self.first_column;
+                let start = segment.start - offset;
+                displacement[start..start + segment.count]
+                    .copy_from_slice(&work.row[column..column + segment.count]);
             }
         }
     }

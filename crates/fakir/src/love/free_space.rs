@@ -26,10 +26,28 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+/// Cell sides that differ by less than this, relatively, are the same but for rounding.
+const SAME_SIDE: f64 = 1e-13;
+
 /// The operator of a half-space that stands free, by fast convolution.
 ///
 /// The work of a product is that of the rectangle around the cells, `N log N` in its number of
-/// cells, less the rows without cells. Nothing is allocated by a product.
+/// cells, less the rows without cells. A product allocates no arrays.
+///
+/// ```
+/// use fakir::love::{Cells, FreeSpaceConvolution, Grid, Operator};
+///
+/// // The centre of a square of side 2 under uniform pressure sinks by (8/pi) ln(1 + sqrt 2) c p
+/// // (Love's closed form at x = y = 0, a = b = 1).
+/// let grid = Grid::centred(101, 101, 2.0 / 101.0)?;
+/// let mut operator = FreeSpaceConvolution::new(Cells::all(&grid), 1.0, None);
+/// let pressure = vec![1.0; operator.len()];
+/// let mut displacement = vec![0.0; operator.len()];
+/// operator.apply(&pressure, &mut displacement);
+/// let exact = 8.0 / std::f64::consts::PI * (1.0 + 2f64.sqrt()).ln();
+/// assert!((displacement[101 * 50 + 50] / exact - 1.0).abs() < 1e-13);
+/// # Ok::<(), fakir::love::InvalidGrid>(())
+/// ```
 pub struct FreeSpaceConvolution<'p> {
     convolution: Convolution<'p, FreeSpace>,
 }
@@ -57,7 +75,12 @@ impl<'p> FreeSpaceConvolution<'p> {
         let bounds = Bounds::of(&cells);
         let [columns, rows] = free_space.shape;
         let fits = bounds.shape[0] <= columns && bounds.shape[1] <= rows;
-        let same = cells.grid().cell() == self.cells().grid().cell();
+        let mut sides = cells
+            .grid()
+            .cell()
+            .into_iter()
+            .zip(self.cells().grid().cell());
+        let same = sides.all(|(side, own)| (side - own).abs() <= SAME_SIDE * own);
         (fits && same).then(|| Self {
             convolution: Convolution::new(
                 cells,
@@ -75,7 +98,9 @@ impl<'p> FreeSpaceConvolution<'p> {
         let bounds = Bounds::of(cells);
         let [columns, rows] = bounds.shape.map(smooth_size);
         let spectrum = memory_estimate(columns, rows, bounds.held_rows, 2, threads);
-        size_of::<f64>() * columns * rows + spectrum
+        // The kernel half transformed is there only before the spectrum.
+        let preparation = size_of::<f64>() * columns * bounds.shape[1];
+        size_of::<f64>() * columns * rows + spectrum.max(preparation)
     }
 }
 
@@ -367,5 +392,37 @@ impl FreeSpace {
                 );
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::love::Grid;
+
+    #[test]
+    fn memory_is_what_was_estimated() {
+        let grid = Grid::centred(300, 200, 1.0).unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .build()
+            .unwrap();
+        let all = Cells::all(&grid);
+        let striped = Cells::where_centre(&grid, |[_, y]| (y / 20.0).rem_euclid(1.0) < 0.6);
+        for cells in [all, striped] {
+            for (threads, pool) in [(1, None), (2, Some(&pool))] {
+                let estimate = FreeSpaceConvolution::memory_estimate(&cells, threads) as f64;
+                let operator = FreeSpaceConvolution::new(cells.clone(), 1.0, pool);
+                let kernel = size_of_val(&*operator.convolution.transform().kernel);
+                let held = (kernel + operator.convolution.memory()) as f64;
+                assert!((held / estimate - 1.0).abs() < 0.03, "{held} {estimate}");
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_have_small_factors() {
+        let sizes = [0, 1, 2, 7, 11, 13, 31, 121, 1024, 1025].map(smooth_size);
+        assert_eq!(sizes, [1, 1, 2, 8, 12, 15, 32, 125, 1024, 1080]);
     }
 }

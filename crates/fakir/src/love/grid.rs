@@ -130,7 +130,7 @@ impl Grid {
 
 /// Neighbouring cells of one row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Run {
+pub struct Segment {
     /// Row of the cells.
     pub row: usize,
     /// First column.
@@ -144,11 +144,11 @@ pub struct Run {
 /// The cells of a grid that can carry a pressure, in the order of the grid.
 ///
 /// Vectors of unknowns have one entry for each of them and nothing for the others; kept as
-/// [`Run`]s, because patterns are made of patches.
+/// [`Segment`]s, because patterns are made of patches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cells {
     grid: Grid,
-    runs: Vec<Run>,
+    segments: Vec<Segment>,
     len: usize,
 }
 
@@ -170,17 +170,17 @@ impl Cells {
     /// The cells whose index in the grid is selected; asked for in increasing order.
     #[must_use]
     pub fn where_true(grid: &Grid, mut selected: impl FnMut(usize) -> bool) -> Self {
-        let mut runs: Vec<Run> = Vec::new();
+        let mut segments: Vec<Segment> = Vec::new();
         let mut len = 0;
         for row in 0..grid.rows {
-            let first = runs.len();
+            let first = segments.len();
             for column in 0..grid.columns {
                 if !selected(row * grid.columns + column) {
                     continue;
                 }
-                match runs[first..].last_mut() {
-                    Some(run) if run.column + run.count == column => run.count += 1,
-                    _ => runs.push(Run {
+                match segments[first..].last_mut() {
+                    Some(segment) if segment.column + segment.count == column => segment.count += 1,
+                    _ => segments.push(Segment {
                         row,
                         column,
                         count: 1,
@@ -192,7 +192,7 @@ impl Cells {
         }
         Self {
             grid: *grid,
-            runs,
+            segments,
             len,
         }
     }
@@ -215,17 +215,17 @@ impl Cells {
         self.len == 0
     }
 
-    /// The cells in runs along the rows, in the order of the grid.
+    /// The cells in segments along the rows, in the order of the grid.
     #[must_use]
-    pub fn runs(&self) -> &[Run] {
-        &self.runs
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
     }
 
     /// Columns and rows of the cells, in the order of vectors.
     pub fn positions(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.runs
-            .iter()
-            .flat_map(|run| (run.column..run.column + run.count).map(|column| (column, run.row)))
+        self.segments.iter().flat_map(|segment| {
+            (segment.column..segment.column + segment.count).map(|column| (column, segment.row))
+        })
     }
 
     /// Indices of the cells in the grid, in the order of vectors.
@@ -247,10 +247,10 @@ impl Cells {
     pub fn scatter(&self, vector: &[f64], array: &mut [f64]) {
         assert_eq!(vector.len(), self.len);
         assert_eq!(array.len(), self.grid.cell_count());
-        for run in &self.runs {
-            let place = run.row * self.grid.columns + run.column;
-            array[place..place + run.count]
-                .copy_from_slice(&vector[run.start..run.start + run.count]);
+        for segment in &self.segments {
+            let place = segment.row * self.grid.columns + segment.column;
+            array[place..place + segment.count]
+                .copy_from_slice(&vector[segment.start..segment.start + segment.count]);
         }
     }
 
@@ -261,10 +261,10 @@ impl Cells {
     pub fn gather(&self, array: &[f64], vector: &mut [f64]) {
         assert_eq!(vector.len(), self.len);
         assert_eq!(array.len(), self.grid.cell_count());
-        for run in &self.runs {
-            let place = run.row * self.grid.columns + run.column;
-            vector[run.start..run.start + run.count]
-                .copy_from_slice(&array[place..place + run.count]);
+        for segment in &self.segments {
+            let place = segment.row * self.grid.columns + segment.column;
+            vector[segment.start..segment.start + segment.count]
+                .copy_from_slice(&array[place..place + segment.count]);
         }
     }
 }

@@ -25,7 +25,7 @@ pub(crate) mod pillars;
 pub mod solver;
 
 pub use free_space::FreeSpaceConvolution;
-pub use grid::{Cells, Grid, InvalidGrid, Run};
+pub use grid::{Cells, Grid, InvalidGrid, Segment};
 pub use kernel::Rectangle;
 pub use lattice::LatticeOfGrids;
 pub use operator::{Columns, Dense, Operator, displacement_at};

@@ -51,7 +51,7 @@ impl<'p> PeriodicConvolution<'p> {
     pub fn memory_estimate(cells: &Cells, threads: usize) -> usize {
         let grid = cells.grid();
         let columns = grid.columns() / 2 + 1;
-        let held = cells.runs().chunk_by(|a, b| a.row == b.row).count();
+        let held = cells.segments().chunk_by(|a, b| a.row == b.row).count();
         let spectrum = memory_estimate(columns, grid.rows(), held, 1, threads);
         size_of::<f64>() * columns * (grid.rows() / 2 + 1) + spectrum
     }
