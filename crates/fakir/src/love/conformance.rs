@@ -233,6 +233,28 @@ fn periodic_conforms() {
 }
 
 #[test]
+fn preconditioned_conforms_and_is_preconditioned_symmetrically() {
+    let make = |cells: Cells| -> Box<dyn Operator> {
+        let operator = FreeSpaceConvolution::new(cells.clone(), COMPLIANCE, None);
+        Box::new(Preconditioned::new(operator, cells, None))
+    };
+    conforms(&make, FREE_ENERGY);
+    for cells in cases() {
+        let operator = &mut *make(cells.clone());
+        let (p, q) = (numbers(cells.len(), 0.3), numbers(cells.len(), 2.1));
+        let mut precondition = |values: &[f64]| {
+            let mut direction = vec![0.0; values.len()];
+            operator.precondition(values, &mut direction);
+            direction
+        };
+        let (mp, mq) = (precondition(&p), precondition(&q));
+        let sizes = (dot(&p, &mp) * dot(&q, &mq)).sqrt();
+        assert!((dot(&p, &mq) - dot(&q, &mp)).abs() <= 1e-12 * sizes);
+        assert!(cells.is_empty() || dot(&p, &mp) > 0.0);
+    }
+}
+
+#[test]
 fn free_space_agrees_with_direct_summation() {
     for cells in cases() {
         let pressure = numbers(cells.len(), 1.1);

@@ -541,3 +541,111 @@ impl LatticeTransform {
         std::mem::swap(&mut work.array, &mut work.line);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::grid::Grid;
+    use super::*;
+
+    const COMPLIANCE: f64 = 0.7;
+    const VECTORS: [Point; 2] = [[3.0, 1.6], [2.9, -1.7]];
+
+    fn numbers(count: usize) -> Vec<f64> {
+        (0..count).map(|k| (1.3 * k as f64).sin()).collect()
+    }
+
+    fn cells(across: usize) -> Cells {
+        let grid = Grid::centred(across, across, 2.0 / across as f64).unwrap();
+        Cells::where_centre(&grid, |[x, y]| x.hypot(y) < 1.0)
+    }
+
+    fn places() -> Vec<Vec<(usize, usize)>> {
+        vec![
+            vec![(0, 0)],
+            vec![(0, 0), (0, 1), (1, 0), (2, 3)],
+            (0..5).flat_map(|i| (0..3).map(move |j| (i, j))).collect(),
+        ]
+    }
+
+    #[test]
+    fn agrees_with_direct_summation() {
+        for across in [4, 5, 8] {
+            let cells = cells(across);
+            let [size, _] = cells.grid().cell();
+            let rectangle = Rectangle::new(size, size);
+            for pillars in places() {
+                let mut operator =
+                    LatticeOfGrids::new(&cells, pillars.clone(), VECTORS, COMPLIANCE, None);
+                let centres: Vec<Point> = pillars
+                    .iter()
+                    .flat_map(|(i, j)| {
+                        let (i, j) = (*i as f64, *j as f64);
+                        cells.centres().map(move |[x, y]| {
+                            [
+                                x + i * VECTORS[0][0] + j * VECTORS[1][0],
+                                y + i * VECTORS[0][1] + j * VECTORS[1][1],
+                            ]
+                        })
+                    })
+                    .collect();
+                assert_eq!(operator.len(), centres.len());
+                let pressure = numbers(centres.len());
+                let mut displacement = vec![0.0; centres.len()];
+                operator.apply(&pressure, &mut displacement);
+                for ([x, y], displacement) in centres.iter().zip(&displacement) {
+                    let sum: f64 = centres
+                        .iter()
+                        .zip(&pressure)
+                        .map(|([u, v], p)| p * rectangle.potential(x - u, y - v))
+                        .sum();
+                    let error = displacement - COMPLIANCE / PI * sum;
+                    assert!(error.abs() < 1e-13, "{error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn preconditioner_is_nearly_the_inverse_on_one_pillar() {
+        // Symmetric, positive, and with the operator not far from one.
+        let cells = cells(12);
+        let mut operator = LatticeOfGrids::new(&cells, vec![(0, 0)], VECTORS, COMPLIANCE, None);
+        let (a, b) = (numbers(operator.len()), vec![1.0; operator.len()]);
+        let mut apply = |values: &[f64]| {
+            let mut result = vec![0.0; values.len()];
+            operator.precondition(values, &mut result);
+            result
+        };
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let (pa, pb) = (apply(&a), apply(&b));
+        assert!((dot(&a, &pb) / dot(&b, &pa) - 1.0).abs() < 1e-12);
+        assert!(dot(&a, &pa) > 0.0 && dot(&b, &pb) > 0.0);
+        for values in [a, b] {
+            let mut response = vec![0.0; values.len()];
+            operator.apply(&values, &mut response);
+            let mut back = vec![0.0; values.len()];
+            operator.precondition(&response, &mut back);
+            let ratio = dot(&back, &values) / dot(&values, &values);
+            assert!((0.3..3.0).contains(&ratio), "{ratio}");
+        }
+    }
+
+    #[test]
+    fn threads_change_nothing() {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .build()
+            .unwrap();
+        let cells = cells(16);
+        let pillars: Vec<_> = (0..9).flat_map(|i| (0..9).map(move |j| (i, j))).collect();
+        let run = |pool| {
+            let mut operator =
+                LatticeOfGrids::new(&cells, pillars.clone(), VECTORS, COMPLIANCE, pool);
+            let pressure = numbers(operator.len());
+            let mut displacement = vec![0.0; operator.len()];
+            operator.apply(&pressure, &mut displacement);
+            displacement
+        };
+        assert_eq!(run(None), run(Some(&pool)));
+    }
+}
