@@ -747,15 +747,15 @@ mod tests {
 
     #[test]
     fn next_trial_stays_in_the_bracket() {
-        assert_eq!(
-            next_indentation(1.0, 0.5, Some(-1.0), [1.0, f64::INFINITY]),
-            1.5
-        );
-        assert_eq!(
-            next_indentation(1.0, 5.0, Some(-1.0), [1.0, f64::INFINITY]),
-            2.0
-        );
-        assert_eq!(next_indentation(1.0, -0.1, Some(-0.01), [0.6, 1.0]), 0.8);
-        assert_eq!(next_indentation(1.0, -0.1, None, [0.5, 1.0]), 0.8);
+        let unbounded = [1.0, f64::INFINITY];
+        for (gap, slope, bracket, expected) in [
+            (0.5, Some(-1.0), unbounded, 1.5),
+            (5.0, Some(-1.0), unbounded, 2.0),
+            (-0.1, Some(-0.01), [0.6, 1.0], 0.8),
+            (-0.1, None, [0.5, 1.0], 0.8),
+        ] {
+            let next = next_indentation(1.0, gap, slope, bracket);
+            assert!((next - expected).abs() < 1e-12, "{next}");
+        }
     }
 }

@@ -629,7 +629,7 @@ mod tests {
     fn nothing_is_touched_without_indentation() {
         let contact = press(Load::Indentation(0.0), None);
         assert_eq!(contact.termination, Termination::Converged);
-        assert_eq!(contact.force, 0.0);
+        assert!(contact.pressure.iter().all(|p| p.abs() < f64::MIN_POSITIVE));
     }
 
     #[test]
