@@ -96,7 +96,7 @@ impl<'p> FreeSpaceConvolution<'p> {
     #[must_use]
     pub fn memory_estimate(cells: &Cells, threads: usize) -> usize {
         let bounds = Bounds::of(cells);
-        let [columns, rows] = bounds.shape.map(smooth_size);
+        let [columns, rows] = bounds.shape.map(quick_length);
         let spectrum = memory_estimate(columns, rows, bounds.held_rows, 2, threads);
         // The kernel half transformed is there only before the spectrum.
         let preparation = size_of::<f64>() * columns * bounds.shape[1];
@@ -122,17 +122,24 @@ impl Operator for FreeSpaceConvolution<'_> {
     }
 }
 
-/// Smallest number of the form 2^a 3^b 5^c not below `least`.
-pub(super) fn smooth_size(least: usize) -> usize {
-    let smooth = |mut n: usize| {
-        for prime in [2, 3, 5] {
-            while n.is_multiple_of(prime) {
-                n /= prime;
-            }
+/// A length not below `least` that is quick to transform: the smallest `2^a 3^b`, once times 5 or
+/// not, unless a power of two is within a tenth of it.
+///
+/// Per point, powers of two take 0.65 to 0.8 of the time of the others, and lengths with more
+/// fives 1.2 to 2 times as long (measured between 30 and 2200 points).
+pub(super) fn quick_length(least: usize) -> usize {
+    let without = |mut n: usize, prime: usize| {
+        while n.is_multiple_of(prime) {
+            n /= prime;
         }
-        n == 1
+        n
     };
-    (least.max(1)..).find(|size| smooth(*size)).unwrap_or(least)
+    let least = least.max(1);
+    let power_of_two = least.next_power_of_two();
+    (least..power_of_two)
+        .find(|length| matches!(without(without(*length, 2), 3), 1 | 5))
+        .filter(|length| 10 * power_of_two > 11 * length)
+        .unwrap_or(power_of_two)
 }
 
 /// The transform of one dimension.
@@ -200,7 +207,7 @@ struct FreeSpace {
 impl FreeSpace {
     fn new(shape: [usize; 2], cell: [f64; 2], compliance: f64, pool: Option<&ThreadPool>) -> Self {
         let mut planner = FftPlanner::new();
-        let [x, y] = shape.map(|count| Axis::new(smooth_size(count), &mut planner));
+        let [x, y] = shape.map(|count| Axis::new(quick_length(count), &mut planner));
         let scale = compliance / (PI * (2 * x.len() * y.len()) as f64);
         let rows = kernel_rows(shape, cell, &x, pool);
         let kernel = kernel_columns(&rows, &x, &y, scale, pool);
@@ -421,8 +428,8 @@ mod tests {
     }
 
     #[test]
-    fn sizes_have_small_factors() {
-        let sizes = [0, 1, 2, 7, 11, 13, 31, 121, 1024, 1025].map(smooth_size);
-        assert_eq!(sizes, [1, 1, 2, 8, 12, 15, 32, 125, 1024, 1080]);
+    fn lengths_are_quick_to_transform() {
+        let lengths = [0, 1, 2, 7, 11, 13, 33, 121, 496, 1024, 1025].map(quick_length);
+        assert_eq!(lengths, [1, 1, 2, 8, 12, 16, 36, 128, 512, 1024, 1080]);
     }
 }

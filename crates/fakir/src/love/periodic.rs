@@ -4,7 +4,7 @@ use super::convolution::{
     Bounds, ColumnBlock, Convolution, Transform, Workspace, clear_rows, line_stride,
     memory_estimate, multiply,
 };
-use super::free_space::smooth_size;
+use super::free_space::quick_length;
 use super::grid::Cells;
 use super::operator::Operator;
 use rayon::ThreadPool;
@@ -94,7 +94,7 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
     pub fn new(operator: O, cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
         assert_eq!(operator.len(), cells.len(), "the cells of the operator");
         let bounds = Bounds::of(&cells);
-        let shape = bounds.shape.map(smooth_size);
+        let shape = bounds.shape.map(quick_length);
         let inverse = Periodic::new(shape, cells.grid().cell(), |q| q);
         Self {
             operator,
@@ -106,7 +106,7 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
     #[must_use]
     pub fn memory_estimate(cells: &Cells) -> usize {
         let bounds = Bounds::of(cells);
-        let [columns, rows] = bounds.shape.map(smooth_size);
+        let [columns, rows] = bounds.shape.map(quick_length);
         let spectrum = memory_estimate(columns / 2 + 1, rows, bounds.held_rows, 1, 1);
         size_of::<f64>() * (columns / 2 + 1) * (rows / 2 + 1) + spectrum
     }
