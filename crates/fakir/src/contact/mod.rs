@@ -373,6 +373,17 @@ pub enum SolveError {
         /// Memory allowed, bytes.
         limit: usize,
     },
+    /// Too few elements on a pillar for a solution with an error estimate.
+    #[error(
+        "{cells_per_diameter} cells across a pillar are too few: at least {fewest} are needed for \
+         an error estimate"
+    )]
+    MeshTooCoarse {
+        /// Cells across a pillar asked for.
+        cells_per_diameter: usize,
+        /// Fewest that can be.
+        fewest: usize,
+    },
     /// The homogenised lattice does not apply to pillars this close together.
     #[error(
         "the homogenised lattice needs a surface fraction below {limit:.3} for these materials, \

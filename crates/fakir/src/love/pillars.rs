@@ -2,8 +2,7 @@
 //!
 //! Two meshes: a grid of its own centred on each pillar, or the paper's one grid over the whole
 //! pattern. Either way a solution starts from that on cells twice as large, and that from one on
-//! cells twice as large again: it saves work, and the difference of the last two is the error
-//! estimate.
+//! cells twice as large again: it saves work, and their differences give the error estimate.
 //!
 //! Squares cover a disc badly, so that the force under them converges only as the size of a
 //! cell. Where `matched` is asked for, a flat punch alone on each pillar's cells bears exactly
@@ -32,8 +31,11 @@ use crate::system::Point;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// Fewest cells across a pillar that are worth solving on.
-const FEWEST_CELLS: usize = 4;
+/// Cells across a pillar on the coarsest level, at least.
+const COARSEST_CELLS: usize = 4;
+
+/// Fewest cells across a pillar that can be asked for: one refinement of the coarsest.
+pub(crate) const FEWEST_CELLS: usize = 2 * COARSEST_CELLS;
 
 /// The floor gap is closed to this fraction of the pillar height.
 const FLOOR_TOLERANCE: f64 = 1e-8;
@@ -47,7 +49,7 @@ const TOLERANCE: f64 = 1e-9;
 /// How pillar tops are divided into squares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ElementMesh {
-    /// Cells along a pillar's diameter; about as many on a grid over the pattern.
+    /// Cells along a pillar's diameter, at least 8; about as many on a grid over the pattern.
     pub cells_per_diameter: usize,
     /// Where the grids lie.
     pub layout: MeshLayout,
@@ -464,8 +466,8 @@ pub(crate) struct ElementSolution<'a> {
     pub(crate) floor: Option<FloorPoint>,
     /// Products with the operators of all levels.
     pub(crate) products: usize,
-    /// Force and indentation on cells twice as large.
-    coarse: Option<[f64; 2]>,
+    /// Force and indentation of every level, the coarsest first.
+    levels: Vec<[f64; 2]>,
 }
 
 /// A pillar that bears pressure.
@@ -491,16 +493,22 @@ struct Tally {
 }
 
 impl ElementSolution<'_> {
-    /// Relative differences of force and indentation from those on cells twice as large; without
-    /// those nothing is known.
+    /// Estimated relative errors of force and indentation.
+    ///
+    /// Halving the cells at least halves the error (by a factor of about 2.6 where they are
+    /// matched), so what is left is at most the last difference between levels. As squares cover
+    /// discs better by chance on one level than on another, earlier differences count too, halved
+    /// for every level since.
     pub(crate) fn errors(&self) -> [f64; 2] {
-        let relative = |fine: f64, coarse: f64| (coarse / fine - 1.0).abs().max(TOLERANCE);
-        self.coarse.map_or([1.0; 2], |[force, indentation]| {
-            [
-                relative(self.contact.force, force),
-                relative(self.contact.indentation, indentation),
-            ]
-        })
+        let [force, indentation] = [0, 1].map(|quantity| {
+            let value = |level: &[f64; 2]| level[quantity];
+            let last = self.levels.last().map_or(f64::NAN, value);
+            self.levels
+                .windows(2)
+                .map(|pair| (value(&pair[1]) - value(&pair[0])).abs() / last)
+                .fold(TOLERANCE, |error, difference| difference.max(0.5 * error))
+        });
+        [force, indentation]
     }
 
     /// The pillars that bear pressure.
@@ -565,9 +573,15 @@ pub(crate) fn solve<'a>(
     mesh: ElementMesh,
     run: &'a Run<'a>,
 ) -> Result<ElementSolution<'a>, SolveError> {
+    if mesh.cells_per_diameter < FEWEST_CELLS {
+        return Err(SolveError::MeshTooCoarse {
+            cells_per_diameter: mesh.cells_per_diameter,
+            fewest: FEWEST_CELLS,
+        });
+    }
     let mut levels = vec![mesh];
     while let Some(last) = levels.last().copied()
-        && last.cells_per_diameter >= 2 * FEWEST_CELLS
+        && last.cells_per_diameter >= FEWEST_CELLS
     {
         levels.push(ElementMesh {
             cells_per_diameter: last.cells_per_diameter / 2,
@@ -598,13 +612,14 @@ pub(crate) fn solve<'a>(
             level = level.successor(mesh, limited(problem, radius))?;
         };
         radius = level.reach(&contact) + 1.5 * pitch;
-        let coarse = solved.map(|s| [s.contact.force, s.contact.indentation]);
+        let mut found = solved.map_or_else(Vec::new, |coarse| coarse.levels);
+        found.push([contact.force, contact.indentation]);
         solved = Some(ElementSolution {
             products: level.products,
             level,
             contact,
             floor,
-            coarse,
+            levels: found,
         });
     }
     Ok(solved.expect("there is at least one level"))
