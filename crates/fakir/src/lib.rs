@@ -42,6 +42,7 @@
 pub mod contact;
 mod coupling;
 mod disc;
+pub mod love;
 mod quadrature;
 pub mod system;
 pub mod theory;
@@ -69,6 +70,7 @@ pub fn press(
             contact::press(system, load, PillarMethod::Spectral(accuracy), run)
         }
         Method::Punch(form) => contact::press(system, load, PillarMethod::Punch(form), run),
+        Method::Love(mesh) => contact::press(system, load, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::press(system, load, run),
     }
 }
@@ -90,6 +92,7 @@ pub fn transition(
             contact::transition(system, PillarMethod::Spectral(accuracy), run)
         }
         Method::Punch(form) => contact::transition(system, PillarMethod::Punch(form), run),
+        Method::Love(mesh) => contact::transition(system, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::transition(system, run),
     }
 }

@@ -86,7 +86,7 @@ fn flat_punch_alone() {
             assert_near(state.contact_radius, a, 1e-12);
             let mean = force / (PI * a * a);
             assert_near(state.pillars[0].centre_pressure, 0.5 * mean, 1e-8);
-            for edge in state.pillars[0].edge_coefficient {
+            for edge in state.pillars[0].edge_coefficient.expect("spectral") {
                 assert_near(edge, 0.5 * mean, 1e-8);
             }
             for r in [1.01, 1.5, 3.0, 10.0, 100.0] {

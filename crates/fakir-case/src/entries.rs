@@ -1,0 +1,184 @@
+//! A TOML document as a flat list of known keys, each with the place it was set.
+
+use crate::error::{CaseError, Place, Source};
+use crate::key::{Key, Kind, is_table, join, names_in, similar};
+use crate::unit::Dimension;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeFloat, DeInteger, DeTable, DeValue};
+
+/// The value of a key, as far as TOML knows.
+#[derive(Debug, Clone)]
+pub(crate) enum Value {
+    Text(String),
+    Number(f64),
+    /// Something no key takes, by its name in TOML.
+    Other(&'static str),
+}
+
+/// A key that was set.
+#[derive(Debug, Clone)]
+pub(crate) struct Entry {
+    pub(crate) value: Value,
+    pub(crate) place: Place,
+}
+
+/// What a document sets.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Entries {
+    pub(crate) keys: BTreeMap<Key, Entry>,
+    /// Where the header of each table stands, to point at when a key is missing.
+    pub(crate) tables: BTreeMap<String, Place>,
+}
+
+impl Entries {
+    /// Reads a whole document.
+    pub(crate) fn parse(source: &Source) -> Result<Self, CaseError> {
+        let (document, errors) = DeTable::parse_recoverable(source.text());
+        if let Some(error) = first(errors) {
+            return Err(syntax_error(source, &error));
+        }
+        let mut entries = Self::default();
+        entries.table(source, "", document.get_ref())?;
+        Ok(entries)
+    }
+
+    fn table(&mut self, source: &Source, path: &str, table: &DeTable<'_>) -> Result<(), CaseError> {
+        // In the order of the file, so that its first mistake is the one reported.
+        let mut items: Vec<_> = table.iter().collect();
+        items.sort_by_key(|(name, _)| name.span().start);
+        for (name, value) in items {
+            let path = join(path, name.get_ref());
+            self.item(source, &path, name.span(), value)?;
+        }
+        Ok(())
+    }
+
+    fn item(
+        &mut self,
+        source: &Source,
+        path: &str,
+        name: Range<usize>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Result<(), CaseError> {
+        let place = |span| Place {
+            source: source.clone(),
+            span,
+        };
+        if let Some(key) = Key::at(path) {
+            let entry = Entry {
+                value: plain_value(value.get_ref()),
+                place: place(value.span()),
+            };
+            self.keys.insert(key, entry);
+            return Ok(());
+        }
+        if !is_table(path) {
+            return Err(unknown_key(&place(name), path));
+        }
+        match value.get_ref() {
+            DeValue::Table(table) => {
+                self.tables.insert(path.to_owned(), place(name));
+                self.table(source, path, table)
+            }
+            other => Err(CaseError::at(
+                &place(value.span()),
+                format!("this is a table, found {}", with_article(other.type_str())),
+            )
+            .key(path)
+            .accepted(format!(
+                "[{path}] with the keys {}",
+                names_in(path).join(", ")
+            ))),
+        }
+    }
+}
+
+/// Reads the value of an override: TOML, or bare words such as `3 um`.
+pub(crate) fn override_value(text: &str) -> Value {
+    match DeValue::parse(text) {
+        Ok(value) => plain_value(value.get_ref()),
+        Err(_) => Value::Text(text.to_owned()),
+    }
+}
+
+fn plain_value(value: &DeValue<'_>) -> Value {
+    match value {
+        DeValue::String(text) => Value::Text(text.clone().into_owned()),
+        DeValue::Integer(number) => Value::Number(integer(number)),
+        DeValue::Float(number) => Value::Number(float(number)),
+        other => Value::Other(other.type_str()),
+    }
+}
+
+/// The nearest number to an integer of any length.
+fn integer(number: &DeInteger<'_>) -> f64 {
+    match number.radix() {
+        10 => number.as_str().parse().unwrap_or(f64::NAN),
+        radix => i128::from_str_radix(number.as_str(), radix).map_or(f64::NAN, |n| n as f64),
+    }
+}
+
+fn float(number: &DeFloat<'_>) -> f64 {
+    number.as_str().parse().unwrap_or(f64::NAN)
+}
+
+/// The error that stands first in the text.
+fn first(errors: Vec<toml::de::Error>) -> Option<toml::de::Error> {
+    errors
+        .into_iter()
+        .min_by_key(|error| error.span().map_or(0, |span| span.start))
+}
+
+fn syntax_error(source: &Source, error: &toml::de::Error) -> CaseError {
+    let report = CaseError::new(source, format!("not valid TOML: {}", error.message()));
+    let report = match error.span() {
+        Some(span) => report.label(span, "here"),
+        None => report,
+    };
+    match error.message() {
+        "duplicate key" => report.accepted("give each key and each table once"),
+        _ => report.accepted(
+            "a case file has lines like `key = value`, with words and quantities in double quotes",
+        ),
+    }
+}
+
+pub(crate) fn unknown_key(place: &Place, path: &str) -> CaseError {
+    let (table, _) = path.rsplit_once('.').unwrap_or(("", path));
+    let place_in_file = match table {
+        "" => "at the top level".to_owned(),
+        _ if is_table(table) => format!("in [{table}]"),
+        _ => return CaseError::at(place, format!("there is no table [{table}]")).key(path),
+    };
+    let known = format!("known {place_in_file}: {}", names_in(table).join(", "));
+    let help = match similar(path) {
+        Some(meant) => format!("did you mean {meant}? {known}"),
+        None => known,
+    };
+    CaseError::at(place, "unknown key").key(path).accepted(help)
+}
+
+/// What kind of thing a value is, for "found ...".
+pub(crate) fn kind_name(value: &Value) -> String {
+    match value {
+        Value::Text(_) => "a string".to_owned(),
+        Value::Number(_) => "a number".to_owned(),
+        Value::Other(name) => with_article(name),
+    }
+}
+
+fn with_article(noun: &str) -> String {
+    let vowel = noun.starts_with(['a', 'e', 'i', 'o', 'u']);
+    format!("{} {noun}", if vowel { "an" } else { "a" })
+}
+
+/// What a key takes, for "accepted: ...".
+pub(crate) fn accepted(key: Key) -> String {
+    match key.kind() {
+        Kind::Number(Dimension::Number) => Dimension::Number.accepted(),
+        Kind::Number(dimension) => dimension.accepted(),
+        Kind::Word => "give a word in quotes".to_owned(),
+    }
+}

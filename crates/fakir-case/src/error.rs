@@ -1,0 +1,154 @@
+//! What is wrong with a case file, and where.
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use std::fmt::{self, Display};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A text that a case was read from: a file, or the argument of an override.
+#[derive(Debug, Clone)]
+pub(crate) struct Source(Arc<NamedSource<String>>);
+
+impl Source {
+    pub(crate) fn new(name: &str, text: &str) -> Self {
+        Self(Arc::new(NamedSource::new(name, text.to_owned())))
+    }
+
+    pub(crate) fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        self.0.inner()
+    }
+}
+
+/// A place in a [`Source`].
+#[derive(Debug, Clone)]
+pub(crate) struct Place {
+    pub(crate) source: Source,
+    pub(crate) span: Range<usize>,
+}
+
+/// Why a case file or an override cannot be used.
+///
+/// It knows the file, the line and the key, what is wrong and what would be accepted. As a
+/// [`Diagnostic`] it can be shown with the line itself; [`Display`] names the key and the problem.
+#[derive(Debug, Clone)]
+pub struct CaseError(Box<Report>);
+
+#[derive(Debug, Clone)]
+struct Report {
+    source: Source,
+    key: Option<String>,
+    problem: String,
+    accepted: Option<String>,
+    labels: Vec<(Range<usize>, String)>,
+}
+
+impl CaseError {
+    pub(crate) fn new(source: &Source, problem: impl Into<String>) -> Self {
+        Self(Box::new(Report {
+            source: source.clone(),
+            key: None,
+            problem: problem.into(),
+            accepted: None,
+            labels: Vec::new(),
+        }))
+    }
+
+    pub(crate) fn at(place: &Place, problem: impl Into<String>) -> Self {
+        Self::new(&place.source, problem).label(place.span.clone(), "here")
+    }
+
+    pub(crate) fn key(mut self, path: &str) -> Self {
+        self.0.key = Some(path.to_owned());
+        self
+    }
+
+    pub(crate) fn accepted(mut self, accepted: impl Into<String>) -> Self {
+        self.0.accepted = Some(accepted.into());
+        self
+    }
+
+    pub(crate) fn label(mut self, span: Range<usize>, text: &str) -> Self {
+        self.0.labels.push((span, text.to_owned()));
+        self
+    }
+
+    /// Name of the file; `--set` for an override.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        self.0.source.name()
+    }
+
+    /// Line and column of the problem, counted from 1; `None` if it has no single place, as for a
+    /// file that cannot be read.
+    #[must_use]
+    pub fn position(&self) -> Option<(usize, usize)> {
+        let (span, _) = self.0.labels.first()?;
+        let before = self.0.source.text().get(..span.start)?;
+        let line = before.matches('\n').count() + 1;
+        let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
+        Some((line, column))
+    }
+
+    /// The key with its tables, as in `texture.pillar.diameter`, if the problem is that of a key.
+    #[must_use]
+    pub fn key_path(&self) -> Option<&str> {
+        self.0.key.as_deref()
+    }
+
+    /// All of it in one line: `case.toml:3:10: lens.radius: ...`.
+    #[must_use]
+    pub fn one_line(&self) -> String {
+        let place = match self.position() {
+            Some((line, column)) => format!("{}:{line}:{column}: ", self.file()),
+            None => String::new(),
+        };
+        let accepted = self.what_is_accepted().map(|text| format!("; {text}"));
+        format!("{place}{self}{}", accepted.unwrap_or_default())
+    }
+
+    /// What is wrong.
+    #[must_use]
+    pub fn problem(&self) -> &str {
+        &self.0.problem
+    }
+
+    /// What would be accepted.
+    #[must_use]
+    pub fn what_is_accepted(&self) -> Option<&str> {
+        self.0.accepted.as_deref()
+    }
+}
+
+impl Display for CaseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0.key {
+            Some(key) => write!(f, "{key}: {}", self.0.problem),
+            None => f.write_str(&self.0.problem),
+        }
+    }
+}
+
+impl std::error::Error for CaseError {}
+
+impl Diagnostic for CaseError {
+    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        let accepted = self.0.accepted.as_ref()?;
+        Some(Box::new(accepted))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        // A source without any label would be shown by its name only, which the problem has.
+        (!self.0.labels.is_empty()).then_some(&*self.0.source.0 as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let labels = self.0.labels.iter();
+        Some(Box::new(labels.map(|(span, text)| {
+            LabeledSpan::new_with_span(Some(text.clone()), span.clone())
+        })))
+    }
+}

@@ -1,0 +1,385 @@
+//! Numbers with units, read and written without rounding twice.
+//!
+//! A unit that is a power of ten only moves the decimal point, so `"2200 um"` is read as the
+//! decimal number 2200e-6 and gives the same bits as `0.0022`. Writing reverses it: the shortest
+//! digits that identify a number, with the point moved.
+
+use std::fmt;
+
+/// What a quantity measures, and with it the units it can have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// m
+    Length,
+    /// Pa
+    Pressure,
+    /// N
+    Force,
+    /// rad
+    Angle,
+    /// A plain number, without a unit.
+    Number,
+}
+
+/// A unit of some dimension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unit {
+    /// How it is written, in ASCII.
+    pub symbol: &'static str,
+    dimension: Dimension,
+    scale: Scale,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Scale {
+    PowerOfTen(i32),
+    Degrees,
+}
+
+const UNITS: [Unit; 14] = [
+    unit("m", Dimension::Length, Scale::PowerOfTen(0)),
+    unit("mm", Dimension::Length, Scale::PowerOfTen(-3)),
+    unit("um", Dimension::Length, Scale::PowerOfTen(-6)),
+    unit("nm", Dimension::Length, Scale::PowerOfTen(-9)),
+    unit("GPa", Dimension::Pressure, Scale::PowerOfTen(9)),
+    unit("MPa", Dimension::Pressure, Scale::PowerOfTen(6)),
+    unit("kPa", Dimension::Pressure, Scale::PowerOfTen(3)),
+    unit("Pa", Dimension::Pressure, Scale::PowerOfTen(0)),
+    unit("N", Dimension::Force, Scale::PowerOfTen(0)),
+    unit("mN", Dimension::Force, Scale::PowerOfTen(-3)),
+    unit("uN", Dimension::Force, Scale::PowerOfTen(-6)),
+    unit("nN", Dimension::Force, Scale::PowerOfTen(-9)),
+    unit("deg", Dimension::Angle, Scale::Degrees),
+    unit("rad", Dimension::Angle, Scale::PowerOfTen(0)),
+];
+
+const fn unit(symbol: &'static str, dimension: Dimension, scale: Scale) -> Unit {
+    Unit {
+        symbol,
+        dimension,
+        scale,
+    }
+}
+
+impl Unit {
+    /// The unit written `symbol`; both Unicode micro signs are read as `u`.
+    fn named(symbol: &str) -> Option<Self> {
+        let ascii = symbol.replace(['\u{b5}', '\u{3bc}'], "u");
+        UNITS.into_iter().find(|unit| unit.symbol == ascii)
+    }
+
+    /// A unit that differs from `symbol` in case only.
+    fn similar(symbol: &str) -> Option<Self> {
+        let ascii = symbol.replace(['\u{b5}', '\u{3bc}'], "u");
+        UNITS
+            .into_iter()
+            .find(|unit| unit.symbol.eq_ignore_ascii_case(&ascii))
+    }
+
+    /// SI units in one of this unit.
+    #[must_use]
+    pub fn in_si(&self) -> f64 {
+        match self.scale {
+            Scale::PowerOfTen(power) => 10f64.powi(power),
+            Scale::Degrees => 1f64.to_radians(),
+        }
+    }
+}
+
+impl Dimension {
+    fn units(self) -> impl DoubleEndedIterator<Item = Unit> {
+        UNITS.into_iter().filter(move |unit| unit.dimension == self)
+    }
+
+    /// Symbols of its units, for a person: `"m, mm, um or nm"`.
+    #[must_use]
+    pub fn unit_list(self) -> String {
+        let symbols: Vec<_> = self.units().map(|unit| unit.symbol).collect();
+        match symbols.split_last() {
+            Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+            _ => symbols.concat(),
+        }
+    }
+
+    /// What a case file accepts for it, with an example, as advice.
+    #[must_use]
+    pub fn accepted(self) -> String {
+        let (example, si) = match self {
+            Self::Length => ("6 um", "m"),
+            Self::Pressure => ("2 MPa", "Pa"),
+            Self::Force => ("20 uN", "N"),
+            Self::Angle => ("30 deg", "rad"),
+            Self::Number => return "give a number without a unit and without quotes".to_owned(),
+        };
+        format!(
+            "give {self} in {}, written like \"{example}\", or a bare number in {si}",
+            self.unit_list()
+        )
+    }
+
+    /// The unit in which `value` (SI) has one to three digits before the point, as far as there
+    /// is one; `None` for plain numbers.
+    #[must_use]
+    pub fn unit_for(self, value: f64) -> Option<Unit> {
+        let size = value.abs();
+        let power = |unit: &Unit| match unit.scale {
+            Scale::PowerOfTen(power) => Some(power),
+            Scale::Degrees => None,
+        };
+        // A number that six digits round up to the next unit gets that unit.
+        let fitting = self
+            .units()
+            .filter(|unit| size >= 0.999_999_5 * unit.in_si())
+            .max_by_key(power);
+        let smallest = || self.units().min_by_key(|unit| power(unit).unwrap_or(1));
+        match self {
+            Self::Angle | Self::Number => self.units().next(),
+            _ if size > 0.0 => fitting.or_else(smallest),
+            _ => self.units().max_by_key(|unit| power(unit) == Some(0)),
+        }
+    }
+}
+
+impl fmt::Display for Dimension {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Length => "a length",
+            Self::Pressure => "a pressure",
+            Self::Force => "a force",
+            Self::Angle => "an angle",
+            Self::Number => "a number",
+        })
+    }
+}
+
+/// Why a text is not a quantity of the dimension wanted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum QuantityError {
+    /// It does not start with a number.
+    #[error("\"{0}\" does not start with a number")]
+    NotANumber(String),
+    /// It is a number in quotes, without a unit.
+    #[error("\"{0}\" has no unit")]
+    NoUnit(String),
+    /// No such unit.
+    #[error("\"{unit}\" is not a known unit{}", similar.map(|s| format!(" (did you mean {s}?)")).unwrap_or_default())]
+    UnknownUnit {
+        /// What stands after the number.
+        unit: String,
+        /// A unit that differs in case only.
+        similar: Option<&'static str>,
+    },
+    /// A comma where a decimal point should be.
+    #[error("\"{0}\" has a comma: write the decimal point as \".\", and no separators")]
+    Comma(String),
+    /// A unit of something else.
+    #[error("{unit} is a unit of {}, not of {}", bare(*found), bare(*wanted))]
+    WrongDimension {
+        /// The unit given.
+        unit: &'static str,
+        /// What it measures.
+        found: Dimension,
+        /// What was wanted.
+        wanted: Dimension,
+    },
+}
+
+/// Its name without the article.
+fn bare(dimension: Dimension) -> String {
+    let name = dimension.to_string();
+    name.split_once(' ')
+        .map_or(name.clone(), |(_, noun)| noun.to_owned())
+}
+
+/// Reads a number with a unit, such as `"2200 um"`, as a value in SI units.
+///
+/// # Errors
+/// [`QuantityError`], also for a number without a unit.
+pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
+    let text = text.trim();
+    let (number, symbol) =
+        split_number(text).ok_or_else(|| QuantityError::NotANumber(text.to_owned()))?;
+    if symbol.is_empty() {
+        return Err(QuantityError::NoUnit(text.to_owned()));
+    }
+    if symbol.starts_with(',') {
+        return Err(QuantityError::Comma(text.to_owned()));
+    }
+    let unit = Unit::named(symbol).ok_or_else(|| QuantityError::UnknownUnit {
+        unit: symbol.to_owned(),
+        similar: Unit::similar(symbol).map(|unit| unit.symbol),
+    })?;
+    if unit.dimension != dimension {
+        return Err(QuantityError::WrongDimension {
+            unit: unit.symbol,
+            found: unit.dimension,
+            wanted: dimension,
+        });
+    }
+    Ok(scaled(number, unit.scale))
+}
+
+/// Reads a command-line argument: a number with a unit, or a bare number in SI units.
+///
+/// # Errors
+/// [`QuantityError`].
+pub fn parse_argument(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
+    match text.trim().parse() {
+        Ok(value) => Ok(value),
+        Err(_) => parse_quantity(text, dimension),
+    }
+}
+
+/// The longest part at the front that is a number, and the rest, both trimmed.
+fn split_number(text: &str) -> Option<(&str, &str)> {
+    text.char_indices()
+        .map(|(start, character)| start + character.len_utf8())
+        .rev()
+        .map(|end| text.split_at(end))
+        .map(|(number, rest)| (number.trim(), rest.trim()))
+        .find(|(number, _)| number.parse::<f64>().is_ok())
+}
+
+/// The value of a decimal number in a unit, rounded once. `number` must be one.
+fn scaled(number: &str, scale: Scale) -> f64 {
+    let value: f64 = number.parse().unwrap_or(f64::NAN);
+    let power = match scale {
+        Scale::Degrees => return value.to_radians(),
+        Scale::PowerOfTen(power) => power,
+    };
+    let (digits, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
+    // No exponent to be found in "inf" and the like, nor a sensible one beyond i32.
+    let Ok(exponent) = exponent.parse::<i32>() else {
+        return value;
+    };
+    format!("{digits}e{}", exponent.saturating_add(power))
+        .parse()
+        .unwrap_or(value)
+}
+
+/// Writes a value in SI units so that reading it gives the same bits: `"2.2 mm"`, or a plain
+/// number.
+#[must_use]
+pub fn format_quantity(value: f64, dimension: Dimension) -> String {
+    let Some(unit) = dimension.unit_for(value) else {
+        return plain(value, 0);
+    };
+    match unit.scale {
+        Scale::PowerOfTen(power) => format!("{} {}", plain(value, -power), unit.symbol),
+        Scale::Degrees => {
+            let degrees = (value.to_degrees() * 1e9).round() / 1e9;
+            if degrees.to_radians().to_bits() == value.to_bits() {
+                format!("{} deg", plain(degrees, 0))
+            } else {
+                format!("{} rad", plain(value, 0))
+            }
+        }
+    }
+}
+
+/// `value` times ten to `power`, in the shortest digits that identify it.
+fn plain(value: f64, power: i32) -> String {
+    let shortest = format!("{value:e}");
+    let Some((digits, exponent)) = shortest.split_once('e') else {
+        return shortest; // NaN, inf
+    };
+    let exponent = exponent.parse::<i32>().unwrap_or(0) + power;
+    if !(-5..16).contains(&exponent) {
+        return format!("{digits}e{exponent}");
+    }
+    let (sign, digits) = digits
+        .strip_prefix('-')
+        .map_or(("", digits), |rest| ("-", rest));
+    let digits = digits.replace('.', "");
+    let point = exponent + 1;
+    let text = if point <= 0 {
+        let zeros = "0".repeat(point.unsigned_abs() as usize);
+        format!("0.{zeros}{digits}")
+    } else if point as usize >= digits.len() {
+        let zeros = "0".repeat(point as usize - digits.len());
+        format!("{digits}{zeros}")
+    } else {
+        let (whole, fraction) = digits.split_at(point as usize);
+        format!("{whole}.{fraction}")
+    };
+    format!("{sign}{text}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn units_move_the_decimal_point_only() {
+        let length = |text| parse_quantity(text, Dimension::Length);
+        for text in [
+            "2200 um",
+            "2200um",
+            "2.2 mm",
+            "2.2e-3 m",
+            " 2.2e3  \u{b5}m ",
+            "2200 \u{3bc}m",
+        ] {
+            assert_eq!(
+                length(text).unwrap().to_bits(),
+                2.2e-3_f64.to_bits(),
+                "{text}"
+            );
+        }
+        let pressure = parse_quantity("0.002 MPa", Dimension::Pressure).unwrap();
+        assert_eq!(pressure.to_bits(), 2000f64.to_bits());
+        let angle = parse_quantity("180 deg", Dimension::Angle).unwrap();
+        assert_eq!(angle.to_bits(), std::f64::consts::PI.to_bits());
+        assert!(length("nan m").unwrap().is_nan());
+        assert!(length("1e999999999999 um").unwrap().is_infinite());
+    }
+
+    #[test]
+    fn what_is_not_a_quantity() {
+        let length = |text| parse_quantity(text, Dimension::Length).unwrap_err();
+        assert!(matches!(length("wide"), QuantityError::NotANumber(_)));
+        assert!(matches!(length(""), QuantityError::NotANumber(_)));
+        assert!(matches!(length("6"), QuantityError::NoUnit(_)));
+        assert!(matches!(length("6,5 um"), QuantityError::Comma(_)));
+        assert!(matches!(
+            length("6 UM"),
+            QuantityError::UnknownUnit {
+                similar: Some("um"),
+                ..
+            }
+        ));
+        assert_eq!(
+            length("6 MPa").to_string(),
+            "MPa is a unit of pressure, not of length"
+        );
+        assert!(parse_argument("6", Dimension::Length).is_ok());
+    }
+
+    #[test]
+    fn written_in_the_unit_that_fits() {
+        let length = |value| format_quantity(value, Dimension::Length);
+        assert_eq!(length(2.2e-3), "2.2 mm");
+        assert_eq!(length(6e-6), "6 um");
+        assert_eq!(length(1.807e-5), "18.07 um");
+        assert_eq!(length(5e-12), "0.005 nm");
+        assert_eq!(length(0.0), "0 m");
+        assert_eq!(format_quantity(1e9, Dimension::Pressure), "1 GPa");
+        assert_eq!(format_quantity(0.1, Dimension::Number), "0.1");
+        let angle = 30f64.to_radians();
+        assert_eq!(format_quantity(angle, Dimension::Angle), "30 deg");
+        assert_eq!(format_quantity(0.1, Dimension::Angle), "0.1 rad");
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_is_read_back_bit_for_bit(value in prop::num::f64::POSITIVE | prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO) {
+            for dimension in [Dimension::Length, Dimension::Pressure, Dimension::Force, Dimension::Angle] {
+                let text = format_quantity(value, dimension);
+                prop_assert_eq!(parse_quantity(&text, dimension).unwrap().to_bits(), value.to_bits());
+            }
+            let text = format_quantity(value, Dimension::Number);
+            prop_assert_eq!(text.parse::<f64>().unwrap().to_bits(), value.to_bits());
+        }
+    }
+}

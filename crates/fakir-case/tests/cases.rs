@@ -1,0 +1,152 @@
+//! What well-formed case files mean, and that they survive writing and reading.
+
+// Numbers are read to the last bit.
+#![allow(clippy::float_cmp, clippy::unwrap_used)]
+
+use fakir::contact::{Accuracy, Method, PunchForm};
+use fakir::system::{HexagonalLattice, PillarCompliance, System};
+use fakir_case::{Case, CaseError, CaseFile};
+use proptest::prelude::*;
+use std::path::Path;
+
+fn parse(text: &str) -> Case {
+    CaseFile::parse("case.toml", text).unwrap().case().unwrap()
+}
+
+fn with(overrides: &[&str]) -> Result<Case, CaseError> {
+    let mut file = CaseFile::parse("case.toml", &Case::example().to_toml())?;
+    for argument in overrides {
+        file.set(argument)?;
+    }
+    file.case()
+}
+
+/// The values of tables I and II of the paper, common to all substrates, at the surface fraction 0.1.
+fn check_paper(name: &str, substrate_modulus: f64) -> System {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples")
+        .join(name);
+    let case = CaseFile::read(&path).unwrap().case().unwrap();
+    assert_eq!(case.method, Method::Spectral(Accuracy::Default));
+    let system = case.system;
+    assert_eq!(system.lens().radius, 2200e-6);
+    assert_eq!(system.lens().material.young_modulus, 2e6);
+    assert_eq!(system.lens().material.poisson_ratio, 0.5);
+    assert_eq!(system.substrate().young_modulus, substrate_modulus);
+    assert_eq!(system.substrate().poisson_ratio, 0.5);
+    assert_eq!(system.pillar().diameter, 6e-6);
+    assert_eq!(system.pillar().height, 2.2e-6);
+    assert_eq!(system.pillar().compliance, PillarCompliance::Column);
+    assert_eq!(system.lattice().offset, 0.0);
+    assert_eq!(system.lattice().offset_angle, 0.0);
+    assert!((system.texture().surface_fraction() - 0.1).abs() < 1e-15);
+    system
+}
+
+#[test]
+fn examples_are_the_systems_of_the_paper() {
+    check_paper("paper-rigid.toml", 1e9);
+    let intermediate = check_paper("paper-intermediate.toml", 2e6);
+    check_paper("paper-soft.toml", 2e3);
+    assert_eq!(Case::example().system, intermediate);
+}
+
+#[test]
+fn what_may_be_left_out() {
+    let case = parse(
+        r#"
+        lens = { radius = 0.0022, young_modulus = 2_000_000, poisson_ratio = 0 }
+        substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }
+        texture.pitch = "20 µm"
+        texture.pillar = { diameter = "6000 nm", height = "2.2 μm" }
+        "#,
+    );
+    assert_eq!(case.method, Method::default());
+    assert_eq!(*case.system.lattice(), HexagonalLattice::new(20e-6));
+    assert_eq!(case.system.lens().material.young_modulus, 2e6);
+    assert_eq!(case.system.pillar().height, 2.2e-6);
+    assert_eq!(case.system.pillar().compliance, PillarCompliance::Column);
+}
+
+#[test]
+fn overrides_replace_the_other_of_a_pair_and_the_method() {
+    let pitch = |overrides: &[&str]| with(overrides).unwrap().system.lattice().pitch;
+    assert_eq!(pitch(&["texture.pitch=20um"]), 20e-6);
+    assert_eq!(
+        pitch(&["texture.pitch=20um", "texture.pitch = \"21 um\""]),
+        21e-6
+    );
+    let method = |overrides: &[&str]| with(overrides).unwrap().method;
+    assert_eq!(method(&["method.name=homogenised"]), Method::Homogenised);
+    let plain = ["method.name=punch", "method.form=plain"];
+    assert_eq!(method(&plain), Method::Punch(PunchForm::Plain));
+    let accurate = ["method.accuracy=accurate"];
+    assert_eq!(method(&accurate), Method::Spectral(Accuracy::Accurate));
+    // In any order.
+    let accurate = ["method.accuracy=accurate", "method.name=spectral"];
+    assert_eq!(method(&accurate), Method::Spectral(Accuracy::Accurate));
+}
+
+#[test]
+fn overrides_take_bare_quantities() {
+    let case = with(&[
+        "lens.radius=3 mm",
+        "texture.offset_angle=30deg",
+        "substrate.young_modulus=1e9",
+    ]);
+    let system = case.unwrap().system;
+    assert_eq!(system.lens().radius, 3e-3);
+    assert_eq!(system.lattice().offset_angle, 30f64.to_radians());
+    assert_eq!(system.substrate().young_modulus, 1e9);
+}
+
+#[test]
+fn the_example_as_written() {
+    insta::assert_snapshot!(Case::example().to_toml());
+}
+
+proptest! {
+    #[test]
+    fn a_case_survives_writing_and_reading(
+        radius in 1e-4..1e-1_f64,
+        modulus in 1e2..1e12_f64,
+        ratio in 0.0..0.5_f64,
+        diameter in 1e-7..1e-5_f64,
+        spacing in 1.0..20.0_f64,
+        offset in 0.0..1.0_f64,
+        angle in 0.0..3.0_f64,
+        by_pitch: bool,
+        method in 0..5usize,
+    ) {
+        let methods = [
+            Method::Spectral(Accuracy::Default),
+            Method::Spectral(Accuracy::Accurate),
+            Method::Punch(PunchForm::Corrected),
+            Method::Punch(PunchForm::Plain),
+            Method::Homogenised,
+        ];
+        let spacing = if by_pitch {
+            format!("texture.pitch={:e}", diameter * spacing)
+        } else {
+            format!("texture.surface_fraction={}", 0.9 / (spacing * spacing))
+        };
+        let overrides = [
+            format!("lens.radius={radius}"),
+            format!("lens.young_modulus={modulus}"),
+            format!("substrate.poisson_ratio={ratio}"),
+            format!("texture.pillar.diameter={diameter:e}"),
+            format!("texture.offset={offset}"),
+            format!("texture.offset_angle={angle}"),
+            spacing,
+        ];
+        let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+        let mut case = with(&overrides).unwrap();
+        case.method = methods[method];
+        prop_assert_eq!(case.system.lens().radius.to_bits(), radius.to_bits());
+        let text = case.to_toml();
+        prop_assert_eq!(parse(&text), case);
+        prop_assert_eq!(parse(&text).to_toml(), text);
+        let by_system = Case::new(case.system, case.method);
+        prop_assert_eq!(parse(&by_system.to_toml()), by_system);
+    }
+}

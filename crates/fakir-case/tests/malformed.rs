@@ -1,0 +1,91 @@
+//! Every way to get a case file wrong that we have thought of, and what the user is told.
+
+#![allow(clippy::unwrap_used)]
+
+use fakir_case::{Case, CaseError, CaseFile};
+use miette::{GraphicalReportHandler, GraphicalTheme};
+use std::path::Path;
+
+fn rendered(error: &CaseError) -> String {
+    let mut text = String::new();
+    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
+        .with_width(100)
+        .render_report(&mut text, error)
+        .unwrap();
+    format!("{text}\n{}\n", error.one_line())
+}
+
+#[test]
+fn every_malformed_file_is_explained() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/malformed");
+    let mut paths: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    paths.sort();
+    assert!(paths.len() >= 50);
+    for path in paths {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let error = CaseFile::from_bytes(name, bytes)
+            .and_then(|file| file.case())
+            .expect_err(name);
+        insta::assert_snapshot!(name.trim_end_matches(".toml"), rendered(&error));
+    }
+}
+
+#[test]
+fn every_malformed_override_is_explained() {
+    let overrides: &[(&str, &[&str])] = &[
+        ("no equals sign", &["texture.pitch"]),
+        ("unknown key", &["texture.pitsch=20um"]),
+        ("key without its table", &["radius=2mm"]),
+        ("unknown table", &["sphere.radius=2mm"]),
+        ("empty", &[""]),
+        ("empty value", &["lens.radius="]),
+        ("wrong unit", &["lens.radius=2 MPa"]),
+        ("negative", &["texture.pillar.height=-1um"]),
+        ("above half", &["lens.poisson_ratio = 0.6"]),
+        ("word for a number", &["texture.surface_fraction=dense"]),
+        ("unknown method", &["method.name=fem"]),
+        ("pitch below the diameter", &["texture.pitch=5um"]),
+        (
+            "file at fault after an override",
+            &["texture.pillar.diameter=20um", "texture.pitch=19um"],
+        ),
+        (
+            "both of an exclusive pair",
+            &["texture.pitch=20um", "texture.surface_fraction=0.2"],
+        ),
+        (
+            "accuracy of another method",
+            &["method.name=punch", "method.accuracy=accurate"],
+        ),
+    ];
+    let text = Case::example().to_toml();
+    for (name, arguments) in overrides {
+        let resolve = || {
+            let mut file = CaseFile::parse("case.toml", &text)?;
+            for argument in *arguments {
+                file.set(argument)?;
+            }
+            file.case()
+        };
+        let error = resolve().expect_err(name);
+        insta::assert_snapshot!(
+            format!("override_{}", name.replace(' ', "_")),
+            rendered(&error)
+        );
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_named() {
+    let error = CaseFile::read(Path::new("no/such/case.toml")).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("cannot read no/such/case.toml: ")
+    );
+    assert_eq!(error.position(), None);
+}
