@@ -120,8 +120,8 @@ impl<'a> LatticeOfGrids<'a> {
         let across = smooth_size(2 * cells_across - 1);
         let frequencies = across * (across / 2 + 1);
         let lattice = padded(shape.0) * padded(shape.1);
-        // Building the kernel takes it three times, as complex numbers and real.
-        frequencies * (24 * lattice + 16 * pillars)
+        // The kernel, half of it as complex numbers while it is built, and the spectra.
+        frequencies * (16 * lattice + 16 * pillars)
     }
 
     /// Cells of one grid.
@@ -130,50 +130,73 @@ impl<'a> LatticeOfGrids<'a> {
         self.places.len()
     }
 
+    /// Transforms the potential over the cells for every lattice offset, then over the lattice for
+    /// every local frequency.
     fn fill_kernels(&mut self, influence: &Influence) {
         let frequencies = self.local.frequencies();
         let (rows, columns) = (self.lattice.rows, self.lattice.columns);
         let points = rows * columns;
         let normalisation = 1.0 / (points * self.local.rows * self.local.columns) as f64;
-        let (local, shape) = (&self.local, self.shape);
+        let (local, lattice, shape) = (&self.local, &self.lattice, self.shape);
+        let pool = self.shared_pool();
+        let opposite = |place: usize| {
+            let (row, column) = (place / columns, place % columns);
+            ((rows - row) % rows) * columns + (columns - column) % columns
+        };
+        // At the opposite offset the spectrum is the conjugate: half of them are enough.
         let offset_spectrum = |place: usize| -> Vec<Complex64> {
             let (row, column) = (place / columns, place % columns);
-            match (
+            let offset = (
                 wrapped(row, shape.0, rows),
                 wrapped(column, shape.1, columns),
-            ) {
-                (Some(i), Some(j)) => local.kernel_spectrum(influence, (i, j)),
+            );
+            match offset {
+                (Some(i), Some(j)) if place <= opposite(place) => {
+                    local.kernel_spectrum(influence, (i, j))
+                }
                 _ => Vec::new(),
             }
         };
-        let spectra: Vec<Vec<Complex64>> = match self.shared_pool() {
+        let spectra: Vec<Vec<Complex64>> = match pool {
             Some(pool) => {
                 pool.install(|| (0..points).into_par_iter().map(offset_spectrum).collect())
             }
             None => (0..points).map(offset_spectrum).collect(),
         };
-        let self_spectrum = &spectra[0];
-        let largest = self_spectrum.iter().map(|k| k.re.abs()).fold(0.0, f64::max);
-        let per_cell = 1.0 / (self.local.rows * self.local.columns) as f64;
-        self.inverse = self_spectrum
-            .iter()
-            .map(|k| per_cell / k.re.abs().max(1e-6 * largest))
-            .collect();
-        self.kernel = vec![0.0; frequencies * points];
-        let lattice = &self.lattice;
-        let fill = |frequency: usize, kernel: &mut [f64], work: &mut LatticeWork| {
-            for (value, spectrum) in work.array.iter_mut().zip(&spectra) {
-                *value = spectrum.get(frequency).copied().unwrap_or_default();
+        self.inverse = local.inverse(&spectra[0]);
+        let value = |place: usize, frequency: usize| {
+            let half = place.min(opposite(place));
+            let value = spectra[half].get(frequency).copied().unwrap_or_default();
+            if half == place { value } else { value.conj() }
+        };
+        let fill = |work: &mut LatticeWork, frequency: usize, kernel: &mut [f64]| {
+            for (place, entry) in work.array.iter_mut().enumerate() {
+                *entry = value(place, frequency);
             }
             lattice.forward(rows, work);
             for (kernel, value) in kernel.iter_mut().zip(&work.array) {
                 *kernel = normalisation * value.re;
             }
         };
-        let mut work = LatticeWork::new(lattice);
-        for (frequency, kernel) in self.kernel.chunks_exact_mut(points).enumerate() {
-            fill(frequency, kernel, &mut work);
+        let mut kernel = vec![0.0; frequencies * points];
+        match pool {
+            Some(pool) => pool.install(|| {
+                kernel
+                    .par_chunks_exact_mut(points)
+                    .enumerate()
+                    .for_each_init(
+                        || LatticeWork::new(lattice),
+                        |work, (frequency, kernel)| fill(work, frequency, kernel),
+                    );
+            }),
+            None => {
+                let mut work = LatticeWork::new(lattice);
+                for (frequency, kernel) in kernel.chunks_exact_mut(points).enumerate() {
+                    fill(&mut work, frequency, kernel);
+                }
+            }
         }
+        self.kernel = kernel;
     }
 
     fn shared_pool(&self) -> Option<&'a ThreadPool> {
@@ -447,6 +470,19 @@ impl LocalTransform {
                 .process_with_scratch(row, values, &mut work.scratch);
             debug_assert!(done.is_ok());
         }
+    }
+
+    /// Inverse of a kernel's spectrum, with the normalisation of the transforms.
+    ///
+    /// The kernel is cut off where the grid ends, so that small values of its spectrum may have
+    /// any sign; they are kept away from zero.
+    fn inverse(&self, spectrum: &[Complex64]) -> Vec<f64> {
+        let largest = spectrum.iter().map(|k| k.re.abs()).fold(0.0, f64::max);
+        let normalisation = 1.0 / (self.rows * self.columns) as f64;
+        spectrum
+            .iter()
+            .map(|k| normalisation / k.re.abs().max(1e-6 * largest))
+            .collect()
     }
 
     /// Spectrum of the potential at all cell offsets of grids so many lattice vectors apart.
