@@ -41,6 +41,16 @@ fn rubber(lens_radius: f64, pillar: Pillar, lattice: HexagonalLattice) -> System
     System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system")
 }
 
+/// The paper's intermediate system with the lens axis anywhere.
+fn intermediate(surface_fraction: f64, offset: f64, degrees: f64) -> System {
+    let lattice = HexagonalLattice {
+        offset,
+        offset_angle: degrees.to_radians(),
+        ..paper_lattice(surface_fraction, 0.0)
+    };
+    paper_system(lattice, INTERMEDIATE, PillarCompliance::Column)
+}
+
 fn press(system: &System, load: Load, method: Method) -> ContactState {
     let state = fakir::press(system, load, method, &Run::default()).expect("a valid load");
     assert!(state.converged(), "{:?}: {system:?}", state.termination);
@@ -225,11 +235,7 @@ fn few_pillars_agree_with_squares_of_constant_pressure() {
 /// of the contact radius over the distance.
 #[test]
 fn displacement_far_away_is_that_of_a_point_force() {
-    let system = paper_system(
-        paper_lattice(0.03, 0.0),
-        INTERMEDIATE,
-        PillarCompliance::Column,
-    );
+    let system = intermediate(0.03, 0.0, 0.0);
     let state = press(&system, Load::Indentation(4e-6), Method::default());
     for angle in [0.0_f64, 1.0, 2.5] {
         let r = 100.0 * state.contact_radius;
@@ -270,11 +276,7 @@ fn integrate_pressure(state: &ContactState, pillar: usize, of: impl Fn(Point) ->
 /// The contact conditions on covered pillars, and the force from the pressure.
 #[test]
 fn covered_pillars_bear_pressure_without_gap() {
-    let system = paper_system(
-        paper_lattice(0.1, 0.3),
-        INTERMEDIATE,
-        PillarCompliance::Column,
-    );
+    let system = intermediate(0.1, 0.3, 0.0);
     for (method, tolerance) in [(Method::default(), 1e-10), (ACCURATE, 1e-11)] {
         let state = press(&system, Load::Indentation(5e-6), method);
         check_covered_pillars(&state, tolerance);
@@ -331,11 +333,7 @@ fn work_is_reciprocal() {
 /// Lengths times `s`: forces times `s^2`, indentations times `s`. Moduli times `s`: forces times `s`.
 #[test]
 fn lengths_and_moduli_scale() {
-    let base = paper_system(
-        paper_lattice(0.03, 0.2),
-        INTERMEDIATE,
-        PillarCompliance::Column,
-    );
+    let base = intermediate(0.03, 0.2, 0.0);
     let scaled = |length: f64, modulus: f64| {
         let material = Material::new(INTERMEDIATE * modulus, 0.5);
         let pillar = paper_pillar(PillarCompliance::Column);
@@ -394,11 +392,7 @@ fn lengths_and_moduli_scale() {
 #[test]
 fn force_rises_with_indentation() {
     for (phi, offset) in [(0.03, 0.0), (0.03, 0.03), (0.01, 0.4)] {
-        let system = paper_system(
-            paper_lattice(phi, offset),
-            INTERMEDIATE,
-            PillarCompliance::Column,
-        );
+        let system = intermediate(phi, offset, 0.0);
         let mut previous = 0.0;
         for step in 1..=400 {
             // Finer at the start, where the contact grows over the first pillar.
@@ -454,11 +448,7 @@ fn force_across_the_edge_of_a_top() {
 #[test]
 fn force_and_indentation_invert_each_other() {
     for (phi, offset) in [(0.002, 0.02), (0.03, 0.0), (0.1, 0.4)] {
-        let system = paper_system(
-            paper_lattice(phi, offset),
-            INTERMEDIATE,
-            PillarCompliance::Column,
-        );
+        let system = intermediate(phi, offset, 0.0);
         let first_touch = system.lens().sag(nearest_edge(&system));
         for rise in [1e-9, 2e-8, 0.3e-6, 3e-6] {
             let zeta = first_touch + rise;
@@ -475,16 +465,6 @@ fn transition(system: &System, method: Method) -> CriticalState {
     let critical = fakir::transition(system, method, &Run::default()).expect("a valid system");
     assert!(critical.contact.converged(), "{system:?}");
     critical
-}
-
-/// The paper's intermediate system with the lens axis anywhere.
-fn offset_system(surface_fraction: f64, offset: f64, degrees: f64) -> System {
-    let lattice = HexagonalLattice {
-        offset,
-        offset_angle: degrees.to_radians(),
-        ..paper_lattice(surface_fraction, 0.0)
-    };
-    paper_system(lattice, INTERMEDIATE, PillarCompliance::Column)
 }
 
 /// A point mirrored in the x axis or not, then turned.
@@ -506,10 +486,10 @@ fn turned_and_mirrored_systems_have_the_same_critical_state() {
         (0.03, 0.3, 10.0, Method::default()),
     ];
     for (phi, offset, degrees, method) in cases {
-        let base = transition(&offset_system(phi, offset, degrees), method);
+        let base = transition(&intermediate(phi, offset, degrees), method);
         for (turn, mirror) in [(60.0, false), (180.0, false), (0.0, true), (240.0, true)] {
             let image = turn + if mirror { -degrees } else { degrees };
-            let other = transition(&offset_system(phi, offset, image), method);
+            let other = transition(&intermediate(phi, offset, image), method);
             let nodes_match = turn.abs() < 1.0 || base.contact.pillars_partially_in_contact == 0;
             let error = |of: fn(&ContactState) -> f64| {
                 if nodes_match {
@@ -543,14 +523,14 @@ fn turned_and_mirrored_systems_have_the_same_critical_state() {
 #[test]
 fn offset_by_a_lattice_vector_changes_nothing() {
     for (phi, offset, degrees) in [(0.003, 0.45, 14.0), (0.03, 0.3, 10.0)] {
-        let system = offset_system(phi, offset, degrees);
+        let system = intermediate(phi, offset, degrees);
         let base = transition(&system, Method::default());
         for (i, j) in [(1, 0), (-1, 0), (3, -2)] {
             let [x, y] = system.lattice().lattice_vector(i, j);
             let [offset_x, offset_y] = system.lattice().offset_vector();
             let [x, y] = [x + offset_x, y + offset_y];
             let offset = x.hypot(y) / system.lattice().pitch;
-            let shifted = offset_system(phi, offset, y.atan2(x).to_degrees());
+            let shifted = intermediate(phi, offset, y.atan2(x).to_degrees());
             let other = transition(&shifted, Method::default());
             assert_near(other.contact.force, base.contact.force, 1e-9);
             assert_near(other.contact.indentation, base.contact.indentation, 1e-9);
@@ -647,7 +627,7 @@ const METHODS: [Method; 5] = [
 
 #[test]
 fn loads_that_cannot_be_are_refused() {
-    let system = offset_system(0.03, 0.2, 0.0);
+    let system = intermediate(0.03, 0.2, 0.0);
     for method in METHODS {
         for value in [-1e-9, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for (load, quantity) in [
@@ -670,7 +650,7 @@ fn loads_that_cannot_be_are_refused() {
 fn nothing_is_touched_without_load() {
     for method in METHODS {
         for offset in [0.0, 0.5] {
-            let system = offset_system(0.01, offset, 0.0);
+            let system = intermediate(0.01, offset, 0.0);
             for load in [Load::Indentation(0.0), Load::Force(0.0)] {
                 let state = press(&system, load, method);
                 assert!(state.force.abs() < f64::MIN_POSITIVE);
@@ -688,7 +668,7 @@ fn nothing_is_touched_without_load() {
 
 #[test]
 fn cancelled_computations_stop() {
-    let system = offset_system(0.1, 0.2, 0.0);
+    let system = intermediate(0.1, 0.2, 0.0);
     let cancel = CancelToken::default();
     cancel.cancel();
     let run = Run {
@@ -713,7 +693,7 @@ fn cancelled_computations_stop() {
 /// From within: the listener to progress stops the computation it hears of.
 #[test]
 fn running_computations_stop() {
-    let system = offset_system(0.1, 0.2, 0.0);
+    let system = intermediate(0.1, 0.2, 0.0);
     let cancel = CancelToken::default();
     let stop_at_third = |progress: fakir::contact::Progress| {
         if progress.step == 3 {
@@ -731,7 +711,7 @@ fn running_computations_stop() {
 
 #[test]
 fn memory_is_limited() {
-    let system = offset_system(0.1, 0.0, 0.0);
+    let system = intermediate(0.1, 0.0, 0.0);
     let run = Run {
         memory_limit: Some(10_000),
         ..Run::default()
