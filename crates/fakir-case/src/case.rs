@@ -3,6 +3,7 @@
 use crate::key::{Key, Kind};
 use crate::unit::{Dimension, format_quantity};
 use fakir::contact::{Accuracy, Method, PunchForm};
+use fakir::love::{ElementMesh, MeshLayout};
 use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 use std::fmt::Write;
 
@@ -91,6 +92,13 @@ impl Case {
         text
     }
 
+    fn mesh(&self) -> Option<ElementMesh> {
+        match self.method {
+            Method::Love(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
     /// The value of a key in TOML; `None` if the case does without it.
     fn value(&self, key: Key) -> Option<String> {
         let system = &self.system;
@@ -135,6 +143,16 @@ impl Case {
                 Method::Punch(PunchForm::Plain) => word("plain"),
                 _ => return None,
             },
+            Key::CellsPerDiameter => number(self.mesh()?.cells_per_diameter as f64),
+            Key::Mesh => word(match self.mesh()?.layout {
+                MeshLayout::Pillars => "pillars",
+                MeshLayout::Pattern => "pattern",
+            }),
+            Key::Cells => word(if self.mesh()?.matched {
+                "matched"
+            } else {
+                "plain"
+            }),
         })
     }
 }

@@ -6,6 +6,7 @@ use crate::error::{CaseError, Place, Source};
 use crate::key::{Key, Kind};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::contact::{Accuracy, Method, PunchForm};
+use fakir::love::{ElementMesh, MeshLayout};
 use fakir::system::{
     HexagonalLattice, InvalidQuantity, Lens, MAXIMUM_SURFACE_FRACTION, Material, Pillar,
     PillarCompliance, Quantity, Requirement, System, Texture,
@@ -185,11 +186,6 @@ impl CaseFile {
     }
 
     fn method(&self) -> Result<Method, CaseError> {
-        const NAMES: [(&str, Name); 3] = [
-            ("spectral", Name::Spectral),
-            ("punch", Name::Punch),
-            ("homogenised", Name::Homogenised),
-        ];
         const ACCURACIES: [(&str, Accuracy); 2] = [
             ("default", Accuracy::Default),
             ("accurate", Accuracy::Accurate),
@@ -199,25 +195,41 @@ impl CaseFile {
             ("plain", PunchForm::Plain),
         ];
         let name = self
-            .choice(Key::MethodName, &NAMES)?
+            .choice(Key::MethodName, &Name::ALL.map(|name| (name.word(), name)))?
             .unwrap_or(Name::Spectral);
         let accuracy = self.choice(Key::Accuracy, &ACCURACIES)?;
         let form = self.choice(Key::Form, &FORMS)?;
-        match name {
-            Name::Spectral => {
-                self.only_for(Key::Form, "punch")?;
-                Ok(Method::Spectral(accuracy.unwrap_or_default()))
-            }
-            Name::Punch => {
-                self.only_for(Key::Accuracy, "spectral")?;
-                Ok(Method::Punch(form.unwrap_or_default()))
-            }
-            Name::Homogenised => {
-                self.only_for(Key::Accuracy, "spectral")?;
-                self.only_for(Key::Form, "punch")?;
-                Ok(Method::Homogenised)
+        for (key, owner) in OWNERS {
+            if owner != name {
+                self.only_for(key, owner.word())?;
             }
         }
+        match name {
+            Name::Spectral => Ok(Method::Spectral(accuracy.unwrap_or_default())),
+            Name::Punch => Ok(Method::Punch(form.unwrap_or_default())),
+            Name::Love => Ok(Method::Love(self.mesh()?)),
+            Name::Homogenised => Ok(Method::Homogenised),
+        }
+    }
+
+    fn mesh(&self) -> Result<ElementMesh, CaseError> {
+        const MESHES: [(&str, MeshLayout); 2] = [
+            ("pillars", MeshLayout::Pillars),
+            ("pattern", MeshLayout::Pattern),
+        ];
+        const CELLS: [(&str, bool); 2] = [("matched", true), ("plain", false)];
+        let default = ElementMesh::default();
+        let cells = self.number_or(Key::CellsPerDiameter, default.cells_per_diameter as f64)?;
+        if !(8.0..=1024.0).contains(&cells) || cells.fract() > 0.0 {
+            return Err(self
+                .problem(Key::CellsPerDiameter, format!("cannot be {cells}"))
+                .accepted("it must be a whole number from 8 to 1024"));
+        }
+        Ok(ElementMesh {
+            cells_per_diameter: cells as usize,
+            layout: self.choice(Key::Mesh, &MESHES)?.unwrap_or(default.layout),
+            matched: self.choice(Key::Cells, &CELLS)?.unwrap_or(default.matched),
+        })
     }
 
     /// Refuses a key that the chosen method does not have.
@@ -254,12 +266,7 @@ impl CaseFile {
         match options.iter().find(|(word, _)| word == text) {
             Some((_, value)) => Ok(Some(*value)),
             None => {
-                let reason = if NOT_AVAILABLE.contains(&(key, text)) {
-                    "is not available yet"
-                } else {
-                    "is not known"
-                };
-                let problem = format!("\"{text}\" {reason}");
+                let problem = format!("\"{text}\" is not known");
                 Err(self.problem(key, problem).accepted(one_of(options)))
             }
         }
@@ -305,15 +312,35 @@ impl CaseFile {
     }
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Name {
     Spectral,
+    Love,
     Punch,
     Homogenised,
 }
 
-/// Words that a case file may have some day.
-const NOT_AVAILABLE: [(Key, &str); 1] = [(Key::MethodName, "love")];
+impl Name {
+    const ALL: [Self; 4] = [Self::Spectral, Self::Love, Self::Punch, Self::Homogenised];
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Spectral => "spectral",
+            Self::Love => "love",
+            Self::Punch => "punch",
+            Self::Homogenised => "homogenised",
+        }
+    }
+}
+
+/// The keys that only one method has.
+const OWNERS: [(Key, Name); 5] = [
+    (Key::Accuracy, Name::Spectral),
+    (Key::Form, Name::Punch),
+    (Key::CellsPerDiameter, Name::Love),
+    (Key::Mesh, Name::Love),
+    (Key::Cells, Name::Love),
+];
 
 /// Advice to give one of some words.
 fn one_of<T>(options: &[(&str, T)]) -> String {
@@ -330,7 +357,7 @@ fn one_of<T>(options: &[(&str, T)]) -> String {
 /// Keys of the file that an override of `key` takes the place of.
 fn replaced_by(key: Key) -> Vec<Key> {
     match key {
-        Key::MethodName => vec![Key::Accuracy, Key::Form],
+        Key::MethodName => OWNERS.map(|(key, _)| key).to_vec(),
         _ => key.alternative().into_iter().collect(),
     }
 }

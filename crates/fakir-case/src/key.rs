@@ -39,6 +39,12 @@ pub enum Key {
     Accuracy,
     /// `method.form`
     Form,
+    /// `method.cells_per_diameter`
+    CellsPerDiameter,
+    /// `method.mesh`
+    Mesh,
+    /// `method.cells`
+    Cells,
 }
 
 /// What kind of value a key takes.
@@ -52,7 +58,7 @@ pub enum Kind {
 
 impl Key {
     /// Every key, in the order in which files are written.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 19] = [
         Self::LensRadius,
         Self::LensYoungModulus,
         Self::LensPoissonRatio,
@@ -69,6 +75,9 @@ impl Key {
         Self::MethodName,
         Self::Accuracy,
         Self::Form,
+        Self::CellsPerDiameter,
+        Self::Mesh,
+        Self::Cells,
     ];
 
     /// The key with its tables: `"texture.pillar.diameter"`.
@@ -91,6 +100,9 @@ impl Key {
             Self::MethodName => "method.name",
             Self::Accuracy => "method.accuracy",
             Self::Form => "method.form",
+            Self::CellsPerDiameter => "method.cells_per_diameter",
+            Self::Mesh => "method.mesh",
+            Self::Cells => "method.cells",
         }
     }
 
@@ -130,12 +142,15 @@ impl Key {
             Self::LensPoissonRatio
             | Self::SubstratePoissonRatio
             | Self::SurfaceFraction
-            | Self::Offset => Kind::Number(Dimension::Number),
+            | Self::Offset
+            | Self::CellsPerDiameter => Kind::Number(Dimension::Number),
             Self::Lattice
             | Self::PillarCompliance
             | Self::MethodName
             | Self::Accuracy
-            | Self::Form => Kind::Word,
+            | Self::Form
+            | Self::Mesh
+            | Self::Cells => Kind::Word,
         }
     }
 
@@ -158,9 +173,12 @@ impl Key {
             Self::PillarDiameter => "diameter of a pillar",
             Self::PillarHeight => "height of a pillar",
             Self::PillarCompliance => "column: pillars shorten under load; or none",
-            Self::MethodName => "spectral (exact), punch or homogenised (approximate)",
+            Self::MethodName => "spectral (exact), love (elements), punch or homogenised",
             Self::Accuracy => "of the spectral method: default or accurate",
             Self::Form => "of the punch method: corrected or plain",
+            Self::CellsPerDiameter => "of the method love: squares across a pillar, 8 or more",
+            Self::Mesh => "of the method love: a grid on all pillars, or one over the pattern",
+            Self::Cells => "of the method love: matched to a flat punch, or plain",
         }
     }
 

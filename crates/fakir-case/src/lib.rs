@@ -24,7 +24,7 @@
 //! compliance = "column"         # or "none"
 //!
 //! [method]
-//! name = "spectral"             # or "punch", "homogenised"
+//! name = "spectral"             # or "love", "punch", "homogenised"
 //! accuracy = "default"          # or "accurate"
 //! "#;
 //! let case = fakir_case::CaseFile::parse("case.toml", text)?.case()?;

@@ -4,6 +4,7 @@
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use fakir::contact::{Accuracy, Method, PunchForm};
+use fakir::love::{ElementMesh, MeshLayout};
 use fakir::system::{HexagonalLattice, PillarCompliance, System};
 use fakir_case::{Case, CaseError, CaseFile};
 use proptest::prelude::*;
@@ -82,6 +83,12 @@ fn overrides_replace_the_other_of_a_pair_and_the_method() {
     assert_eq!(method(&plain), Method::Punch(PunchForm::Plain));
     let accurate = ["method.accuracy=accurate"];
     assert_eq!(method(&accurate), Method::Spectral(Accuracy::Accurate));
+    let love = ["method.name=love", "method.mesh=pattern"];
+    let pattern = ElementMesh {
+        layout: MeshLayout::Pattern,
+        ..ElementMesh::default()
+    };
+    assert_eq!(method(&love), Method::Love(pattern));
     // In any order.
     let accurate = ["method.accuracy=accurate", "method.name=spectral"];
     assert_eq!(method(&accurate), Method::Spectral(Accuracy::Accurate));
@@ -116,13 +123,18 @@ proptest! {
         offset in 0.0..1.0_f64,
         angle in 0.0..3.0_f64,
         by_pitch: bool,
-        method in 0..5usize,
+        method in 0..6usize,
     ) {
         let methods = [
             Method::Spectral(Accuracy::Default),
             Method::Spectral(Accuracy::Accurate),
             Method::Punch(PunchForm::Corrected),
             Method::Punch(PunchForm::Plain),
+            Method::Love(ElementMesh {
+                cells_per_diameter: 24,
+                layout: MeshLayout::Pattern,
+                matched: false,
+            }),
             Method::Homogenised,
         ];
         let spacing = if by_pitch {

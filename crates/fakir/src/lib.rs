@@ -22,7 +22,9 @@
 //! * [`system`]: what is pressed. Everything public is in SI units.
 //! * [`press`] and [`transition`]: the contact under a load, and the critical state, by any
 //!   [`Method`], coarse to exact:
-//!   [homogenised lattice](theory::homogenised), punch lattice, spectral.
+//!   [homogenised lattice](theory::homogenised), punch lattice, [Love elements](love), spectral.
+//! * [`love`]: elements of constant pressure, and contacts on any surface; [`verify()`] asks them
+//!   for a second opinion on the spectral method.
 //! * [`contact`]: what comes back: forces, radii, every pillar, [fields](contact::Fields),
 //!   convergence and error estimates.
 //! * [`theory`]: the closed forms of the paper with their errata, and the homogenised lattice.
@@ -42,9 +44,13 @@
 pub mod contact;
 mod coupling;
 mod disc;
+pub mod love;
 mod quadrature;
 pub mod system;
 pub mod theory;
+mod verify;
+
+pub use verify::{Difference, Question, Verification, verify};
 
 use contact::{ContactState, CriticalState, Load, Method, PillarMethod, Run, SolveError};
 use system::System;
@@ -69,6 +75,7 @@ pub fn press(
             contact::press(system, load, PillarMethod::Spectral(accuracy), run)
         }
         Method::Punch(form) => contact::press(system, load, PillarMethod::Punch(form), run),
+        Method::Love(mesh) => contact::press(system, load, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::press(system, load, run),
     }
 }
@@ -90,6 +97,7 @@ pub fn transition(
             contact::transition(system, PillarMethod::Spectral(accuracy), run)
         }
         Method::Punch(form) => contact::transition(system, PillarMethod::Punch(form), run),
+        Method::Love(mesh) => contact::transition(system, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::transition(system, run),
     }
 }

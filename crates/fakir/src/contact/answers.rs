@@ -19,6 +19,8 @@ use crate::disc::exterior::Exterior;
 use crate::disc::nodes::edge_count;
 use crate::disc::patch::{Patch, PatchSolver};
 use crate::disc::unilateral::LocalSolver;
+use crate::love::ElementMesh;
+use crate::love::pillars::{self, ElementSolution};
 use crate::system::{Point, Quantity, Requirement, System};
 use crate::theory::homogenised;
 use std::f64::consts::PI;
@@ -37,6 +39,7 @@ const PUNCH_ERROR: [f64; 2] = [0.1, 0.02];
 pub(crate) enum PillarMethod {
     Spectral(Accuracy),
     Punch(PunchForm),
+    Love(ElementMesh),
 }
 
 impl From<PillarMethod> for Method {
@@ -44,6 +47,7 @@ impl From<PillarMethod> for Method {
         match method {
             PillarMethod::Spectral(accuracy) => Self::Spectral(accuracy),
             PillarMethod::Punch(form) => Self::Punch(form),
+            PillarMethod::Love(mesh) => Self::Love(mesh),
         }
     }
 }
@@ -127,24 +131,27 @@ fn solve(
         return Ok((state, alone));
     }
     let guess = homogenised_radius(system, problem, target, run);
-    let (mut solution, degrees) = match method {
+    let state = match method {
         PillarMethod::Spectral(accuracy) => {
             let degrees = degrees(accuracy, problem);
-            (
-                solve_spectral(problem, target, guess, degrees, run)?,
-                degrees,
-            )
+            let mut solution = solve_spectral(problem, target, guess, degrees, run)?;
+            let error = refined(&mut solution, target, degrees, run)?;
+            assemble(system, problem, target, method, solution, error)?
         }
-        PillarMethod::Punch(form) => (
-            solve_punch(problem, target, guess, form, run)?,
-            Degrees {
-                coupling: 0,
-                nodes: 0,
-            },
-        ),
+        PillarMethod::Punch(form) => {
+            let solution = solve_punch(problem, target, guess, form, run)?;
+            let error = match form {
+                PunchForm::Plain => PUNCH_ERROR[0],
+                PunchForm::Corrected => PUNCH_ERROR[1],
+            };
+            let error = unknowns_only(target, solution.outcome.termination, [error; 2]);
+            assemble(system, problem, target, method, solution, error)?
+        }
+        PillarMethod::Love(mesh) => {
+            let solution = pillars::solve(problem, target, guess, mesh, run)?;
+            elements(system, problem, target, method, &solution)
+        }
     };
-    let error = solution_error(&mut solution, target, method, degrees, run)?;
-    let state = assemble(system, problem, target, method, solution, error)?;
     let alone = state.pillars.len() == 1 && is_under_axis(problem, state.pillars[0].centre);
     Ok((state, alone))
 }
@@ -181,53 +188,53 @@ fn is_under_axis(problem: &Problem, centre: Point) -> bool {
     centre[0].hypot(centre[1]) < 1e-9 * problem.length
 }
 
-fn solution_error(
+/// The error estimate of a solution: none for what was prescribed, all where it is no solution.
+fn unknowns_only(
+    target: Target,
+    termination: Termination,
+    [force, indentation]: [f64; 2],
+) -> ErrorEstimate {
+    if termination != Termination::Converged {
+        return ErrorEstimate {
+            force: 1.0,
+            indentation: 1.0,
+        };
+    }
+    ErrorEstimate {
+        force: match target {
+            Target::Force(_) => 0.0,
+            _ => force,
+        },
+        indentation: match target {
+            Target::Indentation(_) => 0.0,
+            _ => indentation,
+        },
+    }
+}
+
+/// Error estimate of the spectral method, from other nodes and a higher degree.
+fn refined(
     solution: &mut Solution<'_>,
     target: Target,
-    method: PillarMethod,
     degrees: Degrees,
     run: &Run<'_>,
 ) -> Result<ErrorEstimate, SolveError> {
-    if solution.outcome.termination != Termination::Converged {
-        return Ok(ErrorEstimate {
-            force: 1.0,
-            indentation: 1.0,
-        });
+    let termination = solution.outcome.termination;
+    if termination != Termination::Converged {
+        return Ok(unknowns_only(target, termination, [1.0; 2]));
     }
-    match method {
-        PillarMethod::Punch(form) => {
-            let error = match form {
-                PunchForm::Plain => PUNCH_ERROR[0],
-                PunchForm::Corrected => PUNCH_ERROR[1],
-            };
-            Ok(ErrorEstimate {
-                force: if matches!(target, Target::Force(_)) {
-                    0.0
-                } else {
-                    error
-                },
-                indentation: if matches!(target, Target::Indentation(_)) {
-                    0.0
-                } else {
-                    error
-                },
-            })
-        }
-        PillarMethod::Spectral(_) => {
-            run.report(Progress {
-                stage: Stage::ErrorEstimate,
-                step: solution.steps,
-                pillars: solution.newton.window.len(),
-                touched: solution.newton.touched(),
-            });
-            let check_nodes = if degrees.nodes <= 16 {
-                degrees.nodes + 4
-            } else {
-                degrees.nodes - 8
-            };
-            estimate(&mut solution.newton, &solution.outcome, target, check_nodes)
-        }
-    }
+    run.report(Progress {
+        stage: Stage::ErrorEstimate,
+        step: solution.steps,
+        pillars: solution.newton.window.len(),
+        touched: solution.newton.touched(),
+    });
+    let check_nodes = if degrees.nodes <= 16 {
+        degrees.nodes + 4
+    } else {
+        degrees.nodes - 8
+    };
+    estimate(&mut solution.newton, &solution.outcome, target, check_nodes)
 }
 
 /// A state without any contact: the lens above, or just at, the pillar tops.
@@ -362,7 +369,7 @@ fn patch_state(
         status: PillarStatus::Partial,
         force,
         centre_pressure: fields.pressure(centre),
-        edge_coefficient: [0.0; 2],
+        edge_coefficient: Some([0.0; 2]),
     };
     let indentation = patch.indentation * problem.length;
     floor_gap(
@@ -450,6 +457,62 @@ fn assemble(
     Ok(floor_gap(problem, state, indentation, lowest))
 }
 
+/// The answer from a solution on elements.
+fn elements(
+    system: &System,
+    problem: &Problem,
+    target: Target,
+    method: PillarMethod,
+    solution: &ElementSolution<'_>,
+) -> ContactState {
+    let contact = &solution.contact;
+    let touched = solution.touched_pillars();
+    let contact_radius = touched.iter().map(|p| p.reach).fold(0.0, f64::max);
+    let mut pillars: Vec<PillarState> = touched
+        .iter()
+        .map(|pillar| PillarState {
+            index: pillar.index,
+            centre: system.lattice().centre(pillar.index.0, pillar.index.1),
+            status: pillar.status,
+            force: pillar.force * problem.force(),
+            centre_pressure: pillar.centre_pressure * problem.pressure,
+            edge_coefficient: None,
+        })
+        .collect();
+    nearest_first(&mut pillars, |pillar| pillar, problem.length);
+    let partial = pillars
+        .iter()
+        .filter(|pillar| pillar.status == PillarStatus::Partial)
+        .count();
+    let indentation = contact.indentation;
+    let state = ContactState {
+        force: contact.force * problem.force(),
+        contact_radius: contact_radius * problem.length,
+        pillars_in_contact: pillars.len(),
+        pillars_partially_in_contact: partial,
+        pillars,
+        error: unknowns_only(target, contact.termination, solution.errors()),
+        termination: contact.termination,
+        iterations: solution.products,
+        warnings: contact_warnings(contact_radius / problem.lens.radius),
+        ..ContactState::untouched(system, method.into(), indentation * problem.length)
+    };
+    floor_gap(problem, state, indentation, solution.floor)
+}
+
+/// Sorts pillars by their distance from the lens axis; those equally far by their indices.
+fn nearest_first<T>(pillars: &mut [T], state: impl Fn(&T) -> &PillarState, length: f64) {
+    let distance = |pillar: &T| {
+        let [x, y] = state(pillar).centre;
+        (x.hypot(y) / length * 1e6).round()
+    };
+    pillars.sort_by(|a, b| {
+        distance(a)
+            .total_cmp(&distance(b))
+            .then(state(a).index.cmp(&state(b).index))
+    });
+}
+
 struct TouchedPillar {
     state: PillarState,
     disc: Disc,
@@ -489,15 +552,7 @@ fn touched_pillars(
             )
         })
         .collect();
-    let key = |pillar: &TouchedPillar| {
-        let [x, y] = pillar.state.centre;
-        (x.hypot(y) / problem.length * 1e6).round()
-    };
-    touched.sort_by(|a, b| {
-        key(a)
-            .total_cmp(&key(b))
-            .then(a.state.index.cmp(&b.state.index))
-    });
+    nearest_first(&mut touched, |pillar| &pillar.state, problem.length);
     touched
 }
 
@@ -530,7 +585,7 @@ fn touched_pillar(
         status,
         force: disc.force() * problem.force(),
         centre_pressure: disc.density(basis, [0.0, 0.0]).max(0.0) * problem.pressure,
-        edge_coefficient: edge_range(&disc, basis).map(|q| q * problem.pressure),
+        edge_coefficient: Some(edge_range(&disc, basis).map(|q| q * problem.pressure)),
     };
     TouchedPillar { state, disc, reach }
 }

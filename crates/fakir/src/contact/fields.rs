@@ -43,7 +43,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// The solution of a contact problem as functions of position.
 ///
 /// Positions are in m from the lens axis. Evaluation at a point visits every touched pillar.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Fields {
     problem: Problem,
     /// Scaled.
@@ -54,6 +54,15 @@ pub struct Fields {
     /// Of all modes, for points close to discs with more than the leading ones.
     close_exterior: Exterior,
     compliance: Vec<f64>,
+}
+
+/// Without the tables it is evaluated by.
+impl std::fmt::Debug for Fields {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Fields")
+            .field("pillars", &self.discs.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Fields {

@@ -11,15 +11,16 @@
 mod answers;
 mod estimate;
 mod fields;
-mod floor;
-mod newton;
-mod problem;
+pub(crate) mod floor;
+pub(crate) mod newton;
+pub(crate) mod problem;
 mod run;
-mod spectral;
+pub(crate) mod spectral;
 
 pub use fields::Fields;
 pub use run::{CancelToken, Progress, Run, Stage, Termination};
 
+use crate::love::ElementMesh;
 use crate::system::{InvalidQuantity, Point, System};
 use std::sync::Arc;
 
@@ -33,6 +34,8 @@ pub enum Method {
     Spectral(Accuracy),
     /// One flat punch per pillar.
     Punch(PunchForm),
+    /// Elements of constant pressure; independent of the spectral method.
+    Love(ElementMesh),
     /// The lattice replaced by a layer of springs on a half-space.
     Homogenised,
 }
@@ -50,6 +53,7 @@ impl Method {
         match self {
             Self::Spectral(_) => "spectral",
             Self::Punch(_) => "punch",
+            Self::Love(_) => "love",
             Self::Homogenised => "homogenised",
         }
     }
@@ -125,7 +129,8 @@ pub struct PillarState {
     /// Smallest and largest edge coefficient around its rim, Pa: the pressure near the edge
     /// of a pillar of radius `a` is `coefficient/sqrt(1 - (r/a)^2)`, and so is infinite at the
     /// edge itself wherever the coefficient is positive.
-    pub edge_coefficient: [f64; 2],
+    /// `None` for methods that do not resolve it.
+    pub edge_coefficient: Option<[f64; 2]>,
 }
 
 /// Estimated relative errors of a result, from refinement of what was computed.
@@ -367,6 +372,17 @@ pub enum SolveError {
         bytes: usize,
         /// Memory allowed, bytes.
         limit: usize,
+    },
+    /// Too few elements on a pillar for a solution with an error estimate.
+    #[error(
+        "{cells_per_diameter} cells across a pillar are too few: at least {fewest} are needed for \
+         an error estimate"
+    )]
+    MeshTooCoarse {
+        /// Cells across a pillar asked for.
+        cells_per_diameter: usize,
+        /// Fewest that can be.
+        fewest: usize,
     },
     /// The homogenised lattice does not apply to pillars this close together.
     #[error(

@@ -34,6 +34,8 @@ pub enum Stage {
     Punch,
     /// Solving in full.
     Spectral,
+    /// Solving by elements.
+    Elements,
     /// Estimating the error.
     ErrorEstimate,
 }
@@ -46,6 +48,7 @@ impl Stage {
             Self::Coupling => "coupling of the pillars",
             Self::Punch => "punch lattice",
             Self::Spectral => "spectral solution",
+            Self::Elements => "Love elements",
             Self::ErrorEstimate => "error estimate",
         }
     }
@@ -109,6 +112,8 @@ pub enum Termination {
     IterationLimit,
     /// Steps no longer improved the solution; the numbers are not the solution.
     Stagnated,
+    /// The caller asked to stop.
+    Interrupted,
 }
 
 impl Termination {
@@ -117,8 +122,9 @@ impl Termination {
     pub fn description(self) -> &'static str {
         match self {
             Self::Converged => "converged",
-            Self::IterationLimit => "did not converge: the limit on Newton steps was reached",
+            Self::IterationLimit => "did not converge: the limit on steps was reached",
             Self::Stagnated => "did not converge: the steps no longer improve the solution",
+            Self::Interrupted => "interrupted",
         }
     }
 }

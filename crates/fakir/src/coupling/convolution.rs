@@ -53,7 +53,7 @@ struct Transforms {
 }
 
 /// Smallest even number of the form 2^a 3^b 5^c not below `least`.
-fn smooth_size(least: usize) -> usize {
+pub(crate) fn smooth_size(least: usize) -> usize {
     let smooth = |mut n: usize| {
         for prime in [2, 3, 5] {
             while n.is_multiple_of(prime) {

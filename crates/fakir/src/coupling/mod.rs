@@ -5,7 +5,7 @@
 //! [`LatticeCoupling`] applies those of all pillars of a window at once, directly for few and by
 //! fast Fourier transform for many.
 
-mod convolution;
+pub(crate) mod convolution;
 mod direct;
 pub(crate) mod pair;
 pub(crate) mod window;

@@ -1,0 +1,391 @@
+//! What holds for every system and load, on random ones.
+//!
+//! The cases are the same in every run; a failing one is shrunk and printed.
+
+use fakir::contact::{
+    ContactState, Fields, Load, Method, PillarState, PillarStatus, Regime, Run, SolveError,
+};
+use fakir::system::{
+    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
+};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use std::f64::consts::PI;
+
+/// Pillar diameter and modulus of the lens, which are the units: everything scales with them.
+const DIAMETER: f64 = 6e-6;
+const MODULUS: f64 = 2e6;
+
+/// Estimated relative error above which a contact is not resolved: a few nodes of one pillar top.
+const RESOLVED: f64 = 0.1;
+
+fn cases(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(0x5eed),
+        ..ProptestConfig::default()
+    }
+}
+
+/// Numbers whose logarithm is uniform.
+fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    (low.ln()..high.ln()).prop_map(f64::exp)
+}
+
+/// Where the lens lands, as pitches from a pillar and direction: anywhere in the lattice cell, on
+/// its special sites, and just beside them.
+fn landing() -> impl Strategy<Value = (f64, f64)> {
+    let special = prop::sample::select(vec![
+        (0.0, 0.0),
+        (0.75_f64.sqrt(), 0.0),
+        (0.5, PI / 6.0),
+        (1.0 / 3.0_f64.sqrt(), 0.0),
+        (1.0, PI / 6.0),
+    ]);
+    let beside = (special.clone(), log_uniform(1e-12, 1e-2))
+        .prop_map(|((offset, angle), by)| (offset + by, angle + by));
+    prop_oneof![
+        4 => (0.0..1.0, 0.0..2.0 * PI),
+        1 => special,
+        1 => beside,
+    ]
+}
+
+fn lattice() -> impl Strategy<Value = HexagonalLattice> {
+    (log_uniform(1e-4, 0.3), landing()).prop_map(|(surface_fraction, (offset, offset_angle))| {
+        HexagonalLattice {
+            offset,
+            offset_angle,
+            ..HexagonalLattice::with_surface_fraction(surface_fraction, DIAMETER)
+        }
+    })
+}
+
+/// Lens and substrate.
+fn materials() -> impl Strategy<Value = [Material; 2]> {
+    (log_uniform(1e-3, 1e3), 0.0..0.5, 0.0..0.5).prop_map(|(ratio, lens, substrate)| {
+        [
+            Material::new(MODULUS, lens),
+            Material::new(MODULUS * ratio, substrate),
+        ]
+    })
+}
+
+fn compliance() -> impl Strategy<Value = PillarCompliance> {
+    prop::sample::select(vec![PillarCompliance::Column, PillarCompliance::None])
+}
+
+fn system(
+    radius: f64,
+    [lens, substrate]: [Material; 2],
+    lattice: HexagonalLattice,
+    height: f64,
+    compliance: PillarCompliance,
+) -> System {
+    let pillar = Pillar {
+        diameter: DIAMETER,
+        height,
+        compliance,
+    };
+    let lens = Lens {
+        radius,
+        material: lens,
+    };
+    System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system")
+}
+
+/// Systems whose critical contact radius, about `e sqrt(1 + s^2)` with `s = R h/e^2`, is a few
+/// pitches: `s` is drawn, and not the lens radius.
+fn textures() -> impl Strategy<Value = System> {
+    let size = log_uniform(0.02, 6.0);
+    let height = log_uniform(1e-3, 0.2);
+    (size, height, lattice(), materials(), compliance()).prop_map(
+        |(size, height, lattice, materials, compliance)| {
+            let height = height * lattice.pitch;
+            let radius = f64::max(size * lattice.pitch.powi(2) / height, 3.0 * height);
+            system(radius, materials, lattice, height, compliance)
+        },
+    )
+}
+
+/// Systems and indentations from first touch to a contact of a few pitches. Pillars are up to a
+/// thousand diameters tall, which makes column compliance ratios of up to 1000.
+fn indented() -> impl Strategy<Value = (System, f64)> {
+    let radius = log_uniform(5.0, 1e5);
+    let height = log_uniform(1e-2, 1e3);
+    let reach = log_uniform(0.05, 6.0);
+    (radius, height, reach, lattice(), materials(), compliance()).prop_map(
+        |(radius, height, reach, lattice, materials, compliance)| {
+            // A lens smaller than the pitch may meet no pillar at all.
+            let radius = f64::max(radius * DIAMETER, 2.0 * lattice.pitch);
+            let height = f64::min(height * DIAMETER, 0.5 * radius);
+            let system = system(radius, materials, lattice, height, compliance);
+            let first_touch = system.lens().sag(nearest_edge(&system));
+            let reach = reach * lattice.pitch;
+            (system, first_touch + 0.5 * reach * reach / radius)
+        },
+    )
+}
+
+/// Distance from the lens axis of the nearest point of a pillar top.
+fn nearest_edge(system: &System) -> f64 {
+    let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
+    let [x, y] = system.lattice().centre(i, j);
+    (x.hypot(y) - 0.5 * DIAMETER).max(0.0)
+}
+
+/// The system seen in a mirror that leaves the x axis in place.
+fn mirrored(system: &System) -> System {
+    let lattice = *system.lattice();
+    turned_to(system, -lattice.offset_angle)
+}
+
+fn turned_to(system: &System, offset_angle: f64) -> System {
+    let lattice = HexagonalLattice {
+        offset_angle,
+        ..*system.lattice()
+    };
+    system.with_lattice(lattice).expect("a valid system")
+}
+
+fn fields(state: &ContactState) -> &Fields {
+    state.fields.as_ref().expect("a spectral state has fields")
+}
+
+/// Force of a flat punch under the indentation: the unit in which a force is zero or not.
+fn punch_force(state: &ContactState) -> f64 {
+    state.system.reduced_modulus() * DIAMETER * state.indentation
+}
+
+/// What a person wants to know of a failing case.
+fn summary(state: &ContactState) -> String {
+    format!(
+        "phi = {:.3e}, kappa = {:.3e}, R/d = {:.3e}; {} pillars, {} partially; {:?}",
+        state.system.texture().surface_fraction(),
+        state.system.column_compliance_ratio(),
+        state.system.lens().radius / DIAMETER,
+        state.pillars_in_contact,
+        state.pillars_partially_in_contact,
+        state.error
+    )
+}
+
+/// `Some` if there is a solution: the only refusals are contacts too large for the lens.
+fn solution<T>(answer: Result<T, SolveError>) -> Result<Option<T>, TestCaseError> {
+    match answer {
+        Ok(solution) => Ok(Some(solution)),
+        Err(SolveError::ContactExceedsLens { .. }) => Ok(None),
+        Err(other) => Err(TestCaseError::fail(other.to_string())),
+    }
+}
+
+fn check_numbers(state: &ContactState) -> Result<(), TestCaseError> {
+    let ContactState {
+        force,
+        indentation,
+        contact_radius,
+        smallest_floor_gap,
+        smallest_gap_position: [x, y],
+        error,
+        ..
+    } = *state;
+    let numbers = [
+        force,
+        indentation,
+        contact_radius,
+        smallest_floor_gap,
+        x,
+        y,
+        error.force,
+        error.indentation,
+    ];
+    prop_assert!(
+        numbers.iter().all(|number| number.is_finite()),
+        "{numbers:?}"
+    );
+    let pillars = &state.pillars;
+    prop_assert_eq!(pillars.len(), state.pillars_in_contact);
+    let is_partial = |pillar: &&PillarState| pillar.status == PillarStatus::Partial;
+    prop_assert_eq!(
+        pillars.iter().filter(is_partial).count(),
+        state.pillars_partially_in_contact
+    );
+    if !state.converged() {
+        return Ok(());
+    }
+    // The whole force is that of the global solution, the forces on pillars are those of their own
+    // problems: the solver stops when these agree to 1e-7.
+    let sum: f64 = pillars.iter().map(|pillar| pillar.force).sum();
+    let zero = 1e-14 * punch_force(state);
+    prop_assert!(
+        (sum - force).abs() <= 1e-7 * force.abs() + zero,
+        "{sum:e} for {force:e}"
+    );
+    for pillar in pillars {
+        prop_assert!(pillar.force >= -zero, "{pillar:?}");
+        let edge = pillar.edge_coefficient;
+        prop_assert!(
+            edge.is_some_and(|[low, high]| 0.0 <= low && low <= high && high.is_finite()),
+            "{pillar:?}"
+        );
+        prop_assert!(pillar.centre_pressure >= 0.0, "{pillar:?}");
+    }
+    Ok(())
+}
+
+/// Pressure and gap on the touched tops. Displacements by neighbours in modes of higher degree than
+/// the solution leave a part in a thousand of the indentation. Between its nodes a partially touched
+/// top is entered by up to 3 %, and deeper where that makes a difference: the error of the force is
+/// as the square of the depth.
+fn check_tops(state: &ContactState) -> Result<(), TestCaseError> {
+    let between_nodes = if state.pillars_partially_in_contact > 0 {
+        0.03 + 10.0 * state.error.force.max(state.error.indentation).sqrt()
+    } else {
+        1e-3
+    };
+    let deepest = between_nodes * state.indentation;
+    let partial = |pillar: &&PillarState| pillar.status == PillarStatus::Partial;
+    let full = |pillar: &&PillarState| pillar.status == PillarStatus::Full;
+    let pillars = state.pillars.iter();
+    for pillar in pillars
+        .clone()
+        .filter(partial)
+        .chain(pillars.filter(full).take(4))
+    {
+        for point in spread_over(pillar, 0.5 * DIAMETER) {
+            let pressure = fields(state).pressure(point);
+            prop_assert!(
+                pressure >= 0.0 && pressure.is_finite(),
+                "{pressure} at {point:?}"
+            );
+            let gap = fields(state).gap(point);
+            prop_assert!(
+                gap >= -deepest,
+                "{gap:e} m at {point:?}: {}",
+                summary(state)
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Points spread evenly over a pillar top.
+fn spread_over(pillar: &PillarState, radius: f64) -> impl Iterator<Item = Point> {
+    const POINTS: i32 = 40;
+    let [x, y] = pillar.centre;
+    (0..POINTS).map(move |k| {
+        let r = radius * ((f64::from(k) + 0.5) / f64::from(POINTS)).sqrt();
+        let (sin, cos) = (2.4 * f64::from(k)).sin_cos();
+        [x + r * cos, y + r * sin]
+    })
+}
+
+/// No floor gap below zero around the lens axis. The solver looks at the floor with the leading
+/// modes of partially touched pillars, the fields with all: that counts as an error.
+fn check_floor(state: &ContactState) -> Result<(), TestCaseError> {
+    let deepest = if state.pillars_partially_in_contact == 0 {
+        1e-9 * state.system.pillar().height
+    } else {
+        (1e-9 + 10.0 * state.error.indentation) * state.indentation
+    };
+    let step = state.system.lattice().pitch / 12.0;
+    for point in (-18..=18).flat_map(|i| (-18..=18).map(move |j| [i, j])) {
+        let point = point.map(|k| f64::from(k) * step);
+        if !fields(state).is_on_pillar(point) {
+            let gap = fields(state).gap(point);
+            prop_assert!(
+                gap >= -deepest,
+                "{gap:e} m at {point:?}: {}",
+                summary(state)
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Whether two forces agree, relatively or as zero.
+fn same_force(one: &ContactState, other: &ContactState, tolerance: f64) -> bool {
+    (one.force - other.force).abs() <= tolerance * one.force.abs() + 1e-14 * punch_force(one)
+}
+
+/// Nodes and solver are the same in the mirror but for rounding, which may decide whether a contact
+/// at the limit of resolution converges.
+fn is_reflection(state: &ContactState, mirror: &ContactState) -> bool {
+    !mirror.converged() || same_force(state, mirror, 1e-9)
+}
+
+proptest! {
+    #![proptest_config(cases(400))]
+
+    #[test]
+    fn pressed_contacts_meet_the_contact_conditions((system, indentation) in indented()) {
+        let press = |system: &System| {
+            let load = Load::Indentation(indentation);
+            solution(fakir::press(system, load, Method::default(), &Run::default()))
+        };
+        let Some(state) = press(&system)? else { return Ok(()) };
+        prop_assert!((state.indentation - indentation).abs() <= 1e-14 * indentation);
+        check_numbers(&state)?;
+        if !state.converged() || state.error.force > RESOLVED {
+            return Ok(());
+        }
+        check_tops(&state)?;
+        let mirror = press(&mirrored(&system))?;
+        prop_assert!(mirror.is_some_and(|mirror| is_reflection(&state, &mirror)));
+    }
+
+    #[test]
+    fn prescribed_forces_are_met((system, indentation) in indented(), part in log_uniform(1e-3, 1.0)) {
+        let press = |load| solution(fakir::press(&system, load, Method::default(), &Run::default()));
+        let Some(deep) = press(Load::Indentation(indentation))? else { return Ok(()) };
+        let force = part * deep.force.max(0.0);
+        let Some(state) = press(Load::Force(force))? else { return Ok(()) };
+        check_numbers(&state)?;
+        let resolved = |state: &ContactState| state.converged() && state.error.indentation < RESOLVED;
+        if force <= 0.0 || !resolved(&state) || !deep.converged() {
+            return Ok(());
+        }
+        prop_assert!((state.force / force - 1.0).abs() <= 1e-9, "{}", summary(&state));
+        let slack = 1.0 + state.error.indentation + deep.error.force;
+        prop_assert!(state.indentation <= slack * deep.indentation, "{}", summary(&state));
+        if let Some(back) = press(Load::Indentation(state.indentation))?
+            && back.converged()
+        {
+            // At the very touch of one more pillar, both with and without it is a solution.
+            let error = 1e-7 + back.error.force + 2.0 * state.error.indentation;
+            prop_assert!(same_force(&state, &back, error), "{:e}: {}", back.force, summary(&state));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(250))]
+
+    #[test]
+    fn critical_states_just_reach_the_floor(system in textures()) {
+        let transition =
+            |system: &System| solution(fakir::transition(system, Method::default(), &Run::default()));
+        let Some(critical) = transition(&system)? else { return Ok(()) };
+        let state = &critical.contact;
+        check_numbers(state)?;
+        let floor_first = system.lens().sag(nearest_edge(&system)) >= system.pillar().height;
+        prop_assert_eq!(critical.regime == Regime::BottomFirst, floor_first);
+        if !state.converged() || state.error.force > RESOLVED {
+            return Ok(());
+        }
+        prop_assert!(state.indentation >= system.pillar().height * (1.0 - 1e-12));
+        check_tops(state)?;
+        check_floor(state)?;
+        let mirror = transition(&mirrored(&system))?;
+        prop_assert!(mirror.is_some_and(|mirror| is_reflection(state, &mirror.contact)));
+        // The nodes do not turn with the lattice: turned by 60 degrees, the answers differ by
+        // their errors. What the method claims where the edge crosses pillar tops is 1e-5.
+        let angle = system.lattice().offset_angle + PI / 3.0;
+        if let Some(turned) = transition(&turned_to(&system, angle))? {
+            let claimed = if state.pillars_partially_in_contact > 0 { 1e-5 } else { 1e-9 };
+            let error = claimed + 3.0 * (state.error.force + turned.contact.error.force);
+            prop_assert!(same_force(state, &turned.contact, error), "{}", summary(state));
+        }
+    }
+}
