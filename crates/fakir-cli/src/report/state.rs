@@ -110,8 +110,8 @@ struct PillarRow {
     status: &'static str,
     force_N: f64,
     centre_pressure_Pa: f64,
-    smallest_edge_coefficient_Pa: f64,
-    largest_edge_coefficient_Pa: f64,
+    smallest_edge_coefficient_Pa: Option<f64>,
+    largest_edge_coefficient_Pa: Option<f64>,
 }
 
 /// The touched pillars as a table; none from methods that do not resolve pillars.
@@ -129,8 +129,8 @@ pub(crate) fn pillar_table(state: &ContactState) -> Vec<File> {
             status: pillar.status.name(),
             force_N: pillar.force,
             centre_pressure_Pa: pillar.centre_pressure,
-            smallest_edge_coefficient_Pa: pillar.edge_coefficient[0],
-            largest_edge_coefficient_Pa: pillar.edge_coefficient[1],
+            smallest_edge_coefficient_Pa: pillar.edge_coefficient.map(|range| range[0]),
+            largest_edge_coefficient_Pa: pillar.edge_coefficient.map(|range| range[1]),
         }),
     )]
 }
