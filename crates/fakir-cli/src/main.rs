@@ -21,7 +21,7 @@ use session::Session;
 use std::io::Read;
 use std::process::ExitCode;
 
-/// Exit status of a result that did not converge.
+/// Exit status of a result that did not converge, or of methods that disagree.
 const NOT_CONVERGED: u8 = 1;
 
 fn main() -> ExitCode {
@@ -54,6 +54,12 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             answer(command, &options.case, |case| {
                 commands::approach::run(case, &options.path()?, &session)
+            })
+        }
+        Command::Verify(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            answer(command, &options.case, |case| {
+                commands::verify::run(case, options.load(), options.cells, &session)
             })
         }
         Command::Theory(options) => answer(command, &options.case, commands::theory::run),

@@ -142,6 +142,10 @@ pub(crate) fn method_name(method: Method) -> String {
         Method::Spectral(Accuracy::Accurate) => "spectral method, accurate".to_owned(),
         Method::Punch(PunchForm::Plain) => "punch lattice, plain".to_owned(),
         Method::Punch(PunchForm::Corrected) => "punch lattice, corrected".to_owned(),
+        Method::Love(mesh) => format!(
+            "Love elements, {} cells across a pillar",
+            mesh.cells_per_diameter
+        ),
         Method::Homogenised => "homogenised lattice".to_owned(),
         other => format!("{} method", other.name()),
     }
@@ -268,6 +272,7 @@ impl QuantityList {
     pub(crate) fn solution(&mut self, state: &ContactState, wall_time: f64) -> &mut Self {
         let outcome = match state.method {
             Method::Homogenised => "iterations",
+            Method::Love(_) => "products",
             _ => "Newton steps",
         };
         self.row(
