@@ -1,2 +1,111 @@
-//! The command `fakir`.
-fn main() {}
+//! The command `fakir`: case files in, critical states and contacts out.
+//!
+//! Arguments ([`arguments`]) are resolved into a case and a question, a command ([`commands`])
+//! asks the library and makes a [`Report`](report::Report), and that is printed as a table or as
+//! JSON and saved ([`output`]). Standard output holds the result and nothing else.
+
+mod arguments;
+mod commands;
+mod failure;
+mod numbers;
+mod output;
+mod report;
+mod session;
+
+use arguments::{Arguments, CaseArguments, Command};
+use clap::Parser;
+use failure::Failure;
+use fakir_case::{Case, CaseFile};
+use report::Report;
+use session::Session;
+use std::io::Read;
+use std::process::ExitCode;
+
+/// Exit status of a result that did not converge.
+const NOT_CONVERGED: u8 = 1;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match run(&arguments.command) {
+        Ok(status) => status,
+        Err(failure) => {
+            failure.explain();
+            failure.status()
+        }
+    }
+}
+
+fn run(command: &Command) -> Result<ExitCode, Failure> {
+    match command {
+        Command::Init(options) => commands::init::run(options),
+        Command::Transition(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            answer(command, &options.case, |case| {
+                commands::transition::run(case, &session)
+            })
+        }
+        Command::Press(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            answer(command, &options.case, |case| {
+                commands::press::run(case, options.load(), &session)
+            })
+        }
+        Command::Approach(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            answer(command, &options.case, |case| {
+                commands::approach::run(case, &options.path()?, &session)
+            })
+        }
+        Command::Theory(options) => answer(command, &options.case, commands::theory::run),
+        Command::Compare(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            answer(command, &options.case, |case| {
+                commands::compare::run(case, &session)
+            })
+        }
+    }
+}
+
+/// Reads the case, asks, and delivers the report: saved first, so that what is printed is safe.
+fn answer(
+    command: &Command,
+    options: &CaseArguments,
+    ask: impl FnOnce(&Case) -> Result<Report, Failure>,
+) -> Result<ExitCode, Failure> {
+    let case = read_case(options)?;
+    let report = ask(&case)?;
+    if let Some(folder) = &options.output {
+        output::save(folder, &report.files(&case, command.name()))?;
+    }
+    if !options.quiet {
+        for warning in &report.warnings {
+            failure::tell(&format!("warning: {warning}"));
+        }
+    }
+    output::print(if options.json {
+        &report.json
+    } else {
+        &report.text
+    })?;
+    Ok(if report.converged {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(NOT_CONVERGED)
+    })
+}
+
+fn read_case(options: &CaseArguments) -> Result<Case, Failure> {
+    let mut file = if options.case.as_os_str() == "-" {
+        let mut bytes = Vec::new();
+        std::io::stdin()
+            .read_to_end(&mut bytes)
+            .map_err(|error| Failure::file("cannot read", "standard input".as_ref(), error))?;
+        CaseFile::from_bytes("standard input", bytes)?
+    } else {
+        CaseFile::read(&options.case)?
+    };
+    for argument in &options.set {
+        file.set(argument)?;
+    }
+    Ok(file.case()?)
+}

@@ -1,0 +1,264 @@
+//! The command line as clap sees it, with its help texts.
+
+use crate::failure::Failure;
+use clap::{ArgGroup, Args, Parser, Subcommand};
+use fakir::contact::Load;
+use fakir_case::unit::{Dimension, QuantityError, parse_argument};
+use std::path::PathBuf;
+
+const ABOUT: &str = "\
+Contact between a smooth elastic lens and a surface patterned with pillars, and the load at which \
+the lens turns from resting on pillar tops to touching the floor between them.
+
+Start with `fakir init`, which writes a case file, and `fakir transition case.toml`.";
+
+const EXIT_STATUS: &str = "\
+Exit status:
+  0    done
+  1    a solution did not converge; it is still printed, and says so
+  2    bad input: arguments, case file, or a file that cannot be read or written
+  3    no answer: the contact is too large for the lens or for memory, or the method does not apply
+  130  interrupted by Ctrl-C; nothing is saved";
+
+#[derive(Debug, Parser)]
+#[command(name = "fakir", version, long_about = ABOUT, after_help = EXIT_STATUS)]
+#[command(
+    about = "Contact of an elastic lens on pillars, and the load at which it reaches the floor"
+)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Write a commented case file to start from
+    #[command(after_help = "Example: fakir init soft.toml")]
+    Init(Init),
+    /// The critical state, in which the lens just reaches the floor
+    #[command(
+        after_help = "Example: fakir transition case.toml --set texture.surface_fraction=0.2"
+    )]
+    Transition(Transition),
+    /// The contact at an indentation or under a force
+    ///
+    /// Past the transition the contact is computed as if the floor were not there: the smallest
+    /// floor gap is then negative, and a warning names the critical load.
+    #[command(after_help = "Example: fakir press case.toml --force 20uN")]
+    Press(Press),
+    /// Loading step by step, as in the experiment, up to the critical state
+    #[command(
+        after_help = "Example: fakir approach case.toml --step 0.1um --output approach-to-floor"
+    )]
+    Approach(Approach),
+    /// The formulas: lattice sums, critical state and transition curve in closed form
+    ///
+    /// Formulas that contradict themselves in print are given as printed and as corrected. The
+    /// closed forms are for a lens axis on a pillar.
+    #[command(after_help = "Example: fakir theory case.toml --set texture.surface_fraction=0.001")]
+    Theory(Theory),
+    /// The critical state by every method, coarse to exact, side by side
+    #[command(after_help = "Example: fakir compare case.toml")]
+    Compare(Compare),
+}
+
+impl Command {
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Self::Init(_) => "init",
+            Self::Transition(_) => "transition",
+            Self::Press(_) => "press",
+            Self::Approach(_) => "approach",
+            Self::Theory(_) => "theory",
+            Self::Compare(_) => "compare",
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Init {
+    /// Where to write it; `-` for standard output
+    #[arg(default_value = "case.toml")]
+    pub(crate) file: PathBuf,
+    /// Replace a file that is there already
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Transition {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("load").required(true).args(["indentation", "force"]))]
+pub(crate) struct Press {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// How far the lens has come down since its lowest point was level with the pillar tops:
+    /// with a unit of length (m, mm, um, nm), or in m
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    indentation: Option<f64>,
+    /// Normal force on the lens: with a unit (N, mN, uN, nN), or in N
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    force: Option<f64>,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+impl Press {
+    pub(crate) fn load(&self) -> Load {
+        match (self.indentation, self.force) {
+            (Some(indentation), _) => Load::Indentation(indentation),
+            (None, force) => Load::Force(force.unwrap_or(0.0)), // clap requires one of them
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Approach {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// Indentation from one state to the next (m, mm, um, nm; a bare number in m) [default: a
+    /// twentieth of the critical indentation]
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    step: Option<f64>,
+    /// Stop at this indentation instead of the critical one, if it is reached earlier
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    until: Option<f64>,
+    /// Go on past the critical state to the indentation of --until, as if the floor were not there
+    #[arg(long, requires = "until")]
+    past_transition: bool,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+/// The indentations of a quasi-static loading.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LoadingPath {
+    /// m; `None` for a fraction of the critical indentation.
+    pub(crate) step: Option<f64>,
+    /// m
+    pub(crate) until: Option<f64>,
+    pub(crate) past_transition: bool,
+}
+
+impl Approach {
+    pub(crate) fn path(&self) -> Result<LoadingPath, Failure> {
+        for (name, value) in [("--step", self.step), ("--until", self.until)] {
+            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
+                return Err(Failure::Argument(format!(
+                    "{name} must be a length greater than 0"
+                )));
+            }
+        }
+        Ok(LoadingPath {
+            step: self.step,
+            until: self.until,
+            past_transition: self.past_transition,
+        })
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Theory {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+/// What every command that reads a case takes.
+#[derive(Debug, Args)]
+pub(crate) struct CaseArguments {
+    /// Case file (TOML); `-` for standard input
+    pub(crate) case: PathBuf,
+    /// Override a key of the case file, as in texture.pitch=20um; may be repeated
+    ///
+    /// The value is TOML, or a bare word or quantity. A pitch replaces the surface fraction of the
+    /// file and the other way round; method.name replaces all of [method].
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Print JSON instead of tables, in SI units
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Save the result there: summary.json, tables as CSV, and the case as it was solved
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) output: Option<PathBuf>,
+    /// No progress and no warnings
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+/// How a computation is run.
+#[derive(Debug, Args)]
+pub(crate) struct RunArguments {
+    /// Threads to share the work between; 0 for as many as there are processors
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) threads: usize,
+    /// Memory a computation may take (kB, MB, GB)
+    #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
+    pub(crate) memory_limit: usize,
+}
+
+fn length(text: &str) -> Result<f64, QuantityError> {
+    parse_argument(text, Dimension::Length)
+}
+
+fn force(text: &str) -> Result<f64, QuantityError> {
+    parse_argument(text, Dimension::Force)
+}
+
+/// A number of bytes, at least one.
+fn memory(text: &str) -> Result<usize, String> {
+    let wrong = || "give a number with a unit of kB, MB or GB, such as 8GB".to_owned();
+    let text = text.trim();
+    let split = text.len()
+        - text
+            .chars()
+            .rev()
+            .take_while(char::is_ascii_alphabetic)
+            .count();
+    let (number, unit) = text.split_at(split);
+    let scale = match unit {
+        "kB" | "KB" => 1e3,
+        "MB" => 1e6,
+        "GB" => 1e9,
+        _ => return Err(wrong()),
+    };
+    let bytes = number.trim().parse::<f64>().map_err(|_| wrong())? * scale;
+    if bytes >= 1.0 && bytes.is_finite() {
+        Ok(bytes as usize)
+    } else {
+        Err(wrong())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn memory_sizes() {
+        assert_eq!(memory("8GB"), Ok(8_000_000_000));
+        assert_eq!(memory("1.5 MB"), Ok(1_500_000));
+        for wrong in ["8", "GB", "-1GB", "nanGB", "8GiB", "0MB", ""] {
+            assert!(memory(wrong).is_err(), "{wrong}");
+        }
+    }
+}

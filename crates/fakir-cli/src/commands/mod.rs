@@ -1,0 +1,9 @@
+//! One module for each command: what it asks the library, and its report.
+
+pub(crate) mod approach;
+mod closed_forms;
+pub(crate) mod compare;
+pub(crate) mod init;
+pub(crate) mod press;
+pub(crate) mod theory;
+pub(crate) mod transition;

@@ -1,0 +1,127 @@
+//! `fakir press`: the contact under a load.
+
+use crate::failure::Failure;
+use crate::numbers::with_unit;
+use crate::report::state::{
+    ErrorJson, QuantityList, VERSION, method_name, pillar_table, texture_line, warnings,
+};
+use crate::report::{Report, json};
+use crate::session::Session;
+use fakir::contact::{ContactState, CriticalState, Load, Normalized, SolveError};
+use fakir_case::Case;
+use fakir_case::unit::Dimension;
+use serde::Serialize;
+use std::time::Instant;
+
+/// The contract of `fakir press --json`.
+#[derive(Debug, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct PressJson {
+    method: &'static str,
+    force_N: f64,
+    indentation_m: f64,
+    contact_radius_m: f64,
+    pillars_in_contact: usize,
+    pillars_partially_in_contact: usize,
+    smallest_floor_gap_m: f64,
+    beyond_transition: bool,
+    relative_error_estimate: ErrorJson,
+    converged: bool,
+    iterations: usize,
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+pub(crate) fn run(case: &Case, load: Load, session: &Session) -> Result<Report, Failure> {
+    let start = Instant::now();
+    let state = fakir::press(&case.system, load, case.method, &session.run())?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let mut warnings = warnings(&state);
+    if state.beyond_transition() {
+        session.part("critical state");
+        warnings.push(beyond(case, session)?);
+    }
+    Ok(Report {
+        json: json(&summary(&state, wall_time)),
+        text: text(&state, wall_time),
+        tables: pillar_table(&state),
+        warnings,
+        converged: state.converged(),
+    })
+}
+
+/// The warning past the transition, with the load that should not have been exceeded.
+fn beyond(case: &Case, session: &Session) -> Result<String, Failure> {
+    let critical = match fakir::transition(&case.system, case.method, &session.run()) {
+        Ok(critical) => critical_load(&critical),
+        Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
+        Err(error) => format!("at a load that could not be computed ({error})"),
+    };
+    Ok(format!(
+        "past the transition: the lens reaches the floor {critical}; this contact is computed as \
+         if the floor were not there"
+    ))
+}
+
+fn critical_load(critical: &CriticalState) -> String {
+    format!(
+        "at a force of {} and an indentation of {}",
+        with_unit(critical.contact.force, Dimension::Force, 6),
+        with_unit(critical.contact.indentation, Dimension::Length, 6)
+    )
+}
+
+fn summary(state: &ContactState, wall_time: f64) -> PressJson {
+    PressJson {
+        method: state.method.name(),
+        force_N: state.force,
+        indentation_m: state.indentation,
+        contact_radius_m: state.contact_radius,
+        pillars_in_contact: state.pillars_in_contact,
+        pillars_partially_in_contact: state.pillars_partially_in_contact,
+        smallest_floor_gap_m: state.smallest_floor_gap,
+        beyond_transition: state.beyond_transition(),
+        relative_error_estimate: state.error.into(),
+        converged: state.converged(),
+        iterations: state.iterations,
+        wall_time_s: wall_time,
+        fakir_version: VERSION,
+    }
+}
+
+fn text(state: &ContactState, wall_time: f64) -> String {
+    let reduced = Normalized::new(
+        &state.system,
+        state.force,
+        state.contact_radius,
+        state.indentation,
+    );
+    let gap = if state.beyond_transition() {
+        "negative: past the transition"
+    } else {
+        ""
+    };
+    let mut list = QuantityList::default();
+    list.load(state, &reduced)
+        .radius(
+            "contact radius",
+            state.contact_radius,
+            format!(
+                "a/e = {}",
+                crate::numbers::significant(reduced.contact_radius, 5)
+            ),
+        )
+        .pillars(state)
+        .radius(
+            "smallest floor gap",
+            state.smallest_floor_gap,
+            gap.to_owned(),
+        )
+        .solution(state, wall_time);
+    format!(
+        "Contact under load\n{}\n{}\n\n{}",
+        texture_line(&state.system),
+        method_name(state.method),
+        list.text()
+    )
+}

@@ -1,0 +1,68 @@
+//! `fakir transition`: the critical state.
+
+use crate::failure::Failure;
+use crate::numbers::{significant, with_unit};
+use crate::report::state::{
+    CriticalJson, QuantityList, method_name, pillar_table, texture_line, warnings,
+};
+use crate::report::{Report, json};
+use crate::session::Session;
+use fakir::contact::{CriticalState, Regime};
+use fakir_case::Case;
+use fakir_case::unit::Dimension;
+use std::time::Instant;
+
+pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {
+    let start = Instant::now();
+    let critical = fakir::transition(&case.system, case.method, &session.run())?;
+    Ok(report(&critical, start.elapsed().as_secs_f64()))
+}
+
+fn report(critical: &CriticalState, wall_time: f64) -> Report {
+    let state = &critical.contact;
+    Report {
+        json: json(&CriticalJson::new(critical, wall_time)),
+        text: text(critical, wall_time),
+        tables: pillar_table(state),
+        warnings: warnings(state),
+        converged: state.converged(),
+    }
+}
+
+fn text(critical: &CriticalState, wall_time: f64) -> String {
+    let state = &critical.contact;
+    let reduced = critical.normalized();
+    let mut list = QuantityList::default();
+    list.load(state, &reduced)
+        .radius(
+            "contact radius",
+            critical.contact_radius(),
+            format!("a/e = {}", significant(reduced.contact_radius, 5)),
+        )
+        .radius("  on the pillar tops", state.contact_radius, String::new())
+        .radius(
+            "  of the floor contact",
+            critical.floor_contact_distance(),
+            place(critical),
+        )
+        .pillars(state)
+        .solution(state, wall_time);
+    let first = match critical.regime {
+        Regime::TopFirst => "the lens rests on pillar tops and just reaches the floor",
+        Regime::BottomFirst => "the lens reaches the floor before any pillar",
+    };
+    format!(
+        "Critical state: {first}\n{}\n{}\n\n{}",
+        texture_line(&state.system),
+        method_name(state.method),
+        list.text()
+    )
+}
+
+/// Where the floor is touched, of the symmetric copies the one that is reported.
+fn place(critical: &CriticalState) -> String {
+    let [x, y] = critical
+        .floor_contact
+        .map(|value| with_unit(value, Dimension::Length, 5));
+    format!("at x = {x}, y = {y}")
+}

@@ -1,0 +1,313 @@
+//! What the reports of contact states have in common.
+
+use super::csv;
+use super::table::list;
+use crate::numbers::{DIGITS, digits, scaled, seconds, significant, with_unit};
+use crate::output::File;
+use fakir::contact::{
+    Accuracy, ContactState, CriticalState, ErrorEstimate, Method, Normalized, PunchForm,
+};
+use fakir::system::{Point, System};
+use fakir_case::unit::Dimension;
+use serde::Serialize;
+
+/// Digits shown of contact radii, which have no error estimate.
+const RADIUS_DIGITS: usize = 5;
+
+/// The version stamped into every result.
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Estimated relative errors, in JSON.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct ErrorJson {
+    pub(crate) force: f64,
+    pub(crate) indentation: f64,
+}
+
+impl From<ErrorEstimate> for ErrorJson {
+    fn from(error: ErrorEstimate) -> Self {
+        Self {
+            force: error.force,
+            indentation: error.indentation,
+        }
+    }
+}
+
+/// The paper's reduced variables, in JSON.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct NormalizedJson {
+    pub(crate) force: f64,
+    pub(crate) contact_radius: f64,
+    pub(crate) indentation: f64,
+}
+
+impl From<Normalized> for NormalizedJson {
+    fn from(normalized: Normalized) -> Self {
+        Self {
+            force: normalized.force,
+            contact_radius: normalized.contact_radius,
+            indentation: normalized.indentation,
+        }
+    }
+}
+
+/// A critical state in JSON: the contract of `fakir transition --json`.
+#[derive(Debug, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub(crate) struct CriticalJson {
+    method: &'static str,
+    regime: &'static str,
+    surface_fraction: f64,
+    pitch_m: f64,
+    critical_force_N: f64,
+    critical_indentation_m: f64,
+    critical_contact_radius_m: f64,
+    top_contact_radius_m: f64,
+    bottom_contact_m: Point,
+    pillars_in_contact: usize,
+    pillars_partially_in_contact: usize,
+    normalized: NormalizedJson,
+    relative_error_estimate: ErrorJson,
+    converged: bool,
+    iterations: usize,
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+impl CriticalJson {
+    pub(crate) fn new(critical: &CriticalState, wall_time: f64) -> Self {
+        let state = &critical.contact;
+        Self {
+            method: state.method.name(),
+            regime: critical.regime.name(),
+            surface_fraction: state.system.texture().surface_fraction(),
+            pitch_m: state.system.lattice().pitch,
+            critical_force_N: state.force,
+            critical_indentation_m: state.indentation,
+            critical_contact_radius_m: critical.contact_radius(),
+            top_contact_radius_m: state.contact_radius,
+            bottom_contact_m: critical.floor_contact,
+            pillars_in_contact: state.pillars_in_contact,
+            pillars_partially_in_contact: state.pillars_partially_in_contact,
+            normalized: critical.normalized().into(),
+            relative_error_estimate: state.error.into(),
+            converged: state.converged(),
+            iterations: state.iterations,
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
+        }
+    }
+}
+
+/// A pillar in `pillars.csv`.
+#[derive(Debug, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct PillarRow {
+    i: i64,
+    j: i64,
+    x_m: f64,
+    y_m: f64,
+    status: &'static str,
+    force_N: f64,
+    centre_pressure_Pa: f64,
+    smallest_edge_coefficient_Pa: f64,
+    largest_edge_coefficient_Pa: f64,
+}
+
+/// The touched pillars as a table; none from methods that do not resolve pillars.
+pub(crate) fn pillar_table(state: &ContactState) -> Vec<File> {
+    if state.pillars.is_empty() {
+        return Vec::new();
+    }
+    vec![csv(
+        "pillars.csv",
+        state.pillars.iter().map(|pillar| PillarRow {
+            i: pillar.index.0,
+            j: pillar.index.1,
+            x_m: pillar.centre[0],
+            y_m: pillar.centre[1],
+            status: pillar.status.name(),
+            force_N: pillar.force,
+            centre_pressure_Pa: pillar.centre_pressure,
+            smallest_edge_coefficient_Pa: pillar.edge_coefficient[0],
+            largest_edge_coefficient_Pa: pillar.edge_coefficient[1],
+        }),
+    )]
+}
+
+/// The method in a few words: `spectral method, default accuracy`.
+pub(crate) fn method_name(method: Method) -> String {
+    match method {
+        Method::Spectral(Accuracy::Default) => "spectral method, default accuracy".to_owned(),
+        Method::Spectral(Accuracy::Accurate) => "spectral method, accurate".to_owned(),
+        Method::Punch(PunchForm::Plain) => "punch lattice, plain".to_owned(),
+        Method::Punch(PunchForm::Corrected) => "punch lattice, corrected".to_owned(),
+        Method::Homogenised => "homogenised lattice".to_owned(),
+        other => format!("{} method", other.name()),
+    }
+}
+
+/// The texture in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
+pub(crate) fn texture_line(system: &System) -> String {
+    let lattice = system.lattice();
+    let axis = if lattice.offset == 0.0 {
+        "lens axis on a pillar".to_owned()
+    } else {
+        let angle = lattice.offset_angle.to_degrees();
+        let direction = if angle == 0.0 {
+            "along x".to_owned()
+        } else {
+            format!("at {} deg from x", significant(angle, 4))
+        };
+        format!(
+            "lens axis {} pitches from a pillar, {direction}",
+            significant(lattice.offset, 4)
+        )
+    };
+    format!(
+        "surface fraction {}, pitch {}, {axis}",
+        plain(system.texture().surface_fraction()),
+        with_unit(lattice.pitch, Dimension::Length, DIGITS)
+    )
+}
+
+/// A fraction in six digits at most, without zeros that say nothing.
+pub(crate) fn plain(value: f64) -> String {
+    let text = significant(value, DIGITS);
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A list of the quantities of a state, built up row by row.
+#[derive(Debug, Default)]
+pub(crate) struct QuantityList(Vec<[String; 4]>);
+
+impl QuantityList {
+    /// A quantity with a unit.
+    pub(crate) fn quantity(
+        &mut self,
+        name: &str,
+        value: f64,
+        dimension: Dimension,
+        digits: usize,
+        remark: String,
+    ) -> &mut Self {
+        let (number, unit) = scaled(value, dimension, digits);
+        self.0
+            .push([name.to_owned(), number, unit.to_owned(), remark]);
+        self
+    }
+
+    /// A contact radius.
+    pub(crate) fn radius(&mut self, name: &str, value: f64, remark: String) -> &mut Self {
+        self.quantity(name, value, Dimension::Length, RADIUS_DIGITS, remark)
+    }
+
+    /// A row that is none of the above or below.
+    pub(crate) fn row(&mut self, name: &str, value: String, unit: &str, remark: &str) -> &mut Self {
+        self.0
+            .push([name.to_owned(), value, unit.to_owned(), remark.to_owned()]);
+        self
+    }
+
+    /// Force and indentation, with the digits that their errors leave.
+    pub(crate) fn load(&mut self, state: &ContactState, reduced: &Normalized) -> &mut Self {
+        let remark = |name: &str, value, error: f64| {
+            let known = digits(error);
+            format!(
+                "{name} = {}{}",
+                significant(value, known),
+                error_remark(error)
+            )
+        };
+        let ErrorEstimate { force, indentation } = state.error;
+        self.quantity(
+            "force",
+            state.force,
+            Dimension::Force,
+            digits(force),
+            remark("F gamma_int/(h d)", reduced.force, force),
+        )
+        .quantity(
+            "indentation",
+            state.indentation,
+            Dimension::Length,
+            digits(indentation),
+            remark("zeta/h", reduced.indentation, indentation),
+        )
+    }
+
+    /// How many pillars are touched.
+    pub(crate) fn pillars(&mut self, state: &ContactState) -> &mut Self {
+        let remark = match state.method {
+            Method::Homogenised => "by lattice cells in the contact circle".to_owned(),
+            _ => format!("{} of them partially", state.pillars_partially_in_contact),
+        };
+        self.row(
+            "pillars in contact",
+            state.pillars_in_contact.to_string(),
+            "",
+            &remark,
+        );
+        if let Some(largest) = largest_pillar_force(state) {
+            self.quantity(
+                "largest force on a pillar",
+                largest,
+                Dimension::Force,
+                digits(state.error.force).min(RADIUS_DIGITS),
+                String::new(),
+            );
+        }
+        self
+    }
+
+    /// How the solution went.
+    pub(crate) fn solution(&mut self, state: &ContactState, wall_time: f64) -> &mut Self {
+        let outcome = match state.method {
+            Method::Homogenised => "iterations",
+            _ => "Newton steps",
+        };
+        self.row(
+            outcome,
+            state.iterations.to_string(),
+            "",
+            &format!(
+                "{}, in {}",
+                state.termination.description(),
+                seconds(wall_time)
+            ),
+        )
+    }
+
+    pub(crate) fn text(self) -> String {
+        list(self.0)
+    }
+}
+
+fn largest_pillar_force(state: &ContactState) -> Option<f64> {
+    state
+        .pillars
+        .iter()
+        .map(|pillar| pillar.force)
+        .max_by(f64::total_cmp)
+}
+
+fn error_remark(error: f64) -> String {
+    if error > 0.0 {
+        format!(", estimated error {}", significant(error, 1))
+    } else {
+        String::new()
+    }
+}
+
+/// What to be careful about, of a state.
+pub(crate) fn warnings(state: &ContactState) -> Vec<String> {
+    let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
+    if !state.converged() {
+        warnings.push(format!("the solution {}", state.termination.description()));
+    }
+    warnings
+}

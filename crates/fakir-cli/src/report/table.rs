@@ -1,0 +1,97 @@
+//! Tables for a terminal.
+
+use crate::numbers::{DIGITS, column_unit, significant};
+use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
+use fakir_case::unit::Dimension;
+
+/// A column of a table of `T`s.
+pub(crate) struct Column<T> {
+    heading: String,
+    cell: Box<dyn Fn(&T) -> String>,
+    alignment: CellAlignment,
+}
+
+impl<T: 'static> Column<T> {
+    /// A physical quantity; the whole column is in the unit that suits its largest value, which
+    /// stands in the heading. What is missing is a dash.
+    pub(crate) fn quantity(
+        name: &str,
+        dimension: Dimension,
+        rows: &[T],
+        value: fn(&T) -> Option<f64>,
+    ) -> Self {
+        let unit = column_unit(rows.iter().filter_map(value), dimension);
+        let size = unit.map_or(1.0, |unit| unit.in_si());
+        Self {
+            heading: unit.map_or(name.to_owned(), |unit| format!("{name} ({})", unit.symbol)),
+            cell: Box::new(move |row| number_or_dash(value(row).map(|value| value / size), DIGITS)),
+            alignment: CellAlignment::Right,
+        }
+    }
+
+    /// A plain number.
+    pub(crate) fn number(name: &str, digits: usize, value: fn(&T) -> Option<f64>) -> Self {
+        Self {
+            heading: name.to_owned(),
+            cell: Box::new(move |row| number_or_dash(value(row), digits)),
+            alignment: CellAlignment::Right,
+        }
+    }
+
+    /// A count or a measure with its own way of writing.
+    pub(crate) fn right(name: &str, cell: fn(&T) -> String) -> Self {
+        Self {
+            heading: name.to_owned(),
+            cell: Box::new(cell),
+            alignment: CellAlignment::Right,
+        }
+    }
+
+    /// Words.
+    pub(crate) fn text(name: &str, cell: fn(&T) -> String) -> Self {
+        Self {
+            heading: name.to_owned(),
+            cell: Box::new(cell),
+            alignment: CellAlignment::Left,
+        }
+    }
+}
+
+fn number_or_dash(value: Option<f64>, digits: usize) -> String {
+    value.map_or("-".to_owned(), |value| significant(value, digits))
+}
+
+/// A table with a rule under its headings.
+pub(crate) fn table<T: 'static>(rows: &[T], columns: &[Column<T>]) -> String {
+    let rule = LineStyle::none().fill('─').junction('─');
+    let mut table = Table::new();
+    table
+        .load_style(TableStyle::new().header_separator(rule))
+        .set_header(columns.iter().map(|column| &column.heading))
+        .add_rows(
+            rows.iter()
+                .map(|row| columns.iter().map(|column| (column.cell)(row))),
+        );
+    for (column, drawn) in columns.iter().zip(table.column_iter_mut()) {
+        drawn.set_cell_alignment(column.alignment);
+    }
+    lines(&table)
+}
+
+/// A list of quantities: name, number, unit and a remark.
+pub(crate) fn list(rows: Vec<[String; 4]>) -> String {
+    let mut table = Table::new();
+    table.load_style(TableStyle::new()).add_rows(rows);
+    if let Some(column) = table.column_mut(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    lines(&table)
+}
+
+/// Without the blanks that fill lines up.
+fn lines(table: &Table) -> String {
+    table
+        .lines()
+        .map(|line| format!("{}\n", line.trim_end()))
+        .collect()
+}

@@ -1,0 +1,101 @@
+//! How a computation is run from a terminal: threads, memory, progress and Ctrl-C.
+
+use crate::arguments::RunArguments;
+use crate::failure::{Failure, INTERRUPTED};
+use fakir::contact::{CancelToken, Progress, Run};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::io::IsTerminal;
+use std::sync::Once;
+use std::time::{Duration, Instant};
+
+/// Work shorter than this shows no progress.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+pub(crate) struct Session {
+    cancel: CancelToken,
+    pool: Option<ThreadPool>,
+    memory_limit: usize,
+    bar: ProgressBar,
+    listener: Box<dyn Fn(Progress) + Sync>,
+}
+
+impl Session {
+    pub(crate) fn start(options: &RunArguments, quiet: bool) -> Result<Self, Failure> {
+        let cancel = CancelToken::default();
+        stop_on_interrupt(cancel.clone());
+        let pool = match options.threads {
+            1 => None,
+            threads => Some(ThreadPoolBuilder::new().num_threads(threads).build()?),
+        };
+        let bar = ProgressBar::hidden();
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix}{msg} ({elapsed})") {
+            bar.set_style(style);
+        }
+        let watched = !quiet && std::io::stderr().is_terminal();
+        Ok(Self {
+            cancel,
+            pool,
+            memory_limit: options.memory_limit,
+            listener: Box::new(listener(bar.clone(), watched)),
+            bar,
+        })
+    }
+
+    /// What the library is to be called with.
+    pub(crate) fn run(&self) -> Run<'_> {
+        Run {
+            cancel: self.cancel.clone(),
+            progress: Some(&self.listener),
+            pool: self.pool.as_ref(),
+            memory_limit: Some(self.memory_limit),
+        }
+    }
+
+    /// Says which part of a longer piece of work comes next.
+    pub(crate) fn part(&self, name: &str) {
+        self.bar.set_prefix(format!("{name}: "));
+    }
+
+    /// Threads that share the work.
+    pub(crate) fn threads(&self) -> usize {
+        self.pool
+            .as_ref()
+            .map_or(1, ThreadPool::current_num_threads)
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+fn listener(bar: ProgressBar, watched: bool) -> impl Fn(Progress) + Sync {
+    let start = Instant::now();
+    let shown = Once::new();
+    move |progress| {
+        if !watched || start.elapsed() < PATIENCE {
+            return;
+        }
+        shown.call_once(|| bar.set_draw_target(ProgressDrawTarget::stderr()));
+        bar.set_message(format!(
+            "{}, step {}, {} pillars touched",
+            progress.stage.description(),
+            progress.step,
+            progress.touched
+        ));
+        bar.tick();
+    }
+}
+
+/// The first Ctrl-C asks the computation to stop, a second one does not wait for it.
+fn stop_on_interrupt(cancel: CancelToken) {
+    // Without a handler Ctrl-C still ends the process, only less politely.
+    let _ = ctrlc::set_handler(move || {
+        if cancel.is_cancelled() {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        cancel.cancel();
+    });
+}
