@@ -40,19 +40,19 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         Command::Init(options) => commands::init::run(options),
         Command::Transition(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, |case| {
+            answer(command, &options.case, move |case| {
                 commands::transition::run(case, &session)
             })
         }
         Command::Press(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, |case| {
+            answer(command, &options.case, move |case| {
                 commands::press::run(case, options.load(), &session)
             })
         }
         Command::Approach(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, |case| {
+            answer(command, &options.case, move |case| {
                 commands::approach::run(case, &options.path()?, &session)
             })
         }
@@ -65,20 +65,23 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         Command::Theory(options) => answer(command, &options.case, commands::theory::run),
         Command::Compare(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, |case| {
+            answer(command, &options.case, move |case| {
                 commands::compare::run(case, &session)
             })
         }
     }
 }
 
-/// Reads the case, asks, and delivers the report: saved first, so that what is printed is safe.
+/// Reads the case, asks (a session in `ask` ends with it, and clears its progress away), and delivers the report: saved first, so that what is printed is safe.
 fn answer(
     command: &Command,
     options: &CaseArguments,
     ask: impl FnOnce(&Case) -> Result<Report, Failure>,
 ) -> Result<ExitCode, Failure> {
     let case = read_case(options)?;
+    if let Some(folder) = &options.output {
+        output::check_folder(folder)?;
+    }
     let report = ask(&case)?;
     if let Some(folder) = &options.output {
         output::save(folder, &report.files(&case, command.name()))?;

@@ -31,6 +31,18 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     })
 }
 
+/// Whether files can be saved in `folder`, or in a folder to be made there: better known before
+/// a long computation than after it.
+pub(crate) fn check_folder(folder: &Path) -> Result<(), Failure> {
+    let existing = folder
+        .ancestors()
+        .find(|ancestor| ancestor.exists())
+        .unwrap_or(Path::new("."));
+    NamedTempFile::new_in(existing)
+        .map(drop)
+        .map_err(|error| Failure::file("cannot write in", existing, error))
+}
+
 /// Saves all files in `folder`, which is made if need be. Every file is first written in full
 /// under a temporary name next to its place; only then are they renamed.
 pub(crate) fn save(folder: &Path, files: &[File]) -> Result<(), Failure> {

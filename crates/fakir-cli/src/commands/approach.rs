@@ -171,7 +171,7 @@ fn columns(rows: &[StateRow]) -> [Column<StateRow>; 7] {
     [
         length("indentation", |row| Some(row.indentation_m)),
         Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
-        length("contact radius", |row| Some(row.contact_radius_m)),
+        Column::radius("contact radius", rows, |row| Some(row.contact_radius_m)),
         length("floor gap", |row| Some(row.smallest_floor_gap_m)),
         Column::right("pillars", |row: &StateRow| {
             row.pillars_in_contact.to_string()

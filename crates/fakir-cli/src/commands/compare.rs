@@ -8,35 +8,43 @@ use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;
 use fakir::contact::{Accuracy, CriticalState, Method, PunchForm, SolveError};
+use fakir::love::ElementMesh;
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use serde::Serialize;
 use std::time::Instant;
 
 /// The methods that solve something, coarse to exact.
-const METHODS: [(Method, &str, &str); 5] = [
-    (Method::Homogenised, "homogenised", "homogenised lattice"),
-    (
-        Method::Punch(PunchForm::Plain),
-        "punch_plain",
-        "punch, plain",
-    ),
-    (
-        Method::Punch(PunchForm::Corrected),
-        "punch_corrected",
-        "punch, corrected",
-    ),
-    (
-        Method::Spectral(Accuracy::Default),
-        "spectral_default",
-        "spectral, default",
-    ),
-    (
-        Method::Spectral(Accuracy::Accurate),
-        "spectral_accurate",
-        "spectral, accurate",
-    ),
-];
+fn methods() -> [(Method, &'static str, &'static str); 6] {
+    [
+        (Method::Homogenised, "homogenised", "homogenised lattice"),
+        (
+            Method::Punch(PunchForm::Plain),
+            "punch_plain",
+            "punch, plain",
+        ),
+        (
+            Method::Punch(PunchForm::Corrected),
+            "punch_corrected",
+            "punch, corrected",
+        ),
+        (
+            Method::Love(ElementMesh::default()),
+            "love",
+            "Love's elements",
+        ),
+        (
+            Method::Spectral(Accuracy::Default),
+            "spectral_default",
+            "spectral, default",
+        ),
+        (
+            Method::Spectral(Accuracy::Accurate),
+            "spectral_accurate",
+            "spectral, accurate",
+        ),
+    ]
+}
 
 /// A critical state by one method. What a method does not give is `None`.
 #[derive(Debug, Serialize)]
@@ -75,7 +83,7 @@ struct CompareJson<'a> {
 pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {
     let mut rows = closed_form_rows(case);
     let mut all_warnings = Vec::new();
-    for (method, key, name) in METHODS {
+    for (method, key, name) in methods() {
         session.part(name);
         let clock = Clock::start();
         let row = match fakir::transition(&case.system, method, &session.run()) {
@@ -196,14 +204,15 @@ fn set_differences(rows: &mut [MethodRow]) -> Option<(&'static str, &'static str
 }
 
 fn text(case: &Case, rows: &[MethodRow], reference: Option<&str>, threads: usize) -> String {
-    let length = |name, value| Column::quantity(name, Dimension::Length, rows, value);
     let columns = [
         Column::text("Critical state", |row: &MethodRow| row.name.to_owned()),
         Column::quantity("force", Dimension::Force, rows, |row| row.critical_force_N),
         Column::right("diff.", |row| per_cent(row.force_difference)),
-        length("indentation", |row| row.critical_indentation_m),
+        Column::quantity("zeta", Dimension::Length, rows, |row| {
+            row.critical_indentation_m
+        }),
         Column::right("diff.", |row| per_cent(row.indentation_difference)),
-        length("radius", |row| row.critical_contact_radius_m),
+        Column::radius("radius", rows, |row| row.critical_contact_radius_m),
         Column::right("pillars", |row| {
             row.pillars_in_contact
                 .map_or("-".to_owned(), |n| n.to_string())

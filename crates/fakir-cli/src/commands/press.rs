@@ -1,9 +1,10 @@
 //! `fakir press`: the contact under a load.
 
 use crate::failure::Failure;
-use crate::numbers::with_unit;
+use crate::numbers::{significant, with_unit};
 use crate::report::state::{
-    ErrorJson, QuantityList, VERSION, method_name, pillar_table, texture_line, warnings,
+    ErrorJson, QuantityList, RADIUS_DIGITS, VERSION, method_name, pillar_table, texture_line,
+    warnings,
 };
 use crate::report::{Report, json};
 use crate::session::Session;
@@ -108,7 +109,7 @@ fn text(state: &ContactState, wall_time: f64) -> String {
             state.contact_radius,
             format!(
                 "a/e = {}",
-                crate::numbers::significant(reduced.contact_radius, 5)
+                significant(reduced.contact_radius, RADIUS_DIGITS)
             ),
         )
         .pillars(state)

@@ -52,20 +52,18 @@ struct Constants {
     contact_radius_in_text_m: f64,
 }
 
-/// A critical state by a formula; `None` where the formula gives nothing.
+/// A critical state by a formula.
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct CriticalRow {
     formula: &'static str,
     #[serde(skip)]
     name: &'static str,
-    critical_force_N: Option<f64>,
-    critical_indentation_m: Option<f64>,
-    top_contact_radius_m: Option<f64>,
-    bottom_contact_distance_m: Option<f64>,
+    critical_force_N: f64,
+    critical_indentation_m: f64,
+    top_contact_radius_m: f64,
+    bottom_contact_distance_m: f64,
     applies: bool,
-    #[serde(skip)]
-    remark: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -104,7 +102,7 @@ struct CurveRow {
 pub(crate) fn run(case: &Case) -> Result<Report, Failure> {
     let system = &case.system;
     let constants = constants(system);
-    let critical = critical_rows(system)?;
+    let (critical, no_homogenised) = critical_rows(system);
     let coefficients = coefficient_rows();
     let radii = radii(system);
     let sums: Vec<SumRow> = radii.iter().map(|ratio| sum_row(*ratio)).collect();
@@ -130,7 +128,7 @@ pub(crate) fn run(case: &Case) -> Result<Report, Failure> {
             constants_text(&constants),
             critical_text(&critical, &constants),
             coefficients_text(&coefficients),
-            sums_text(&sums),
+            sums_text(&sums, own_ratio(system)),
             curve_text(&curve),
         ]
         .join("\n"),
@@ -139,17 +137,22 @@ pub(crate) fn run(case: &Case) -> Result<Report, Failure> {
             csv("lattice_sums.csv", &sums),
             csv("transition_curve.csv", &curve),
         ],
-        warnings: warnings(system),
+        warnings: warnings(system, no_homogenised.as_ref()),
         converged: true,
     })
 }
 
-fn warnings(system: &System) -> Vec<String> {
-    if system.lattice().offset == 0.0 {
-        Vec::new()
-    } else {
-        vec!["the closed forms are for a lens axis on a pillar; the offset is left out".to_owned()]
+fn warnings(system: &System, no_homogenised: Option<&SolveError>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if system.lattice().offset != 0.0 {
+        warnings.push(
+            "the formulas are for a lens axis on a pillar; the offset is left out".to_owned(),
+        );
     }
+    if let Some(error) = no_homogenised {
+        warnings.push(format!("no homogenised lattice: {error}"));
+    }
+    warnings
 }
 
 fn constants(system: &System) -> Constants {
@@ -166,17 +169,16 @@ fn constants(system: &System) -> Constants {
     }
 }
 
-/// All formulas, and the homogenised lattice itself.
-fn critical_rows(system: &System) -> Result<Vec<CriticalRow>, Failure> {
+/// All formulas, and the homogenised lattice itself, or why it gives no answer.
+fn critical_rows(system: &System) -> (Vec<CriticalRow>, Option<SolveError>) {
     let mut rows: Vec<CriticalRow> = closed_forms(system).iter().map(formula_row).collect();
-    rows.push(
-        match fakir::transition(system, Method::Homogenised, &Run::default()) {
-            Ok(critical) => homogenised_row(&critical, !touches_one_pillar(system)),
-            Err(SolveError::TextureTooDense { .. }) => too_dense(),
-            Err(error) => return Err(error.into()),
-        },
-    );
-    Ok(rows)
+    match fakir::transition(system, Method::Homogenised, &Run::default()) {
+        Ok(critical) => {
+            rows.push(homogenised_row(&critical, !touches_one_pillar(system)));
+            (rows, None)
+        }
+        Err(error) => (rows, Some(error)),
+    }
 }
 
 fn formula_row(form: &ClosedForm) -> CriticalRow {
@@ -189,12 +191,11 @@ fn formula_row(form: &ClosedForm) -> CriticalRow {
     CriticalRow {
         formula: form.key,
         name: form.name,
-        critical_force_N: Some(force),
-        critical_indentation_m: Some(indentation),
-        top_contact_radius_m: Some(top_contact_radius),
-        bottom_contact_distance_m: Some(floor_contact_distance),
+        critical_force_N: force,
+        critical_indentation_m: indentation,
+        top_contact_radius_m: top_contact_radius,
+        bottom_contact_distance_m: floor_contact_distance,
         applies: form.applies,
-        remark: if form.applies { "yes" } else { "no" }.to_owned(),
     }
 }
 
@@ -202,25 +203,11 @@ fn homogenised_row(critical: &CriticalState, applies: bool) -> CriticalRow {
     CriticalRow {
         formula: "homogenised",
         name: "homogenised lattice",
-        critical_force_N: Some(critical.contact.force),
-        critical_indentation_m: Some(critical.contact.indentation),
-        top_contact_radius_m: Some(critical.contact.contact_radius),
-        bottom_contact_distance_m: Some(critical.floor_contact_distance()),
+        critical_force_N: critical.contact.force,
+        critical_indentation_m: critical.contact.indentation,
+        top_contact_radius_m: critical.contact.contact_radius,
+        bottom_contact_distance_m: critical.floor_contact_distance(),
         applies,
-        remark: if applies { "yes" } else { "no" }.to_owned(),
-    }
-}
-
-fn too_dense() -> CriticalRow {
-    CriticalRow {
-        formula: "homogenised",
-        name: "homogenised lattice",
-        critical_force_N: None,
-        critical_indentation_m: None,
-        top_contact_radius_m: None,
-        bottom_contact_distance_m: None,
-        applies: false,
-        remark: "too dense".to_owned(),
     }
 }
 
@@ -249,13 +236,18 @@ fn coefficient_rows() -> Vec<CoefficientRow> {
 
 /// The tabulated contact radii with the one of the large-contact formulas among them, in pitches.
 fn radii(system: &System) -> Vec<f64> {
-    let own = large_contact_radius(system, Form::Corrected) / system.lattice().pitch;
+    let own = own_ratio(system);
     let mut radii: Vec<f64> = RADII.to_vec();
     if own <= LARGEST_SUM && !RADII.iter().any(|radius| (radius - own).abs() < 1e-3) {
         radii.push(own);
     }
     radii.sort_by(f64::total_cmp);
     radii
+}
+
+/// The contact radius of the large-contact formulas, in pitches.
+fn own_ratio(system: &System) -> f64 {
+    large_contact_radius(system, Form::Corrected) / system.lattice().pitch
 }
 
 fn sum_row(contact_radius: f64) -> SumRow {
@@ -338,11 +330,15 @@ fn critical_text(rows: &[CriticalRow], constants: &Constants) -> String {
     let length = |name, value| Column::quantity(name, Dimension::Length, rows, value);
     let columns = [
         Column::text("Critical state", |row: &CriticalRow| row.name.to_owned()),
-        Column::quantity("force", Dimension::Force, rows, |row| row.critical_force_N),
-        length("indentation", |row| row.critical_indentation_m),
-        length("top radius", |row| row.top_contact_radius_m),
-        length("floor at", |row| row.bottom_contact_distance_m),
-        Column::text("applies", |row| row.remark.clone()),
+        Column::quantity("force", Dimension::Force, rows, |row| {
+            Some(row.critical_force_N)
+        }),
+        length("indentation", |row| Some(row.critical_indentation_m)),
+        length("top radius", |row| Some(row.top_contact_radius_m)),
+        length("r_c", |row| Some(row.bottom_contact_distance_m)),
+        Column::text("applies", |row| {
+            if row.applies { "yes" } else { "no" }.to_owned()
+        }),
     ];
     let in_text = with_unit(constants.contact_radius_in_text_m, Dimension::Length, 6);
     format!(
@@ -367,8 +363,8 @@ fn coefficients_text(rows: &[CoefficientRow]) -> String {
     )
 }
 
-fn sums_text(rows: &[SumRow]) -> String {
-    table(
+fn sums_text(rows: &[SumRow], own: f64) -> String {
+    let sums = table(
         rows,
         &[
             Column::number("Lattice sums, a/e", 5, |row: &SumRow| {
@@ -381,13 +377,23 @@ fn sums_text(rows: &[SumRow]) -> String {
             Column::number("G1", 5, |row| Some(row.g1)),
             Column::number("fit", 5, |row| Some(row.g1_fit)),
         ],
+    );
+    format!(
+        "{sums}\nThe fits are those of the paper. {}\n",
+        own_radius(own)
     )
+}
+
+/// Which of the tabulated radii is not a round number, and why it is there.
+fn own_radius(own: f64) -> String {
+    let own = significant(own, 5);
+    format!("a/e = {own} is the contact radius of the large-contact formulas.")
 }
 
 fn curve_text(rows: &[CurveRow]) -> String {
     let force = |name, value| Column::quantity(name, Dimension::Force, rows, value);
     let length = |name, value| Column::quantity(name, Dimension::Length, rows, value);
-    table(
+    let curve = table(
         rows,
         &[
             Column::number("Transition curve, a/e", 5, |row: &CurveRow| {
@@ -395,8 +401,13 @@ fn curve_text(rows: &[CurveRow]) -> String {
             }),
             length("a", |row| Some(row.contact_radius_m)),
             force("force", |row| Some(row.force_N)),
-            force("from exact sums", |row| Some(row.force_from_exact_sums_N)),
+            force("by exact sums", |row| Some(row.force_from_exact_sums_N)),
             length("Hertz radius", |row| Some(row.hertz_contact_radius_m)),
         ],
-    ) + "\nBelow the curve the lens rests on pillar tops; within one pitch it depends on where it lands.\n"
+    );
+    format!(
+        "{curve}\nUnder a smaller force at that contact radius the lens rests on pillar tops only; within\n\
+         one pitch the outcome depends on where it lands. The Hertz radius is that of the lens on the\n\
+         bare substrate under the force of the curve.\n"
+    )
 }

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
 use crate::report::state::{
-    CriticalJson, QuantityList, method_name, pillar_table, texture_line, warnings,
+    CriticalJson, QuantityList, RADIUS_DIGITS, method_name, pillar_table, texture_line, warnings,
 };
 use crate::report::{Report, json};
 use crate::session::Session;
@@ -37,7 +37,10 @@ fn text(critical: &CriticalState, wall_time: f64) -> String {
         .radius(
             "contact radius",
             critical.contact_radius(),
-            format!("a/e = {}", significant(reduced.contact_radius, 5)),
+            format!(
+                "a/e = {}",
+                significant(reduced.contact_radius, RADIUS_DIGITS)
+            ),
         )
         .radius("  on the pillar tops", state.contact_radius, String::new())
         .radius(
@@ -61,8 +64,10 @@ fn text(critical: &CriticalState, wall_time: f64) -> String {
 
 /// Where the floor is touched, of the symmetric copies the one that is reported.
 fn place(critical: &CriticalState) -> String {
-    let [x, y] = critical
-        .floor_contact
-        .map(|value| with_unit(value, Dimension::Length, 5));
+    let rounding = 1e-9 * critical.floor_contact_distance();
+    let [x, y] = critical.floor_contact.map(|value| {
+        let value = if value.abs() > rounding { value } else { 0.0 };
+        with_unit(value, Dimension::Length, 5)
+    });
     format!("at x = {x}, y = {y}")
 }

@@ -1,5 +1,6 @@
 //! Tables for a terminal.
 
+use super::state::RADIUS_DIGITS;
 use crate::numbers::{DIGITS, column_unit, significant};
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use fakir_case::unit::Dimension;
@@ -20,13 +21,28 @@ impl<T: 'static> Column<T> {
         rows: &[T],
         value: fn(&T) -> Option<f64>,
     ) -> Self {
+        Self::scaled(name, dimension, DIGITS, rows, value)
+    }
+
+    fn scaled(
+        name: &str,
+        dimension: Dimension,
+        digits: usize,
+        rows: &[T],
+        value: fn(&T) -> Option<f64>,
+    ) -> Self {
         let unit = column_unit(rows.iter().filter_map(value), dimension);
         let size = unit.map_or(1.0, |unit| unit.in_si());
         Self {
             heading: unit.map_or(name.to_owned(), |unit| format!("{name} ({})", unit.symbol)),
-            cell: Box::new(move |row| number_or_dash(value(row).map(|value| value / size), DIGITS)),
+            cell: Box::new(move |row| number_or_dash(value(row).map(|value| value / size), digits)),
             alignment: CellAlignment::Right,
         }
+    }
+
+    /// A contact radius, as far as its digits are known.
+    pub(crate) fn radius(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
+        Self::scaled(name, Dimension::Length, RADIUS_DIGITS, rows, value)
     }
 
     /// A plain number.
@@ -74,6 +90,7 @@ pub(crate) fn table<T: 'static>(rows: &[T], columns: &[Column<T>]) -> String {
         );
     for (column, drawn) in columns.iter().zip(table.column_iter_mut()) {
         drawn.set_cell_alignment(column.alignment);
+        drawn.set_padding((0, 1));
     }
     lines(&table)
 }
@@ -82,6 +99,10 @@ pub(crate) fn table<T: 'static>(rows: &[T], columns: &[Column<T>]) -> String {
 pub(crate) fn list(rows: Vec<[String; 4]>) -> String {
     let mut table = Table::new();
     table.load_style(TableStyle::new()).add_rows(rows);
+    // A unit stands close to its number.
+    for (column, right) in table.column_iter_mut().zip([1, 0, 2, 0]) {
+        column.set_padding((0, right));
+    }
     if let Some(column) = table.column_mut(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
