@@ -1,1 +1,3 @@
 //! Case files.
+
+pub mod height_map;

@@ -23,9 +23,10 @@
 //! # Error estimate
 //!
 //! The contact is solved on cells four times and twice as large first, which gives a start, and
-//! the difference of the last two is the error estimate, since elements converge at least in
-//! proportion to their size. Measured heights are averaged on the larger cells, so that it
-//! contains the effect of the smallest wavelengths.
+//! the error estimate is the difference of the last two, or half that of the first two if that
+//! is larger: elements converge in proportion to their size at least, but pillars of a few cells
+//! do so unsteadily. Measured heights are averaged on the larger cells, so that it contains the
+//! effect of the smallest wavelengths.
 
 use super::grid::Grid;
 use super::solver::Certificate;
@@ -215,22 +216,29 @@ impl SurfaceSystem {
     pub fn press(&self, load: Load, run: &Run<'_>) -> Result<SurfaceContact, SurfaceError> {
         self.check_load(load)?;
         let mut solved: Option<(Level<'_>, Pressed)> = None;
-        let mut coarse = None;
+        let mut history = Vec::new();
         for surface in self.levels() {
             let mut level = Level::new(self, surface, None, run)?;
             if let Some((last, pressed)) = &solved {
                 level.start_from(last, pressed.indentation);
             }
             let pressed = level.press(load)?;
-            coarse = solved.take().map(|(_, pressed)| pressed);
+            history.push([pressed.force, pressed.indentation]);
             solved = Some((level, pressed));
         }
         let (level, pressed) = solved.expect("there is at least one level");
-        let prescribed = match load {
-            Load::Indentation(_) => [false, true],
-            Load::Force(_) => [true, false],
+        let [force, indentation] = match load {
+            Load::Indentation(_) => [true, false],
+            Load::Force(_) => [false, true],
         };
-        let error = coarse.map(|coarse| difference(&pressed, &coarse, prescribed));
+        let error = estimate(&history).map(|estimate| ErrorEstimate {
+            force: if force { estimate.force } else { 0.0 },
+            indentation: if indentation {
+                estimate.indentation
+            } else {
+                0.0
+            },
+        });
         level.finish(&pressed, error)
     }
 
@@ -248,7 +256,7 @@ impl SurfaceSystem {
         run: &Run<'_>,
     ) -> Result<SurfaceTransition, SurfaceError> {
         let mut solved: Option<(Level<'_>, Pressed, usize)> = None;
-        let mut coarse = None;
+        let mut history = Vec::new();
         for surface in self.levels() {
             let mut level = Level::new(self, surface, Some(floor), run)?;
             if !level.has_floor() {
@@ -259,14 +267,13 @@ impl SurfaceSystem {
                 level.start_from(last, pressed.indentation);
             }
             let (pressed, cell) = level.close_floor()?;
-            coarse = solved.take().map(|(_, pressed, _)| pressed);
+            history.push([pressed.force, pressed.indentation]);
             solved = Some((level, pressed, cell));
         }
         let (level, pressed, cell) = solved.ok_or(SurfaceError::NoFloor)?;
-        let error = coarse.map(|coarse| difference(&pressed, &coarse, [false, false]));
         let columns = self.surface.grid().columns();
         let floor_contact = self.surface.grid().centre(cell % columns, cell / columns);
-        let contact = level.finish(&pressed, error)?;
+        let contact = level.finish(&pressed, estimate(&history))?;
         Ok(SurfaceTransition {
             regime: if contact.force > 0.0 {
                 Regime::TopFirst
@@ -315,20 +322,20 @@ const LEVELS: usize = 3;
 /// Fewest cells along a side of the surface on the coarsest level.
 const FEWEST_CELLS: usize = 16;
 
-/// Relative differences of force and indentation from those on larger cells, none where
-/// prescribed.
-fn difference(fine: &Pressed, coarse: &Pressed, prescribed: [bool; 2]) -> ErrorEstimate {
-    let relative = |fine: f64, coarse: f64, prescribed: bool| {
-        if prescribed || (fine - coarse).abs() <= 0.0 {
-            0.0
-        } else {
-            (coarse / fine - 1.0).abs()
-        }
+/// Relative errors of the last of the forces and indentations on smaller and smaller cells.
+fn estimate(history: &[[f64; 2]]) -> Option<ErrorEstimate> {
+    let (&last, coarser) = history.split_last()?;
+    let &before = coarser.last()?;
+    let first = coarser.first().copied().unwrap_or(before);
+    let relative = |k: usize| {
+        let change = (last[k] - before[k]).abs();
+        let change = change.max(0.5 * (before[k] - first[k]).abs());
+        if change > 0.0 { change / last[k] } else { 0.0 }
     };
-    ErrorEstimate {
-        force: relative(fine.force, coarse.force, prescribed[0]),
-        indentation: relative(fine.indentation, coarse.indentation, prescribed[1]),
-    }
+    Some(ErrorEstimate {
+        force: relative(0),
+        indentation: relative(1),
+    })
 }
 
 /// The contact of an indenter with a surface. Fields have one value for every cell of the grid.
@@ -354,7 +361,7 @@ pub struct SurfaceContact {
     pub gap: Vec<f64>,
     /// How well the contact conditions are met.
     pub certificate: Certificate,
-    /// Estimated relative errors from the size of the cells; none where the surface has too few
+    /// Estimated relative errors from the size of the cells, zero of what was prescribed; none where the surface has too few
     /// cells, or a periodic one an odd number of them, to compare with cells twice as large.
     pub error: Option<ErrorEstimate>,
     /// Why the solver stopped.

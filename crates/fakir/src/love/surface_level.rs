@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 const TOLERANCE: f64 = 1e-9;
 
 /// The floor gap is closed to this fraction of the indentation.
-const FLOOR_TOLERANCE: f64 = 1e-8;
+const FLOOR_TOLERANCE: f64 = 1e-6;
 
 /// Most solutions at one level in search of the critical indentation.
 const SEARCH_LIMIT: usize = 60;
@@ -81,6 +81,8 @@ pub(super) struct Level<'a> {
     column_compliance: Vec<f64>,
     /// Indentation that is expected.
     expected: Option<f64>,
+    /// Slope of the floor gap over the indentation, as far as it is known.
+    floor_slope: Option<f64>,
     candidates: Option<Candidates<'a>>,
     floor_cells: Option<FloorCells<'a>>,
     products: usize,
@@ -107,6 +109,7 @@ impl<'a> Level<'a> {
             floor,
             pressure: vec![0.0; cell_count],
             expected: None,
+            floor_slope: None,
             candidates: None,
             floor_cells: None,
             products: 0,
@@ -126,6 +129,7 @@ impl<'a> Level<'a> {
     /// Starts from the pressures on cells twice as large.
     pub(super) fn start_from(&mut self, coarse: &Level<'_>, indentation: f64) {
         self.expected = Some(indentation);
+        self.floor_slope = coarse.floor_slope;
         let grid = self.surface.grid();
         let (columns, rows) = (
             coarse.surface.grid().columns(),
@@ -415,7 +419,6 @@ impl<'a> Level<'a> {
         };
         let mut indentation = self.expected.unwrap_or(lowest).max(least);
         let mut bracket = [least, f64::INFINITY];
-        let mut slope = None;
         let mut previous: Option<[f64; 2]> = None;
         for _ in 0..SEARCH_LIMIT {
             self.choose_candidates(MARGIN * indentation)?;
@@ -424,14 +427,14 @@ impl<'a> Level<'a> {
             if let Some([other, other_gap]) = previous
                 && (indentation - other).abs() > 1e-13 * indentation
             {
-                slope = Some((gap - other_gap) / (indentation - other));
+                self.floor_slope = Some((gap - other_gap) / (indentation - other));
             }
             if gap.abs() <= FLOOR_TOLERANCE * indentation {
                 return Ok((pressed, cell));
             }
             bracket[usize::from(gap < 0.0)] = indentation;
             previous = Some([indentation, gap]);
-            indentation = next_indentation(indentation, gap, slope, bracket);
+            indentation = next_indentation(indentation, gap, self.floor_slope, bracket);
         }
         self.choose_candidates(indentation)?;
         let pressed = self.solve(Load::Indentation(indentation))?;
