@@ -148,10 +148,6 @@ pub(crate) fn method_name(method: Method) -> String {
             mesh.cells_per_diameter
         ),
         Method::Homogenised => "homogenised lattice".to_owned(),
-        Method::Love(mesh) => format!(
-            "Love's elements, {} cells across a pillar",
-            mesh.cells_per_diameter
-        ),
         other => format!("{} method", other.name()),
     }
 }

@@ -157,7 +157,7 @@ pub enum Warning {
 }
 
 /// Contact radius over lens radius beyond which a contact is warned of.
-const DOUBTFUL_CONTACT: f64 = 0.2;
+pub(crate) const DOUBTFUL_CONTACT: f64 = 0.2;
 
 /// Warnings for a contact radius relative to the lens radius.
 pub(crate) fn contact_warnings(ratio: f64) -> Vec<Warning> {
