@@ -21,9 +21,6 @@ use session::Session;
 use std::io::Read;
 use std::process::ExitCode;
 
-/// Exit status of a result that did not converge, or of methods that disagree.
-const NOT_CONVERGED: u8 = 1;
-
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     match run(&arguments.command) {
@@ -96,11 +93,7 @@ fn answer(
     } else {
         &report.text
     })?;
-    Ok(if report.converged {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(NOT_CONVERGED)
-    })
+    Ok(ExitCode::from(report.status()))
 }
 
 fn read_case(options: &CaseArguments) -> Result<Case, Failure> {

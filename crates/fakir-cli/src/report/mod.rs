@@ -22,6 +22,11 @@ pub(crate) struct Report {
 }
 
 impl Report {
+    /// The exit status that goes with it.
+    pub(crate) fn status(&self) -> u8 {
+        u8::from(!self.converged)
+    }
+
     /// The files to save: the summary, the tables, and the case.
     pub(crate) fn files(&self, case: &Case, command: &str) -> Vec<File> {
         let case = format!(
@@ -49,4 +54,22 @@ pub(crate) fn csv<T: Serialize>(name: &'static str, rows: impl IntoIterator<Item
     }
     let bytes = writer.into_inner().expect("memory takes every byte");
     File::new(name, String::from_utf8_lossy(&bytes).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_did_not_converge_has_a_status_of_its_own() {
+        let report = |converged| Report {
+            json: "{}".to_owned(),
+            text: String::new(),
+            tables: Vec::new(),
+            warnings: Vec::new(),
+            converged,
+        };
+        assert_eq!(report(true).status(), 0);
+        assert_eq!(report(false).status(), 1);
+    }
 }

@@ -15,6 +15,9 @@ use serde::Serialize;
 /// pillars, default and accurate solutions differ in the fourth.
 pub(crate) const RADIUS_DIGITS: usize = 4;
 
+/// Digits shown of the homogenised lattice: its error is that of the model, not of the numbers.
+const MODEL_DIGITS: usize = 4;
+
 /// The version stamped into every result.
 pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -143,11 +146,11 @@ pub(crate) fn method_name(method: Method) -> String {
         Method::Spectral(Accuracy::Accurate) => "spectral method, accurate".to_owned(),
         Method::Punch(PunchForm::Plain) => "punch lattice, plain".to_owned(),
         Method::Punch(PunchForm::Corrected) => "punch lattice, corrected".to_owned(),
+        Method::Homogenised => "homogenised lattice, an approximation".to_owned(),
         Method::Love(mesh) => format!(
             "Love elements, {} cells across a pillar",
             mesh.cells_per_diameter
         ),
-        Method::Homogenised => "homogenised lattice".to_owned(),
         other => format!("{} method", other.name()),
     }
 }
@@ -202,7 +205,7 @@ impl QuantityList {
         self
     }
 
-    /// A contact radius.
+    /// A contact radius, or what is known no better.
     pub(crate) fn radius(&mut self, name: &str, value: f64, remark: String) -> &mut Self {
         self.quantity(name, value, Dimension::Length, RADIUS_DIGITS, remark)
     }
@@ -216,27 +219,30 @@ impl QuantityList {
 
     /// Force and indentation, with the digits that their errors leave.
     pub(crate) fn load(&mut self, state: &ContactState, reduced: &Normalized) -> &mut Self {
+        let known = |error| match state.method {
+            Method::Homogenised => MODEL_DIGITS,
+            _ => digits(error),
+        };
         let remark = |name: &str, value, error: f64| {
-            let known = digits(error);
-            format!(
-                "{name} = {}{}",
-                significant(value, known),
-                error_remark(error)
-            )
+            let estimate = match state.method {
+                Method::Homogenised => String::new(), // not that of the model
+                _ => error_remark(error),
+            };
+            format!("{name} = {}{estimate}", significant(value, known(error)))
         };
         let ErrorEstimate { force, indentation } = state.error;
         self.quantity(
             "force",
             state.force,
             Dimension::Force,
-            digits(force),
+            known(force),
             remark("F gamma_int/(h d)", reduced.force, force),
         )
         .quantity(
             "indentation",
             state.indentation,
             Dimension::Length,
-            digits(indentation),
+            known(indentation),
             remark("zeta/h", reduced.indentation, indentation),
         )
     }

@@ -100,7 +100,7 @@ pub(crate) fn list(rows: Vec<[String; 4]>) -> String {
     let mut table = Table::new();
     table.load_style(TableStyle::new()).add_rows(rows);
     // A unit stands close to its number.
-    for (column, right) in table.column_iter_mut().zip([1, 0, 2, 0]) {
+    for (column, right) in table.column_iter_mut().zip([2, 1, 2, 0]) {
         column.set_padding((0, right));
     }
     if let Some(column) = table.column_mut(1) {

@@ -1,0 +1,227 @@
+//! How the program behaves: exit status, files, signals, pipes.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{Bench, Outcome, example};
+use std::io::Write;
+use std::process::Stdio;
+
+fn intermediate() -> String {
+    example("paper-intermediate.toml")
+}
+
+#[test]
+fn init_writes_a_case_that_works_and_overwrites_nothing() {
+    let bench = Bench::new();
+    let outcome = bench.run(&["init"]);
+    assert_eq!(outcome.status, Some(0));
+    assert_eq!(outcome.stdout, "");
+    assert!(outcome.stderr.contains("fakir transition case.toml"));
+    let written = bench.read("case.toml");
+    assert_eq!(bench.result(&["init", "-"]), written);
+    bench.result(&["theory", "case.toml"]);
+
+    bench.write("case.toml", "mine");
+    let outcome = bench.run(&["init", "case.toml"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(outcome.stderr.contains("--force"));
+    assert_eq!(bench.read("case.toml"), "mine");
+    assert_eq!(bench.run(&["init", "--force"]).status, Some(0));
+    assert_eq!(bench.read("case.toml"), written);
+    assert_eq!(bench.files("."), ["case.toml"]);
+}
+
+#[test]
+fn bad_input_is_status_2_with_an_explanation_and_no_files() {
+    let bench = Bench::new();
+    let case = intermediate();
+    bench.write("broken.toml", "[lens]\nradius = 2200 um\n");
+    bench.write("file", "");
+    let attempts: [(&[&str], &str); 16] = [
+        (&["transition", "broken.toml"], "broken.toml:2:10"),
+        (&["transition", "missing.toml"], "cannot read missing.toml"),
+        (
+            &["transition", &case, "--set", "texture.pich=1um"],
+            "did you mean texture.pitch?",
+        ),
+        (
+            &["transition", &case, "--set", "lens.radius=2MPa"],
+            "--set:1:13",
+        ),
+        (&["transition", &case, "--threads", "many"], "invalid value"),
+        (&["transition", &case, "--memory-limit", "8"], "such as 8GB"),
+        (&["transition", &case, "--output", "file"], "file"),
+        (&["transition"], "<CASE>"),
+        (&["press", &case], "--indentation"),
+        (
+            &["press", &case, "--force", "1uN", "--indentation", "1um"],
+            "cannot be used with",
+        ),
+        (
+            &["press", &case, "--force", "1um"],
+            "um is a unit of length, not of force",
+        ),
+        (&["press", &case, "--force", "-1uN"], "force cannot be"),
+        (
+            &["press", &case, "--indentation", "nan"],
+            "indentation cannot be",
+        ),
+        (&["approach", &case, "--step", "0um"], "--step must be"),
+        (&["approach", &case, "--step", "1nm"], "states"),
+        (&["approach", &case, "--past-transition"], "--until"),
+    ];
+    for (arguments, explanation) in attempts {
+        let arguments = match arguments.contains(&"--output") {
+            true => arguments.to_vec(),
+            false => [arguments, &["--output", "results"]].concat(),
+        };
+        let outcome = bench.run(&arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stderr);
+        assert_eq!(outcome.stdout, "", "{arguments:?}");
+        assert!(
+            outcome.stderr.contains(explanation),
+            "{arguments:?}: {}",
+            outcome.stderr
+        );
+    }
+    assert_eq!(bench.files("."), ["broken.toml", "file"]);
+}
+
+#[test]
+fn what_the_physics_refuses_is_status_3() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let attempts: [(&[&str], &str); 3] = [
+        (&["press", &case, "--force", "10N"], "half the lens radius"),
+        (&["transition", &case, "--memory-limit", "100kB"], "memory"),
+        (
+            &[
+                "transition",
+                &case,
+                "--set",
+                "method.name=homogenised",
+                "--set",
+                "texture.surface_fraction=0.9",
+            ],
+            "homogenised lattice needs a surface fraction below",
+        ),
+    ];
+    for (arguments, explanation) in attempts {
+        let outcome = bench.run(&[arguments, &["--output", "results"]].concat());
+        assert_eq!(outcome.status, Some(3), "{arguments:?}: {}", outcome.stderr);
+        assert_eq!(outcome.stdout, "");
+        assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
+    }
+    assert!(bench.files(".").is_empty());
+}
+
+#[test]
+fn results_replace_older_ones_and_leave_nothing_else() {
+    let bench = Bench::new();
+    let arguments = ["theory", &intermediate(), "--output", "."];
+    bench.result(&arguments);
+    let before = bench.files(".");
+    bench.write("summary.json", "old");
+    bench.result(&arguments);
+    assert_eq!(bench.files("."), before);
+    assert!(bench.read("summary.json").starts_with('{'));
+}
+
+#[test]
+fn a_case_can_come_from_standard_input() {
+    let bench = Bench::new();
+    let mut child = bench
+        .command(&["theory", "-", "--json"])
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let case = std::fs::read(intermediate()).unwrap();
+    child.stdin.take().unwrap().write_all(&case).unwrap();
+    let outcome = Outcome::of(&child.wait_with_output().unwrap());
+    assert_eq!(outcome.status, Some(0));
+    assert_eq!(
+        outcome.stdout,
+        bench.result(&["theory", &intermediate(), "--json"])
+    );
+}
+
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let bench = Bench::new();
+    let mut child = bench
+        .command(&["theory", "-"])
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Nobody reads any more before there is anything to print.
+    drop(child.stdout.take());
+    let case = std::fs::read(intermediate()).unwrap();
+    child.stdin.take().unwrap().write_all(&case).unwrap();
+    let outcome = Outcome::of(&child.wait_with_output().unwrap());
+    assert_eq!(outcome.status, Some(0));
+    assert_eq!(outcome.stderr, "");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_with_130_and_saves_nothing() {
+    let bench = Bench::new();
+    // Longer than a test may take by far.
+    let arguments = [
+        "transition",
+        "-",
+        "--set",
+        "texture.surface_fraction=0.29",
+        "--set",
+        "method.accuracy=accurate",
+        "--output",
+        "results",
+    ];
+    let mut child = bench
+        .command(&arguments)
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A case that does not fit into a pipe: once it is written, the program is up and reading,
+    // with its handler in place.
+    let mut case = std::fs::read(intermediate()).unwrap();
+    case.extend("# padding\n".repeat(100_000).bytes());
+    child.stdin.take().unwrap().write_all(&case).unwrap();
+    let killed = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(killed.success());
+    let outcome = Outcome::of(&child.wait_with_output().unwrap());
+    assert_eq!(outcome.status, Some(130), "{}", outcome.stderr);
+    assert_eq!(outcome.stderr, "interrupted: no result\n");
+    assert_eq!(outcome.stdout, "");
+    assert!(bench.files(".").is_empty());
+}
+
+#[test]
+fn help_has_an_example_for_every_command() {
+    let bench = Bench::new();
+    assert!(bench.result(&["--version"]).starts_with("fakir "));
+    assert!(bench.result(&["--help"]).contains("Exit status:"));
+    for command in [
+        "init",
+        "transition",
+        "press",
+        "approach",
+        "theory",
+        "compare",
+    ] {
+        let help = bench.result(&[command, "--help"]);
+        assert!(
+            help.contains(&format!("Example: fakir {command} ")),
+            "{help}"
+        );
+        assert!(
+            help.lines().all(|line| line.chars().count() <= 100),
+            "{help}"
+        );
+    }
+}

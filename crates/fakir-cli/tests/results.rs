@@ -1,0 +1,353 @@
+//! What every command answers: numbers, the contract of the JSON, tables, files.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{Bench, assert_close, example, keys, without_times};
+use serde_json::Value;
+
+const HOMOGENISED: [&str; 2] = ["--set", "method.name=homogenised"];
+
+fn intermediate() -> String {
+    example("paper-intermediate.toml")
+}
+
+/// Against `crates/fakir/tests/reference/critical_states.csv`, last row.
+#[test]
+fn transition_gives_the_reference_critical_state() {
+    let result = Bench::new().json(&["transition", &intermediate()]);
+    assert_close(&result["critical_force_N"], 0.004448129124, 4e-6);
+    assert_close(&result["critical_indentation_m"], 1.516433557e-5, 2e-6);
+    assert_eq!(result["pillars_in_contact"], 451);
+    assert_eq!(result["regime"], "top_first");
+    assert_eq!(result["method"], "spectral");
+    assert_eq!(result["converged"], true);
+    assert_eq!(result["fakir_version"], env!("CARGO_PKG_VERSION"));
+    assert_close(&result["surface_fraction"], 0.1, 1e-12);
+    assert_close(
+        &result["normalized"]["indentation"],
+        1.516433557e-5 / 2.2e-6,
+        2e-6,
+    );
+}
+
+#[test]
+fn keys_of_transition_are_the_contract() {
+    let result = Bench::new().json(&["transition", &intermediate(), "--set", "method.name=punch"]);
+    let mut contract = [
+        "method",
+        "regime",
+        "surface_fraction",
+        "pitch_m",
+        "critical_force_N",
+        "critical_indentation_m",
+        "critical_contact_radius_m",
+        "top_contact_radius_m",
+        "bottom_contact_m",
+        "pillars_in_contact",
+        "pillars_partially_in_contact",
+        "normalized",
+        "normalized.force",
+        "normalized.contact_radius",
+        "normalized.indentation",
+        "relative_error_estimate",
+        "relative_error_estimate.force",
+        "relative_error_estimate.indentation",
+        "converged",
+        "iterations",
+        "wall_time_s",
+        "fakir_version",
+    ];
+    contract.sort_unstable();
+    assert_eq!(keys(&result), contract);
+    assert_eq!(result["bottom_contact_m"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn keys_of_press_are_the_contract() {
+    let result = Bench::new().json(&["press", &intermediate(), "--force", "20 uN"]);
+    let mut contract = [
+        "method",
+        "force_N",
+        "indentation_m",
+        "contact_radius_m",
+        "pillars_in_contact",
+        "pillars_partially_in_contact",
+        "smallest_floor_gap_m",
+        "beyond_transition",
+        "relative_error_estimate",
+        "relative_error_estimate.force",
+        "relative_error_estimate.indentation",
+        "converged",
+        "iterations",
+        "wall_time_s",
+        "fakir_version",
+    ];
+    contract.sort_unstable();
+    assert_eq!(keys(&result), contract);
+    assert_close(&result["force_N"], 20e-6, 1e-12);
+    assert_eq!(result["beyond_transition"], false);
+}
+
+#[test]
+fn force_and_indentation_are_two_ways_to_the_same_contact() {
+    let bench = Bench::new();
+    let by_force = bench.json(&["press", &intermediate(), "--force", "20uN"]);
+    let indentation = by_force["indentation_m"].to_string();
+    let by_indentation = bench.json(&["press", &intermediate(), "--indentation", &indentation]);
+    assert_close(&by_indentation["force_N"], 20e-6, 1e-6);
+}
+
+#[test]
+fn past_the_transition_a_warning_names_the_critical_load() {
+    let outcome = Bench::new().run(&["press", &intermediate(), "--indentation", "16um", "--json"]);
+    assert_eq!(outcome.status, Some(0));
+    // F_c and zeta_c of the reference: 4.448129124 mN, 15.16433557 um.
+    assert!(
+        outcome.stderr.contains("a force of 4.448"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(outcome.stderr.contains("an indentation of 15.164"));
+    let result: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(result["beyond_transition"], true);
+    assert!(result["smallest_floor_gap_m"].as_f64().unwrap() < 0.0);
+    let quiet = ["press", &intermediate(), "--indentation", "16um", "--quiet"];
+    Bench::new().result(&quiet);
+}
+
+#[test]
+fn approach_ends_at_the_critical_state() {
+    let bench = Bench::new();
+    let arguments = [
+        "approach",
+        &intermediate(),
+        "--set",
+        "texture.surface_fraction=0.01",
+    ];
+    let result = bench.json(&[&arguments[..], &["--step", "1um"]].concat());
+    let states = result["states"].as_array().unwrap();
+    // zeta_c of the reference: 2.783077845 um, after 0, 1 and 2 um.
+    assert_eq!(states.len(), 4);
+    assert_close(&states[3]["indentation_m"], 2.783077845e-6, 1e-6);
+    assert_close(&states[3]["force_N"], 9.230580374e-5, 1e-5);
+    assert_eq!(states[3]["critical"], true);
+    assert_eq!(states[3]["smallest_floor_gap_m"], 0.0);
+    assert_close(
+        &result["critical"]["critical_force_N"],
+        9.230580374e-5,
+        1e-5,
+    );
+    let forces: Vec<f64> = states
+        .iter()
+        .map(|s| s["force_N"].as_f64().unwrap())
+        .collect();
+    assert!(forces.is_sorted());
+
+    let further = [
+        &arguments[..],
+        &["--step", "2um", "--until", "4um", "--past-transition"],
+    ]
+    .concat();
+    let result = bench.json(&further);
+    let states = result["states"].as_array().unwrap();
+    assert_eq!(states.len(), 4); // 0, 2, critical, 4
+    assert_eq!(states[2]["critical"], true);
+    assert_eq!(states[3]["beyond_transition"], true);
+
+    let shorter = [&arguments[..], &["--until", "0.5um", "--step", "0.5um"]].concat();
+    let result = bench.json(&shorter);
+    assert_eq!(result["states"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn theory_knows_the_coefficients_and_the_small_contact() {
+    let arguments = ["--set", "texture.surface_fraction=0.001"];
+    let result = Bench::new().json(&[&["theory", &intermediate()], &arguments[..]].concat());
+    let coefficients = result["coefficients"].as_array().unwrap();
+    let limits = [
+        std::f64::consts::PI.powi(2) / 3f64.sqrt(),
+        4.0 * std::f64::consts::PI / (3.0 * 3f64.sqrt()),
+        5.517,
+    ];
+    for ((row, limit), paper) in coefficients.iter().zip(limits).zip([5.770, 2.421, 5.519]) {
+        assert_close(&row["paper"], paper, 1e-15);
+        assert_close(&row["least_squares"], paper, 1e-3);
+        assert_close(&row["exact_limit"], limit, 1e-4);
+    }
+    let forms = result["critical_states"].as_array().unwrap();
+    let form = |name: &str| forms.iter().find(|row| row["formula"] == name).unwrap();
+    assert_eq!(form("small_contact")["applies"], true);
+    assert_eq!(form("large_contact_as_printed")["applies"], false);
+    // One pillar: 1.507047291e-5 N in the reference; leading order in mu_c only.
+    assert_close(
+        &form("one_pillar")["critical_force_N"],
+        1.507047291e-5,
+        0.001,
+    );
+    assert_close(
+        &form("small_contact")["critical_force_N"],
+        1.507047291e-5,
+        0.01,
+    );
+}
+
+#[test]
+fn compare_puts_the_methods_side_by_side() {
+    let arguments = [
+        "compare",
+        &intermediate(),
+        "--set",
+        "texture.surface_fraction=0.01",
+    ];
+    let result = Bench::new().json(&arguments);
+    assert_eq!(result["reference"], "spectral_accurate");
+    let methods = result["methods"].as_array().unwrap();
+    let names: Vec<&str> = methods
+        .iter()
+        .map(|m| m["method"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "small_contact",
+            "one_pillar",
+            "large_contact_as_printed",
+            "large_contact_corrected",
+            "exact_lattice_sums",
+            "homogenised_dense_limit",
+            "homogenised",
+            "punch_plain",
+            "punch_corrected",
+            "love",
+            "spectral_default",
+            "spectral_accurate",
+        ]
+    );
+    let difference = |name: &str| {
+        let row = methods.iter().find(|m| m["method"] == name).unwrap();
+        row["force_difference"].as_f64().unwrap()
+    };
+    // As the documentation of `fakir::theory::homogenised` says.
+    assert!((difference("homogenised") + 0.066).abs() < 0.002);
+    assert!(difference("punch_corrected").abs() < 0.01);
+    assert!(difference("love").abs() < 1e-3);
+    assert!(difference("spectral_default").abs() < 1e-5);
+    assert!(methods[11]["wall_time_s"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn tables() {
+    let bench = Bench::new();
+    let homogenised = |arguments: &[&str]| {
+        let case = intermediate();
+        let arguments = [
+            &arguments[..1],
+            &[case.as_str()],
+            &HOMOGENISED,
+            &arguments[1..],
+        ]
+        .concat();
+        without_times(&bench.result(&arguments))
+    };
+    insta::assert_snapshot!("transition", homogenised(&["transition"]));
+    insta::assert_snapshot!("press", homogenised(&["press", "--force", "1mN"]));
+    insta::assert_snapshot!("approach", homogenised(&["approach", "--step", "4um"]));
+    insta::assert_snapshot!("theory", bench.result(&["theory", &intermediate()]));
+    let floor_first = [
+        "--set",
+        "texture.pitch=300um",
+        "--set",
+        "texture.offset=0.5",
+    ];
+    insta::assert_snapshot!(
+        "floor_first",
+        homogenised(&[&["transition"], &floor_first[..]].concat())
+    );
+}
+
+#[test]
+fn one_pillar_in_the_table() {
+    let arguments = [
+        "transition",
+        &intermediate(),
+        "--set",
+        "texture.pitch=300um",
+    ];
+    let table = Bench::new().result(&arguments);
+    // 1.507047291e-5 N, 2.471482591e-6 m in the reference.
+    assert!(table.contains("15.0705 uN"), "{table}");
+    assert!(table.contains("2.47148 um"));
+}
+
+#[test]
+fn output_holds_the_result_and_the_case() {
+    let bench = Bench::new();
+    let arguments = [
+        "--set",
+        "texture.surface_fraction=0.01",
+        "--output",
+        "results/first",
+    ];
+    bench.result(&[&["transition", &intermediate()], &arguments[..]].concat());
+    assert_eq!(
+        bench.files("results/first"),
+        ["case.toml", "pillars.csv", "summary.json"]
+    );
+    let summary: Value = serde_json::from_str(&bench.read("results/first/summary.json")).unwrap();
+    let pillars = bench.read("results/first/pillars.csv");
+    let rows: Vec<&str> = pillars.lines().collect();
+    assert_eq!(
+        rows[0],
+        "i,j,x_m,y_m,status,force_N,centre_pressure_Pa,smallest_edge_coefficient_Pa,\
+         largest_edge_coefficient_Pa"
+    );
+    assert_eq!(
+        rows.len() - 1,
+        summary["pillars_in_contact"].as_u64().unwrap() as usize
+    );
+    let total: f64 = rows[1..]
+        .iter()
+        .map(|row| row.split(',').nth(5).unwrap().parse::<f64>().unwrap())
+        .sum();
+    assert_close(&summary["critical_force_N"], total, 1e-9);
+
+    // The saved case gives the same result.
+    let again = bench.json(&["transition", "results/first/case.toml"]);
+    assert_eq!(again["critical_force_N"], summary["critical_force_N"]);
+
+    bench.result(
+        &[
+            &["approach", &intermediate()],
+            &HOMOGENISED[..],
+            &["--output", "a"],
+        ]
+        .concat(),
+    );
+    assert_eq!(
+        bench.files("a"),
+        ["approach.csv", "case.toml", "summary.json"]
+    );
+    assert_eq!(bench.read("a/approach.csv").lines().count(), 22); // heading, 0, 19 steps, critical
+    bench.result(&["theory", &intermediate(), "--output", "t"]);
+    assert_eq!(
+        bench.files("t"),
+        [
+            "case.toml",
+            "critical_states.csv",
+            "lattice_sums.csv",
+            "summary.json",
+            "transition_curve.csv"
+        ]
+    );
+}
+
+#[test]
+fn threads_do_not_change_the_result() {
+    let bench = Bench::new();
+    let one = bench.json(&["transition", &intermediate()]);
+    let two = bench.json(&["transition", &intermediate(), "--threads", "2"]);
+    let force = one["critical_force_N"].as_f64().unwrap();
+    assert_close(&two["critical_force_N"], force, 1e-9);
+}
