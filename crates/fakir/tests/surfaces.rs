@@ -558,3 +558,44 @@ fn plate_on_periodic_pillars_reaches_the_floor() {
     let [x, y] = critical.floor_contact.map(f64::abs);
     assert!((x - 7.875e-6).abs() < 1e-12 && (y - 7.875e-6).abs() < 1e-12);
 }
+
+/// A rough surface, all numbers made of sines: no symmetry, no flat parts.
+fn rough(boundary: Boundary, indenter: Indenter) -> SurfaceSystem {
+    let grid = Grid::centred(96, 80, 0.5e-6).expect("a grid");
+    let height = |[x, y]: [f64; 2]| {
+        (1..30)
+            .map(f64::from)
+            .map(|k| {
+                let (sin, cos) = (2.4 * k).sin_cos();
+                let wave = 2.0e5 * k * (x * cos + y * sin) + k * k;
+                2.0e-7 * wave.sin() / k
+            })
+            .sum()
+    };
+    let surface = HeightMap::from_height(grid, height).expect("a valid surface");
+    SurfaceSystem::new(indenter, rubber(), surface, boundary).expect("a valid system")
+}
+
+#[test]
+fn rough_surfaces_meet_the_contact_conditions_everywhere() {
+    // On all cells, not only those that were taken for unknowns.
+    let plate = Indenter::Flat(None);
+    for (boundary, indenter) in [
+        (Boundary::FreeSpace, lens()),
+        (Boundary::FreeSpace, plate),
+        (Boundary::Periodic, plate),
+    ] {
+        let system = rough(boundary, indenter);
+        for force in [1.0e-9, 1.0e-6, 1.0e-4] {
+            let contact = press(&system, Load::Force(force));
+            assert!((contact.force / force - 1.0).abs() < 1e-12);
+            let again = press(&system, Load::Indentation(contact.indentation));
+            assert!((again.force / force - 1.0).abs() < 1e-6);
+            for (pressure, gap) in contact.pressure.iter().zip(&contact.gap) {
+                let closed = *pressure > 0.0;
+                assert!(*pressure >= 0.0 && *gap > -1e-5 * contact.indentation);
+                assert!(!closed || gap.abs() < 1e-4 * contact.indentation);
+            }
+        }
+    }
+}
