@@ -38,6 +38,8 @@
 //!   `texture.pillar.compliance` (column), and all of `[method]` (spectral, default).
 //! * Everything else must be there, and nothing more: an unknown key is an error.
 //!
+//! Surfaces given by their heights are read by [`height_map`].
+//!
 //! [`CaseFile`] reads a file and takes overrides, [`CaseFile::case`] gives the [`Case`]; every
 //! [`CaseError`] points at the line, or at the override, that is to blame.
 
@@ -45,6 +47,7 @@ mod case;
 mod entries;
 mod error;
 mod file;
+pub mod height_map;
 mod key;
 pub mod unit;
 

@@ -15,7 +15,7 @@ Start with `fakir init`, which writes a case file, and `fakir transition case.to
 const EXIT_STATUS: &str = "\
 Exit status:
   0    done
-  1    a solution did not converge; it is still printed, and says so
+  1    a solution did not converge, or verify found a disagreement; it is still printed
   2    bad input: arguments, case file, or a file that cannot be read or written
   3    no answer: the contact is too large for the lens or for memory, or the method does not apply
   130  interrupted by Ctrl-C; nothing is saved";
@@ -51,6 +51,13 @@ pub(crate) enum Command {
         after_help = "Example: fakir approach case.toml --step 0.1um --output approach-to-floor"
     )]
     Approach(Approach),
+    /// A second opinion: the spectral method and Love elements on the same question
+    ///
+    /// Elements of constant pressure on two meshes against the accurate spectral method; both
+    /// methods estimate their errors, and exit status 1 says that they differ by more. Of the
+    /// case's [method] only the mesh of elements counts.
+    #[command(after_help = "Example: fakir verify case.toml --cells 32")]
+    Verify(Verify),
     /// The formulas: lattice sums, critical state and transition curve in closed form
     ///
     /// Formulas that contradict themselves in print are given as printed and as corrected. The
@@ -69,6 +76,7 @@ impl Command {
             Self::Transition(_) => "transition",
             Self::Press(_) => "press",
             Self::Approach(_) => "approach",
+            Self::Verify(_) => "verify",
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
         }
@@ -164,6 +172,32 @@ impl Approach {
 }
 
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new("load").args(["indentation", "force"]))]
+pub(crate) struct Verify {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// Verify the contact at this indentation, instead of the critical state
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    indentation: Option<f64>,
+    /// Verify the contact under this force, instead of the critical state
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    force: Option<f64>,
+    /// Squares across a pillar on the finer mesh; the other has half as many
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = cells)]
+    pub(crate) cells: usize,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+impl Verify {
+    pub(crate) fn load(&self) -> Option<Load> {
+        self.indentation
+            .map(Load::Indentation)
+            .or(self.force.map(Load::Force))
+    }
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct Theory {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
@@ -216,6 +250,14 @@ fn length(text: &str) -> Result<f64, QuantityError> {
 
 fn force(text: &str) -> Result<f64, QuantityError> {
     parse_argument(text, Dimension::Force)
+}
+
+/// Squares across a pillar, of which half as many are enough for an error estimate.
+fn cells(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|cells| (16..=1024).contains(cells))
+        .ok_or_else(|| "give a whole number from 16 to 1024".to_owned())
 }
 
 /// A number of bytes, at least one.

@@ -53,6 +53,12 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
                 commands::approach::run(case, &options.path()?, &session)
             })
         }
+        Command::Verify(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            answer(command, &options.case, move |case| {
+                commands::verify::run(case, options.load(), options.cells, &session)
+            })
+        }
         Command::Theory(options) => answer(command, &options.case, commands::theory::run),
         Command::Compare(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
@@ -63,7 +69,8 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
     }
 }
 
-/// Reads the case, asks (a session in `ask` ends with it, and clears its progress away), and delivers the report: saved first, so that what is printed is safe.
+/// Reads the case, asks, and delivers the report: saved first, so that what is printed is safe.
+/// A session that `ask` owns ends with it, and clears its progress away before anything is printed.
 fn answer(
     command: &Command,
     options: &CaseArguments,

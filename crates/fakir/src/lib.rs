@@ -45,6 +45,7 @@ pub mod contact;
 mod coupling;
 mod disc;
 pub mod love;
+pub mod pattern;
 mod quadrature;
 pub mod system;
 pub mod theory;

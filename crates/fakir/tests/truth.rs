@@ -773,3 +773,50 @@ fn contacts_large_for_the_lens() {
         assert!(warned > 1, "{method:?}: {warned}");
     }
 }
+
+#[test]
+fn a_lens_narrower_than_the_pitch_meets_the_floor() {
+    let lattice = HexagonalLattice::new(513e-6).offset_by(0.918);
+    let lens = Lens {
+        radius: 30e-6,
+        material: Material::new(2e6, 0.5),
+    };
+    let texture = Texture {
+        pillar: paper_pillar(PillarCompliance::Column),
+        lattice,
+    };
+    let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
+    let state = press(&system, Load::Force(0.0), Method::default());
+    assert_near(state.indentation, system.pillar().height, 1e-15);
+    assert!(state.smallest_floor_gap.abs() < 1e-15);
+    let refused = fakir::press(
+        &system,
+        Load::Force(1e-9),
+        Method::default(),
+        &Run::default(),
+    );
+    assert!(
+        matches!(refused, Err(SolveError::ContactExceedsLens { .. })),
+        "{refused:?}"
+    );
+}
+
+#[test]
+fn a_touch_too_light_for_the_nodes_says_so() {
+    // The lens comes down beside a pillar and touches its edge by less than the nodes resolve.
+    let system = paper_system(
+        paper_lattice(0.01, 0.5),
+        common::INTERMEDIATE,
+        PillarCompliance::Column,
+    );
+    let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
+    let [x, y] = system.lattice().centre(i, j);
+    let edge = x.hypot(y) - 0.5 * system.pillar().diameter;
+    let first_touch = system.lens().sag(edge);
+    for above in [1e-6, 1e-5, 1e-4, 1e-3] {
+        let load = Load::Indentation(first_touch * (1.0 + above));
+        let state = press(&system, load, Method::default());
+        assert!(!state.converged() || state.error.force > 0.3, "{above}");
+        assert!(state.pillars_in_contact == 0 || state.contact_radius >= edge * (1.0 - 1e-12));
+    }
+}

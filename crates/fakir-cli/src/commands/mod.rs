@@ -7,3 +7,4 @@ pub(crate) mod init;
 pub(crate) mod press;
 pub(crate) mod theory;
 pub(crate) mod transition;
+pub(crate) mod verify;

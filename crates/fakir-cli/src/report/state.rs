@@ -148,7 +148,7 @@ pub(crate) fn method_name(method: Method) -> String {
         Method::Punch(PunchForm::Corrected) => "punch lattice, corrected".to_owned(),
         Method::Homogenised => "homogenised lattice, an approximation".to_owned(),
         Method::Love(mesh) => format!(
-            "Love's elements, {} cells across a pillar",
+            "Love elements, {} cells across a pillar",
             mesh.cells_per_diameter
         ),
         other => format!("{} method", other.name()),

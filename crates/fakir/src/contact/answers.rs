@@ -76,7 +76,13 @@ pub(crate) fn press(
             return Ok(without_contact(system, &problem, method, indentation));
         }
         Target::Force(force) if force <= 0.0 => {
-            return Ok(without_contact(system, &problem, method, first_touch));
+            // A lens that cannot reach any pillar comes down to the floor.
+            let level = if first_touch.is_finite() {
+                first_touch
+            } else {
+                problem.height
+            };
+            return Ok(without_contact(system, &problem, method, level));
         }
         _ => {}
     }
@@ -189,7 +195,7 @@ fn is_under_axis(problem: &Problem, centre: Point) -> bool {
 }
 
 /// The error estimate of a solution: none for what was prescribed, all where it is no solution.
-fn unknowns_only(
+pub(crate) fn unknowns_only(
     target: Target,
     termination: Termination,
     [force, indentation]: [f64; 2],
@@ -432,7 +438,7 @@ fn assemble(
         .map(|pillar| degree_with(pillar.disc.coefficients.len()))
         .max()
         .unwrap_or(0);
-    let force = newton.force(indentation) * problem.force();
+    let force = touched.iter().map(|pillar| pillar.state.force).sum();
     let (pillars, discs): (Vec<_>, Vec<_>) = touched.into_iter().map(|p| (p.state, p.disc)).unzip();
     let fields = Fields::new(
         problem.clone(),
@@ -575,7 +581,8 @@ fn touched_pillar(
     let reach = match status {
         PillarStatus::Partial => {
             let gap = newton.gap_coefficients(pillar, indentation, &disc.coefficients);
-            contact_reach(centre, &gap, basis)
+            // Of a contact too small to be seen, its nearest point.
+            contact_reach(centre, &gap, basis).max(centre[0].hypot(centre[1]) - 1.0)
         }
         _ => centre[0].hypot(centre[1]) + 1.0,
     };

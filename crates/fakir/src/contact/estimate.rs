@@ -7,8 +7,11 @@
 //!
 //! * on partially touched pillars, the answer with another node array;
 //! * on fully touched ones, the modes beyond the degree of the coupling, which neighbours excite
-//!   at first order.
+//!   at first order;
+//! * at the floor point, the modes of partially touched pillars beyond that degree.
 
+use super::answers::unknowns_only;
+use super::fields::degree_with;
 use super::newton::{Newton, Outcome, Response, Target};
 use super::{ErrorEstimate, PillarStatus, SolveError};
 use crate::coupling::pair::PairCoupling;
@@ -53,31 +56,57 @@ pub(crate) fn estimate(
 ) -> Result<ErrorEstimate, SolveError> {
     let force = newton.force(outcome.indentation);
     if force <= 0.0 || outcome.indentation <= 0.0 {
-        return Ok(ErrorEstimate {
-            force: 0.0,
-            indentation: 0.0,
-        });
+        // The contact is smaller than the distance of nodes: nothing is known of it.
+        return Ok(unknowns_only(target, outcome.termination, [1.0; 2]));
     }
     let total = newton.total_coefficients(outcome.indentation);
     let [of_force, of_indentation] = adjoints(newton, outcome, target)?;
     let adjoints = [&of_force, &of_indentation];
     let nodes = node_changes(newton, outcome, check_nodes, &total, adjoints);
     let degree = degree_changes(newton, outcome, &total, adjoints);
-    let relative = |k: usize, value: f64, prescribed: bool| {
-        if prescribed {
-            0.0
-        } else {
-            FLOOR + outcome.mismatch + SAFETY * (nodes[k] + degree[k]) / value
-        }
+    let floor = floor_changes(newton, outcome, adjoints);
+    let relative = |k: usize, value: f64| {
+        let changes = nodes[k] + degree[k] + floor[k];
+        FLOOR + outcome.mismatch + SAFETY * changes / value
     };
-    Ok(ErrorEstimate {
-        force: relative(0, force, matches!(target, Target::Force(_))),
-        indentation: relative(
-            1,
-            outcome.indentation,
-            matches!(target, Target::Indentation(_)),
-        ),
-    })
+    let errors = [relative(0, force), relative(1, outcome.indentation)];
+    Ok(unknowns_only(target, outcome.termination, errors))
+}
+
+/// Changes of the two results when the floor point is displaced by all modes of partially touched
+/// pillars near it, and not by the leading ones only.
+fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]) -> [f64; 2] {
+    let Some(point) = outcome.floor else {
+        return [0.0; 2];
+    };
+    let near: Vec<(usize, Point)> = (0..newton.window.len())
+        .filter(|&pillar| newton.status[pillar] == PillarStatus::Partial)
+        .map(|pillar| {
+            let [x, y] = newton.window.centres()[pillar];
+            (pillar, [point.position[0] - x, point.position[1] - y])
+        })
+        .filter(|(_, [x, y])| x.hypot(*y) < NEIGHBOURHOOD)
+        .collect();
+    if near.is_empty() {
+        return [0.0; 2];
+    }
+    let exterior = Exterior::new(degree_with(newton.top.count()));
+    let mut displacement = vec![0.0; newton.top.count()];
+    let mut solver = LocalSolver::new(&newton.top);
+    let change: f64 = near
+        .into_iter()
+        .map(|(pillar, offset)| {
+            exterior.values(offset, &mut displacement);
+            newton
+                .partial_coefficients(pillar, outcome.indentation, &mut solver)
+                .iter()
+                .zip(&displacement)
+                .skip(newton.modes)
+                .map(|(c, w)| c * w)
+                .sum::<f64>()
+        })
+        .sum();
+    adjoints.map(|adjoint| (adjoint.floor * change).abs())
 }
 
 /// Adjoints of the force and of the indentation.

@@ -63,10 +63,10 @@ impl Method {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Accuracy {
     /// About 1e-6 in force where all touched pillars are fully covered, 1e-5 where the
-    /// contact edge crosses pillar tops.
+    /// contact edge crosses a few of many pillar tops, 1e-4 where it crosses most of them.
     #[default]
     Default,
-    /// About 1e-8 and 1e-6, at several times the cost.
+    /// About 1e-8, 1e-6 and 1e-5, at ten times the cost.
     Accurate,
 }
 
@@ -157,7 +157,7 @@ pub enum Warning {
 }
 
 /// Contact radius over lens radius beyond which a contact is warned of.
-const DOUBTFUL_CONTACT: f64 = 0.2;
+pub(crate) const DOUBTFUL_CONTACT: f64 = 0.2;
 
 /// Warnings for a contact radius relative to the lens radius.
 pub(crate) fn contact_warnings(ratio: f64) -> Vec<Warning> {

@@ -36,6 +36,8 @@ pub enum Stage {
     Spectral,
     /// Solving by elements.
     Elements,
+    /// Solving for a height map; it reports cells in place of pillars.
+    Surface,
     /// Estimating the error.
     ErrorEstimate,
 }
@@ -49,6 +51,7 @@ impl Stage {
             Self::Punch => "punch lattice",
             Self::Spectral => "spectral solution",
             Self::Elements => "Love elements",
+            Self::Surface => "contact on a height map",
             Self::ErrorEstimate => "error estimate",
         }
     }

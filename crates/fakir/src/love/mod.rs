@@ -8,7 +8,8 @@
 //! * [`Grid`] and [`Cells`]: the rectangles, and those that can carry a pressure;
 //! * [`Rectangle`]: the potential of one loaded rectangle, at any point, to rounding;
 //! * [`Operator`]: the displacement of all cells from the pressures on them, with its
-//!   implementations.
+//!   implementations;
+//! * [`SurfaceSystem`]: a lens or a plate pressed onto any [`HeightMap`].
 //!
 //! Lengths in m, pressures in Pa, compliances in 1/Pa.
 
@@ -23,6 +24,9 @@ mod operator;
 mod periodic;
 pub(crate) mod pillars;
 pub mod solver;
+pub mod surface;
+mod surface_level;
+mod surface_map;
 
 pub use free_space::FreeSpaceConvolution;
 pub use grid::{Cells, Grid, InvalidGrid, Segment};
@@ -31,3 +35,8 @@ pub use lattice::LatticeOfGrids;
 pub use operator::{Columns, Dense, Operator, displacement_at};
 pub use periodic::{PeriodicConvolution, Preconditioned};
 pub use pillars::{ElementMesh, MeshLayout};
+pub use surface::{
+    Boundary, Floor, Indenter, Share, Shares, SurfaceContact, SurfaceError, SurfaceSystem,
+    SurfaceTransition, SurfaceWarning,
+};
+pub use surface_map::{HeightMap, InvalidHeightMap, PillarColumns};

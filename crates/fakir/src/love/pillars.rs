@@ -429,6 +429,12 @@ fn missing_compliance(elements: &Elements, window: &Window) -> Vec<f64> {
         let (_, column, row) = elements.key(window, *pillar, *centre);
         patterns[*pillar as usize].push((column, row));
     }
+    missing_compliances(patterns, [elements.size; 2])
+}
+
+/// What each pattern of cells, given by columns and rows, lacks of the compliance `1/2` of a flat
+/// punch of radius 1; nothing where there are no cells.
+pub(super) fn missing_compliances(patterns: Vec<Vec<(i64, i64)>>, cell: [f64; 2]) -> Vec<f64> {
     let mut known: HashMap<Vec<(i64, i64)>, f64> = HashMap::new();
     patterns
         .into_iter()
@@ -443,15 +449,15 @@ fn missing_compliance(elements: &Elements, window: &Window) -> Vec<f64> {
             }
             *known
                 .entry(pattern)
-                .or_insert_with_key(|pattern| 0.5 - 1.0 / pattern_capacity(pattern, elements.size))
+                .or_insert_with_key(|pattern| 0.5 - 1.0 / pattern_capacity(pattern, cell))
         })
         .collect()
 }
 
-fn pattern_capacity(pattern: &[(i64, i64)], size: f64) -> f64 {
+fn pattern_capacity(pattern: &[(i64, i64)], cell: [f64; 2]) -> f64 {
     let extent = |pick: fn(&(i64, i64)) -> i64| pattern.iter().map(pick).max().unwrap_or(0) + 1;
     let (columns, rows) = (extent(|c| c.0) as usize, extent(|c| c.1) as usize);
-    let grid = Grid::centred(columns, rows, size).expect("a pillar has cells");
+    let grid = Grid::new(columns, rows, cell, [0.0, 0.0]).expect("a pillar has cells");
     let mut selected = vec![false; columns * rows];
     for (column, row) in pattern {
         selected[*row as usize * columns + *column as usize] = true;
@@ -704,7 +710,12 @@ impl Level<'_> {
 }
 
 /// The next trial for the critical indentation.
-fn next_indentation(indentation: f64, gap: f64, slope: Option<f64>, bracket: [f64; 2]) -> f64 {
+pub(super) fn next_indentation(
+    indentation: f64,
+    gap: f64,
+    slope: Option<f64>,
+    bracket: [f64; 2],
+) -> f64 {
     let [low, high] = bracket;
     let guess = match slope {
         Some(slope) if slope < 0.0 => indentation - gap / slope,

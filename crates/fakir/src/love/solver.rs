@@ -122,18 +122,18 @@ struct Iteration<'a, O: ?Sized> {
     pressure: Vec<f64>,
     /// `W p`.
     displacement: Vec<f64>,
-    direction: Vec<f64>,
-    /// `W` times the direction.
-    response: Vec<f64>,
-    residual: Vec<f64>,
-    previous_residual: Vec<f64>,
     /// Preconditioned residual.
     search: Vec<f64>,
-    /// Preconditioned ones, for directions that leave the force alone.
-    uniform: Vec<f64>,
+    direction: Vec<f64>,
+    /// The residual while a direction is found; then `W` times the direction; then, in a step
+    /// that meets a bound, the pressures to go back to.
+    response: Vec<f64>,
     free: Vec<bool>,
-    /// Pressures to go back to when a step fails.
-    kept: Vec<f64>,
+    /// Of these, and under a prescribed force the mean of the gap there.
+    free_count: usize,
+    mean_gap: f64,
+    /// Residual times preconditioned residual, of the last iteration.
+    slope: f64,
     products: usize,
     certificate: Certificate,
     indentation: f64,
@@ -165,14 +165,13 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             total,
             pressure,
             displacement: vec![0.0; count],
+            search: vec![0.0; count],
             direction: vec![0.0; count],
             response: vec![0.0; count],
-            residual: vec![0.0; count],
-            previous_residual: vec![0.0; count],
-            search: vec![0.0; count],
-            uniform: vec![0.0; count],
             free: vec![false; count],
-            kept: vec![0.0; count],
+            free_count: 0,
+            mean_gap: 0.0,
+            slope: 0.0,
             products: 0,
             certificate: Certificate {
                 energy_bound: f64::INFINITY,
@@ -242,8 +241,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
                 return Termination::Stagnated;
             }
             let grown = self.find_free();
-            self.find_direction(restart || grown);
-            match self.advance() {
+            let slope = self.find_direction(restart || grown);
+            match self.advance(slope) {
                 Step::Plain => (fresh, restart) = (false, false),
                 Step::Projected => (fresh, restart) = (true, false),
                 Step::Gradient => (fresh, restart) = (true, true),
@@ -304,37 +303,65 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         };
     }
 
-    /// Finds the elements that bear pressure or interpenetrate, with their residual; says
-    /// whether there are new ones.
+    /// Finds the elements that bear pressure or interpenetrate; says whether there are new ones.
     fn find_free(&mut self) -> bool {
-        std::mem::swap(&mut self.residual, &mut self.previous_residual);
         let mut grown = false;
+        let mut sum = 0.0;
+        self.free_count = 0;
         for element in 0..self.pressure.len() {
             let gap = self.gap(element);
             let free = self.pressure[element] > 0.0 || gap < 0.0;
             grown |= free && !self.free[element];
             self.free[element] = free;
-            self.residual[element] = if free { -gap } else { 0.0 };
+            if free {
+                self.free_count += 1;
+                sum += gap;
+            }
         }
+        self.mean_gap = self.mean_of_free(sum);
         grown
     }
 
-    /// The conjugate direction, or after a `restart` the preconditioned gradient.
-    fn find_direction(&mut self, restart: bool) {
-        let previous_slope: f64 = if restart {
-            0.0
+    /// Under a prescribed force, which directions must leave alone, the mean over the free
+    /// elements of what has this sum; otherwise zero.
+    fn mean_of_free(&self, sum: f64) -> f64 {
+        match self.load {
+            Load::Force(_) => sum / self.free_count as f64,
+            Load::Indentation(_) => 0.0,
+        }
+    }
+
+    /// The negative gradient on a free element.
+    fn residual(&self, element: usize) -> f64 {
+        if self.free[element] {
+            self.mean_gap - self.gap(element)
         } else {
-            dot(&self.previous_residual, &self.search)
-        };
-        self.precondition();
-        let slope_change =
-            dot(&self.residual, &self.search) - dot(&self.previous_residual, &self.search);
+            0.0
+        }
+    }
+
+    /// The conjugate direction, or after a `restart` the preconditioned gradient. Returns the
+    /// slope along it, the residual times the direction.
+    fn find_direction(&mut self, restart: bool) -> f64 {
+        // The residual times the preconditioned one of the last iteration, which is the last
+        // residual times the preconditioned one of this, as preconditioners are symmetric.
+        let mut mixed = 0.0;
+        for element in 0..self.pressure.len() {
+            let residual = self.residual(element);
+            mixed += residual * self.search[element];
+            self.response[element] = residual;
+        }
+        self.operator.precondition(&self.response, &mut self.search);
+        clear_bound(&mut self.search, &self.free);
+        let mean = self.mean_of_free(sum(&self.search));
+        let slope = subtract_mean(&mut self.search, mean, &self.free, &self.response);
         // Polak and Ribiere, restarting where it is negative.
-        let memory = if previous_slope > 0.0 {
-            (slope_change / previous_slope).max(0.0)
-        } else {
+        let memory = if restart || self.slope <= 0.0 {
             0.0
+        } else {
+            ((slope - mixed) / self.slope).max(0.0)
         };
+        self.slope = slope;
         for ((direction, search), free) in
             self.direction.iter_mut().zip(&self.search).zip(&self.free)
         {
@@ -344,39 +371,14 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
                 0.0
             };
         }
-        if matches!(self.load, Load::Force(_)) {
-            self.leave_the_force_alone();
+        // Elements that left the contact took their part of the direction with them.
+        let mean = self.mean_of_free(sum(&self.direction));
+        let along = subtract_mean(&mut self.direction, mean, &self.free, &self.response);
+        if along > 0.0 {
+            return along;
         }
-        if dot(&self.direction, &self.residual) <= 0.0 {
-            self.direction.copy_from_slice(&self.search);
-        }
-    }
-
-    /// Preconditions the residual; under a prescribed force so that pressures keep their sum.
-    fn precondition(&mut self) {
-        self.operator.precondition(&self.residual, &mut self.search);
-        mask(&mut self.search, &self.free);
-        if let Load::Force(_) = self.load {
-            let ones: Vec<f64> = self
-                .free
-                .iter()
-                .map(|free| f64::from(u8::from(*free)))
-                .collect();
-            self.operator.precondition(&ones, &mut self.uniform);
-            mask(&mut self.uniform, &self.free);
-            let excess = sum(&self.search) / sum(&self.uniform);
-            for (search, uniform) in self.search.iter_mut().zip(&self.uniform) {
-                *search -= excess * uniform;
-            }
-        }
-    }
-
-    /// Elements that left the contact take their part of the direction with them.
-    fn leave_the_force_alone(&mut self) {
-        let excess = sum(&self.direction) / sum(&self.uniform);
-        for (direction, uniform) in self.direction.iter_mut().zip(&self.uniform) {
-            *direction -= excess * uniform;
-        }
+        self.direction.copy_from_slice(&self.search);
+        slope
     }
 
     /// Energy over the area of an element, at the prescribed indentation or force.
@@ -393,15 +395,16 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             .sum()
     }
 
-    /// Goes to the minimum along the direction, projected onto pressures that are not negative.
-    fn advance(&mut self) -> Step {
+    /// Goes to the minimum along the direction, on which the energy falls with the given slope,
+    /// projected onto pressures that are not negative.
+    fn advance(&mut self, slope: f64) -> Step {
         self.operator.apply(&self.direction, &mut self.response);
         self.products += 1;
         let stiffness = dot(&self.direction, &self.response);
         if stiffness.is_nan() || stiffness <= 0.0 {
             return Step::Failed;
         }
-        let length = dot(&self.residual, &self.direction) / stiffness;
+        let length = slope / stiffness;
         let inside = self
             .pressure
             .iter()
@@ -413,40 +416,49 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             return Step::Plain;
         }
         let energy = self.energy();
-        self.kept.copy_from_slice(&self.pressure);
-        self.project(length, false);
+        self.response.copy_from_slice(&self.pressure);
+        self.project(length);
         if self.energy() < energy {
             return Step::Projected;
         }
-        let mut length = self.gradient_length();
+        self.go_back();
+        let mut length = self.turn_to_gradient();
         for _ in 0..HALVINGS {
-            self.project(length, true);
+            self.project(length);
             if self.energy() < energy {
                 return Step::Gradient;
             }
             length *= 0.5;
         }
-        self.pressure.copy_from_slice(&self.kept);
-        self.refresh_displacement();
+        self.go_back();
         Step::Failed
     }
 
-    /// Length of the step along the gradient alone, without projection.
-    fn gradient_length(&mut self) -> f64 {
-        self.operator.apply(&self.residual, &mut self.response);
-        self.products += 1;
-        dot(&self.residual, &self.residual) / dot(&self.residual, &self.response)
+    /// Returns to the pressures kept.
+    fn go_back(&mut self) {
+        self.pressure.copy_from_slice(&self.response);
+        self.refresh_displacement();
     }
 
-    /// Sets the pressures to the positive part of those kept plus a step along the direction, or
-    /// along the gradient.
-    fn project(&mut self, length: f64, gradient: bool) {
-        let along = if gradient {
-            &self.residual
-        } else {
-            &self.direction
-        };
-        for ((pressure, kept), t) in self.pressure.iter_mut().zip(&self.kept).zip(along) {
+    /// Makes the gradient the direction; returns the step to the minimum along it, without
+    /// projection.
+    fn turn_to_gradient(&mut self) -> f64 {
+        for element in 0..self.pressure.len() {
+            self.direction[element] = self.residual(element);
+        }
+        self.operator.apply(&self.direction, &mut self.search);
+        self.products += 1;
+        dot(&self.direction, &self.direction) / dot(&self.direction, &self.search)
+    }
+
+    /// Sets the pressures to the positive part of those kept plus a step along the direction.
+    fn project(&mut self, length: f64) {
+        for ((pressure, kept), t) in self
+            .pressure
+            .iter_mut()
+            .zip(&self.response)
+            .zip(&self.direction)
+        {
             *pressure = (kept + length * t).max(0.0);
         }
         self.carry_the_force();
@@ -454,7 +466,10 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
     }
 
     fn finish(mut self, termination: Termination) -> ElementContact {
-        let gap: Vec<f64> = (0..self.pressure.len()).map(|k| self.gap(k)).collect();
+        for element in 0..self.pressure.len() {
+            self.displacement[element] = self.gap(element);
+        }
+        let gap = self.displacement;
         self.certificate.gap_under_pressure = gap
             .iter()
             .zip(&self.pressure)
@@ -499,12 +514,25 @@ fn add_scaled(sum: &mut [f64], factor: f64, values: &[f64]) {
     }
 }
 
-fn mask(values: &mut [f64], free: &[bool]) {
+/// Sets what is not free to zero.
+fn clear_bound(values: &mut [f64], free: &[bool]) {
     for (value, free) in values.iter_mut().zip(free) {
         if !free {
             *value = 0.0;
         }
     }
+}
+
+/// Subtracts a mean from the free values; returns their product with the residual.
+fn subtract_mean(values: &mut [f64], mean: f64, free: &[bool], residual: &[f64]) -> f64 {
+    let mut product = 0.0;
+    for ((value, free), residual) in values.iter_mut().zip(free).zip(residual) {
+        if *free {
+            *value -= mean;
+        }
+        product += *value * residual;
+    }
+    product
 }
 
 #[cfg(test)]

@@ -120,30 +120,63 @@ impl HexagonalLattice {
 /// a hollow site, four between two pillars, two on a mirror line, one elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSymmetry {
-    operations: Vec<[[f64; 2]; 2]>,
+    operations: Vec<Operation>,
+}
+
+/// A rotation or mirror, as a matrix.
+type Operation = [[f64; 2]; 2];
+
+/// Whether all products of the operations are among them.
+fn is_group(operations: &[(f64, Operation)]) -> bool {
+    let product = |g: &Operation, h: &Operation| {
+        let column = |k: usize| apply(g, [h[0][k], h[1][k]]);
+        let ([a, c], [b, d]) = (column(0), column(1));
+        [[a, b], [c, d]]
+    };
+    let same = |g: &Operation, h: &Operation| {
+        g.iter()
+            .flatten()
+            .zip(h.iter().flatten())
+            .all(|(a, b)| (a - b).abs() < 1e-9)
+    };
+    operations.iter().all(|(_, g)| {
+        operations.iter().all(|(_, h)| {
+            let gh = product(g, h);
+            operations.iter().any(|(_, other)| same(other, &gh))
+        })
+    })
 }
 
 impl LatticeSymmetry {
     fn of(lattice: &HexagonalLattice) -> Self {
         // The lattice keeps its place under an operation g when g o - o is a lattice vector.
         let offset = lattice.offset_vector();
-        let tolerance = 1e-9 * lattice.pitch * (1.0 + lattice.offset);
         let on_lattice = HexagonalLattice::new(lattice.pitch);
-        let mut operations = Vec::with_capacity(12);
-        for mirror in [1.0, -1.0] {
-            for sixth in 0..6 {
+        let misfit = |operation: &Operation| {
+            let image = apply(operation, offset);
+            let shift = [image[0] - offset[0], image[1] - offset[1]];
+            let (i, j) = on_lattice.nearest_pillar(shift);
+            let [x, y] = on_lattice.lattice_vector(i, j);
+            (x - shift[0]).hypot(y - shift[1])
+        };
+        let all = [1.0, -1.0].into_iter().flat_map(|mirror| {
+            (0..6).map(move |sixth| {
                 let (sin, cos) = (PI / 3.0 * f64::from(sixth)).sin_cos();
-                let operation = [[cos, -sin * mirror], [sin, cos * mirror]];
-                let image = apply(&operation, offset);
-                let shift = [image[0] - offset[0], image[1] - offset[1]];
-                let (i, j) = on_lattice.nearest_pillar(shift);
-                let [x, y] = on_lattice.lattice_vector(i, j);
-                if (x - shift[0]).hypot(y - shift[1]) <= tolerance {
-                    operations.push(operation);
-                }
-            }
+                [[cos, -sin * mirror], [sin, cos * mirror]]
+            })
+        });
+        let mut candidates: Vec<(f64, Operation)> = all.map(|g| (misfit(&g), g)).collect();
+        let tolerance = 1e-9 * lattice.pitch * (1.0 + lattice.offset);
+        candidates.retain(|(misfit, _)| *misfit <= tolerance);
+        // Beside a special site some operations may fit just so and their products not: the worst
+        // go until the rest is a group. The identity, which fits exactly, always remains.
+        while !is_group(&candidates) {
+            let worst = candidates.iter().map(|c| c.0).fold(0.0, f64::max);
+            candidates.retain(|(misfit, _)| *misfit < worst);
         }
-        Self { operations }
+        Self {
+            operations: candidates.into_iter().map(|(_, g)| g).collect(),
+        }
     }
 
     /// Number of operations, 1 to 12.
@@ -165,16 +198,11 @@ impl LatticeSymmetry {
     #[must_use]
     pub fn fold(&self, point: Point) -> Point {
         let size = point[0].hypot(point[1]);
-        let mut folded = point;
+        // On an axis means on it: no rounding errors of either sign.
+        let clean = |point: Point| point.map(|v| if v.abs() < 1e-12 * size { 0.0 } else { v });
+        let mut folded = clean(point);
         for image in self.images(point) {
-            let candidate = [
-                image[0],
-                if image[1].abs() < 1e-12 * size {
-                    0.0
-                } else {
-                    image[1]
-                },
-            ];
+            let candidate = clean(image);
             let better_side = candidate[1] >= 0.0 && folded[1] < 0.0;
             let same_side = (candidate[1] >= 0.0) == (folded[1] >= 0.0);
             if better_side || (same_side && candidate[0] > folded[0]) {
@@ -185,7 +213,7 @@ impl LatticeSymmetry {
     }
 }
 
-fn apply(operation: &[[f64; 2]; 2], point: Point) -> Point {
+fn apply(operation: &Operation, point: Point) -> Point {
     [
         operation[0][0] * point[0] + operation[0][1] * point[1],
         operation[1][0] * point[0] + operation[1][1] * point[1],
@@ -247,6 +275,21 @@ mod tests {
         assert_eq!(order(1.0 / 3f64.sqrt(), 0.0), 6); // hollow site
         assert_eq!(order(1.0 / 3.0, 0.0), 2);
         assert_eq!(order(0.3, 11.0), 1);
+    }
+
+    #[test]
+    fn symmetries_beside_a_special_site_are_a_group() {
+        for site in [0.0, HALF_SQRT_3, 1.0 / 3f64.sqrt()] {
+            for step in 0..400 {
+                let lattice = HexagonalLattice {
+                    pitch: 1.3,
+                    offset: site + 1e-12 * f64::from(step * step),
+                    offset_angle: 1e-10 * f64::from(step % 7),
+                };
+                let order = lattice.symmetry().order();
+                assert!([1, 2, 3, 4, 6, 12].contains(&order), "{order}");
+            }
+        }
     }
 
     #[test]

@@ -1,0 +1,239 @@
+"""fakir beside its peers: one product, one solution; see README.md.
+
+Everything is measured in one session, one process at a time, the programs taking turns; medians
+of the repeats are written to RESULTS.md.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import venv
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+PEERS = ["ContactMechanics", "Tamaas"]
+SIDES = [256, 512, 1024, 2048]
+THREADS = [1, 2]
+
+# Every program solves to this error, relative to a solution with an energy bound of 1e-12.
+ERROR = 1e-5
+# Tolerances tried, from the loosest, until the error is small enough.
+LADDER = [10.0 ** (-k) for k in range(1, 12)]
+
+
+def environment(threads):
+    settings = dict(os.environ)
+    for name in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"]:
+        settings[name] = str(threads)
+    return settings
+
+
+class Programs:
+    """Starts a program on a task and reads its answer."""
+
+    def __init__(self, folder):
+        python = folder / "environment"
+        if not python.exists():
+            venv.create(python, with_pip=True)
+        self.python = python / "bin" / "python"
+        requirements = HERE / "requirements.txt"
+        subprocess.run([self.python, "-m", "pip", "install", "-q", "-r", requirements], check=True)
+        build = ["cargo", "build", "--release", "-q", "-p", "fakir", "--example", "peer"]
+        subprocess.run(build, cwd=ROOT, check=True)
+        metadata = ["cargo", "metadata", "--format-version", "1", "--no-deps"]
+        text = subprocess.run(metadata, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+        self.metadata = json.loads(text)
+        self.peer = Path(self.metadata["target_directory"]) / "release" / "examples" / "peer"
+
+    def run(self, command, threads):
+        command = [str(word) for word in command]
+        done = subprocess.run(
+            command, env=environment(threads), capture_output=True, text=True, check=False
+        )
+        if done.returncode != 0:
+            raise RuntimeError(f"{command}\n{done.stderr}")
+        answer = json.loads(done.stdout.splitlines()[-1])
+        # Tamaas logs its iterations to the standard error, numbered from zero.
+        numbers = [line.split()[0] for line in done.stderr.splitlines() if line.strip()]
+        iterations = [1 + int(number) for number in numbers if number.isdigit()]
+        return {"iterations": max(iterations), **answer} if iterations else answer
+
+    def product(self, program, side, threads, repeats):
+        if program == "fakir":
+            command = [self.peer, "product", f"side={side}", f"threads={threads}"]
+            return self.run([*command, f"repeats={repeats}"], threads)
+        order = {"task": "product", "peer": program, "side": side, "threads": threads}
+        return self.worker({**order, "repeats": repeats}, threads)
+
+    def solve(self, program, problem, tolerance, threads, verbose=False):
+        load = problem["load"] if program in problem["takes"] else problem["other_load"]
+        if program == "fakir":
+            words = [f"{key}={problem[key]}" for key in ["separation", "columns", "rows", "cell", "boundary"]]
+            words += [f"{key}={load[key]!r}" for key in ["force", "indentation"] if key in load]
+            words += [f"reach={problem['reach']!r}"] if "reach" in problem else []
+            return self.run([self.peer, "solve", *words, f"tolerance={tolerance!r}", f"threads={threads}"], threads)
+        keys = ["separation", "columns", "rows", "cell", "boundary"]
+        given = {key: problem[key] for key in keys}
+        order = {"task": "solve", "peer": program, "problem": given, "load": load}
+        return self.worker({**order, "tolerance": tolerance, "threads": threads, "verbose": verbose}, threads)
+
+    def worker(self, order, threads):
+        return self.run([self.python, HERE / "worker.py", json.dumps(order)], threads)
+
+    def problems(self, folder):
+        command = [self.python, HERE / "problems.py", folder]
+        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+    def versions(self):
+        fakir = next(p["version"] for p in self.metadata["packages"] if p["name"] == "fakir")
+        pinned = (HERE / "requirements.txt").read_text().split()
+        rust = subprocess.run(["rustc", "--version"], capture_output=True, text=True, check=True)
+        compiler = " ".join(rust.stdout.split()[:2])
+        python = sys.version.split()[0]
+        return f"fakir {fakir} ({compiler}), Python {python}, " + ", ".join(pinned)
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def median(answers, key):
+    return statistics.median(answer[key] for answer in answers)
+
+
+def products(programs, repeats):
+    rows = []
+    for side in SIDES:
+        for threads in THREADS:
+            names = ["fakir", "scipy", *PEERS]
+            answers = {name: [] for name in names}
+            for _ in range(repeats):
+                for name in names:
+                    inner = max(3, 4_000_000 // side**2)
+                    answers[name].append(programs.product(name, side, threads, inner))
+            # ContactMechanics and Tamaas evaluate the closed form of Love with cancellation.
+            checks = [answers[name][0]["check"] for name in names]
+            assert max(checks) - min(checks) < 1e-6 * abs(checks[0]), checks
+            for name in names:
+                rows.append((side, threads, name, answers[name]))
+            say(f"product {side} {threads}: " + ", ".join(
+                f"{name} {1e3 * median(answers[name], 'product_s'):.1f} ms" for name in names))
+    return rows
+
+
+def reference(programs, problem):
+    exact = programs.solve("fakir", problem, 1e-12, 1)
+    assert exact["ended"] == "converged", exact
+    problem["exact"] = exact
+    if "indentation" in problem["load"]:
+        # For programs that prescribe the force alone.
+        problem["other_load"] = {"force": exact["force"], "scale": problem["load"]["scale"]}
+
+
+def error(problem, answer):
+    exact = problem["exact"]
+    return max(abs(answer[key] / exact[key] - 1.0) for key in ["force", "indentation"])
+
+
+def calibrate(programs, program, problem):
+    """The loosest tolerance that solves well enough, with what it took."""
+    for tolerance in LADDER:
+        answer = programs.solve(program, problem, tolerance, 1, verbose=True)
+        answer["error"] = error(problem, answer)
+        say(f"{problem['name']}, {program} at {tolerance:.0e}: {answer}")
+        if answer["error"] <= ERROR and answer["ended"] == "converged":
+            return tolerance, answer
+    return None, answer
+
+
+def solutions(programs, folder, repeats, names):
+    rows = []
+    for problem in programs.problems(folder):
+        if names and problem["name"] not in names:
+            continue
+        reference(programs, problem)
+        tolerances = {}
+        for program in ["fakir", *PEERS]:
+            tolerances[program] = calibrate(programs, program, problem)
+        for threads in THREADS:
+            answers = {program: [] for program in tolerances}
+            for _ in range(repeats):
+                for program, (tolerance, _) in tolerances.items():
+                    if tolerance is not None:
+                        answers[program].append(programs.solve(program, problem, tolerance, threads))
+            for program, (tolerance, first) in tolerances.items():
+                rows.append((problem, threads, program, tolerance, first, answers[program]))
+                if answers[program]:
+                    say(f"{problem['name']} {threads} {program}: {median(answers[program], 'total_s'):.3f} s")
+    return rows
+
+
+def product_table(rows):
+    lines = [
+        "| cells | threads | program | product, ms | set-up, ms | memory, MB | time over fakir's |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    own = {(side, threads): median(a, "product_s") for side, threads, name, a in rows if name == "fakir"}
+    for side, threads, name, answers in rows:
+        time = median(answers, "product_s")
+        lines.append(
+            f"| {side}² | {threads} | {name} | {1e3 * time:.1f} | {1e3 * median(answers, 'setup_s'):.0f} "
+            f"| {median(answers, 'memory_bytes') / 1e6:.0f} | {time / own[side, threads]:.1f} |"
+        )
+    return lines
+
+
+def solution_table(rows):
+    lines = [
+        "| problem | threads | program | time, s | iterations | products | memory, MB "
+        "| tolerance | error | time over fakir's |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    own = {(p["name"], t): median(a, "total_s") for p, t, name, _, _, a in rows if name == "fakir"}
+    for problem, threads, program, tolerance, first, answers in rows:
+        start = f"| {problem['name']}² | {threads} | {program} "
+        if not answers:
+            lines.append(start + f"| not to {ERROR:.0e} | | | | | {first['error']:.0e} | |")
+            continue
+        time = median(answers, "total_s")
+        lines.append(
+            start + f"| {time:.2f} | {first['iterations']} | {first.get('products', '')} "
+            f"| {median(answers, 'memory_bytes') / 1e6:.0f} | {tolerance:.0e} | {first['error']:.0e} "
+            f"| {time / own[problem['name'], threads]:.1f} |"
+        )
+    return lines
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--folder", type=Path, default=Path(tempfile.gettempdir()) / "fakir-peers",
+                        help="where the environment and the problems are put (default: %(default)s)")
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--problem", action="append", default=[], help="only these (repeatable)")
+    parser.add_argument("--no-products", action="store_true")
+    parser.add_argument("--output", type=Path, default=HERE / "RESULTS.md")
+    arguments = parser.parse_args()
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    programs = Programs(arguments.folder)
+    lines = [
+        "# Measured",
+        "",
+        f"{programs.versions()}; {os.cpu_count()} processors; medians of {arguments.repeats} runs, the programs "
+        f"taking turns. Command: `python3 benches/peers/run.py --repeats {arguments.repeats}`. "
+        "What is compared, and how: [README.md](README.md).",
+    ]
+    if not arguments.no_products:
+        lines += ["", "## One product with the free half-space", ""]
+        lines += product_table(products(programs, arguments.repeats))
+    lines += ["", f"## One solution to a relative error of {ERROR:.0e}", ""]
+    lines += solution_table(solutions(programs, arguments.folder, arguments.repeats, arguments.problem))
+    arguments.output.write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,176 @@
+//! `fakir verify`: the spectral method and Love elements on the same question.
+
+use crate::failure::Failure;
+use crate::numbers::{seconds, significant};
+use crate::report::state::{ErrorJson, VERSION, texture_line, warnings};
+use crate::report::table::{Column, table};
+use crate::report::{Report, csv, json};
+use crate::session::Session;
+use fakir::contact::{ContactState, Load, Method};
+use fakir::love::ElementMesh;
+use fakir::{Difference, Question, Verification};
+use fakir_case::Case;
+use fakir_case::unit::Dimension;
+use serde::Serialize;
+use std::time::Instant;
+
+#[derive(Debug, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct AnswerRow {
+    method: &'static str,
+    cells_per_diameter: Option<usize>,
+    #[serde(skip)]
+    name: String,
+    force_N: f64,
+    indentation_m: f64,
+    contact_radius_m: f64,
+    smallest_floor_gap_m: f64,
+    pillars_in_contact: usize,
+    pillars_partially_in_contact: usize,
+    force_error_estimate: f64,
+    indentation_error_estimate: f64,
+    converged: bool,
+    iterations: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct VerifyJson<'a> {
+    question: &'static str,
+    agree: bool,
+    /// Elements on all cells from the spectral method.
+    relative_difference: ErrorJson,
+    /// Sum of both error estimates.
+    allowed_difference: ErrorJson,
+    answers: &'a [AnswerRow],
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+pub(crate) fn run(
+    case: &Case,
+    load: Option<Load>,
+    cells_per_diameter: usize,
+    session: &Session,
+) -> Result<Report, Failure> {
+    let start = Instant::now();
+    let question = load.map_or(Question::Transition, Question::Press);
+    let mesh = match case.method {
+        Method::Love(mesh) => mesh,
+        _ => ElementMesh::default(),
+    };
+    let mesh = ElementMesh {
+        cells_per_diameter,
+        ..mesh
+    };
+    let verification = fakir::verify(&case.system, question, mesh, &session.run())?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let rows: Vec<AnswerRow> = answers(&verification).map(row).collect();
+    let Verification {
+        force, indentation, ..
+    } = verification;
+    Ok(Report {
+        json: json(&VerifyJson {
+            question: match question {
+                Question::Transition => "transition",
+                Question::Press(Load::Indentation(_)) => "press at an indentation",
+                Question::Press(Load::Force(_)) => "press under a force",
+            },
+            agree: verification.agrees(),
+            relative_difference: ErrorJson {
+                force: force.relative,
+                indentation: indentation.relative,
+            },
+            allowed_difference: ErrorJson {
+                force: force.allowed,
+                indentation: indentation.allowed,
+            },
+            answers: &rows,
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
+        }),
+        text: text(case, &verification, &rows, wall_time),
+        tables: vec![csv("verify.csv", &rows)],
+        warnings: answers(&verification).flat_map(warnings).collect(),
+        converged: verification.agrees(),
+    })
+}
+
+fn answers(verification: &Verification) -> impl Iterator<Item = &ContactState> {
+    std::iter::once(&verification.spectral).chain(&verification.elements)
+}
+
+fn row(state: &ContactState) -> AnswerRow {
+    let cells = match state.method {
+        Method::Love(mesh) => Some(mesh.cells_per_diameter),
+        _ => None,
+    };
+    AnswerRow {
+        method: state.method.name(),
+        cells_per_diameter: cells,
+        name: match cells {
+            Some(cells) => format!("elements, {cells} cells"),
+            None => "spectral, accurate".to_owned(),
+        },
+        force_N: state.force,
+        indentation_m: state.indentation,
+        contact_radius_m: state.contact_radius,
+        smallest_floor_gap_m: state.smallest_floor_gap,
+        pillars_in_contact: state.pillars_in_contact,
+        pillars_partially_in_contact: state.pillars_partially_in_contact,
+        force_error_estimate: state.error.force,
+        indentation_error_estimate: state.error.indentation,
+        converged: state.converged(),
+        iterations: state.iterations,
+    }
+}
+
+fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time: f64) -> String {
+    let columns = [
+        Column::text("Answer", |row: &AnswerRow| row.name.clone()),
+        Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
+        Column::right("error", |row| error(row.force_error_estimate)),
+        Column::quantity("zeta", Dimension::Length, rows, |row| {
+            Some(row.indentation_m)
+        }),
+        Column::right("error", |row| error(row.indentation_error_estimate)),
+        Column::radius("radius", rows, |row| Some(row.contact_radius_m)),
+        Column::right("pillars", |row| row.pillars_in_contact.to_string()),
+        Column::right("partially", |row| {
+            row.pillars_partially_in_contact.to_string()
+        }),
+    ];
+    let verdict = if verification.agrees() {
+        "The two methods agree within their error estimates"
+    } else {
+        "THE TWO METHODS DISAGREE beyond their error estimates"
+    };
+    format!(
+        "Verification by an independent method\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",
+        texture_line(&case.system),
+        table(rows, &columns),
+        difference("force", verification.force),
+        difference("indentation", verification.indentation),
+        seconds(wall_time)
+    )
+}
+
+/// An error estimate; none of what was prescribed.
+fn error(value: f64) -> String {
+    if value > 0.0 {
+        significant(value, 1)
+    } else {
+        "-".to_owned()
+    }
+}
+
+/// Nothing for what was prescribed.
+fn difference(name: &str, difference: Difference) -> String {
+    if difference.allowed == 0.0 {
+        return String::new();
+    }
+    format!(
+        "Difference in {name}: {:.1e}, allowed {:.1e}\n",
+        difference.relative.abs(),
+        difference.allowed
+    )
+}

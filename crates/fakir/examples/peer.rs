@@ -1,0 +1,172 @@
+//! One product or one solution on a grid, timed: fakir's side of `benches/peers`.
+//!
+//! ```text
+//! peer product side=512 threads=1 repeats=20
+//! peer solve separation=FILE columns=512 rows=512 cell=1e-3 boundary=free|periodic
+//!      force=1.0|indentation=1e-3 tolerance=1e-8 threads=1 [reach=1e-3]
+//! ```
+//!
+//! The file holds the separation of the undeformed surfaces at every cell as little-endian
+//! doubles, rows of x one after the other; cells whose separation exceeds `reach` are left out, as
+//! they can bear no pressure. The compliance is 1. Prints one JSON object; memory is that of the
+//! process above what it held before the operator was made.
+
+use fakir::contact::{CancelToken, Load};
+use fakir::love::solver::{self, Settings};
+use fakir::love::{
+    Cells, FreeSpaceConvolution, Grid, Operator, PeriodicConvolution, Preconditioned,
+};
+use rayon::ThreadPool;
+use std::collections::HashMap;
+use std::error::Error;
+use std::str::FromStr;
+use std::time::Instant;
+
+type Answer<T> = Result<T, Box<dyn Error>>;
+
+struct Arguments(HashMap<String, String>);
+
+impl Arguments {
+    fn text(&self, key: &str) -> Answer<&str> {
+        let text = self.0.get(key).map(String::as_str);
+        text.ok_or_else(|| format!("{key}=... is missing").into())
+    }
+
+    fn value<T: FromStr<Err: Error + 'static>>(&self, key: &str) -> Answer<T> {
+        Ok(self.text(key)?.parse()?)
+    }
+
+    fn pool(&self) -> Answer<Option<ThreadPool>> {
+        let threads = self.value("threads")?;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        Ok((threads > 1).then(|| pool.build()).transpose()?)
+    }
+}
+
+fn main() -> Answer<()> {
+    let mut words = std::env::args().skip(1);
+    let task = words.next().unwrap_or_default();
+    let pairs = words.map(|word| {
+        let (key, value) = word
+            .split_once('=')
+            .ok_or(format!("{word}: no key=value"))?;
+        Ok::<_, String>((key.to_string(), value.to_string()))
+    });
+    let arguments = Arguments(pairs.collect::<Result<_, _>>()?);
+    match task.as_str() {
+        "product" => product(&arguments),
+        "solve" => solve(&arguments),
+        _ => Err("product or solve?".into()),
+    }
+}
+
+/// The median time of a product with the operator of the free half-space.
+fn product(arguments: &Arguments) -> Answer<()> {
+    let side = arguments.value("side")?;
+    let repeats: usize = arguments.value("repeats")?;
+    let pool = arguments.pool()?;
+    let grid = Grid::centred(side, side, 1.0)?;
+    let pressure: Vec<f64> = (0..grid.cell_count()).map(|k| (k as f64).sin()).collect();
+    let mut displacement = vec![0.0; pressure.len()];
+    let baseline = resident()?;
+    let start = Instant::now();
+    let mut operator = FreeSpaceConvolution::new(Cells::all(&grid), 1.0, pool.as_ref());
+    let setup = start.elapsed().as_secs_f64();
+    operator.apply(&pressure, &mut displacement);
+    let mut times: Vec<f64> = (0..repeats)
+        .map(|_| {
+            let start = Instant::now();
+            operator.apply(&pressure, &mut displacement);
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_unstable_by(f64::total_cmp);
+    println!(
+        r#"{{"setup_s": {setup:e}, "product_s": {:e}, "memory_bytes": {}, "check": {:e}}}"#,
+        times[times.len() / 2],
+        peak()?.saturating_sub(baseline),
+        displacement[grid.cell_count() / 2],
+    );
+    Ok(())
+}
+
+fn solve(arguments: &Arguments) -> Answer<()> {
+    let (columns, rows) = (arguments.value("columns")?, arguments.value("rows")?);
+    let grid = Grid::centred(columns, rows, arguments.value("cell")?)?;
+    let load = match arguments.value("force") {
+        Ok(force) => Load::Force(force),
+        Err(_) => Load::Indentation(arguments.value("indentation")?),
+    };
+    let settings = Settings {
+        tolerance: arguments.value("tolerance")?,
+        ..Settings::default()
+    };
+    let pool = arguments.pool()?;
+    let field: Vec<f64> = std::fs::read(arguments.text("separation")?)?
+        .as_chunks()
+        .0
+        .iter()
+        .map(|bytes| f64::from_le_bytes(*bytes))
+        .collect();
+    let reach = arguments.value("reach").unwrap_or(f64::INFINITY);
+    let baseline = resident()?;
+
+    let start = Instant::now();
+    let cells = Cells::where_true(&grid, |index| field[index] <= reach);
+    let separation = if cells.len() == field.len() {
+        field
+    } else {
+        let mut separation = vec![0.0; cells.len()];
+        cells.gather(&field, &mut separation);
+        separation
+    };
+    let pool = pool.as_ref();
+    let operator: Box<dyn Operator + '_> = match arguments.text("boundary")? {
+        "free" => Box::new(FreeSpaceConvolution::new(cells.clone(), 1.0, pool)),
+        "periodic" => Box::new(PeriodicConvolution::new(cells.clone(), 1.0, pool)),
+        other => return Err(format!("boundary={other}: free or periodic?").into()),
+    };
+    let mut operator = Preconditioned::new(operator, cells, pool);
+    let setup = start.elapsed().as_secs_f64();
+    let contact = solver::solve(
+        &mut operator,
+        &separation,
+        grid.cell_area(),
+        load,
+        None,
+        &settings,
+        &CancelToken::default(),
+    );
+    let total = start.elapsed().as_secs_f64();
+    let loaded = contact.pressure.iter().filter(|p| **p > 0.0).count();
+    println!(
+        r#"{{"setup_s": {setup:e}, "total_s": {total:e}, "memory_bytes": {}, "iterations": {}, "products": {}, "force": {:.15e}, "indentation": {:.15e}, "bound": {:e}, "cells": {}, "loaded": {loaded}, "ended": "{}"}}"#,
+        peak()?.saturating_sub(baseline),
+        contact.products,
+        contact.products,
+        contact.force,
+        contact.indentation,
+        contact.certificate.energy_bound,
+        separation.len(),
+        contact.termination.description(),
+    );
+    Ok(())
+}
+
+/// Bytes of memory the process holds.
+fn resident() -> Answer<usize> {
+    status("VmRSS:")
+}
+
+/// Most bytes it held.
+fn peak() -> Answer<usize> {
+    status("VmHWM:")
+}
+
+/// A line of the status that Linux keeps of a process, in bytes.
+fn status(key: &str) -> Answer<usize> {
+    let status = std::fs::read_to_string("/proc/self/status")?;
+    let line = status.lines().find_map(|line| line.strip_prefix(key));
+    let kilobytes = line.and_then(|line| line.trim().strip_suffix(" kB"));
+    Ok(1024 * kilobytes.ok_or("no such line")?.trim().parse::<usize>()?)
+}
