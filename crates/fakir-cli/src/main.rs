@@ -55,7 +55,7 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         }
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, |case| {
+            answer(command, &options.case, move |case| {
                 commands::verify::run(case, options.load(), options.cells, &session)
             })
         }
@@ -69,7 +69,8 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
     }
 }
 
-/// Reads the case, asks (a session in `ask` ends with it, and clears its progress away), and delivers the report: saved first, so that what is printed is safe.
+/// Reads the case, asks, and delivers the report: saved first, so that what is printed is safe.
+/// A session that `ask` owns ends with it, and clears its progress away before anything is printed.
 fn answer(
     command: &Command,
     options: &CaseArguments,

@@ -211,6 +211,7 @@ fn help_has_an_example_for_every_command() {
         "transition",
         "press",
         "approach",
+        "verify",
         "theory",
         "compare",
     ] {

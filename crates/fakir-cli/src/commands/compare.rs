@@ -31,7 +31,7 @@ fn methods() -> [(Method, &'static str, &'static str); 6] {
         (
             Method::Love(ElementMesh::default()),
             "love",
-            "Love's elements",
+            "Love elements",
         ),
         (
             Method::Spectral(Accuracy::Default),

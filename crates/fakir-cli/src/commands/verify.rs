@@ -133,9 +133,7 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
             Some(row.indentation_m)
         }),
         Column::right("error", |row| error(row.indentation_error_estimate)),
-        Column::quantity("radius", Dimension::Length, rows, |row| {
-            Some(row.contact_radius_m)
-        }),
+        Column::radius("radius", rows, |row| Some(row.contact_radius_m)),
         Column::right("pillars", |row| row.pillars_in_contact.to_string()),
         Column::right("partially", |row| {
             row.pillars_partially_in_contact.to_string()

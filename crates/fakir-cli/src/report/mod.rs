@@ -18,11 +18,13 @@ pub(crate) struct Report {
     pub(crate) tables: Vec<File>,
     /// What to be careful about.
     pub(crate) warnings: Vec<String>,
+    /// Whether the numbers are to be relied on: every solution converged, and where two methods
+    /// check each other they agree.
     pub(crate) converged: bool,
 }
 
 impl Report {
-    /// The exit status that goes with it.
+    /// The exit status that goes with it: 1 unless it converged.
     pub(crate) fn status(&self) -> u8 {
         u8::from(!self.converged)
     }
