@@ -340,7 +340,14 @@ impl CaseFile {
         };
         let keys = &self.entries.keys;
         let size = match (keys.get(&Key::CellSize), keys.get(&Key::MapWidth)) {
-            (Some(_), None) => MapSize::Pixel([self.positive(Key::CellSize)?; 2]),
+            (Some(cell), None) => {
+                if let Value::Other("array") = cell.value {
+                    return Err(self
+                        .problem(Key::CellSize, "cells are squares, of one size")
+                        .accepted("give one length; resample a map of other cells"));
+                }
+                MapSize::Pixel([self.positive(Key::CellSize)?; 2])
+            }
             (None, Some(_)) => MapSize::Width(self.positive(Key::MapWidth)?),
             (None, None) => {
                 return Err(self
