@@ -231,10 +231,7 @@ fn a_height_map_has_its_size_and_unit() {
     assert_eq!(height(case.system.surface()), 23.0);
     assert_eq!(case.system.surface().grid().cell(), [2e-6; 2]);
     assert_eq!(case.floor, None);
-    let case = map(
-        "",
-        "width = \"2 um\"\nheight_unit = \"1 nm\"\nfloor = \"5 nm\"",
-    );
+    let case = map("width = \"2 um\"\nheight_unit = \"1 nm\"\nfloor = \"5 nm\"");
     let case = case.surface_case(MEMORY).unwrap();
     assert!((height(case.system.surface()) - 23e-9).abs() < 1e-20);
     assert_eq!(case.system.surface().grid().cell(), [0.5e-6; 2]);
