@@ -47,7 +47,7 @@ impl Failure {
             // The default report of miette: the line, in colour if the terminal has any.
             Self::Case(error) => tell(&format!("{:?}", miette::Report::new(error.clone()))),
             Self::Solve(SolveError::Interrupted) | Self::Surface(SurfaceError::Interrupted) => {
-                tell("interrupted: no result")
+                tell("interrupted: no result");
             }
             other => tell(&format!("error: {other}")),
         }

@@ -275,21 +275,21 @@ fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
 }
 
 fn add_area(list: &mut QuantityList, contact: &SurfaceContact) {
-    add_one_area(list, "contact area", contact.contact_area, String::new());
+    add_one_area(list, "contact area", contact.contact_area, "");
     if let Some(radius) = contact.contact_radius {
         list.radius("contact radius", radius, String::new());
     }
 }
 
 /// An area in the square of the unit that suits its root.
-fn add_one_area(list: &mut QuantityList, name: &str, area: f64, remark: String) {
+fn add_one_area(list: &mut QuantityList, name: &str, area: f64, remark: &str) {
     let unit = Dimension::Length.unit_for(area.sqrt());
     let (size, symbol) = unit.map_or((1.0, "m"), |unit| (unit.in_si(), unit.symbol));
     list.row(
         name,
         significant(area / (size * size), AREA_DIGITS),
         &format!("{symbol}^2"),
-        &remark,
+        remark,
     );
 }
 
@@ -316,7 +316,7 @@ fn add_shares(list: &mut QuantityList, shares: &Shares, contact: &SurfaceContact
             list,
             &format!("contact area on the {name}"),
             share.area,
-            part(share.area, contact.contact_area),
+            &part(share.area, contact.contact_area),
         );
     }
 }
