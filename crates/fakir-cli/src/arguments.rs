@@ -65,6 +65,9 @@ pub(crate) enum Command {
     #[command(after_help = "Example: fakir theory case.toml --set texture.surface_fraction=0.001")]
     Theory(Theory),
     /// The critical state by every method, coarse to exact, side by side
+    ///
+    /// Differences are from the most accurate method. Love elements take most of the time: seconds
+    /// for a few hundred pillars, minutes for a few thousand.
     #[command(after_help = "Example: fakir compare case.toml")]
     Compare(Compare),
 }

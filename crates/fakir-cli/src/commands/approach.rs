@@ -2,7 +2,7 @@
 
 use crate::arguments::LoadingPath;
 use crate::failure::Failure;
-use crate::numbers::with_unit;
+use crate::numbers::{digits, with_unit};
 use crate::report::state::{CriticalJson, VERSION, method_name, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
@@ -26,6 +26,7 @@ struct StateRow {
     pillars_in_contact: usize,
     pillars_partially_in_contact: usize,
     smallest_floor_gap_m: f64,
+    force_error_estimate: f64,
     critical: bool,
     beyond_transition: bool,
     converged: bool,
@@ -139,6 +140,7 @@ fn row(state: &ContactState, critical: bool) -> StateRow {
         pillars_in_contact: state.pillars_in_contact,
         pillars_partially_in_contact: state.pillars_partially_in_contact,
         smallest_floor_gap_m: state.smallest_floor_gap,
+        force_error_estimate: state.error.force,
         critical,
         beyond_transition: state.beyond_transition(),
         converged: state.converged(),
@@ -164,12 +166,18 @@ fn text(case: &Case, critical: &CriticalState, rows: &[StateRow]) -> String {
 }
 
 fn columns(rows: &[StateRow]) -> [Column<StateRow>; 7] {
-    let length = |name, value| Column::quantity(name, Dimension::Length, rows, value);
     [
-        length("indentation", |row| Some(row.indentation_m)),
-        Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
+        Column::quantity("indentation", Dimension::Length, rows, |row| {
+            Some(row.indentation_m)
+        }),
+        Column::force(
+            "force",
+            rows,
+            |row| Some(row.force_N),
+            |row| digits(row.force_error_estimate),
+        ),
         Column::radius("contact radius", rows, |row| Some(row.contact_radius_m)),
-        length("floor gap", |row| Some(row.smallest_floor_gap_m)),
+        Column::radius("floor gap", rows, |row| Some(row.smallest_floor_gap_m)),
         Column::right("pillars", |row: &StateRow| {
             row.pillars_in_contact.to_string()
         }),

@@ -21,28 +21,40 @@ impl<T: 'static> Column<T> {
         rows: &[T],
         value: fn(&T) -> Option<f64>,
     ) -> Self {
-        Self::scaled(name, dimension, DIGITS, rows, value)
+        Self::scaled(name, dimension, rows, value, |_| DIGITS)
+    }
+
+    /// A force of which only so many digits are known.
+    pub(crate) fn force(
+        name: &str,
+        rows: &[T],
+        value: fn(&T) -> Option<f64>,
+        known: fn(&T) -> usize,
+    ) -> Self {
+        Self::scaled(name, Dimension::Force, rows, value, known)
+    }
+
+    /// A contact radius, as far as its digits are known.
+    pub(crate) fn radius(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
+        Self::scaled(name, Dimension::Length, rows, value, |_| RADIUS_DIGITS)
     }
 
     fn scaled(
         name: &str,
         dimension: Dimension,
-        digits: usize,
         rows: &[T],
         value: fn(&T) -> Option<f64>,
+        known: fn(&T) -> usize,
     ) -> Self {
         let unit = column_unit(rows.iter().filter_map(value), dimension);
         let size = unit.map_or(1.0, |unit| unit.in_si());
         Self {
             heading: unit.map_or(name.to_owned(), |unit| format!("{name} ({})", unit.symbol)),
-            cell: Box::new(move |row| number_or_dash(value(row).map(|value| value / size), digits)),
+            cell: Box::new(move |row| {
+                number_or_dash(value(row).map(|value| value / size), known(row))
+            }),
             alignment: CellAlignment::Right,
         }
-    }
-
-    /// A contact radius, as far as its digits are known.
-    pub(crate) fn radius(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
-        Self::scaled(name, Dimension::Length, RADIUS_DIGITS, rows, value)
     }
 
     /// A plain number.
