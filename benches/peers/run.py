@@ -106,23 +106,30 @@ def median(answers, key):
     return statistics.median(answer[key] for answer in answers)
 
 
+def in_turns(measure, programs, repeats):
+    """Answers of every program with every number of threads, measured in turns."""
+    answers = {(threads, program): [] for threads in THREADS for program in programs}
+    for _ in range(repeats):
+        for (threads, program), measured in answers.items():
+            measured.append(measure(program, threads))
+    return answers
+
+
 def products(programs, repeats):
     rows = []
     for side in SIDES:
-        for threads in THREADS:
-            names = ["fakir", "scipy", *PEERS]
-            answers = {name: [] for name in names}
-            for _ in range(repeats):
-                for name in names:
-                    inner = max(3, 4_000_000 // side**2)
-                    answers[name].append(programs.product(name, side, threads, inner))
-            # ContactMechanics and Tamaas evaluate the closed form of Love with cancellation.
-            checks = [answers[name][0]["check"] for name in names]
-            assert max(checks) - min(checks) < 1e-6 * abs(checks[0]), checks
-            for name in names:
-                rows.append((side, threads, name, answers[name]))
-            say(f"product {side} {threads}: " + ", ".join(
-                f"{name} {1e3 * median(answers[name], 'product_s'):.1f} ms" for name in names))
+        inner = max(3, 4_000_000 // side**2)
+        answers = in_turns(
+            lambda program, threads: programs.product(program, side, threads, inner),
+            ["fakir", "scipy", *PEERS],
+            repeats,
+        )
+        # ContactMechanics evaluates the closed form of Love with cancellation.
+        checks = [measured[0]["check"] for measured in answers.values()]
+        assert max(checks) - min(checks) < 1e-6 * abs(checks[0]), checks
+        for (threads, program), measured in answers.items():
+            rows.append((side, threads, program, measured))
+            say(f"product {side} {threads} {program}: {1e3 * median(measured, 'product_s'):.1f} ms")
     return rows
 
 
@@ -160,16 +167,18 @@ def solutions(programs, folder, repeats, names):
         tolerances = {}
         for program in ["fakir", *PEERS]:
             tolerances[program] = calibrate(programs, program, problem)
+        able = [program for program, (tolerance, _) in tolerances.items() if tolerance is not None]
+        answers = in_turns(
+            lambda program, threads: programs.solve(program, problem, tolerances[program][0], threads),
+            able,
+            repeats,
+        )
         for threads in THREADS:
-            answers = {program: [] for program in tolerances}
-            for _ in range(repeats):
-                for program, (tolerance, _) in tolerances.items():
-                    if tolerance is not None:
-                        answers[program].append(programs.solve(program, problem, tolerance, threads))
             for program, (tolerance, first) in tolerances.items():
-                rows.append((problem, threads, program, tolerance, first, answers[program]))
-                if answers[program]:
-                    say(f"{problem['name']} {threads} {program}: {median(answers[program], 'total_s'):.3f} s")
+                measured = answers.get((threads, program), [])
+                rows.append((problem, threads, program, tolerance, first, measured))
+                if measured:
+                    say(f"{problem['name']} {threads} {program}: {median(measured, 'total_s'):.3f} s")
     return rows
 
 
@@ -220,6 +229,7 @@ def main():
     arguments = parser.parse_args()
     arguments.folder.mkdir(parents=True, exist_ok=True)
     programs = Programs(arguments.folder)
+    load = os.getloadavg()[2]
     lines = [
         "# Measured",
         "",
@@ -232,6 +242,8 @@ def main():
         lines += product_table(products(programs, arguments.repeats))
     lines += ["", f"## One solution to a relative error of {ERROR:.0e}", ""]
     lines += solution_table(solutions(programs, arguments.folder, arguments.repeats, arguments.problem))
+    before, after = load, os.getloadavg()[2]
+    lines.insert(3, f"Load of the machine by all work, before and after: {before:.1f} and {after:.1f}.")
     arguments.output.write_text("\n".join(lines) + "\n")
 
 

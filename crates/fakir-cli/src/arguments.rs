@@ -133,10 +133,10 @@ impl Press {
 pub(crate) struct Approach {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
-    /// Indentation from one state to the next (m, mm, um, nm; a bare number in m) [default: a
-    /// twentieth of the critical indentation]
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
-    step: Option<f64>,
+    /// Indentation from one state to the next (m, mm, um, nm; a bare number in m); as in the
+    /// experiments unless given
+    #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = length, allow_hyphen_values = true)]
+    step: f64,
     /// Stop at this indentation instead of the critical one, if it is reached earlier
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     until: Option<f64>,
@@ -150,8 +150,8 @@ pub(crate) struct Approach {
 /// The indentations of a quasi-static loading.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LoadingPath {
-    /// m; `None` for a fraction of the critical indentation.
-    pub(crate) step: Option<f64>,
+    /// m
+    pub(crate) step: f64,
     /// m
     pub(crate) until: Option<f64>,
     pub(crate) past_transition: bool,
@@ -159,7 +159,7 @@ pub(crate) struct LoadingPath {
 
 impl Approach {
     pub(crate) fn path(&self) -> Result<LoadingPath, Failure> {
-        for (name, value) in [("--step", self.step), ("--until", self.until)] {
+        for (name, value) in [("--step", Some(self.step)), ("--until", self.until)] {
             if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
                 return Err(Failure::Argument(format!(
                     "{name} must be a length greater than 0"

@@ -1,7 +1,7 @@
 //! The command `fakir`: case files in, critical states and contacts out.
 //!
 //! Arguments ([`arguments`]) are resolved into a case and a question, a command ([`commands`])
-//! asks the library and makes a [`Report`](report::Report), and that is printed as a table or as
+//! asks the library and makes a [`Report`], and that is printed as a table or as
 //! JSON and saved ([`output`]). Standard output holds the result and nothing else.
 
 mod arguments;

@@ -331,7 +331,7 @@ fn output_holds_the_result_and_the_case() {
         bench.files("a"),
         ["approach.csv", "case.toml", "summary.json"]
     );
-    assert_eq!(bench.read("a/approach.csv").lines().count(), 22); // heading, 0, 19 steps, critical
+    assert_eq!(bench.read("a/approach.csv").lines().count(), 18); // heading, 0 to 15 um, critical at 15.06 um
     bench.result(&["theory", &intermediate(), "--output", "t"]);
     assert_eq!(
         bench.files("t"),

@@ -27,6 +27,8 @@
 //!   for a second opinion on the spectral method.
 //! * [`contact`]: what comes back: forces, radii, every pillar, [fields](contact::Fields),
 //!   convergence and error estimates.
+//! * [`love::SurfaceSystem`] and [`pattern`]: lens or plate on any height map, floor included,
+//!   past the transition too; and surfaces patterned with pillars of other forms.
 //! * [`theory`]: the closed forms of the paper with their errata, and the homogenised lattice.
 //!
 //! # What is computed

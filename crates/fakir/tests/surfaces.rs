@@ -1,12 +1,16 @@
 //! Contacts with surfaces given by their heights: known solutions, and pillars against the
 //! spectral method.
 
-use fakir::contact::{CancelToken, Load, Run};
+mod common;
+
+use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
+use fakir::contact::{CancelToken, Load, Method, Regime, Run};
 use fakir::love::{
-    Boundary, Grid, HeightMap, Indenter, PillarColumns, SurfaceContact, SurfaceError,
+    Boundary, Floor, Grid, HeightMap, Indenter, PillarColumns, SurfaceContact, SurfaceError,
     SurfaceSystem, SurfaceWarning,
 };
-use fakir::system::{Lens, Material, Quantity};
+use fakir::pattern::{Arrangement, Pattern, PillarShape};
+use fakir::system::{Lens, Material, PillarCompliance, Quantity};
 use std::f64::consts::PI;
 
 const LENS_RADIUS: f64 = 1.0e-3;
@@ -24,13 +28,13 @@ fn lens() -> Indenter {
 
 /// The lens on a flat surface, 40 um wide.
 fn flat(cells: usize) -> SurfaceSystem {
-    let grid = Grid::centred(cells, cells, 40.0e-6 / cells as f64).unwrap();
-    let surface = HeightMap::from_height(grid, |_| 3.0e-6).unwrap();
-    SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap()
+    let grid = Grid::centred(cells, cells, 40.0e-6 / cells as f64).expect("a grid");
+    let surface = HeightMap::from_height(grid, |_| 3.0e-6).expect("a valid surface");
+    SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).expect("a valid system")
 }
 
 fn press(system: &SurfaceSystem, load: Load) -> SurfaceContact {
-    let contact = system.press(load, &Run::default()).unwrap();
+    let contact = system.press(load, &Run::default()).expect("a contact");
     assert!(contact.converged());
     contact
 }
@@ -154,9 +158,10 @@ fn rectangular_cells_give_the_same_contact() {
 /// A wave on a plate: `z = -D (1 - cos(2 pi x/L))`, one period of 8 cells across.
 fn wavy(cells: usize, height: impl Fn([f64; 2]) -> f64, rows: usize) -> SurfaceSystem {
     let size = 1.0e-5 / cells as f64;
-    let grid = Grid::new(cells, rows, [size, size], [0.0, 0.0]).unwrap();
-    let surface = HeightMap::from_height(grid, height).unwrap();
-    SurfaceSystem::new(Indenter::Flat(None), rubber(), surface, Boundary::Periodic).unwrap()
+    let grid = Grid::new(cells, rows, [size, size], [0.0, 0.0]).expect("a grid");
+    let surface = HeightMap::from_height(grid, height).expect("a valid surface");
+    SurfaceSystem::new(Indenter::Flat(None), rubber(), surface, Boundary::Periodic)
+        .expect("a valid system")
 }
 
 const WAVELENGTH: f64 = 1.0e-5;
@@ -234,11 +239,12 @@ fn square_pillar(across: usize) -> SurfaceSystem {
     let margin = across / 4;
     let cells = across + 2 * margin;
     let size = 8.0e-6 / across as f64;
-    let grid = Grid::centred(cells, cells, size).unwrap();
+    let grid = Grid::centred(cells, cells, size).expect("a grid");
     let top = |[x, y]: [f64; 2]| x.abs().max(y.abs()) < 4.0e-6;
-    let surface = HeightMap::from_height(grid, |at| if top(at) { 5.0e-6 } else { 0.0 }).unwrap();
+    let surface = HeightMap::from_height(grid, |at| if top(at) { 5.0e-6 } else { 0.0 })
+        .expect("a valid surface");
     let plate = Indenter::Flat(Some(rubber()));
-    SurfaceSystem::new(plate, rubber(), surface, Boundary::FreeSpace).unwrap()
+    SurfaceSystem::new(plate, rubber(), surface, Boundary::FreeSpace).expect("a valid system")
 }
 
 #[test]
@@ -371,4 +377,225 @@ fn cancelled_from_the_progress_report() {
     };
     let error = system.press(Load::Indentation(0.2e-6), &run).unwrap_err();
     assert_eq!(error, SurfaceError::Interrupted);
+}
+
+/// The paper's texture with pillars of its diameter on the intermediate substrate, under the lens
+/// out to `reach`, with so many cells across a pillar.
+fn paper_texture(surface_fraction: f64, offset: f64, reach: f64, across: usize) -> SurfaceSystem {
+    let pillar = paper_pillar(PillarCompliance::Column);
+    let size = pillar.diameter / across as f64;
+    let cells = 2 * (reach / size).ceil() as usize;
+    let grid = Grid::centred(cells, cells, size).expect("a grid");
+    let pattern = Pattern::new(
+        PillarShape::cylinder(pillar.diameter, pillar.height),
+        Arrangement::Hexagonal(paper_lattice(surface_fraction, offset)),
+    );
+    let substrate = Material::new(INTERMEDIATE, 0.5);
+    let surface = pattern
+        .height_map(&grid, &substrate)
+        .expect("a valid surface");
+    let lens = Indenter::Lens(paper_lens());
+    SurfaceSystem::new(lens, substrate, surface, Boundary::FreeSpace).expect("a valid system")
+}
+
+#[test]
+fn floor_is_reached_where_the_spectral_method_finds_it() {
+    let system = paper_system(
+        paper_lattice(0.03, 0.0),
+        INTERMEDIATE,
+        PillarCompliance::Column,
+    );
+    let spectral = fakir::transition(&system, Method::default(), &Run::default()).unwrap();
+    let (force, indentation) = (spectral.contact.force, spectral.contact.indentation);
+    let plain = paper_texture(0.03, 0.0, 150.0e-6, 12);
+    let matched = plain.clone().with_round_tops(6.0e-6).unwrap();
+    // About 0.24/12 without correction for the outline of the cells (first order in the cell).
+    for (system, tolerance) in [(plain, 0.02), (matched, 0.003)] {
+        let critical = system
+            .transition(Floor::OffPillars, &Run::default())
+            .unwrap();
+        let contact = &critical.contact;
+        assert!(contact.converged() && critical.regime == Regime::TopFirst);
+        let errors = [
+            contact.force / force - 1.0,
+            contact.indentation / indentation - 1.0,
+        ];
+        println!("errors {errors:?}, estimated {:?}", contact.error);
+        assert!(errors.iter().all(|error| error.abs() < tolerance));
+        let estimate = contact.error.unwrap();
+        assert!(errors[0].abs() < estimate.force && estimate.force < 0.1);
+        assert!(errors[1].abs() < estimate.indentation);
+        // The floor is touched and bears nothing yet.
+        let shares = contact.shares(system.surface(), Floor::OffPillars);
+        assert!(shares.floor.force.abs() < f64::MIN_POSITIVE);
+        assert!((shares.tops.force / contact.force - 1.0).abs() < 1e-12);
+        let smallest = contact.gap.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(smallest.abs() < 1e-5 * indentation);
+        let [x, y] = critical.floor_contact;
+        let [x_c, y_c] = spectral.floor_contact;
+        assert!((x.hypot(y) - x_c.hypot(y_c)).abs() < 1.0e-6);
+    }
+}
+
+#[test]
+fn floor_takes_its_share_past_the_transition() {
+    let system = paper_texture(0.03, 0.0, 200.0e-6, 8);
+    let critical = system
+        .transition(Floor::OffPillars, &Run::default())
+        .unwrap();
+    let at = |factor: f64| {
+        let contact = press(
+            &system,
+            Load::Indentation(factor * critical.contact.indentation),
+        );
+        let shares = contact.shares(system.surface(), Floor::OffPillars);
+        let by_height = contact.shares(system.surface(), Floor::AtOrBelow(1.0e-9));
+        assert_eq!(shares, by_height);
+        assert!(((shares.tops.force + shares.floor.force) / contact.force - 1.0).abs() < 1e-12);
+        assert!(contact.warnings.is_empty());
+        (contact.force / critical.contact.force, shares)
+    };
+    // Just before, the solution with the floor is that without.
+    let (force, shares) = at(1.0 - 1e-5);
+    assert!(shares.floor.area.abs() < f64::MIN_POSITIVE && (force - 1.0).abs() < 1e-4);
+    // Just after, the floor bears next to nothing: the share begins continuously.
+    let (force, shares) = at(1.0 + 1e-3);
+    assert!(shares.floor.area > 0.0 && (force - 1.0).abs() < 5e-3);
+    let mut last = shares.floor;
+    assert!(last.force < 1e-4 * critical.contact.force);
+    for factor in [1.01, 1.05, 1.1, 1.2, 1.4] {
+        let (_, shares) = at(factor);
+        assert!(shares.floor.force > last.force && shares.floor.area >= last.area);
+        last = shares.floor;
+    }
+    assert!(last.force > 0.05 * critical.contact.force);
+}
+
+#[test]
+fn pressing_before_the_transition_agrees_with_the_spectral_method() {
+    let system = paper_system(
+        paper_lattice(0.03, 0.0),
+        INTERMEDIATE,
+        PillarCompliance::Column,
+    );
+    let load = Load::Indentation(3.0e-6);
+    let spectral = fakir::press(&system, load, Method::default(), &Run::default()).unwrap();
+    let surface = paper_texture(0.03, 0.0, 130.0e-6, 16);
+    let surface = surface.with_round_tops(6.0e-6).unwrap();
+    let contact = press(&surface, load);
+    assert!((contact.force / spectral.force - 1.0).abs() < 3e-3);
+    let radius = contact.contact_radius.unwrap();
+    // Cells are in contact or not, which leaves one in doubt, and half a side is added.
+    assert!((radius - spectral.contact_radius).abs() < 1.5 * 6.0e-6 / 16.0);
+}
+
+#[test]
+fn floor_before_any_pillar() {
+    // As in the reference table: zeta_c = h, F_c = 0.
+    let system = paper_texture(0.0005, 3f64.sqrt() / 2.0, 140.0e-6, 4);
+    let critical = system
+        .transition(Floor::OffPillars, &Run::default())
+        .unwrap();
+    assert_eq!(critical.regime, Regime::BottomFirst);
+    // The lowest point of the lens lies on a corner of cells, half a diagonal from a centre.
+    assert!((critical.contact.indentation / 2.2e-6 - 1.0).abs() < 1e-3);
+    assert!(critical.contact.force.abs() < f64::MIN_POSITIVE);
+    let contact = press(&system, Load::Indentation(2.5e-6));
+    let shares = contact.shares(system.surface(), Floor::OffPillars);
+    assert!(shares.floor.force > 0.0 && shares.tops.force.abs() < f64::MIN_POSITIVE);
+    let error = flat(64).transition(Floor::AtOrBelow(0.0), &Run::default());
+    assert!(matches!(error, Err(SurfaceError::NoFloor)));
+}
+
+#[test]
+fn round_top_bears_the_force_of_a_flat_punch() {
+    // F = 2 E* a zeta (Johnson, Contact Mechanics, eq. 3.36), on a grid that does not fit it.
+    let grid = Grid::new(40, 44, [0.31e-6, 0.28e-6], [-5.1e-6, -6.3e-6]).unwrap();
+    let mut pillar = PillarShape::cylinder(6.0e-6, 2.2e-6);
+    pillar.compliance = PillarCompliance::None;
+    let arrangement = Arrangement::Square {
+        pitch: 50.0e-6,
+        offset: [0.0, 0.0],
+    };
+    let surface = Pattern::new(pillar, arrangement)
+        .height_map(&grid, &rubber())
+        .unwrap();
+    let plate = Indenter::Flat(Some(rubber()));
+    let system = SurfaceSystem::new(plate, rubber(), surface, Boundary::FreeSpace).unwrap();
+    let exact = system.reduced_modulus() * 6.0e-6 * 0.1e-6;
+    let plain = press(&system, Load::Indentation(0.1e-6)).force / exact - 1.0;
+    let matched = system.with_round_tops(6.0e-6).unwrap();
+    let matched = press(&matched, Load::Indentation(0.1e-6)).force / exact - 1.0;
+    println!("plain {plain:.2e} matched {matched:.2e}");
+    assert!(plain.abs() > 1e-3 && matched.abs() < 1e-7);
+}
+
+#[test]
+fn plate_on_periodic_pillars_reaches_the_floor() {
+    let pillar = PillarShape::cylinder(6.0e-6, 0.2e-6);
+    let arrangement = Arrangement::Square {
+        pitch: 16.0e-6,
+        offset: [0.0, 0.0],
+    };
+    let grid = Grid::centred(64, 64, 0.25e-6).unwrap();
+    let surface = Pattern::new(pillar, arrangement)
+        .height_map(&grid, &rubber())
+        .unwrap();
+    let plate = Indenter::Flat(Some(rubber()));
+    let system = SurfaceSystem::new(plate, rubber(), surface, Boundary::Periodic).unwrap();
+    let critical = system
+        .transition(Floor::OffPillars, &Run::default())
+        .unwrap();
+    assert!(critical.contact.converged() && critical.regime == Regime::TopFirst);
+    let floor = |factor: f64| {
+        let contact = press(&system, Load::Force(factor * critical.contact.force));
+        contact.shares(system.surface(), Floor::OffPillars).floor
+    };
+    assert!(floor(0.999).force.abs() < f64::MIN_POSITIVE);
+    let (before, after) = (floor(1.01), floor(1.3));
+    assert!(before.force > 0.0 && after.force > 2.0 * before.force);
+    // First in the middle between four pillars, half a cell from it.
+    let [x, y] = critical.floor_contact.map(f64::abs);
+    assert!((x - 7.875e-6).abs() < 1e-12 && (y - 7.875e-6).abs() < 1e-12);
+}
+
+/// A rough surface, all numbers made of sines: no symmetry, no flat parts.
+fn rough(boundary: Boundary, indenter: Indenter) -> SurfaceSystem {
+    let grid = Grid::centred(96, 80, 0.5e-6).expect("a grid");
+    let height = |[x, y]: [f64; 2]| {
+        (1..30)
+            .map(f64::from)
+            .map(|k| {
+                let (sin, cos) = (2.4 * k).sin_cos();
+                let wave = 2.0e5 * k * (x * cos + y * sin) + k * k;
+                2.0e-7 * wave.sin() / k
+            })
+            .sum()
+    };
+    let surface = HeightMap::from_height(grid, height).expect("a valid surface");
+    SurfaceSystem::new(indenter, rubber(), surface, boundary).expect("a valid system")
+}
+
+#[test]
+fn rough_surfaces_meet_the_contact_conditions_everywhere() {
+    // On all cells, not only those that were taken for unknowns.
+    let plate = Indenter::Flat(None);
+    for (boundary, indenter) in [
+        (Boundary::FreeSpace, lens()),
+        (Boundary::FreeSpace, plate),
+        (Boundary::Periodic, plate),
+    ] {
+        let system = rough(boundary, indenter);
+        for force in [1.0e-9, 1.0e-6, 1.0e-4] {
+            let contact = press(&system, Load::Force(force));
+            assert!((contact.force / force - 1.0).abs() < 1e-12);
+            let again = press(&system, Load::Indentation(contact.indentation));
+            assert!((again.force / force - 1.0).abs() < 1e-6);
+            for (pressure, gap) in contact.pressure.iter().zip(&contact.gap) {
+                let closed = *pressure > 0.0;
+                assert!(*pressure >= 0.0 && *gap > -1e-5 * contact.indentation);
+                assert!(!closed || gap.abs() < 1e-4 * contact.indentation);
+            }
+        }
+    }
 }

@@ -806,7 +806,7 @@ fn a_touch_too_light_for_the_nodes_says_so() {
     // The lens comes down beside a pillar and touches its edge by less than the nodes resolve.
     let system = paper_system(
         paper_lattice(0.01, 0.5),
-        common::INTERMEDIATE,
+        INTERMEDIATE,
         PillarCompliance::Column,
     );
     let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);

@@ -13,9 +13,6 @@ use fakir_case::unit::Dimension;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Parts of the critical indentation that the steps are, unless given.
-const STEPS: f64 = 20.0;
-
 /// More states than anybody wants; a step in the wrong unit asks for this many.
 const MOST_STATES: f64 = 1e4;
 
@@ -97,7 +94,7 @@ enum Step {
 /// Multiples of the step, with the critical state in its place among them and the end of the path
 /// last.
 fn indentations(path: &LoadingPath, critical: f64) -> Result<Vec<Step>, Failure> {
-    let step = path.step.unwrap_or(critical / STEPS);
+    let step = path.step;
     let end = match path.until {
         Some(until) if path.past_transition || until < critical => until,
         _ => critical,
@@ -211,7 +208,7 @@ mod tests {
 
     fn path(step: f64, until: Option<f64>, past_transition: bool) -> Vec<Step> {
         let path = LoadingPath {
-            step: Some(step),
+            step,
             until,
             past_transition,
         };
@@ -241,7 +238,7 @@ mod tests {
     #[test]
     fn steps_in_the_wrong_unit_are_refused() {
         let path = LoadingPath {
-            step: Some(1e-9),
+            step: 1e-9,
             until: None,
             past_transition: false,
         };

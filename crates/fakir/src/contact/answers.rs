@@ -3,7 +3,7 @@
 use super::estimate::estimate;
 use super::fields::{Disc, Fields, degree_with};
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
-use super::newton::{Degrees, Newton, Outcome, Target};
+use super::newton::{Degrees, MISMATCH_TOLERANCE, Newton, Outcome, Target};
 use super::problem::Problem;
 use super::run::{Progress, Run, Stage, Termination};
 use super::spectral::{
@@ -417,7 +417,8 @@ fn assemble(
         Target::Floor => outcome.floor,
         Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(indentation),
     };
-    let touched = touched_pillars(problem, &newton, &outcome);
+    let mut touched = touched_pillars(problem, &newton, &outcome);
+    let force = share_force(&mut touched, target, problem);
     let contact_radius = touched
         .iter()
         .map(|pillar| pillar.reach)
@@ -438,7 +439,6 @@ fn assemble(
         .map(|pillar| degree_with(pillar.disc.coefficients.len()))
         .max()
         .unwrap_or(0);
-    let force = touched.iter().map(|pillar| pillar.state.force).sum();
     let (pillars, discs): (Vec<_>, Vec<_>) = touched.into_iter().map(|p| (p.state, p.disc)).unzip();
     let fields = Fields::new(
         problem.clone(),
@@ -517,6 +517,24 @@ fn nearest_first<T>(pillars: &mut [T], state: impl Fn(&T) -> &PillarState, lengt
             .total_cmp(&distance(b))
             .then(state(a).index.cmp(&state(b).index))
     });
+}
+
+/// The force on all pillars. What is prescribed is met within the solver's tolerance; the pillars
+/// share what is missing, so that they bear it to the last digit.
+fn share_force(touched: &mut [TouchedPillar], target: Target, problem: &Problem) -> f64 {
+    let sum: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
+    let Target::Force(force) = target else {
+        return sum;
+    };
+    let prescribed = force * problem.force();
+    let close = (prescribed - sum).abs() <= MISMATCH_TOLERANCE * prescribed;
+    if !close {
+        return sum;
+    }
+    for pillar in touched {
+        pillar.state.force *= prescribed / sum;
+    }
+    prescribed
 }
 
 struct TouchedPillar {

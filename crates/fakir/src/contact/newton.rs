@@ -28,7 +28,7 @@ const FIRST_LINEAR_TOLERANCE: f64 = 1e-3;
 
 /// Largest difference, relative to the largest coefficient, between the local and the global
 /// solution on any pillar.
-const MISMATCH_TOLERANCE: f64 = 1e-7;
+pub(crate) const MISMATCH_TOLERANCE: f64 = 1e-7;
 
 /// Relative difference in the indentation of first contact between floor points that count as
 /// equally low.

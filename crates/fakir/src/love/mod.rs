@@ -3,12 +3,14 @@
 //! The surface is divided into equal rectangles, usually squares, with a constant pressure on
 //! each; the displacement is taken at their centres (A. E. H. Love, Phil. Trans. R. Soc. A 228,
 //! 377 (1929); K. L. Johnson, Contact Mechanics, section 3.3). Nothing here knows the spectral
-//! basis of a disc or the lattice, so that each method can check the other.
+//! basis of a disc, so that each method can check the other.
 //!
 //! * [`Grid`] and [`Cells`]: the rectangles, and those that can carry a pressure;
 //! * [`Rectangle`]: the potential of one loaded rectangle, at any point, to rounding;
 //! * [`Operator`]: the displacement of all cells from the pressures on them, with its
 //!   implementations;
+//! * [`solver`]: the contact conditions on them, with a certificate;
+//! * [`ElementMesh`]: how the pillars of a [`System`](crate::system::System) are divided;
 //! * [`SurfaceSystem`]: a lens or a plate pressed onto any [`HeightMap`].
 //!
 //! Lengths in m, pressures in Pa, compliances in 1/Pa.

@@ -24,8 +24,9 @@
 //!
 //! Conjugate gradients on the elements that bear pressure or interpenetrate, projected onto
 //! `p >= 0` (I. A. Polonsky and L. M. Keer, Wear 231, 206 (1999)), preconditioned by the
-//! operator's own approximate inverse. Steps that fail to lower the energy, as projection can
-//! make them, are replaced by projected gradient steps, halved until they do.
+//! operator's own approximate inverse. Under a force, residuals and directions lose their mean
+//! over these elements, so that pressures keep their sum. Steps that fail to lower the energy, as
+//! projection can make them, are replaced by projected gradient steps, halved until they do.
 
 use super::operator::Operator;
 use crate::contact::{CancelToken, Load, Termination};
@@ -343,8 +344,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
     /// The conjugate direction, or after a `restart` the preconditioned gradient. Returns the
     /// slope along it, the residual times the direction.
     fn find_direction(&mut self, restart: bool) -> f64 {
-        // The residual times the preconditioned one of the last iteration, which is the last
-        // residual times the preconditioned one of this, as preconditioners are symmetric.
+        // The residual times the last preconditioned one: on the same elements the last residual
+        // times the preconditioned one to come, as preconditioners are symmetric.
         let mut mixed = 0.0;
         for element in 0..self.pressure.len() {
             let residual = self.residual(element);

@@ -30,7 +30,7 @@
 
 use super::grid::Grid;
 use super::solver::Certificate;
-use super::surface_level::{Level, Pressed};
+use super::surface_level::{Level, Pressed, check_fields};
 use super::surface_map::HeightMap;
 use crate::contact::{ErrorEstimate, Load, Regime, Run, Termination};
 use crate::system::{InvalidQuantity, Lens, Material, Point, Quantity, Requirement};
@@ -217,8 +217,9 @@ impl SurfaceSystem {
         self.check_load(load)?;
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
+        check_fields(&self.surface, run)?;
         for surface in self.levels() {
-            let mut level = Level::new(self, surface, None, run)?;
+            let mut level = Level::new(self, surface, None, run);
             if let Some((last, pressed)) = &solved {
                 level.start_from(last, pressed.indentation);
             }
@@ -257,8 +258,9 @@ impl SurfaceSystem {
     ) -> Result<SurfaceTransition, SurfaceError> {
         let mut solved: Option<(Level<'_>, Pressed, usize)> = None;
         let mut history = Vec::new();
+        check_fields(&self.surface, run)?;
         for surface in self.levels() {
-            let mut level = Level::new(self, surface, Some(floor), run)?;
+            let mut level = Level::new(self, surface, Some(floor), run);
             if !level.has_floor() {
                 // Large cells may miss a small floor; the last level are the cells themselves.
                 continue;

@@ -95,15 +95,14 @@ impl<'a> Level<'a> {
         surface: HeightMap,
         floor: Option<Floor>,
         run: &'a Run<'a>,
-    ) -> Result<Self, SurfaceError> {
+    ) -> Self {
         let cell_count = surface.grid().cell_count();
-        check_memory(surface.grid(), cell_count, BYTES_PER_CELL * cell_count, run)?;
         let floor = floor.map(|floor| {
             (0..cell_count)
                 .map(|cell| floor.contains(&surface, cell))
                 .collect()
         });
-        Ok(Self {
+        Self {
             separation: separation(system, &surface),
             column_compliance: column_compliance(system, &surface),
             floor,
@@ -116,7 +115,7 @@ impl<'a> Level<'a> {
             system,
             surface,
             run,
-        })
+        }
     }
 
     /// Whether the lens could reach any of the floor.
@@ -245,12 +244,7 @@ impl<'a> Level<'a> {
         let bytes = self.half_space_memory(&cells)
             + Preconditioned::<FreeSpaceConvolution<'_>>::memory_estimate(&cells)
             + BYTES_PER_UNKNOWN * cells.len();
-        check_memory(
-            &grid,
-            cells.len(),
-            bytes + BYTES_PER_CELL * grid.cell_count(),
-            self.run,
-        )?;
+        self.check_memory(cells.len(), bytes)?;
         self.check_cancelled()?;
         let operator =
             Preconditioned::new(self.half_space(cells.clone()), cells.clone(), self.run.pool);
@@ -300,6 +294,13 @@ impl<'a> Level<'a> {
             Boundary::FreeSpace => FreeSpaceConvolution::memory_estimate(cells, threads),
             Boundary::Periodic => PeriodicConvolution::memory_estimate(cells, threads),
         }
+    }
+
+    /// Whether `bytes` for `cells` of them fit the memory allowed, with the fields.
+    fn check_memory(&self, cells: usize, bytes: usize) -> Result<(), SurfaceError> {
+        let fields = BYTES_PER_CELL * self.separation.len();
+        let whole = self.system.surface();
+        check_memory(whole, &self.surface, cells, bytes + fields, self.run)
     }
 
     fn check_cancelled(&self) -> Result<(), SurfaceError> {
@@ -480,8 +481,7 @@ impl<'a> Level<'a> {
         };
         let grid = self.surface.grid();
         let cells = Cells::where_true(grid, |cell| self.separation[cell] <= bound);
-        let bytes = self.half_space_memory(&cells) + BYTES_PER_CELL * grid.cell_count();
-        check_memory(grid, cells.len(), bytes, self.run)?;
+        self.check_memory(cells.len(), self.half_space_memory(&cells))?;
         let operator = self.half_space(cells.clone());
         Ok(FloorCells {
             bound,
@@ -529,8 +529,7 @@ impl<'a> Level<'a> {
     fn displacement(&self) -> Result<Vec<f64>, SurfaceError> {
         let grid = self.surface.grid();
         let cells = Cells::all(grid);
-        let bytes = self.half_space_memory(&cells) + BYTES_PER_CELL * cells.len();
-        check_memory(grid, cells.len(), bytes, self.run)?;
+        self.check_memory(cells.len(), self.half_space_memory(&cells))?;
         self.check_cancelled()?;
         let area = grid.cell_area();
         let mut operator = Columns::new(
@@ -639,8 +638,16 @@ fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
         .collect()
 }
 
+/// Whether the fields of a surface fit the memory allowed.
+pub(super) fn check_fields(surface: &HeightMap, run: &Run<'_>) -> Result<(), SurfaceError> {
+    let cells = surface.grid().cell_count();
+    check_memory(surface, surface, cells, BYTES_PER_CELL * cells, run)
+}
+
+/// Whether `bytes` for `cells` of the surface on a level fit the memory allowed.
 fn check_memory(
-    grid: &Grid,
+    whole: &HeightMap,
+    level: &HeightMap,
     cells: usize,
     bytes: usize,
     run: &Run<'_>,
@@ -649,14 +656,13 @@ fn check_memory(
     if bytes <= limit {
         return Ok(());
     }
-    let [width, height] = grid.cell();
-    let cell = width.max(height);
+    let side = |surface: &HeightMap| surface.grid().cell().into_iter().fold(0.0, f64::max);
     Err(SurfaceError::TooLarge {
         cells,
         bytes,
         limit,
-        cell,
+        cell: side(whole),
         // Memory goes as the number of cells; a tenth to spare.
-        suggested_cell: 1.1 * cell * (bytes as f64 / limit as f64).sqrt(),
+        suggested_cell: 1.1 * side(level) * (bytes as f64 / limit as f64).sqrt(),
     })
 }

@@ -10,6 +10,8 @@
 
 mod placement;
 mod shape;
+#[cfg(test)]
+mod tests;
 
 pub use shape::{CrossSection, PillarShape, Top};
 
