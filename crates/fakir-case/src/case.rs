@@ -76,20 +76,7 @@ impl Case {
     /// same case, bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        let mut text = String::from(HEADER);
-        let mut table = "";
-        for key in Key::ALL {
-            let Some(value) = self.value(key) else {
-                continue;
-            };
-            if key.table() != table {
-                table = key.table();
-                let _ = writeln!(text, "\n[{table}]");
-            }
-            let setting = format!("{} = {value}", key.name());
-            let _ = writeln!(text, "{setting:<28} # {}", key.summary());
-        }
-        text
+        write_toml(|key| self.value(key))
     }
 
     fn mesh(&self) -> Option<ElementMesh> {
@@ -102,12 +89,7 @@ impl Case {
     /// The value of a key in TOML; `None` if the case does without it.
     fn value(&self, key: Key) -> Option<String> {
         let system = &self.system;
-        let number = |value: f64| match key.kind() {
-            Kind::Number(Dimension::Number) | Kind::Word => {
-                format_quantity(value, Dimension::Number)
-            }
-            Kind::Number(dimension) => format!("\"{}\"", format_quantity(value, dimension)),
-        };
+        let number = |value: f64| written_number(key, value);
         let word = |word: &str| format!("\"{word}\"");
         Some(match key {
             Key::LensRadius => number(system.lens().radius),
@@ -153,7 +135,36 @@ impl Case {
             } else {
                 "plain"
             }),
+            _ => return None, // of a [surface]
         })
+    }
+}
+
+/// A case file of the keys that have a value, each with what it means.
+pub(crate) fn write_toml(value: impl Fn(Key) -> Option<String>) -> String {
+    let mut text = String::from(HEADER);
+    let mut table = "";
+    for key in Key::ALL {
+        let Some(value) = value(key) else {
+            continue;
+        };
+        if key.table() != table {
+            table = key.table();
+            let _ = writeln!(text, "\n[{table}]");
+        }
+        let setting = format!("{} = {value}", key.name());
+        let _ = writeln!(text, "{setting:<28} # {}", key.summary());
+    }
+    text
+}
+
+/// The number of a key in TOML.
+pub(crate) fn written_number(key: Key, value: f64) -> String {
+    match key.kind() {
+        Kind::Number(Dimension::Number) | Kind::Word | Kind::Text => {
+            format_quantity(value, Dimension::Number)
+        }
+        Kind::Number(dimension) => format!("\"{}\"", format_quantity(value, dimension)),
     }
 }
 

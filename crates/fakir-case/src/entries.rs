@@ -180,5 +180,6 @@ pub(crate) fn accepted(key: Key) -> String {
         Kind::Number(Dimension::Number) => Dimension::Number.accepted(),
         Kind::Number(dimension) => dimension.accepted(),
         Kind::Word => "give a word in quotes".to_owned(),
+        Kind::Text => "give a name in quotes".to_owned(),
     }
 }

@@ -4,6 +4,7 @@ use crate::case::{Case, Spacing};
 use crate::entries::{Entries, Entry, Value, accepted, kind_name, override_value, unknown_key};
 use crate::error::{CaseError, Place, Source};
 use crate::key::{Key, Kind};
+use crate::surface;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::contact::{Accuracy, Method, PunchForm};
 use fakir::love::{ElementMesh, MeshLayout};
@@ -11,7 +12,7 @@ use fakir::system::{
     HexagonalLattice, InvalidQuantity, Lens, MAXIMUM_SURFACE_FRACTION, Material, Pillar,
     PillarCompliance, Quantity, Requirement, System, Texture,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A case file that has been read, with the overrides applied so far.
 ///
@@ -25,8 +26,10 @@ use std::path::Path;
 /// ```
 #[derive(Debug, Clone)]
 pub struct CaseFile {
-    source: Source,
-    entries: Entries,
+    pub(crate) source: Source,
+    pub(crate) entries: Entries,
+    /// Files named in it are sought there.
+    pub(crate) folder: PathBuf,
 }
 
 impl CaseFile {
@@ -43,7 +46,11 @@ impl CaseFile {
                 format!("cannot read {name}: {error}"),
             )
         })?;
-        Self::from_bytes(&name, bytes)
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Ok(Self {
+            folder,
+            ..Self::from_bytes(&name, bytes)?
+        })
     }
 
     /// Reads the contents of a file; `name` is what errors call it.
@@ -68,7 +75,11 @@ impl CaseFile {
                 .accepted("`fakir init` writes a case file to start from"));
         }
         let entries = Entries::parse(&source)?;
-        Ok(Self { source, entries })
+        Ok(Self {
+            source,
+            entries,
+            folder: PathBuf::new(),
+        })
     }
 
     /// Overrides one key: `texture.surface_fraction=0.2`, with a value in TOML or a bare word or
@@ -98,13 +109,14 @@ impl CaseFile {
             }
         };
         let key = Key::at(path.trim()).ok_or_else(|| unknown_key(&place(0, path), path.trim()))?;
-        for other in replaced_by(key) {
+        let value = override_value(text.trim());
+        for other in replaced_by(key, &value) {
             self.entries
                 .keys
                 .retain(|key, entry| *key != other || entry.place.source.name() == "--set");
         }
         let entry = Entry {
-            value: override_value(text.trim()),
+            value,
             place: place(path.len() + 1, text),
         };
         self.entries.keys.insert(key, entry);
@@ -114,8 +126,10 @@ impl CaseFile {
     /// The case that the file and its overrides describe.
     ///
     /// # Errors
-    /// [`CaseError`] for a key that is missing or has a value that cannot be.
+    /// [`CaseError`] for a key that is missing or has a value that cannot be, or a `[surface]` in
+    /// place of a `[texture]`.
     pub fn case(&self) -> Result<Case, CaseError> {
+        self.refuse_surface()?;
         let lens = Lens {
             radius: self.number(Key::LensRadius)?,
             material: Material::new(
@@ -181,7 +195,12 @@ impl CaseFile {
             (None, None) => Err(self
                 .missing(Key::SurfaceFraction)
                 .accepted("give exactly one of texture.surface_fraction and texture.pitch")),
-            (Some(fraction), Some(pitch)) => Err(both_given(fraction, pitch)),
+            (Some(fraction), Some(pitch)) => Err(both_given(
+                ("surface_fraction", &fraction.place),
+                ("pitch", &pitch.place),
+                "texture",
+            )
+            .accepted("give only one: the other follows from it")),
         }
     }
 
@@ -242,12 +261,12 @@ impl CaseFile {
         Ok(())
     }
 
-    fn number(&self, key: Key) -> Result<f64, CaseError> {
+    pub(crate) fn number(&self, key: Key) -> Result<f64, CaseError> {
         let entry = self.entries.keys.get(&key);
         number(key, entry.ok_or_else(|| self.missing(key))?)
     }
 
-    fn number_or(&self, key: Key, default: f64) -> Result<f64, CaseError> {
+    pub(crate) fn number_or(&self, key: Key, default: f64) -> Result<f64, CaseError> {
         self.entries
             .keys
             .get(&key)
@@ -255,7 +274,11 @@ impl CaseFile {
     }
 
     /// Which of the `options` a key names; `None` if it is not given.
-    fn choice<T: Copy>(&self, key: Key, options: &[(&str, T)]) -> Result<Option<T>, CaseError> {
+    pub(crate) fn choice<T: Copy>(
+        &self,
+        key: Key,
+        options: &[(&str, T)],
+    ) -> Result<Option<T>, CaseError> {
         let Some(entry) = self.entries.keys.get(&key) else {
             return Ok(None);
         };
@@ -273,7 +296,7 @@ impl CaseFile {
     }
 
     /// An error at the value of a key.
-    fn problem(&self, key: Key, problem: impl Into<String>) -> CaseError {
+    pub(crate) fn problem(&self, key: Key, problem: impl Into<String>) -> CaseError {
         match self.entries.keys.get(&key) {
             Some(entry) => CaseError::at(&entry.place, problem),
             None => CaseError::new(&self.source, problem),
@@ -281,7 +304,7 @@ impl CaseFile {
         .key(key.path())
     }
 
-    fn missing(&self, key: Key) -> CaseError {
+    pub(crate) fn missing(&self, key: Key) -> CaseError {
         let table = key.table();
         let error = match self.entries.tables.get(table) {
             Some(place) => CaseError::new(&place.source, "this key is missing")
@@ -298,14 +321,14 @@ impl CaseFile {
     }
 
     /// The error for a value that the physics refuses, at the key that set it.
-    fn impossible(&self, invalid: &InvalidQuantity) -> CaseError {
+    pub(crate) fn impossible(&self, invalid: &InvalidQuantity) -> CaseError {
         let key = Key::of(invalid.quantity);
         let Some(key) = key else {
             return CaseError::new(&self.source, invalid.to_string());
         };
         let value = match key.kind() {
             Kind::Number(dimension) => format_quantity(invalid.value, dimension),
-            Kind::Word => invalid.value.to_string(),
+            Kind::Word | Kind::Text => invalid.value.to_string(),
         };
         self.problem(key, format!("cannot be {value}"))
             .accepted(format!("it must be {}", invalid.requirement))
@@ -343,7 +366,7 @@ const OWNERS: [(Key, Name); 5] = [
 ];
 
 /// Advice to give one of some words.
-fn one_of<T>(options: &[(&str, T)]) -> String {
+pub(crate) fn one_of<T>(options: &[(&str, T)]) -> String {
     let words: Vec<_> = options
         .iter()
         .map(|(word, _)| format!("\"{word}\""))
@@ -355,17 +378,20 @@ fn one_of<T>(options: &[(&str, T)]) -> String {
 }
 
 /// Keys of the file that an override of `key` takes the place of.
-fn replaced_by(key: Key) -> Vec<Key> {
-    match key {
-        Key::MethodName => OWNERS.map(|(key, _)| key).to_vec(),
+fn replaced_by(key: Key, value: &Value) -> Vec<Key> {
+    match (key, value) {
+        (Key::MethodName, _) => OWNERS.map(|(key, _)| key).to_vec(),
+        (_, Value::Text(word)) if surface::is_choice(key) => {
+            surface::idle_keys(key, word).collect()
+        }
         _ => key.alternative().into_iter().collect(),
     }
 }
 
-fn number(key: Key, entry: &Entry) -> Result<f64, CaseError> {
+pub(crate) fn number(key: Key, entry: &Entry) -> Result<f64, CaseError> {
     let dimension = match key.kind() {
         Kind::Number(dimension) => dimension,
-        Kind::Word => Dimension::Number,
+        Kind::Word | Kind::Text => Dimension::Number,
     };
     let problem = match &entry.value {
         Value::Number(value) => return Ok(*value),
@@ -383,17 +409,19 @@ fn number(key: Key, entry: &Entry) -> Result<f64, CaseError> {
         .accepted(dimension.accepted()))
 }
 
-fn both_given(fraction: &Entry, pitch: &Entry) -> CaseError {
-    let (first, second) = if fraction.place.span.start < pitch.place.span.start {
-        (fraction, pitch)
+/// The error for two entries of which only one can be given; it stands at the later one.
+pub(crate) fn both_given(a: (&str, &Place), b: (&str, &Place), table: &str) -> CaseError {
+    let (first, second) = if a.1.span.start < b.1.span.start {
+        (a.1, b.1)
     } else {
-        (pitch, fraction)
+        (b.1, a.1)
     };
-    let mut error = CaseError::at(&second.place, "surface_fraction and pitch are both given")
-        .key("texture")
-        .accepted("give only one: the other follows from it");
-    if first.place.source.text() == second.place.source.text() {
-        error = error.label(first.place.span.clone(), "and here");
+    let mut error = CaseError::at(second, format!("{} and {} are both given", a.0, b.0));
+    if !table.is_empty() {
+        error = error.key(table);
+    }
+    if first.source.text() == second.source.text() {
+        error = error.label(first.span.clone(), "and here");
     }
     error
 }

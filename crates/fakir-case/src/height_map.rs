@@ -11,7 +11,7 @@
 //! [`HeightMap::with_axis_at`] moves it.
 
 use fakir::love::{Grid, HeightMap, InvalidGrid, InvalidHeightMap};
-use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar};
+use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder};
 use std::io::{Cursor, Read};
 use std::path::Path;
 use zip::ZipArchive;
@@ -33,6 +33,8 @@ pub enum MapSize {
     /// Extent of the whole map along x and y, m, half a pixel around the outermost points
     /// included.
     Extent([f64; 2]),
+    /// Extent of the whole map along x, m, in the same way; pixels are squares.
+    Width(f64),
 }
 
 /// Why a height map cannot be read.
@@ -211,6 +213,25 @@ pub fn read_height_map(
     }
 }
 
+/// Values on the cells of a grid as a `.npy` file: an array of rows and columns, as
+/// [`read_height_map`] reads it.
+///
+/// # Panics
+/// If there is not one value for every cell.
+#[must_use]
+pub fn to_npy(grid: &Grid, values: &[f64]) -> Vec<u8> {
+    assert_eq!(values.len(), grid.cell_count());
+    let shape = [grid.rows() as u64, grid.columns() as u64];
+    let mut bytes = Vec::new();
+    let options = npyz::WriteOptions::new().default_dtype().shape(&shape);
+    let written = options.writer(&mut bytes).begin_nd().and_then(|mut array| {
+        array.extend(values.iter().copied())?;
+        array.finish()
+    });
+    written.expect("memory takes every byte");
+    bytes
+}
+
 /// Gives a table its physical size.
 fn place(file: &str, table: Table, scale: &MapScale) -> Result<HeightMap, HeightMapError> {
     let Table {
@@ -230,6 +251,7 @@ fn place(file: &str, table: Table, scale: &MapScale) -> Result<HeightMap, Height
     let cell = match scale.size {
         MapSize::Pixel(cell) => cell,
         MapSize::Extent([width, height]) => [width / columns_f, height / rows_f],
+        MapSize::Width(width) => [width / columns_f; 2],
     };
     let origin = [-0.5 * columns_f * cell[0], -0.5 * rows_f * cell[1]];
     // An impossible cell size is the better explanation of an impossible origin.

@@ -33,6 +33,70 @@ pub enum Key {
     PillarHeight,
     /// `texture.pillar.compliance`
     PillarCompliance,
+    /// `surface.height_map`
+    HeightMap,
+    /// `surface.array`
+    Array,
+    /// `surface.height_unit`
+    HeightUnit,
+    /// `surface.cell_size`
+    CellSize,
+    /// `surface.width`
+    MapWidth,
+    /// `surface.arrangement`
+    Arrangement,
+    /// `surface.surface_fraction`
+    PatternFraction,
+    /// `surface.pitch`
+    PatternPitch,
+    /// `surface.minimum_distance`
+    MinimumDistance,
+    /// `surface.offset`
+    PatternOffset,
+    /// `surface.offset_angle`
+    PatternOffsetAngle,
+    /// `surface.missing`
+    Missing,
+    /// `surface.height_spread`
+    HeightSpread,
+    /// `surface.seed`
+    Seed,
+    /// `surface.floor`
+    Floor,
+    /// `surface.boundary`
+    Boundary,
+    /// `surface.indenter`
+    Indenter,
+    /// `surface.pillar.cross_section`
+    CrossSection,
+    /// `surface.pillar.diameter`
+    OutlineDiameter,
+    /// `surface.pillar.side`
+    OutlineSide,
+    /// `surface.pillar.sides`
+    OutlineSides,
+    /// `surface.pillar.length`
+    OutlineLength,
+    /// `surface.pillar.width`
+    OutlineWidth,
+    /// `surface.pillar.orientation`
+    Orientation,
+    /// `surface.pillar.height`
+    PatternHeight,
+    /// `surface.pillar.top`
+    Top,
+    /// `surface.pillar.drop`
+    Drop,
+    /// `surface.pillar.chamfer_width`
+    ChamferWidth,
+    /// `surface.pillar.edge_radius`
+    EdgeRadius,
+    /// `surface.pillar.compliance`
+    PatternCompliance,
+    /// `surface.grid.cells_per_diameter`
+    GridCells,
+    /// `surface.grid.width`
+    GridWidth,
     /// `method.name`
     MethodName,
     /// `method.accuracy`
@@ -54,11 +118,13 @@ pub enum Kind {
     Number(Dimension),
     /// One of some words.
     Word,
+    /// The name of a file, or of something in it.
+    Text,
 }
 
 impl Key {
     /// Every key, in the order in which files are written.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 51] = [
         Self::LensRadius,
         Self::LensYoungModulus,
         Self::LensPoissonRatio,
@@ -72,6 +138,38 @@ impl Key {
         Self::PillarDiameter,
         Self::PillarHeight,
         Self::PillarCompliance,
+        Self::HeightMap,
+        Self::Array,
+        Self::HeightUnit,
+        Self::CellSize,
+        Self::MapWidth,
+        Self::Arrangement,
+        Self::PatternFraction,
+        Self::PatternPitch,
+        Self::MinimumDistance,
+        Self::PatternOffset,
+        Self::PatternOffsetAngle,
+        Self::Missing,
+        Self::HeightSpread,
+        Self::Seed,
+        Self::Floor,
+        Self::Boundary,
+        Self::Indenter,
+        Self::CrossSection,
+        Self::OutlineDiameter,
+        Self::OutlineSide,
+        Self::OutlineSides,
+        Self::OutlineLength,
+        Self::OutlineWidth,
+        Self::Orientation,
+        Self::PatternHeight,
+        Self::Top,
+        Self::Drop,
+        Self::ChamferWidth,
+        Self::EdgeRadius,
+        Self::PatternCompliance,
+        Self::GridCells,
+        Self::GridWidth,
         Self::MethodName,
         Self::Accuracy,
         Self::Form,
@@ -97,6 +195,38 @@ impl Key {
             Self::PillarDiameter => "texture.pillar.diameter",
             Self::PillarHeight => "texture.pillar.height",
             Self::PillarCompliance => "texture.pillar.compliance",
+            Self::HeightMap => "surface.height_map",
+            Self::Array => "surface.array",
+            Self::HeightUnit => "surface.height_unit",
+            Self::CellSize => "surface.cell_size",
+            Self::MapWidth => "surface.width",
+            Self::Arrangement => "surface.arrangement",
+            Self::PatternFraction => "surface.surface_fraction",
+            Self::PatternPitch => "surface.pitch",
+            Self::MinimumDistance => "surface.minimum_distance",
+            Self::PatternOffset => "surface.offset",
+            Self::PatternOffsetAngle => "surface.offset_angle",
+            Self::Missing => "surface.missing",
+            Self::HeightSpread => "surface.height_spread",
+            Self::Seed => "surface.seed",
+            Self::Floor => "surface.floor",
+            Self::Boundary => "surface.boundary",
+            Self::Indenter => "surface.indenter",
+            Self::CrossSection => "surface.pillar.cross_section",
+            Self::OutlineDiameter => "surface.pillar.diameter",
+            Self::OutlineSide => "surface.pillar.side",
+            Self::OutlineSides => "surface.pillar.sides",
+            Self::OutlineLength => "surface.pillar.length",
+            Self::OutlineWidth => "surface.pillar.width",
+            Self::Orientation => "surface.pillar.orientation",
+            Self::PatternHeight => "surface.pillar.height",
+            Self::Top => "surface.pillar.top",
+            Self::Drop => "surface.pillar.drop",
+            Self::ChamferWidth => "surface.pillar.chamfer_width",
+            Self::EdgeRadius => "surface.pillar.edge_radius",
+            Self::PatternCompliance => "surface.pillar.compliance",
+            Self::GridCells => "surface.grid.cells_per_diameter",
+            Self::GridWidth => "surface.grid.width",
             Self::MethodName => "method.name",
             Self::Accuracy => "method.accuracy",
             Self::Form => "method.form",
@@ -124,6 +254,11 @@ impl Key {
         self.split().1
     }
 
+    /// Whether it belongs to a `[surface]`.
+    pub(crate) fn is_of_surface(self) -> bool {
+        root(self.path()) == "surface"
+    }
+
     fn split(self) -> (&'static str, &'static str) {
         self.path().rsplit_once('.').unwrap_or(("", self.path()))
     }
@@ -132,25 +267,57 @@ impl Key {
     #[must_use]
     pub fn kind(self) -> Kind {
         match self {
-            Self::LensRadius | Self::Pitch | Self::PillarDiameter | Self::PillarHeight => {
-                Kind::Number(Dimension::Length)
-            }
+            Self::LensRadius
+            | Self::Pitch
+            | Self::PillarDiameter
+            | Self::PillarHeight
+            | Self::HeightUnit
+            | Self::CellSize
+            | Self::MapWidth
+            | Self::PatternPitch
+            | Self::MinimumDistance
+            | Self::Floor
+            | Self::OutlineDiameter
+            | Self::OutlineSide
+            | Self::OutlineLength
+            | Self::OutlineWidth
+            | Self::PatternHeight
+            | Self::Drop
+            | Self::ChamferWidth
+            | Self::EdgeRadius
+            | Self::GridWidth => Kind::Number(Dimension::Length),
             Self::LensYoungModulus | Self::SubstrateYoungModulus => {
                 Kind::Number(Dimension::Pressure)
             }
-            Self::OffsetAngle => Kind::Number(Dimension::Angle),
+            Self::OffsetAngle | Self::PatternOffsetAngle | Self::Orientation => {
+                Kind::Number(Dimension::Angle)
+            }
             Self::LensPoissonRatio
             | Self::SubstratePoissonRatio
             | Self::SurfaceFraction
             | Self::Offset
-            | Self::CellsPerDiameter => Kind::Number(Dimension::Number),
+            | Self::CellsPerDiameter
+            | Self::PatternFraction
+            | Self::PatternOffset
+            | Self::Missing
+            | Self::HeightSpread
+            | Self::Seed
+            | Self::OutlineSides
+            | Self::GridCells => Kind::Number(Dimension::Number),
             Self::Lattice
             | Self::PillarCompliance
             | Self::MethodName
             | Self::Accuracy
             | Self::Form
             | Self::Mesh
-            | Self::Cells => Kind::Word,
+            | Self::Cells
+            | Self::Arrangement
+            | Self::Boundary
+            | Self::Indenter
+            | Self::CrossSection
+            | Self::Top
+            | Self::PatternCompliance => Kind::Word,
+            Self::HeightMap | Self::Array => Kind::Text,
         }
     }
 
@@ -173,6 +340,46 @@ impl Key {
             Self::PillarDiameter => "diameter of a pillar",
             Self::PillarHeight => "height of a pillar",
             Self::PillarCompliance => "column: pillars shorten under load; or none",
+            Self::HeightMap => {
+                "file of heights: .npy, .npz or numbers; or give arrangement instead"
+            }
+            Self::Array => "name of the array to read, of an .npz file with several",
+            Self::HeightUnit => "what a height of 1 in the file stands for",
+            Self::CellSize => "distance of neighbouring points of the map; or give width instead",
+            Self::MapWidth => "extent of the map along x; or give cell_size instead",
+            Self::Arrangement => {
+                "of pillars: hexagonal, square or random; or give height_map instead"
+            }
+            Self::PatternFraction => "part of the surface that is pillar; or give pitch instead",
+            Self::PatternPitch => {
+                "distance of neighbouring pillars; or give surface_fraction instead"
+            }
+            Self::MinimumDistance => "between the centres of random pillars",
+            Self::PatternOffset => "distance of the lens axis from a pillar centre, in pitches",
+            Self::PatternOffsetAngle => "direction of the offset from x",
+            Self::Missing => "part of the pillars that are missing",
+            Self::HeightSpread => "relative variation of the heights of pillars",
+            Self::Seed => "whole number that decides what is random",
+            Self::Floor => "floor is what is at or below this height; else all that is no pillar",
+            Self::Boundary => "free: nothing is touched beyond the grid; or periodic",
+            Self::Indenter => "lens or plate",
+            Self::CrossSection => "circle, square, polygon or ellipse",
+            Self::OutlineDiameter => "of a circle, or of that through the corners of a polygon",
+            Self::OutlineSide => "of a square",
+            Self::OutlineSides => "of a polygon: how many",
+            Self::OutlineLength => "of an ellipse, along x",
+            Self::OutlineWidth => "of an ellipse, along y",
+            Self::Orientation => "by which pillars are turned, anticlockwise",
+            Self::PatternHeight => "height of a pillar",
+            Self::Top => "flat, cone, chamfer or rounded",
+            Self::Drop => "of a cone or chamfer: how much lower the edge is than the centre",
+            Self::ChamferWidth => "distance from the edge at which a chamfer begins",
+            Self::EdgeRadius => "of a rounded top",
+            Self::PatternCompliance => "column: pillars shorten under load; or none",
+            Self::GridCells => "cells across the narrowest diameter of a pillar, 4 or more",
+            Self::GridWidth => {
+                "extent of the grid around the lens axis; of a periodic lattice whole periods"
+            }
             Self::MethodName => "spectral (exact), love (elements), punch or homogenised",
             Self::Accuracy => "of the spectral method: default or accurate",
             Self::Form => "of the punch method: corrected or plain",
@@ -188,6 +395,10 @@ impl Key {
         match self {
             Self::SurfaceFraction => Some(Self::Pitch),
             Self::Pitch => Some(Self::SurfaceFraction),
+            Self::PatternFraction => Some(Self::PatternPitch),
+            Self::PatternPitch => Some(Self::PatternFraction),
+            Self::CellSize => Some(Self::MapWidth),
+            Self::MapWidth => Some(Self::CellSize),
             _ => None,
         }
     }
@@ -245,8 +456,15 @@ pub(crate) fn similar(path: &str) -> Option<String> {
     if let Some((_, known)) = near {
         return Some(join(table, known));
     }
-    let elsewhere = Key::ALL.into_iter().find(|key| key.name() == name);
+    let namesakes = || Key::ALL.into_iter().filter(|key| key.name() == name);
+    let close_by = namesakes().find(|key| root(key.path()) == root(path));
+    let elsewhere = close_by.or_else(|| namesakes().next());
     elsewhere.map(|key| key.path().to_owned())
+}
+
+/// The outermost table of a path.
+pub(crate) fn root(path: &str) -> &str {
+    path.split('.').next().unwrap_or(path)
 }
 
 /// `table.name`, or the name alone at the top level.
@@ -284,7 +502,10 @@ mod tests {
             assert!(is_table(key.table()));
             assert!(names_in(key.table()).contains(&key.name()));
         }
-        assert_eq!(names_in(""), ["lens", "substrate", "texture", "method"]);
+        assert_eq!(
+            names_in(""),
+            ["lens", "substrate", "texture", "surface", "method"]
+        );
         assert!(names_in("texture").contains(&"pillar"));
     }
 
@@ -294,6 +515,10 @@ mod tests {
         assert_eq!(
             similar("texture.diameter").unwrap(),
             "texture.pillar.diameter"
+        );
+        assert_eq!(
+            similar("surface.diameter").unwrap(),
+            "surface.pillar.diameter"
         );
         assert_eq!(similar("lense").unwrap(), "lens");
         assert_eq!(similar("lens.colour"), None);

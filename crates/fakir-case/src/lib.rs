@@ -38,7 +38,35 @@
 //!   `texture.pillar.compliance` (column), and all of `[method]` (spectral, default).
 //! * Everything else must be there, and nothing more: an unknown key is an error.
 //!
-//! Surfaces given by their heights are read by [`height_map`].
+//! In place of `[texture]` and `[method]` a case may have a general `[surface]`, solved by elements:
+//! a height map from a file,
+//!
+//! ```toml
+//! [surface]
+//! height_map = "measured.npy"   # sought next to the case file; or .npz, or plain numbers
+//! height_unit = "1 um"          # what a height of 1 in the file stands for; 1 m if left out
+//! cell_size = "0.5 um"          # or width = "100 um", along x: exactly one of them
+//! floor = "0.2 um"              # the floor is what is at or below this height
+//! ```
+//!
+//! or pillars of any form and arrangement ([`fakir::pattern`]):
+//!
+//! ```toml
+//! [surface]
+//! arrangement = "square"        # or "hexagonal", "random"
+//! surface_fraction = 0.2        # or pitch
+//!
+//! [surface.pillar]
+//! cross_section = "square"      # or "circle", "polygon", "ellipse"
+//! side = "6 um"
+//! height = "1 um"
+//!
+//! [surface.grid]
+//! width = "150 um"              # extent of the grid, with the lens axis at its centre
+//! ```
+//!
+//! [`Key`] lists all keys. [`CaseFile::surface_case`] gives the [`SurfaceCase`]. Height maps are
+//! read by [`height_map`], which says what files it knows.
 //!
 //! [`CaseFile`] reads a file and takes overrides, [`CaseFile::case`] gives the [`Case`]; every
 //! [`CaseError`] points at the line, or at the override, that is to blame.
@@ -49,9 +77,11 @@ mod error;
 mod file;
 pub mod height_map;
 mod key;
+mod surface;
 pub mod unit;
 
 pub use case::Case;
 pub use error::CaseError;
 pub use file::CaseFile;
 pub use key::{Key, Kind};
+pub use surface::{SurfaceCase, SurfaceOrigin};

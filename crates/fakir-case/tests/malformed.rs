@@ -34,6 +34,45 @@ fn every_malformed_file_is_explained() {
     }
 }
 
+/// Bytes that the surfaces here may take.
+const MEMORY: usize = 100_000_000;
+
+#[test]
+fn every_malformed_surface_is_explained() {
+    // The errors name height maps with their folder, which is to be the same everywhere.
+    let folder = Path::new("tests/malformed_surfaces");
+    let mut paths: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extension == "toml")
+        })
+        .collect();
+    paths.sort();
+    assert!(paths.len() >= 45);
+    for path in paths {
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let error = CaseFile::read(&path)
+            .and_then(|file| file.surface_case(MEMORY))
+            .expect_err(name);
+        insta::assert_snapshot!(format!("surface_{name}"), rendered(&error));
+    }
+}
+
+#[test]
+fn a_surface_is_no_texture() {
+    let text = "[surface]\nheight_map = \"map.npy\"\n";
+    let error = CaseFile::parse("case.toml", text).unwrap().case();
+    insta::assert_snapshot!("surface_for_texture", rendered(&error.unwrap_err()));
+    let mut texture = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+    texture.set("surface.arrangement=square").unwrap();
+    let error = texture.case().unwrap_err();
+    let same = texture.surface_case(MEMORY).unwrap_err();
+    assert_eq!(error.one_line(), same.one_line());
+    insta::assert_snapshot!("surface_over_texture", rendered(&error));
+}
+
 #[test]
 fn every_malformed_override_is_explained() {
     let overrides: &[(&str, &[&str])] = &[

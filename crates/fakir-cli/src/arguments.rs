@@ -222,7 +222,7 @@ pub(crate) struct CaseArguments {
     /// Override a key of the case file, as in texture.pitch=20um; may be repeated
     ///
     /// The value is TOML, or a bare word or quantity. A pitch replaces the surface fraction of the
-    /// file and the other way round; method.name replaces all of [method].
+    /// file and the other way round; method.name replaces the whole table.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
     /// Print JSON instead of tables, in SI units

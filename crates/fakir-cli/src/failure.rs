@@ -1,6 +1,7 @@
 //! Why there is no result, what the user is told, and with which exit status.
 
 use fakir::contact::SolveError;
+use fakir::love::SurfaceError;
 use fakir_case::CaseError;
 use std::io::Write;
 use std::path::Path;
@@ -13,6 +14,8 @@ pub(crate) enum Failure {
     Case(#[from] CaseError),
     #[error(transparent)]
     Solve(#[from] SolveError),
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
     #[error("{0}")]
     Argument(String),
     #[error("{action} {path}: {error}")]
@@ -43,7 +46,9 @@ impl Failure {
             Self::OutputClosed => {}
             // The default report of miette: the line, in colour if the terminal has any.
             Self::Case(error) => tell(&format!("{:?}", miette::Report::new(error.clone()))),
-            Self::Solve(SolveError::Interrupted) => tell("interrupted: no result"),
+            Self::Solve(SolveError::Interrupted) | Self::Surface(SurfaceError::Interrupted) => {
+                tell("interrupted: no result");
+            }
             other => tell(&format!("error: {other}")),
         }
     }
@@ -51,13 +56,16 @@ impl Failure {
     pub(crate) fn status(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::OutputClosed => 0,
-            Self::Solve(SolveError::Interrupted) => INTERRUPTED,
+            Self::Solve(SolveError::Interrupted) | Self::Surface(SurfaceError::Interrupted) => {
+                INTERRUPTED
+            }
             Self::Solve(SolveError::InvalidQuantity(_))
+            | Self::Surface(SurfaceError::InvalidQuantity(_))
             | Self::Case(_)
             | Self::Argument(_)
             | Self::File { .. }
             | Self::Threads(_) => 2,
-            Self::Solve(_) => 3,
+            Self::Solve(_) | Self::Surface(_) => 3,
         })
     }
 }

@@ -37,52 +37,92 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         Command::Init(options) => commands::init::run(options),
         Command::Transition(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, move |case| {
+            let file = read_case(&options.case)?;
+            if file.is_surface() {
+                let case = file.surface_case(options.run.memory_limit)?;
+                let text = case.to_toml();
+                return deliver(command, &options.case, &text, move || {
+                    commands::surface::transition(&case, &session)
+                });
+            }
+            answer(command, &options.case, &file, move |case| {
                 commands::transition::run(case, &session)
             })
         }
         Command::Press(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, move |case| {
+            let file = read_case(&options.case)?;
+            if file.is_surface() {
+                let case = file.surface_case(options.run.memory_limit)?;
+                let text = case.to_toml();
+                return deliver(command, &options.case, &text, move || {
+                    commands::surface::press(&case, options.load(), &session)
+                });
+            }
+            answer(command, &options.case, &file, move |case| {
                 commands::press::run(case, options.load(), &session)
             })
         }
         Command::Approach(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, move |case| {
-                commands::approach::run(case, &options.path()?, &session)
-            })
+            answer(
+                command,
+                &options.case,
+                &read_case(&options.case)?,
+                move |case| commands::approach::run(case, &options.path()?, &session),
+            )
         }
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, move |case| {
+            let file = read_case(&options.case)?;
+            answer(command, &options.case, &file, move |case| {
                 commands::verify::run(case, options.load(), options.cells, &session)
             })
         }
-        Command::Theory(options) => answer(command, &options.case, commands::theory::run),
+        Command::Theory(options) => answer(
+            command,
+            &options.case,
+            &read_case(&options.case)?,
+            commands::theory::run,
+        ),
         Command::Compare(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(command, &options.case, move |case| {
-                commands::compare::run(case, &session)
-            })
+            answer(
+                command,
+                &options.case,
+                &read_case(&options.case)?,
+                move |case| commands::compare::run(case, &session),
+            )
         }
     }
 }
 
-/// Reads the case, asks, and delivers the report: saved first, so that what is printed is safe.
-/// A session that `ask` owns ends with it, and clears its progress away before anything is printed.
+/// Answers a question about a texture. A session that `ask` owns ends with it, and clears its
+/// progress away before anything is printed.
 fn answer(
     command: &Command,
     options: &CaseArguments,
+    file: &CaseFile,
     ask: impl FnOnce(&Case) -> Result<Report, Failure>,
 ) -> Result<ExitCode, Failure> {
-    let case = read_case(options)?;
+    let case = file.case()?;
+    deliver(command, options, &case.to_toml(), || ask(&case))
+}
+
+/// Asks (a session in `ask` ends with it, and clears its progress away), and delivers the report:
+/// saved first, so that what is printed is safe. `case` is the case as a case file.
+fn deliver(
+    command: &Command,
+    options: &CaseArguments,
+    case: &str,
+    ask: impl FnOnce() -> Result<Report, Failure>,
+) -> Result<ExitCode, Failure> {
     if let Some(folder) = &options.output {
         output::check_folder(folder)?;
     }
-    let report = ask(&case)?;
+    let report = ask()?;
     if let Some(folder) = &options.output {
-        output::save(folder, &report.files(&case, command.name()))?;
+        output::save(folder, &report.files(case, command.name()))?;
     }
     if !options.quiet {
         for warning in &report.warnings {
@@ -97,7 +137,7 @@ fn answer(
     Ok(ExitCode::from(report.status()))
 }
 
-fn read_case(options: &CaseArguments) -> Result<Case, Failure> {
+fn read_case(options: &CaseArguments) -> Result<CaseFile, Failure> {
     let mut file = if options.case.as_os_str() == "-" {
         let mut bytes = Vec::new();
         std::io::stdin()
@@ -110,5 +150,5 @@ fn read_case(options: &CaseArguments) -> Result<Case, Failure> {
     for argument in &options.set {
         file.set(argument)?;
     }
-    Ok(file.case()?)
+    Ok(file)
 }

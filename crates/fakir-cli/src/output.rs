@@ -9,12 +9,15 @@ use tempfile::NamedTempFile;
 #[derive(Debug, Clone)]
 pub(crate) struct File {
     name: &'static str,
-    contents: String,
+    contents: Vec<u8>,
 }
 
 impl File {
-    pub(crate) fn new(name: &'static str, contents: String) -> Self {
-        Self { name, contents }
+    pub(crate) fn new(name: &'static str, contents: impl Into<Vec<u8>>) -> Self {
+        Self {
+            name,
+            contents: contents.into(),
+        }
     }
 }
 
@@ -70,18 +73,18 @@ pub(crate) enum Replace {
 
 /// Saves one file.
 pub(crate) fn save_file(path: &Path, contents: &str, replace: Replace) -> Result<(), Failure> {
-    rename(write_beside(path, contents)?, path, replace)
+    rename(write_beside(path, contents.as_bytes())?, path, replace)
 }
 
 /// A temporary file in the folder of `path`, removed again unless it is renamed.
-fn write_beside(path: &Path, contents: &str) -> Result<NamedTempFile, Failure> {
+fn write_beside(path: &Path, contents: &[u8]) -> Result<NamedTempFile, Failure> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
         _ => PathBuf::from("."),
     };
     let write = || {
         let mut file = readable_by_all().tempfile_in(&folder)?;
-        file.write_all(contents.as_bytes())?;
+        file.write_all(contents)?;
         file.as_file().sync_all()?;
         Ok(file)
     };

@@ -5,6 +5,7 @@ mod closed_forms;
 pub(crate) mod compare;
 pub(crate) mod init;
 pub(crate) mod press;
+pub(crate) mod surface;
 pub(crate) mod theory;
 pub(crate) mod transition;
 pub(crate) mod verify;

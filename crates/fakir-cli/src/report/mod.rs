@@ -1,10 +1,10 @@
 //! What a command hands back, ready to be printed and saved.
 
 pub(crate) mod state;
+pub(crate) mod surface;
 pub(crate) mod table;
 
 use crate::output::File;
-use fakir_case::Case;
 use serde::Serialize;
 
 /// The result of a command, in every form it is wanted in.
@@ -14,7 +14,7 @@ pub(crate) struct Report {
     pub(crate) json: String,
     /// Tables for a person.
     pub(crate) text: String,
-    /// Tables for other programs.
+    /// Tables and fields for other programs.
     pub(crate) tables: Vec<File>,
     /// What to be careful about.
     pub(crate) warnings: Vec<String>,
@@ -29,12 +29,11 @@ impl Report {
         u8::from(!self.converged)
     }
 
-    /// The files to save: the summary, the tables, and the case.
-    pub(crate) fn files(&self, case: &Case, command: &str) -> Vec<File> {
+    /// The files to save: the summary, the tables, and the case as a case file.
+    pub(crate) fn files(&self, case: &str, command: &str) -> Vec<File> {
         let case = format!(
-            "# As solved by fakir {}: fakir {command}.\n{}",
-            env!("CARGO_PKG_VERSION"),
-            case.to_toml()
+            "# As solved by fakir {}: fakir {command}.\n{case}",
+            env!("CARGO_PKG_VERSION")
         );
         let mut files = self.tables.clone();
         files.push(File::new("case.toml", case));

@@ -116,9 +116,59 @@ impl Pattern {
         substrate: &Material,
     ) -> Result<HeightMap, InvalidPattern> {
         self.check()?;
+        self.draw(grid, &self.sites(grid)?, substrate)
+    }
+
+    /// The surface on the cells of a grid that is one period of it: pillars that reach over its
+    /// border go on at the other side, as the same pillar. A grid border should not pass through
+    /// centres of pillars.
+    ///
+    /// # Errors
+    /// As [`height_map`](Self::height_map); [`InvalidPattern::NotAPeriod`] if the sides of the
+    /// grid are not whole multiples of those of [`period`](Self::period).
+    pub fn periodic_height_map(
+        &self,
+        grid: &Grid,
+        substrate: &Material,
+    ) -> Result<HeightMap, InvalidPattern> {
+        self.check()?;
+        let sites = self.sites(grid)?;
+        let Some(period) = self.period() else {
+            return self.draw(grid, &sites, substrate);
+        };
+        let extent = placement::extent(grid);
+        for (side, period) in extent.into_iter().zip(period) {
+            let count = side / period;
+            if count < 0.5 || (count - count.round()).abs() > 1e-9 * count {
+                return Err(InvalidPattern::NotAPeriod { side, period });
+            }
+        }
+        self.draw(grid, &placement::continued(sites, grid), substrate)
+    }
+
+    /// Sides of the smallest rectangle along x and y that repeats on the complete lattice, m; none
+    /// of a random arrangement, which takes any rectangle as its period.
+    #[must_use]
+    pub fn period(&self) -> Option<Point> {
+        match self.arrangement {
+            Arrangement::Hexagonal(lattice) => {
+                let [x, y] = lattice.lattice_vector(1, 0);
+                Some([2.0 * x, 2.0 * y])
+            }
+            Arrangement::Square { pitch, .. } => Some([pitch, pitch]),
+            Arrangement::Random { .. } => None,
+        }
+    }
+
+    fn draw(
+        &self,
+        grid: &Grid,
+        sites: &[Site],
+        substrate: &Material,
+    ) -> Result<HeightMap, InvalidPattern> {
         PatternQuantity::YoungModulus.positive(substrate.young_modulus)?;
         let mut drawing = Drawing::new(grid);
-        for site in self.sites(grid)? {
+        for site in sites {
             let mut random = site.random(self.seed);
             if random.uniform() < self.missing {
                 continue;
@@ -131,7 +181,7 @@ impl Pattern {
                 }
                 PillarCompliance::None => 0.0,
             };
-            drawing.add(&self.pillar, &site, height, compliance);
+            drawing.add(&self.pillar, site, height, compliance);
         }
         Ok(drawing.finish())
     }
@@ -409,6 +459,16 @@ pub enum InvalidPattern {
         pitch: f64,
         /// Largest extent of a pillar, m.
         outer_diameter: f64,
+    },
+    /// A grid that is no period of the lattice.
+    #[error(
+        "a side of {side:e} m is not a whole multiple of the period of the lattice, {period:e} m"
+    )]
+    NotAPeriod {
+        /// Side of the grid, m.
+        side: f64,
+        /// Period of the lattice along it, m.
+        period: f64,
     },
     /// Not enough places were found at random.
     #[error(

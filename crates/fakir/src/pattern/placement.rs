@@ -65,7 +65,7 @@ fn multiples(
 }
 
 /// Sides of the grid, m.
-fn extent(grid: &Grid) -> Point {
+pub(super) fn extent(grid: &Grid) -> Point {
     let [width, height] = grid.cell();
     [grid.columns() as f64 * width, grid.rows() as f64 * height]
 }
@@ -97,6 +97,24 @@ pub(super) fn hexagonal(lattice: &HexagonalLattice, grid: &Grid, reach: f64) -> 
                 centres: vec![lattice.centre(i, j)],
             }
         })
+        .collect()
+}
+
+/// The sites whose centres lie in the grid, continued over its border as over that of a period.
+pub(super) fn continued(sites: Vec<Site>, grid: &Grid) -> Vec<Site> {
+    let (origin, period) = (grid.origin(), extent(grid));
+    let inside = |site: &Site| {
+        let centre = site.centres[0];
+        (0..2).all(|axis| (0.0..period[axis]).contains(&(centre[axis] - origin[axis])))
+    };
+    let continue_site = |site: Site| Site {
+        centres: images(site.centres[0], period).collect(),
+        ..site
+    };
+    sites
+        .into_iter()
+        .filter(inside)
+        .map(continue_site)
         .collect()
 }
 

@@ -1,0 +1,301 @@
+//! What well-formed cases with a general surface mean, and that they survive writing and reading.
+
+// Numbers are read to the last bit.
+#![allow(clippy::float_cmp, clippy::unwrap_used)]
+
+use fakir::love::{Boundary, Floor, HeightMap, Indenter};
+use fakir::pattern::{Arrangement, CrossSection, Pattern, PillarShape, Top};
+use fakir::system::{HexagonalLattice, PillarCompliance};
+use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
+use std::path::{Path, PathBuf};
+
+const MEMORY: usize = 100_000_000;
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+}
+
+fn with(overrides: &[&str]) -> Result<SurfaceCase, CaseError> {
+    let mut file = CaseFile::read(&examples().join("square-pillars.toml"))?;
+    assert!(file.is_surface());
+    for argument in overrides {
+        file.set(argument)?;
+    }
+    file.surface_case(MEMORY)
+}
+
+fn pattern(case: &SurfaceCase) -> Pattern {
+    match &case.origin {
+        SurfaceOrigin::Pattern(pattern) => *pattern,
+        SurfaceOrigin::HeightMap(path) => panic!("{}", path.display()),
+    }
+}
+
+fn survives(case: &SurfaceCase) {
+    let text = case.to_toml();
+    let file = CaseFile::parse("case.toml", &text).unwrap();
+    let again = file.surface_case(MEMORY).unwrap();
+    assert_eq!(again.system, case.system);
+    assert_eq!(again.floor, case.floor);
+    assert_eq!(again.to_toml(), text);
+}
+
+#[test]
+fn square_pillars() {
+    let case = with(&[]).unwrap();
+    let found = pattern(&case);
+    assert_eq!(
+        found.pillar.cross_section,
+        CrossSection::Square { side: 6e-6 }
+    );
+    assert_eq!(found.pillar.height, 0.5e-6);
+    assert_eq!(found.pillar.compliance, PillarCompliance::Column);
+    assert!((found.surface_fraction() - 0.2).abs() < 1e-15);
+    assert_eq!(case.floor, Some(Floor::OffPillars));
+    assert_eq!(case.system.boundary(), Boundary::FreeSpace);
+    let surface = case.system.surface();
+    // Cells of a sixteenth of the side; the next multiple of four of them beyond 160 um.
+    assert_eq!(surface.grid().cell(), [6e-6 / 16.0; 2]);
+    assert_eq!(surface.grid().columns(), 428);
+    assert_eq!(surface.highest(), 0.5e-6);
+    // The pillar on the lens axis has all of its cells.
+    let tops = surface.grid().centres().zip(surface.heights());
+    let central = tops.filter(|([x, y], height)| x.hypot(*y) < 5e-6 && **height > 0.0);
+    assert_eq!(central.count(), 256);
+    survives(&case);
+}
+
+#[test]
+fn every_form_top_and_arrangement() {
+    let case = with(&[
+        "surface.arrangement=hexagonal",
+        "surface.offset=0.5",
+        "surface.offset_angle=30deg",
+        "surface.pillar.cross_section=polygon",
+        "surface.pillar.sides=6",
+        "surface.pillar.diameter=6um",
+        "surface.pillar.orientation=15deg",
+        "surface.pillar.top=chamfer",
+        "surface.pillar.chamfer_width=1um",
+        "surface.pillar.drop=0.1um",
+        "surface.pillar.compliance=none",
+        "surface.pitch=15um",
+        "surface.missing=0.1",
+        "surface.height_spread=0.2",
+        "surface.seed=7",
+        "surface.grid.cells_per_diameter=8",
+        "surface.floor=10nm",
+    ])
+    .unwrap();
+    let expected = Pattern {
+        pillar: PillarShape {
+            cross_section: CrossSection::Polygon {
+                sides: 6,
+                diameter: 6e-6,
+            },
+            orientation: 15f64.to_radians(),
+            height: 0.5e-6,
+            top: Top::Chamfer {
+                width: 1e-6,
+                drop: 1e-7,
+            },
+            compliance: PillarCompliance::None,
+        },
+        arrangement: Arrangement::Hexagonal(HexagonalLattice {
+            pitch: 15e-6,
+            offset: 0.5,
+            offset_angle: 30f64.to_radians(),
+        }),
+        missing: 0.1,
+        height_spread: 0.2,
+        seed: 7,
+    };
+    assert_eq!(pattern(&case), expected);
+    assert_eq!(case.floor, Some(Floor::AtOrBelow(10e-9)));
+    survives(&case);
+
+    let case = with(&[
+        "surface.arrangement=random",
+        "surface.pillar.cross_section=ellipse",
+        "surface.pillar.length=8um",
+        "surface.pillar.width=4um",
+        "surface.pillar.top=rounded",
+        "surface.pillar.edge_radius=0.2um",
+        "surface.indenter=plate",
+        "surface.boundary=periodic",
+    ])
+    .unwrap();
+    let found = pattern(&case);
+    // Pillars keep at least their own length by default.
+    assert_eq!(
+        found.arrangement,
+        Arrangement::Random {
+            surface_fraction: 0.2,
+            minimum_distance: 8e-6
+        }
+    );
+    assert_eq!(found.pillar.top, Top::Rounded { radius: 0.2e-6 });
+    assert!(matches!(case.system.indenter(), Indenter::Flat(Some(_))));
+    survives(&case);
+}
+
+#[test]
+fn a_choice_replaces_the_keys_of_the_others() {
+    let cone = ["surface.pillar.top=cone", "surface.pillar.drop=0.1um"];
+    let chamfer = [
+        "surface.pillar.top=chamfer",
+        "surface.pillar.chamfer_width=1um",
+    ];
+    let text = with(&cone).unwrap().to_toml();
+    let mut file = CaseFile::parse("case.toml", &text).unwrap();
+    for argument in chamfer {
+        file.set(argument).unwrap();
+    }
+    // The drop goes with a chamfer as well.
+    let case = file.surface_case(MEMORY).unwrap();
+    let top = Top::Chamfer {
+        width: 1e-6,
+        drop: 1e-7,
+    };
+    assert_eq!(pattern(&case).pillar.top, top);
+    file = CaseFile::parse("case.toml", &text).unwrap();
+    file.set("surface.pillar.top=flat").unwrap();
+    assert_eq!(
+        pattern(&file.surface_case(MEMORY).unwrap()).pillar.top,
+        Top::Flat
+    );
+}
+
+/// Fraction of the cells that are pillar.
+fn filled(case: &SurfaceCase) -> f64 {
+    let heights = case.system.surface().heights();
+    heights.iter().filter(|height| **height > 0.0).count() as f64 / heights.len() as f64
+}
+
+#[test]
+fn a_periodic_lattice_is_whole() {
+    for (arrangement, period) in [("square", [1.0, 1.0]), ("hexagonal", [3f64.sqrt(), 1.0])] {
+        for offset in ["0", "0.3", "-2.7"] {
+            let case = with(&[
+                &format!("surface.arrangement={arrangement}"),
+                "surface.pitch=15um",
+                &format!("surface.offset={offset}"),
+                "surface.offset_angle=20deg",
+                "surface.boundary=periodic",
+                "surface.grid.width=60um",
+            ])
+            .unwrap();
+            let surface = case.system.surface();
+            let grid = surface.grid();
+            let counts = [grid.columns(), grid.rows()];
+            let mut cells = 1.0;
+            for axis in 0..2 {
+                let side = counts[axis] as f64 * grid.cell()[axis];
+                let periods = side / (15e-6 * period[axis]);
+                assert!((periods - periods.round()).abs() < 1e-9, "{side}");
+                assert!((side - 60e-6).abs() <= 0.5 * period[axis] * 15e-6);
+                cells *= periods.round();
+                // The lens axis is inside, near the middle.
+                let centre = grid.origin()[axis] + 0.5 * side;
+                assert!(centre.abs() <= (0.5 + 1e-9) * period[axis] * 15e-6);
+            }
+            // As many pillars as in whole cells of the lattice, each drawn as one: a hexagonal
+            // period has two.
+            let pillars = surface.pillars().unwrap().compliance.len();
+            let per_period = if arrangement == "square" { 1.0 } else { 2.0 };
+            assert_eq!(pillars as f64, per_period * cells);
+            let expected = pattern(&case).surface_fraction();
+            assert!(
+                (filled(&case) / expected - 1.0).abs() < 0.07,
+                "{arrangement} {offset}"
+            );
+        }
+    }
+}
+
+/// A case with the height map that NumPy wrote as text.
+fn map(more: &str) -> CaseFile {
+    let text = format!(
+        "lens = {{ radius = 1e-3, young_modulus = 2e6, poisson_ratio = 0.5 }}\n\
+         substrate = {{ young_modulus = 2e6, poisson_ratio = 0.5 }}\n\
+         [surface]\nheight_map = 'tests/height_maps/savetxt.txt'\n{more}"
+    );
+    CaseFile::parse("case.toml", &text).unwrap()
+}
+
+#[test]
+fn a_height_map_has_its_size_and_unit() {
+    // Three rows of four columns, `10 row + column` units.
+    let height = |surface: &HeightMap| surface.highest();
+    let case = map("cell_size = \"2 um\"").surface_case(MEMORY).unwrap();
+    assert_eq!(height(case.system.surface()), 23.0);
+    assert_eq!(case.system.surface().grid().cell(), [2e-6; 2]);
+    assert_eq!(case.floor, None);
+    let case = map("width = \"2 um\"\nheight_unit = \"1 nm\"\nfloor = \"5 nm\"");
+    let case = case.surface_case(MEMORY).unwrap();
+    assert!((height(case.system.surface()) - 23e-9).abs() < 1e-20);
+    assert_eq!(case.system.surface().grid().cell(), [0.5e-6; 2]);
+    assert_eq!(case.floor, Some(Floor::AtOrBelow(5e-9)));
+    survives(&case);
+}
+
+#[test]
+fn height_maps_are_sought_next_to_the_case_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let package = env!("CARGO_MANIFEST_DIR");
+    std::fs::copy(
+        Path::new(package).join("tests/height_maps/savetxt.txt"),
+        folder.path().join("map.txt"),
+    )
+    .unwrap();
+    let text = map("cell_size = 1e-6")
+        .surface_case(MEMORY)
+        .unwrap()
+        .to_toml();
+    let line = text
+        .lines()
+        .find(|line| line.starts_with("height_map"))
+        .unwrap();
+    let text = text.replace(line, "height_map = \"map.txt\"");
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, text).unwrap();
+    let mut file = CaseFile::read(&path).unwrap();
+    let case = file.surface_case(MEMORY).unwrap();
+    assert_eq!(
+        case.origin,
+        SurfaceOrigin::HeightMap(folder.path().join("map.txt"))
+    );
+    survives(&case);
+    // An override is seen from the current folder.
+    file.set("surface.height_map=tests/height_maps/savetxt.txt")
+        .unwrap();
+    assert!(file.surface_case(MEMORY).is_ok());
+}
+
+#[test]
+fn a_surface_too_large_for_memory_says_what_would_fit() {
+    let error = with(&["surface.grid.cells_per_diameter=200"]).unwrap_err();
+    assert_eq!(error.key_path(), Some(Key::GridWidth.path()));
+    // 5334 by 5334 cells, at least 64 bytes each: 4.3 times too fine.
+    assert!(
+        error
+            .to_string()
+            .contains("a grid of 5336 by 5336 cells takes 1.82 GB"),
+        "{error}"
+    );
+    assert!(error.what_is_accepted().unwrap().contains("4.3 times"));
+    assert!(with(&["surface.grid.cells_per_diameter=46"]).is_ok());
+    let error = map("cell_size = 1e-6").surface_case(500).unwrap_err();
+    assert_eq!(error.key_path(), Some(Key::HeightMap.path()));
+    assert!(error.to_string().contains("4 by 3 points"), "{error}");
+}
+
+#[test]
+fn a_height_map_that_cannot_be_read_is_named() {
+    let mut file = map("cell_size = 1e-6");
+    file.set("surface.height_map=no/such/map.npy").unwrap();
+    let error = file.surface_case(MEMORY).unwrap_err();
+    let wanted = "surface.height_map: cannot read no/such/map.npy: ";
+    assert!(error.to_string().starts_with(wanted), "{error}");
+    assert_eq!(error.position(), Some((1, 20)));
+}

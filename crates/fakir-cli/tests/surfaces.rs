@@ -1,0 +1,172 @@
+//! The commands on cases with a general surface, by the real binary.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples")
+        .join(name)
+}
+
+/// `fakir COMMAND CASE ARGUMENTS`, on fewer cells than the example has.
+fn fakir(command: &str, case: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_fakir"))
+        .arg(command)
+        .arg(case)
+        .args(["--set", "surface.grid.cells_per_diameter=8"])
+        .args(arguments)
+        .output()
+        .expect("the binary runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+fn number(value: &Value, path: &str) -> f64 {
+    let found = value.pointer(path).and_then(Value::as_f64);
+    found.unwrap_or_else(|| panic!("no number {path} in {value}"))
+}
+
+#[test]
+fn the_floor_bears_load_past_the_transition_only() {
+    let case = example("square-pillars.toml");
+    let critical = json(&fakir("transition", &case, &["--json"]));
+    assert_eq!(critical["regime"], "top_first");
+    assert_eq!(critical["converged"], true);
+    let indentation = number(&critical, "/critical_indentation_m");
+    let press = |factor: f64| {
+        let load = (factor * indentation).to_string();
+        json(&fakir("press", &case, &["--json", "--indentation", &load]))
+    };
+    let before = press(0.98);
+    assert!(number(&before, "/floor/force_N").abs() < f64::MIN_POSITIVE);
+    assert!(number(&before, "/force_N") < number(&critical, "/critical_force_N"));
+    let after = press(1.05);
+    let [tops, floor, force] =
+        ["/tops/force_N", "/floor/force_N", "/force_N"].map(|path| number(&after, path));
+    assert!(floor > 0.0 && force > number(&critical, "/critical_force_N"));
+    assert!(((tops + floor) / force - 1.0).abs() < 1e-12);
+    // The same contact from its force.
+    let load = format!("{force:e}");
+    let again = json(&fakir("press", &case, &["--json", "--force", &load]));
+    let ratio = number(&again, "/indentation_m") / number(&after, "/indentation_m");
+    assert!((ratio - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn tables_name_the_surface_and_its_shares() {
+    let case = example("square-pillars.toml");
+    let output = fakir("press", &case, &["--indentation", "1um"]);
+    let shown = text(&output.stdout);
+    for wanted in [
+        "square pillars on a square lattice",
+        "force on the tops",
+        "contact area on the floor",
+        "converged",
+    ] {
+        assert!(shown.contains(wanted), "{shown}");
+    }
+    let shown = text(&fakir("transition", &case, &[]).stdout);
+    assert!(shown.starts_with("Critical state: the lens rests on the tops"));
+    // A grid that ends within the contact.
+    let narrow = ["--indentation", "2um", "--set", "surface.grid.width=80um"];
+    let warned = text(&fakir("press", &case, &narrow).stderr);
+    assert!(warned.contains("reaches the border"), "{warned}");
+}
+
+#[test]
+fn saved_fields_are_a_case_again() {
+    let folder = tempfile::tempdir().expect("a folder for the test");
+    let out = folder.path().join("out");
+    let case = example("square-pillars.toml");
+    let name = out.to_string_lossy();
+    let load = ["--json", "--indentation", "1um"];
+    let first = json(&fakir(
+        "press",
+        &case,
+        &[&load[..], &["--output", &name]].concat(),
+    ));
+    let mut files: Vec<_> = std::fs::read_dir(&out)
+        .expect("the folder is there")
+        .map(|entry| text(entry.expect("a file").file_name().as_encoded_bytes()))
+        .collect();
+    files.sort();
+    let wanted = [
+        "case.toml",
+        "gap.npy",
+        "heights.npy",
+        "pressure.npy",
+        "summary.json",
+    ];
+    assert_eq!(files, wanted);
+    // The case as it was solved gives the same contact.
+    let again = json(&fakir("press", &out.join("case.toml"), &load));
+    assert_eq!(first["force_N"], again["force_N"]);
+    // So do its heights, as a map, but for the columns, which a map does not have.
+    let case = "lens = { radius = \"1 mm\", young_modulus = \"2 MPa\", poisson_ratio = 0.5 }\n\
+                substrate = { young_modulus = \"2 MPa\", poisson_ratio = 0.5 }\n\
+                surface = { height_map = \"heights.npy\", cell_size = \"0.75 um\", floor = 0 }\n";
+    let path = out.join("map.toml");
+    std::fs::write(&path, case).expect("a case for the test");
+    let run = |command: &str, arguments: &[&str]| {
+        let mut fakir = Command::new(env!("CARGO_BIN_EXE_fakir"));
+        let output = fakir.arg(command).arg(&path).args(arguments).output();
+        json(&output.expect("the binary runs"))
+    };
+    let map = run("press", &load);
+    let stiff = ["--set", "surface.pillar.compliance=none"];
+    let pillars = json(&fakir(
+        "press",
+        &example("square-pillars.toml"),
+        &[&load[..], &stiff].concat(),
+    ));
+    // Both are solved to an energy error of 1e-9 or so.
+    assert!((number(&map, "/force_N") / number(&pillars, "/force_N") - 1.0).abs() < 1e-6);
+    assert!(number(&run("transition", &["--json"]), "/critical_force_N") > 0.0);
+}
+
+#[test]
+fn plates_and_periods() {
+    let arguments = [
+        "--json",
+        "--force",
+        "1mN",
+        "--set",
+        "surface.indenter=plate",
+        "--set",
+        "surface.boundary=periodic",
+        "--set",
+        "surface.grid.width=30um",
+    ];
+    let plate = json(&fakir("press", &example("square-pillars.toml"), &arguments));
+    assert_eq!(plate["indenter"], "plate");
+    assert_eq!(plate["boundary"], "periodic");
+    assert!(plate["contact_radius_m"].is_null());
+    assert!((number(&plate, "/force_N") / 1e-3 - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn other_commands_need_a_texture() {
+    for command in ["approach", "theory", "compare", "verify"] {
+        let output = fakir(command, &example("square-pillars.toml"), &[]);
+        assert_eq!(output.status.code(), Some(2));
+        let explained = text(&output.stderr);
+        assert!(explained.contains("this needs a [texture]"), "{explained}");
+    }
+    let both = ["--indentation", "1um", "--set", "texture.pitch=20um"];
+    let output = fakir("press", &example("square-pillars.toml"), &both);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("are both given"));
+    let little = ["--indentation", "1um", "--memory-limit", "1MB"];
+    let output = fakir("press", &example("square-pillars.toml"), &little);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("make it coarser"));
+}
