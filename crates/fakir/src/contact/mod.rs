@@ -340,6 +340,17 @@ impl Normalized {
     }
 }
 
+/// So many bytes for a person: `1.2 GB`.
+pub(crate) fn memory(bytes: usize) -> String {
+    let bytes = bytes as f64;
+    let (size, unit) = match bytes {
+        b if b >= 1e9 => (1e9, "GB"),
+        b if b >= 1e6 => (1e6, "MB"),
+        _ => (1e3, "kB"),
+    };
+    format!("{:.1} {unit}", bytes / size)
+}
+
 /// Why no result can be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -361,9 +372,9 @@ pub enum SolveError {
     },
     /// The problem does not fit the memory allowed.
     #[error(
-        "about {pillars} pillars would be touched, which takes {:.1} GB of memory; the limit is \
-         {:.1} GB: raise the limit, lower the load or widen the pitch",
-        *.bytes as f64 / 1e9, *.limit as f64 / 1e9
+        "about {pillars} pillars would be touched, which takes {} of memory; the limit is {}: raise \
+         the limit, lower the load or widen the pitch",
+        memory(*.bytes), memory(*.limit)
     )]
     TooLarge {
         /// Pillars in the window that would have to be solved.

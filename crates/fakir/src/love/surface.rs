@@ -32,7 +32,7 @@ use super::grid::Grid;
 use super::solver::Certificate;
 use super::surface_level::{Level, Pressed, check_fields};
 use super::surface_map::HeightMap;
-use crate::contact::{ErrorEstimate, Load, Regime, Run, Termination};
+use crate::contact::{ErrorEstimate, Load, Regime, Run, Termination, memory};
 use crate::system::{InvalidQuantity, Lens, Material, Point, Quantity, Requirement};
 
 /// What is pressed onto a surface.
@@ -514,9 +514,9 @@ pub enum SurfaceError {
     NoFloor,
     /// The problem does not fit the memory allowed.
     #[error(
-        "{cells} cells take {:.2} GB of memory; the limit is {:.2} GB: raise the limit, lower the \
+        "{cells} cells take {} of memory; the limit is {}: raise the limit, lower the \
          load, or use cells of {:.2e} m or larger in place of {cell:.2e} m",
-        *.bytes as f64 / 1e9, *.limit as f64 / 1e9, .suggested_cell
+        memory(*.bytes), memory(*.limit), .suggested_cell
     )]
     TooLarge {
         /// Cells that would have to be solved.

@@ -161,7 +161,7 @@ impl System {
         if lattice.pitch < pillar.diameter * overlap_tolerance {
             R::AtLeastDiameter(pillar.diameter).check(Q::Pitch, lattice.pitch)?;
         }
-        R::NotNegative.check(Q::Offset, lattice.offset)?;
+        R::Pitches.check(Q::Offset, lattice.offset)?;
         R::Finite.check(Q::OffsetAngle, lattice.offset_angle)?;
         Ok(Self {
             lens,

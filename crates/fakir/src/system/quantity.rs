@@ -79,6 +79,8 @@ pub enum Requirement {
     NotNegative,
     /// A finite number.
     Finite,
+    /// Pitches, zero or above, few enough to tell positions within one of them apart.
+    Pitches,
     /// A number from 0 to 0.5, ends included.
     PoissonRatio,
     /// At least the pillar diameter (m), so that neighbours do not overlap.
@@ -95,6 +97,7 @@ impl fmt::Display for Requirement {
             Self::Positive => f.write_str("a finite number greater than 0"),
             Self::NotNegative => f.write_str("a finite number, 0 or greater"),
             Self::Finite => f.write_str("a finite number"),
+            Self::Pitches => f.write_str("a number of pitches from 0 to 1000"),
             Self::PoissonRatio => f.write_str("between 0 and 0.5 (0.5 is incompressible)"),
             Self::AtLeastDiameter(diameter) => write!(
                 f,
@@ -118,6 +121,7 @@ impl Requirement {
                 Self::Positive => value > 0.0,
                 Self::NotNegative => value >= 0.0,
                 Self::Finite => true,
+                Self::Pitches => (0.0..=1000.0).contains(&value),
                 Self::PoissonRatio => (0.0..=0.5).contains(&value),
                 Self::AtLeastDiameter(diameter) => value >= diameter,
                 Self::SurfaceFraction => value > 0.0 && value <= super::MAXIMUM_SURFACE_FRACTION,
