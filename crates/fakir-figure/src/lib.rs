@@ -1,0 +1,1 @@
+//! Figures of contacts between a lens and a surface patterned with pillars, as SVG and PNG.
