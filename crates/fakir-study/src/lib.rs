@@ -1,6 +1,10 @@
 //! Many cases: sweeps along axes of a case file, with a journal that survives being killed, tables,
 //! exports of fields, and the inverse question of design.
 //!
-//! * [`output`]: files that are there whole or not at all.
+//! * [`output`]: files that are there whole or not at all;
+//! * [`provenance`]: where a result is from, stamped on every file;
+//! * [`citations`]: what to cite for it.
 
+pub mod citations;
 pub mod output;
+pub mod provenance;
