@@ -161,7 +161,7 @@ pub fn citations(topics: &[Topic]) -> Vec<Citation> {
         LEDESMA_ALONSO_2021.because("the problem, its symbols and reduced variables"),
         fakir(),
     ];
-    for (work, why) in topics.iter().flat_map(|topic| topic.sources()) {
+    for (work, why) in topics.iter().flat_map(Topic::sources) {
         match citations.iter_mut().find(|known| known.key == work.key) {
             None => citations.push(work.because(why)),
             Some(known) if known.why.contains(why) => {}

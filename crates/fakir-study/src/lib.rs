@@ -3,8 +3,10 @@
 //!
 //! * [`output`]: files that are there whole or not at all;
 //! * [`provenance`]: where a result is from, stamped on every file;
-//! * [`citations`]: what to cite for it.
+//! * [`citations`]: what to cite for it;
+//! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
 
 pub mod citations;
+pub mod fields;
 pub mod output;
 pub mod provenance;
