@@ -3,6 +3,7 @@
 use fakir::contact::SolveError;
 use fakir::love::SurfaceError;
 use fakir_case::CaseError;
+use fakir_study::output::OutputError;
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -16,6 +17,8 @@ pub(crate) enum Failure {
     Solve(#[from] SolveError),
     #[error(transparent)]
     Surface(#[from] SurfaceError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
     #[error("{0}")]
     Argument(String),
     #[error("{action} {path}: {error}")]
@@ -62,6 +65,7 @@ impl Failure {
             Self::Solve(SolveError::InvalidQuantity(_))
             | Self::Surface(SurfaceError::InvalidQuantity(_))
             | Self::Case(_)
+            | Self::Output(_)
             | Self::Argument(_)
             | Self::File { .. }
             | Self::Threads(_) => 2,

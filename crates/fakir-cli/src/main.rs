@@ -2,7 +2,7 @@
 //!
 //! Arguments ([`arguments`]) are resolved into a case and a question, a command ([`commands`])
 //! asks the library and makes a [`Report`], and that is printed as a table or as
-//! JSON and saved ([`output`]). Standard output holds the result and nothing else.
+//! JSON ([`output`]) and saved. Standard output holds the result and nothing else.
 
 mod arguments;
 mod commands;
@@ -118,11 +118,11 @@ fn deliver(
     ask: impl FnOnce() -> Result<Report, Failure>,
 ) -> Result<ExitCode, Failure> {
     if let Some(folder) = &options.output {
-        output::check_folder(folder)?;
+        fakir_study::output::check_folder(folder)?;
     }
     let report = ask()?;
     if let Some(folder) = &options.output {
-        output::save(folder, &report.files(case, command.name()))?;
+        fakir_study::output::save(folder, &report.files(case, command.name()))?;
     }
     if !options.quiet {
         for warning in &report.warnings {
