@@ -1,2 +1,40 @@
-//! Many cases: sweeps along axes of a case file, with a journal that survives being killed, tables,
-//! exports of fields, and the inverse question of design.
+//! Many cases: sweeps along the axes of a study, with a journal that survives being killed, and
+//! their tables.
+//!
+//! ```
+//! use fakir_case::{Case, StudyFile};
+//! use fakir_study::{Options, Table};
+//!
+//! let text = format!(
+//!     "[axes]\nsurface_fraction = [1e-3, 3e-3]\n\"texture.offset\" = [0, 0.5]\n{}",
+//!     Case::example().to_toml()
+//! );
+//! let study = StudyFile::parse("study.toml", &text)?.study()?;
+//! let rows = fakir_study::sweep(&study, &mut Options::default())?;
+//! assert_eq!(rows.len(), 4);
+//! assert!(rows.iter().all(|row| row.problem.is_none()));
+//! let table = Table::new(&study, &rows);
+//! assert!(table.to_csv().starts_with("case,texture.surface_fraction,texture.offset,method,"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! * [`sweep`] answers every case of a [`Study`](fakir_case::Study) in memory; [`sweep_into`] does so
+//!   in a folder, with a journal from which an interrupted sweep goes on; [`merge`] puts the shards
+//!   of a sweep together.
+//! * What a case answers depends on the study alone: not on threads, shards or interruptions. So
+//!   the table of a sweep that was killed and resumed is the same, byte for byte.
+//! * A case without an answer keeps its row in the [`Table`], with the reason.
+
+mod answer;
+mod error;
+mod plan;
+mod provenance;
+mod sweep;
+mod table;
+
+pub use answer::{Answer, Critical, Pressed, Row};
+pub use error::StudyError;
+pub use plan::{InvalidShard, Shard};
+pub use provenance::{CITATION, DOI, Provenance, VERSION};
+pub use sweep::{Options, Progress, sweep};
+pub use table::{Column, Table, Values};
