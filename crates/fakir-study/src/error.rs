@@ -104,6 +104,19 @@ pub enum StudyError {
         /// The shard that was asked for.
         here: Shard,
     },
+    /// A journal of a sweep with another limit on memory, by which cases may have failed.
+    #[error(
+        "{} is of a sweep with {there} bytes of memory for a case, and this has {here}: give the \
+         same, or --overwrite", .journal.display()
+    )]
+    OtherMemory {
+        /// The journal.
+        journal: PathBuf,
+        /// The limit then, bytes.
+        there: usize,
+        /// The limit now, bytes.
+        here: usize,
+    },
     /// Shards that are not one sweep.
     #[error("{0}")]
     Shards(String),

@@ -27,6 +27,9 @@
 
 mod answer;
 mod error;
+mod folder;
+mod journal;
+mod output;
 mod plan;
 mod provenance;
 mod sweep;
@@ -34,6 +37,7 @@ mod table;
 
 pub use answer::{Answer, Critical, Pressed, Row};
 pub use error::StudyError;
+pub use folder::{Existing, Summary, merge, sweep_into};
 pub use plan::{InvalidShard, Shard};
 pub use provenance::{CITATION, DOI, Provenance, VERSION};
 pub use sweep::{Options, Progress, sweep};

@@ -100,19 +100,44 @@ impl fmt::Display for Shard {
     }
 }
 
-/// The chains of a shard, in the order of their cases.
-pub(crate) fn chains(study: &Study, shard: Shard) -> Vec<Range<usize>> {
-    let run = run_length(study);
-    let in_run = run.div_ceil(CHAIN);
-    let all = study.cases() / run * in_run;
-    (0..all)
-        .filter(|chain| shard.has(*chain))
-        .map(|chain| {
-            let start = chain / in_run * run;
-            let first = start + chain % in_run * CHAIN;
-            first..(first + CHAIN).min(start + run)
+/// The chains of a shard.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plan {
+    shard: Shard,
+    cases: usize,
+    /// Consecutive cases that are neighbours along the last axis; chains do not go beyond.
+    run: usize,
+}
+
+impl Plan {
+    pub(crate) fn new(study: &Study, shard: Shard) -> Self {
+        Self {
+            shard,
+            cases: study.cases(),
+            run: run_length(study),
+        }
+    }
+
+    fn chains_of_run(&self) -> usize {
+        self.run.div_ceil(CHAIN)
+    }
+
+    /// Whether the shard has that case.
+    pub(crate) fn has(&self, case: usize) -> bool {
+        let chain = case / self.run * self.chains_of_run() + case % self.run / CHAIN;
+        case < self.cases && self.shard.has(chain)
+    }
+
+    /// The chains, in the order of their cases.
+    pub(crate) fn chains(self) -> impl Iterator<Item = Range<usize>> {
+        let all = self.cases / self.run * self.chains_of_run();
+        let mine = (0..all).filter(move |chain| self.shard.has(*chain));
+        mine.map(move |chain| {
+            let start = chain / self.chains_of_run() * self.run;
+            let first = start + chain % self.chains_of_run() * CHAIN;
+            first..(first + CHAIN).min(start + self.run)
         })
-        .collect()
+    }
 }
 
 /// Consecutive cases that have neighbours in what varies; cases along words have none.
@@ -149,5 +174,74 @@ fn cost(system: &System, method: Method) -> f64 {
         Method::Love(mesh) => pillars * (mesh.cells_per_diameter as f64).powi(2),
         Method::Homogenised => 1.0,
         _ => pillars,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fakir_case::{Case, StudyFile};
+
+    fn study(tables: &str) -> Study {
+        let text = format!("{tables}\n{}", Case::example().to_toml());
+        let file = StudyFile::parse("study.toml", &text).unwrap();
+        file.study().unwrap()
+    }
+
+    #[test]
+    fn every_case_is_in_one_chain_of_one_shard() {
+        let offsets = "\"texture.offset\" = { from = 0, to = 1, points = 19 }";
+        let fractions = "surface_fraction = [0.01, 0.02, 0.03]";
+        let words = "\"method.name\" = [\"punch\", \"homogenised\"]";
+        let angles = "offset_angle = { from = 0, to = 1, points = 19 }";
+        for (tables, longest) in [
+            (format!("[axes]\n{fractions}\n{offsets}"), 8),
+            (format!("[axes]\n{offsets}\n{fractions}"), 3),
+            (format!("[axes]\n{offsets}\n{words}"), 1),
+            (
+                format!("[study]\ncombine = \"zip\"\n[axes]\n{offsets}\n{angles}"),
+                8,
+            ),
+        ] {
+            let study = study(&tables);
+            for of in [1, 2, 5, 100] {
+                let mut seen = Vec::new();
+                for number in 1..=of {
+                    let plan = Plan::new(&study, Shard::new(number, of).unwrap());
+                    for chain in plan.chains() {
+                        assert!((1..=longest).contains(&chain.len()));
+                        assert!(chain.clone().all(|case| plan.has(case)));
+                        seen.extend(chain);
+                    }
+                    assert_eq!(
+                        (0..study.cases()).filter(|case| plan.has(*case)).count(),
+                        plan.chains().map(|chain| chain.len()).sum::<usize>()
+                    );
+                }
+                seen.sort_unstable();
+                assert!(seen.into_iter().eq(0..study.cases()));
+            }
+        }
+    }
+
+    #[test]
+    fn chains_do_not_go_around_the_end_of_the_last_axis() {
+        let study = study(
+            "[axes]\nsurface_fraction = [0.01, 0.1]\noffset = { from = 0, to = 1, points = 10 }",
+        );
+        let chains = Plan::new(&study, Shard::WHOLE).chains();
+        assert_eq!(chains.collect::<Vec<_>>(), [0..8, 8..10, 10..18, 18..20]);
+        let mut chains: Vec<_> = Plan::new(&study, Shard::WHOLE).chains().collect();
+        longest_first(&study, &mut chains);
+        assert_eq!(chains, [10..18, 18..20, 0..8, 8..10]);
+    }
+
+    #[test]
+    fn shards_as_text() {
+        assert_eq!("3/16".parse(), Shard::new(3, 16));
+        assert_eq!("16/16".parse::<Shard>().unwrap().to_string(), "16/16");
+        for wrong in ["0/4", "5/4", "x", "1", "1/0", "-1/4", "1/4/2", ""] {
+            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
+        }
     }
 }

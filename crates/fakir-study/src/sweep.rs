@@ -2,7 +2,7 @@
 
 use crate::answer::{Answer, Critical, Pressed, Row};
 use crate::error::StudyError;
-use crate::plan::{Shard, chains, longest_first};
+use crate::plan::{Plan, Shard, longest_first};
 use fakir::Question;
 use fakir::contact::{CancelToken, Run, SolveError, Termination};
 use fakir_case::Study;
@@ -67,7 +67,7 @@ pub(crate) fn complete(
     options: &mut Options<'_>,
     mut keep: impl FnMut(&[Row]) -> Result<(), StudyError>,
 ) -> Result<BTreeMap<usize, Row>, StudyError> {
-    let mut chains = chains(study, options.shard);
+    let mut chains: Vec<_> = Plan::new(study, options.shard).chains().collect();
     let mut progress = Progress {
         done: rows.len(),
         found: rows.len(),

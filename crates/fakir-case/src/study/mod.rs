@@ -360,16 +360,19 @@ impl StudyFile {
         }
     }
 
+    /// The values of all axes, as in a study file.
+    fn settings(&self, steps: &[usize]) -> String {
+        let axes = self.varied.iter().zip(steps);
+        let settings: Vec<_> = axes
+            .map(|(varied, step)| varied.axis.setting(*step))
+            .collect();
+        settings.join(", ")
+    }
+
     /// The error of a case, at an axis, with the combination of values that it comes from.
     fn blame(&self, error: CaseError, index: usize) -> CaseError {
         let steps = self.steps(index);
-        let settings: Vec<_> = self
-            .varied
-            .iter()
-            .zip(&steps)
-            .map(|(varied, step)| varied.axis.setting(*step))
-            .collect();
-        let combination = format!("in case {index}, with {}", settings.join(", "));
+        let combination = format!("in case {index}, with {}", self.settings(&steps));
         let error = error.in_case(&combination);
         let places = || self.varied.iter().zip(&steps);
         if places().any(|(varied, step)| error.stands_at(varied.place(*step))) {
@@ -459,6 +462,35 @@ impl Study {
         assert!(index < self.cases, "there are {} cases", self.cases);
         let resolved = self.file.resolve(index);
         resolved.expect("every case was looked at when the study was made")
+    }
+
+    /// The value of every axis in a case, counted from 0.
+    ///
+    /// # Panics
+    /// If there are no more than `index` cases.
+    #[must_use]
+    pub fn coordinates(&self, index: usize) -> Vec<Coordinate> {
+        assert!(index < self.cases, "there are {} cases", self.cases);
+        let steps = self.file.steps(index);
+        let axes = self.axes().zip(steps);
+        axes.map(|(axis, step)| axis.value(step)).collect()
+    }
+
+    /// A case in words, as in a study file: `texture.pitch = "10 um", texture.offset = 0.5`.
+    ///
+    /// # Panics
+    /// If there are no more than `index` cases.
+    #[must_use]
+    pub fn settings(&self, index: usize) -> String {
+        assert!(index < self.cases, "there are {} cases", self.cases);
+        self.file.settings(&self.file.steps(index))
+    }
+
+    /// Names of the methods that its cases are solved with.
+    #[must_use]
+    pub fn methods(&self) -> Vec<&'static str> {
+        let cases = self.representatives();
+        cases.iter().map(|case| case.method.name()).collect()
     }
 
     /// The study as a study file. It depends on the study alone, and reading it gives the same
