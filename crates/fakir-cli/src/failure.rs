@@ -3,6 +3,7 @@
 use fakir::contact::SolveError;
 use fakir::love::SurfaceError;
 use fakir_case::CaseError;
+use fakir_study::StudyError;
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -16,6 +17,8 @@ pub(crate) enum Failure {
     Solve(#[from] SolveError),
     #[error(transparent)]
     Surface(#[from] SurfaceError),
+    #[error(transparent)]
+    Study(#[from] StudyError),
     #[error("{0}")]
     Argument(String),
     #[error("{action} {path}: {error}")]
@@ -49,6 +52,10 @@ impl Failure {
             Self::Solve(SolveError::Interrupted) | Self::Surface(SurfaceError::Interrupted) => {
                 tell("interrupted: no result");
             }
+            Self::Study(StudyError::Case(error)) => {
+                tell(&format!("{:?}", miette::Report::new(error.clone())));
+            }
+            Self::Study(error @ StudyError::Interrupted { .. }) => tell(&error.to_string()),
             other => tell(&format!("error: {other}")),
         }
     }
@@ -56,12 +63,13 @@ impl Failure {
     pub(crate) fn status(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::OutputClosed => 0,
-            Self::Solve(SolveError::Interrupted) | Self::Surface(SurfaceError::Interrupted) => {
-                INTERRUPTED
-            }
+            Self::Solve(SolveError::Interrupted)
+            | Self::Surface(SurfaceError::Interrupted)
+            | Self::Study(StudyError::Interrupted { .. }) => INTERRUPTED,
             Self::Solve(SolveError::InvalidQuantity(_))
             | Self::Surface(SurfaceError::InvalidQuantity(_))
             | Self::Case(_)
+            | Self::Study(_)
             | Self::Argument(_)
             | Self::File { .. }
             | Self::Threads(_) => 2,

@@ -91,7 +91,8 @@ pub(crate) fn complete(
         let (sender, receiver) = channel();
         for _ in 0..threads {
             let sender = sender.clone();
-            scope.spawn(|| work.run(sender));
+            let work = &work;
+            scope.spawn(move || work.run(&sender));
         }
         drop(sender);
         loop {
@@ -145,7 +146,7 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// Computes chain after chain, until there is none left or the sweep is stopped.
-    fn run(&self, sender: Sender<Row>) {
+    fn run(&self, sender: &Sender<Row>) {
         while let Some(chain) = self.chains.get(self.next.fetch_add(1, Ordering::Relaxed)) {
             for index in chain.clone() {
                 if self.known.contains_key(&index) {

@@ -22,7 +22,7 @@
 //!   next to the study. An axis takes the place of what the case gives.
 //! * An axis is named by a [`Key`](crate::Key), in full or by its last name where that says which, or
 //!   by `indentation` or `force`. Cases are in the order of the file, the last axis varying fastest.
-//! * Where `method.name` is an axis, keys of `[method]` count for the methods that have them.
+//! * Where `method.name` is an axis, other keys of `[method]` count for the methods that have them.
 
 mod axis;
 mod read;
@@ -308,12 +308,22 @@ impl StudyFile {
     }
 
     fn resolve(&self, index: usize) -> Result<StudyCase, CaseError> {
+        self.resolve_with(index, |_| true)
+    }
+
+    /// A case that only some axes, by number, make different from the case of the file.
+    fn resolve_with(
+        &self,
+        index: usize,
+        counts: impl Fn(usize) -> bool,
+    ) -> Result<StudyCase, CaseError> {
         let steps = self.steps(index);
         let mut file = self.case.clone();
         self.leave_out_idle_keys(&mut file, &steps);
         let mut load = self.load.clone();
         let mut coordinates = Vec::with_capacity(steps.len());
-        for (varied, step) in self.varied.iter().zip(steps) {
+        let axes = self.varied.iter().zip(steps).enumerate();
+        for (_, (varied, step)) in axes.filter(|(number, _)| counts(*number)) {
             let coordinate = varied.axis.value(step);
             let entry = Entry {
                 value: match &coordinate {
@@ -343,20 +353,24 @@ impl StudyFile {
         })
     }
 
-    /// Of the case's keys for methods that the axis of methods has, those of the others.
+    /// Where the methods are varied, the case's keys for others than that of this case.
     fn leave_out_idle_keys(&self, file: &mut CaseFile, steps: &[usize]) {
         for (varied, step) in self.varied.iter().zip(steps) {
             let Values::Words(words) = &varied.axis.values else {
                 continue;
             };
-            if varied.axis.variable == Variable::Key(Key::MethodName) {
-                for (key, owner) in OWNERS {
-                    let owner = owner.word();
-                    if owner != words[*step] && words.iter().any(|word| word == owner) {
-                        file.entries.keys.remove(&key);
-                    }
-                }
+            if varied.axis.variable != Variable::Key(Key::MethodName) {
+                continue;
             }
+            let idle = |key: &Key, entry: &Entry| {
+                let owner = OWNERS.iter().find(|(owned, _)| owned == key);
+                owner.is_some_and(|(_, owner)| {
+                    let is_of_study = words.iter().any(|word| word == owner.word());
+                    let is_override = entry.place.source.name() == "--set";
+                    owner.word() != words[*step] && (is_of_study || !is_override)
+                })
+            };
+            file.entries.keys.retain(|key, entry| !idle(key, entry));
         }
     }
 
@@ -378,14 +392,16 @@ impl StudyFile {
         if places().any(|(varied, step)| error.stands_at(varied.place(*step))) {
             return error;
         }
-        // The slowest axis that changed since the case before, which was good.
-        let before = index.checked_sub(1).map(|index| self.steps(index));
-        let changed = |number: usize| {
-            before
-                .as_ref()
-                .is_none_or(|before| before[number] != steps[number])
+        let axes = 0..steps.len();
+        let number = match index.checked_sub(1).map(|before| self.steps(before)) {
+            // The slowest axis that changed since the case before, which was good.
+            Some(before) => axes.into_iter().find(|axis| before[*axis] != steps[*axis]),
+            // The axis without which there would be no error.
+            None => axes.into_iter().find(|axis| {
+                let without = self.resolve_with(index, |other| other != *axis);
+                without.is_ok()
+            }),
         };
-        let number = (0..steps.len()).find(|number| changed(*number));
         let number = number.unwrap_or(0);
         let varied = &self.varied[number];
         error.moved(varied.place(steps[number]), varied.axis.variable.path())
