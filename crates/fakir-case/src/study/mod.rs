@@ -30,11 +30,11 @@ mod read;
 pub use axis::{Axis, Coordinate, Variable};
 
 use crate::case::{Case, write_tables};
-use crate::entries::{Entry, Value};
+use crate::entries::{Entry, STUDY_TABLES, Value};
 use crate::error::{CaseError, Place, Source};
 use crate::file::{CaseFile, OWNERS, not_utf8, quantity};
-use crate::key::Key;
-use crate::unit::Dimension;
+use crate::key::{Key, root};
+use crate::unit::{Dimension, format_quantity};
 use axis::Values;
 use fakir::Question;
 use fakir::contact::Load;
@@ -95,8 +95,16 @@ pub struct StudyFile {
     case: CaseFile,
     asked: Asked,
     combine: Combine,
-    load: Option<(Variable, Entry)>,
+    load: Option<FixedLoad>,
     varied: Vec<Varied>,
+}
+
+/// A load that is the same in every case.
+#[derive(Debug, Clone)]
+struct FixedLoad {
+    variable: Variable,
+    load: Load,
+    place: Place,
 }
 
 /// An axis and where it was given.
@@ -167,8 +175,17 @@ impl StudyFile {
     /// # Errors
     /// [`CaseError`].
     pub fn set(&mut self, argument: &str) -> Result<(), CaseError> {
-        self.case.set(argument)?;
         let (path, _) = argument.split_once('=').unwrap_or((argument, ""));
+        if STUDY_TABLES.contains(&root(path.trim())) {
+            return Err(CaseError::new(
+                &Source::new("--set", argument),
+                "only keys of the case can be overridden",
+            )
+            .key(path.trim())
+            .label(0..path.len(), "here")
+            .accepted("for example texture.pillar.height=2um"));
+        }
+        self.case.set(argument)?;
         let Some(key) = Key::at(path.trim()) else {
             return Ok(());
         };
@@ -194,6 +211,9 @@ impl StudyFile {
     /// # Errors
     /// [`CaseError`] for axes that do not fit together, and for the first case that cannot be.
     pub fn study(self) -> Result<Study, CaseError> {
+        self.case.refuse_surface().map_err(|error| {
+            error.accepted("a study varies a case with a [texture]; a [surface] has none as yet")
+        })?;
         let cases = self.number_of_cases()?;
         if let Err(error) = self.resolve(0) {
             // What is wrong with or without axes is the fault of the case.
@@ -261,7 +281,7 @@ impl StudyFile {
         let fixed = self
             .load
             .as_ref()
-            .map(|(variable, entry)| (variable.path(), &entry.place));
+            .map(|fixed| (fixed.variable.path(), &fixed.place));
         match (self.asked, axis, fixed) {
             (_, Some(axis), Some(fixed)) => Err(crate::file::both_given(fixed, axis, "study")
                 .accepted("give a load once: in [study] or as an axis")),
@@ -320,7 +340,7 @@ impl StudyFile {
         let steps = self.steps(index);
         let mut file = self.case.clone();
         self.leave_out_idle_keys(&mut file, &steps);
-        let mut load = self.load.clone();
+        let mut load = self.load.as_ref().map(|fixed| fixed.load);
         let mut coordinates = Vec::with_capacity(steps.len());
         let axes = self.varied.iter().zip(steps).enumerate();
         for (_, (varied, step)) in axes.filter(|(number, _)| counts(*number)) {
@@ -337,18 +357,13 @@ impl StudyFile {
                     file.entries.keys.insert(Key::MethodName, entry);
                 }
                 Variable::Key(key) => file.put(key, entry),
-                variable => load = Some((variable, entry)),
+                variable => load = Some(prescribed(variable, &entry)?),
             }
             coordinates.push(coordinate);
         }
         Ok(StudyCase {
             case: file.case()?,
-            question: match (self.asked, &load) {
-                (Asked::Press, Some((variable, entry))) => {
-                    Question::Press(prescribed(*variable, entry)?)
-                }
-                _ => Question::Transition,
-            },
+            question: load.map_or(Question::Transition, Question::Press),
             coordinates,
         })
     }
@@ -415,7 +430,7 @@ fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
     if !(value.is_finite() && value >= 0.0) {
         return Err(CaseError::at(
             &entry.place,
-            format!("cannot be {}", variable.written(value)),
+            format!("cannot be {}", format_quantity(value, dimension)),
         )
         .key(variable.path())
         .accepted("it must be a finite number, 0 or greater"));
@@ -521,8 +536,8 @@ impl Study {
         let file = &self.file;
         let _ = writeln!(text, "\n[study]\nquestion = \"{}\"", file.asked.name());
         let _ = writeln!(text, "combine = \"{}\"", file.combine.name());
-        if let (Some((variable, _)), Question::Press(load)) = (&file.load, self.case(0).question) {
-            let (Load::Force(value) | Load::Indentation(value)) = load;
+        if let Some(FixedLoad { variable, load, .. }) = &file.load {
+            let (Load::Force(value) | Load::Indentation(value)) = *load;
             let _ = writeln!(text, "{} = {}", variable.path(), variable.written(value));
         }
         text.push_str("\n[axes]\n");
