@@ -54,10 +54,7 @@ pub enum StudyError {
     #[error("another sweep is running in {}", .0.display())]
     InUse(PathBuf),
     /// A line of a journal that makes no sense.
-    #[error(
-        "{}:{line}: the journal is damaged: {problem}; take the line out to compute the case again, \
-         or --overwrite everything", .journal.display()
-    )]
+    #[error("{}:{line}: the journal is damaged: {problem}; {}", .journal.display(), advice(*.line))]
     Damaged {
         /// The journal.
         journal: PathBuf,
@@ -106,8 +103,8 @@ pub enum StudyError {
     },
     /// A journal of a sweep with another limit on memory, by which cases may have failed.
     #[error(
-        "{} is of a sweep with {there} bytes of memory for a case, and this has {here}: give the \
-         same, or --overwrite", .journal.display()
+        "{} is of a sweep with {} of memory for a case, and this has {}: give the same limit, or \
+         --overwrite", .journal.display(), memory(*.there), memory(*.here)
     )]
     OtherMemory {
         /// The journal.
@@ -120,6 +117,23 @@ pub enum StudyError {
     /// Shards that are not one sweep.
     #[error("{0}")]
     Shards(String),
+}
+
+/// What to do about a damaged line.
+fn advice(line: usize) -> &'static str {
+    match line {
+        1 => "--overwrite begins anew",
+        _ => "take the line out to compute the case again, or --overwrite everything",
+    }
+}
+
+/// So many bytes, exactly: `8 GB`.
+pub(crate) fn memory(bytes: usize) -> String {
+    let units = [(1_000_000_000, "GB"), (1_000_000, "MB"), (1000, "kB")];
+    match units.iter().find(|(size, _)| bytes % size == 0) {
+        Some((size, unit)) => format!("{} {unit}", bytes / size),
+        None => format!("{bytes} bytes"),
+    }
 }
 
 impl StudyError {

@@ -8,7 +8,7 @@
 //! | `provenance.json` | version, study, methods, reference |
 
 use crate::answer::Row;
-use crate::error::StudyError;
+use crate::error::{StudyError, memory};
 use crate::journal::{Contents, Header, JOURNAL, Journal, first_difference, whole};
 use crate::output::save;
 use crate::plan::{Plan, Shard};
@@ -206,8 +206,9 @@ fn check_shards(journals: &[(PathBuf, Contents)]) -> Result<(), StudyError> {
         }
         if header.memory_limit != first.memory_limit {
             return wrong(format!(
-                "a case may take {} bytes of memory in one, {} in the other",
-                first.memory_limit, header.memory_limit
+                "a case may take {} of memory in one, {} in the other",
+                memory(first.memory_limit),
+                memory(header.memory_limit)
             ));
         }
         if let Some(other) = folders.insert(header.shard.number(), folder) {

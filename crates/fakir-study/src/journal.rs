@@ -222,6 +222,13 @@ fn to_json(value: &impl Serialize) -> String {
     serde_json::to_string(value).expect("structs with named fields are JSON objects")
 }
 
+/// What is wrong with JSON; the line it counts is the only one it has seen.
+fn without_place(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let (problem, _) = text.split_once(" at line ").unwrap_or((&text, ""));
+    format!("{problem}, column {}", error.column())
+}
+
 /// What a journal holds.
 pub(crate) struct Contents {
     path: PathBuf,
@@ -254,7 +261,7 @@ impl Contents {
             match &mut contents {
                 None => {
                     let header: Header = serde_json::from_slice(&text)
-                        .map_err(|error| damaged(number, error.to_string()))?;
+                        .map_err(|error| damaged(number, without_place(&error)))?;
                     if header.format != FORMAT {
                         let problem = format!("its format {} is not known", header.format);
                         return Err(damaged(number, problem));
@@ -268,7 +275,7 @@ impl Contents {
                 }
                 Some(contents) => {
                     let line: Line = serde_json::from_slice(&text)
-                        .map_err(|error| damaged(number, error.to_string()))?;
+                        .map_err(|error| damaged(number, without_place(&error)))?;
                     contents.lines.push((number, line));
                     contents.bytes = bytes;
                 }
