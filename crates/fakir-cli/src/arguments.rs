@@ -7,6 +7,7 @@ use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
 use fakir_study::design::{FREE, Wanted};
 use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
+use fakir_study::{Existing, Shard};
 use std::path::PathBuf;
 
 const ABOUT: &str = "\
@@ -18,10 +19,11 @@ Start with `fakir init`, which writes a case file, and `fakir transition case.to
 const EXIT_STATUS: &str = "\
 Exit status:
   0    done
-  1    a solution did not converge, or verify found a disagreement; it is still printed
+  1    a solution did not converge, cases of a sweep failed, or verify found a disagreement; the
+       result is still printed and saved
   2    bad input: arguments, case file, or a file that cannot be read or written
   3    no answer: the contact is too large for the lens or for memory, or the method does not apply
-  130  interrupted by Ctrl-C; nothing is saved";
+  130  interrupted by Ctrl-C; nothing is saved, but a sweep keeps its journal";
 
 #[derive(Debug, Parser)]
 #[command(name = "fakir", version, long_about = ABOUT, after_help = EXIT_STATUS)]
@@ -85,6 +87,17 @@ pub(crate) enum Command {
       --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --samples 1000")]
     Design(Design),
+    /// Many cases: a study file with axes along which a case is varied
+    ///
+    /// Every case is one row of a table, also if it fails: then with the reason. With --output a
+    /// journal is kept there, so that a sweep that was interrupted, even killed, goes on with
+    /// --resume; the tables are the same as without the interruption, byte for byte. Without
+    /// --output the table is printed as CSV.
+    #[command(after_help = "Example: fakir sweep study.toml --output results")]
+    Sweep(Sweep),
+    /// The shards of a sweep put together, as if it had never been divided
+    #[command(after_help = "Example: fakir merge results shard-1 shard-2 shard-3")]
+    Merge(Merge),
 }
 
 impl Command {
@@ -98,6 +111,8 @@ impl Command {
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
             Self::Design(_) => "design",
+            Self::Sweep(_) => "sweep",
+            Self::Merge(_) => "merge",
         }
     }
 }
@@ -337,6 +352,75 @@ fn tolerance(text: &str) -> Result<Tolerance, String> {
         }
     };
     Ok(Tolerance { key, deviation })
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Sweep {
+    /// Study file (TOML): a case file, or the name of one, with the tables [study] and [axes]; `-`
+    /// for standard input
+    pub(crate) study: PathBuf,
+    /// Override a key of the case that is no axis, as in lens.radius=2mm; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Keep the journal there, and save table.csv, table.parquet, study.toml and provenance.json
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) output: Option<PathBuf>,
+    /// Go on with the sweep in the folder, if one has begun there
+    #[arg(long, requires = "output", conflicts_with = "overwrite")]
+    resume: bool,
+    /// Begin anew, whatever is in the folder
+    #[arg(long, requires = "output")]
+    overwrite: bool,
+    /// Compute only this part of the cases, for `fakir merge`: 1/4 to 4/4 of a sweep in four shards
+    #[arg(long, value_name = "N/OF", default_value = "1/1", requires = "output")]
+    pub(crate) shard: Shard,
+    /// Threads to share the cases between; 0 for as many as there are processors
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) threads: usize,
+    /// Memory a single case may take (kB, MB, GB)
+    #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
+    pub(crate) memory_limit: usize,
+    /// Print JSON, in SI units; without --output with all rows
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No progress and no warnings
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+impl Sweep {
+    pub(crate) fn existing(&self) -> Existing {
+        match (self.resume, self.overwrite) {
+            (true, _) => Existing::Resume,
+            (_, true) => Existing::Overwrite,
+            _ => Existing::Refuse,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Merge {
+    /// Folder to make for the whole sweep
+    pub(crate) folder: PathBuf,
+    /// Folders of all shards, in any order
+    #[arg(required = true)]
+    pub(crate) shards: Vec<PathBuf>,
+    /// Replace what is in the folder
+    #[arg(long)]
+    overwrite: bool,
+    /// Print JSON, in SI units
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+impl Merge {
+    pub(crate) fn existing(&self) -> Existing {
+        if self.overwrite {
+            Existing::Overwrite
+        } else {
+            Existing::Refuse
+        }
+    }
 }
 
 /// What every command that reads a case takes.

@@ -95,6 +95,8 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
             )
         }
         Command::Design(options) => design(command, options),
+        Command::Sweep(options) => commands::sweep::run(options),
+        Command::Merge(options) => commands::sweep::merge(options),
     }
 }
 
@@ -159,11 +161,7 @@ fn deliver(
 
 fn read_case(options: &CaseArguments) -> Result<CaseFile, Failure> {
     let mut file = if options.case.as_os_str() == "-" {
-        let mut bytes = Vec::new();
-        std::io::stdin()
-            .read_to_end(&mut bytes)
-            .map_err(|error| Failure::file("cannot read", "standard input".as_ref(), error))?;
-        CaseFile::from_bytes("standard input", bytes)?
+        CaseFile::from_bytes(STANDARD_INPUT, standard_input()?)?
     } else {
         CaseFile::read(&options.case)?
     };
@@ -171,4 +169,14 @@ fn read_case(options: &CaseArguments) -> Result<CaseFile, Failure> {
         file.set(argument)?;
     }
     Ok(file)
+}
+
+/// What errors call it.
+const STANDARD_INPUT: &str = "standard input";
+
+fn standard_input() -> Result<Vec<u8>, Failure> {
+    let mut bytes = Vec::new();
+    let read = std::io::stdin().read_to_end(&mut bytes);
+    read.map_err(|error| Failure::file("cannot read", STANDARD_INPUT.as_ref(), error))?;
+    Ok(bytes)
 }

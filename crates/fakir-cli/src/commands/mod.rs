@@ -7,6 +7,7 @@ pub(crate) mod design;
 pub(crate) mod init;
 pub(crate) mod press;
 pub(crate) mod surface;
+pub(crate) mod sweep;
 pub(crate) mod theory;
 pub(crate) mod transition;
 pub(crate) mod verify;
