@@ -64,7 +64,14 @@ pub struct Candidate {
 #[derive(Debug, Clone)]
 pub enum Design {
     /// A value that gives what is wanted, to within [`TOLERANCE`].
-    Found(Candidate),
+    Found {
+        /// The value and its critical state.
+        candidate: Candidate,
+        /// Relative change of the answer over that of the value, `d ln(answer)/d ln(x)`: how
+        /// exactly the value has to be made. Near zero the answer hardly depends on it, and many
+        /// values do.
+        sensitivity: f64,
+    },
     /// What is wanted lies in a jump of the answer: these are its two sides.
     Jump(Box<[Candidate; 2]>),
     /// No value gives it; this is the nearest, and why there is none nearer.
@@ -139,6 +146,11 @@ const JUMP: f64 = 1e-12;
 /// Relative width of a bracket that is narrow enough to say where a range ends.
 const EDGE: f64 = 1e-3;
 
+/// Where the homogenised lattice has this many pillars in contact, it is within a few per cent, and
+/// where it is farther from what is wanted than a factor of 2, that is all the search has to know.
+const MANY_PILLARS: usize = 1000;
+const CLEAR: f64 = std::f64::consts::LN_2;
+
 /// First strides in `ln x`: from an estimate, and from a guess.
 const STRIDES: [f64; 2] = [0.02, 0.4];
 
@@ -172,25 +184,41 @@ pub fn design(
         method: Some(Method::Homogenised),
     };
     let estimate = match search.find(first, STRIDES[1]) {
-        Ok(Design::Found(candidate) | Design::OutOfReach { nearest: candidate, .. }) => {
-            Some(candidate.value)
-        }
+        Ok(Ending::Found(candidate) | Ending::OutOfReach(candidate, _)) => Some(candidate.value),
         Err(DesignError::Solve(SolveError::Interrupted)) => {
             return Err(SolveError::Interrupted.into());
         }
         _ => None,
     };
     search.method = None;
-    match estimate {
-        Some(value) => search.find(value, STRIDES[0]),
-        None => search.find(first, STRIDES[1]),
-    }
+    let ending = match estimate {
+        Some(value) => search.find(value, STRIDES[0])?,
+        None => search.find(first, STRIDES[1])?,
+    };
+    Ok(match ending {
+        Ending::Found(candidate) => Design::Found {
+            sensitivity: search.sensitivity(&candidate)?,
+            candidate,
+        },
+        Ending::Jump(sides) => Design::Jump(sides),
+        Ending::OutOfReach(nearest, limit) => Design::OutOfReach {
+            nearest: search.exactly(nearest)?,
+            limit,
+        },
+    })
+}
+
+/// How a search ends.
+enum Ending {
+    Found(Candidate),
+    Jump(Box<[Candidate; 2]>),
+    OutOfReach(Candidate, Limit),
 }
 
 /// The case with a key set to a value in SI units.
 pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseError> {
     let mut file = file.clone();
-    file.set(&format!("{}={value:e}", key.path()))?;
+    file.set_number(key, value);
     file.case()
 }
 
@@ -243,9 +271,8 @@ fn range(free: Key, system: &System, file: &CaseFile) -> [f64; 2] {
             // With a pitch pillars can grow until they touch, with a surface fraction they
             // take the pitch with them.
             let doubled = with(file, free, 0.5 * pillar.diameter);
-            let pitch_is_held = doubled.is_ok_and(|case| {
-                (case.system.lattice().pitch / pitch - 1.0).abs() < 0.1
-            });
+            let pitch_is_held =
+                doubled.is_ok_and(|case| (case.system.lattice().pitch / pitch - 1.0).abs() < 0.1);
             let largest = if pitch_is_held { pitch } else { lens.radius };
             [pillar.diameter / WIDE, largest]
         }
@@ -292,8 +319,24 @@ impl Trial {
 impl Search<'_> {
     fn trial(&self, position: f64) -> Result<Trial, DesignError> {
         let value = position.exp().clamp(self.range[0], self.range[1]);
+        if self.method.is_none()
+            && let Ok(outline) = self.trial_by(Some(Method::Homogenised), value)
+            && let Ok(candidate) = &outline.outcome
+            && candidate.critical.contact.pillars_in_contact > MANY_PILLARS
+            && outline.excess.abs() > CLEAR
+        {
+            return Ok(Trial {
+                position,
+                ..outline
+            });
+        }
+        let trial = self.trial_by(self.method, value)?;
+        Ok(Trial { position, ..trial })
+    }
+
+    fn trial_by(&self, method: Option<Method>, value: f64) -> Result<Trial, DesignError> {
         let mut case = with(self.file, self.free, value)?;
-        if let Some(method) = self.method {
+        if let Some(method) = method {
             case.method = method;
         }
         let outcome = match fakir::transition(&case.system, case.method, self.run) {
@@ -320,22 +363,30 @@ impl Search<'_> {
             Err(_) => f64::INFINITY,
         };
         Ok(Trial {
-            position,
+            position: value.ln(),
             outcome,
             excess,
         })
     }
 
-    fn find(&self, first: f64, stride: f64) -> Result<Design, DesignError> {
+    /// The candidate by the method of the case, where an estimate did for the search.
+    fn exactly(&self, candidate: Candidate) -> Result<Candidate, DesignError> {
+        if candidate.case.method == with(self.file, self.free, candidate.value)?.method {
+            return Ok(candidate);
+        }
+        Ok(self.trial_by(None, candidate.value)?.outcome?)
+    }
+
+    fn find(&self, first: f64, stride: f64) -> Result<Ending, DesignError> {
         let start = self.trial(first.clamp(self.range[0], self.range[1]).ln())?;
         if start.is_met()
             && let Ok(candidate) = start.outcome
         {
-            return Ok(Design::Found(candidate));
+            return Ok(Ending::Found(candidate));
         }
         match self.bracket(start, stride)? {
             Ok(bracket) => self.close_in(bracket),
-            Err(ends) => self.out_of_reach(&ends),
+            Err(trials) => self.nearest(trials),
         }
     }
 
@@ -350,7 +401,10 @@ impl Search<'_> {
         let mut trials = vec![start.clone()];
         let mut fronts = [start.clone(), start]; // downwards and upwards
         let mut strides = [stride; 2];
-        let side_done = |fronts: &[Trial; 2], side: usize| fronts[side].position == ends[side];
+        let side_done = |fronts: &[Trial; 2], side: usize| match side {
+            0 => fronts[0].position <= ends[0],
+            _ => fronts[1].position >= ends[1],
+        };
         // Upwards first; then whichever front is nearer to what is wanted.
         let mut side = 1;
         while !(side_done(&fronts, 0) && side_done(&fronts, 1)) {
@@ -380,23 +434,25 @@ impl Search<'_> {
 
     /// Closes in on the wanted value between two trials: by halves as long as one side has no
     /// value, then by the ITP method.
-    fn close_in(&self, [mut low, mut high]: [Trial; 2]) -> Result<Design, DesignError> {
+    fn close_in(&self, [mut low, mut high]: [Trial; 2]) -> Result<Ending, DesignError> {
         let mut steps = None;
         loop {
             for trial in [&low, &high] {
                 if let (true, Ok(candidate)) = (trial.is_met(), &trial.outcome) {
-                    return Ok(Design::Found(candidate.clone()));
+                    return Ok(Ending::Found(candidate.clone()));
                 }
             }
             let width = high.position - low.position;
             let open = !(low.excess.is_finite() && high.excess.is_finite());
             if width < if open { EDGE } else { JUMP } {
-                return self.edge(low, high);
+                return Self::edge(&low, &high);
             }
             let position = if open {
                 0.5 * (low.position + high.position)
             } else {
-                steps.get_or_insert_with(|| Itp::new(width)).next(&low, &high)
+                steps
+                    .get_or_insert_with(|| Itp::new(width))
+                    .next(&low, &high)
             };
             let trial = self.trial(position)?;
             if trial.excess.signum() == low.excess.signum() {
@@ -408,39 +464,80 @@ impl Search<'_> {
     }
 
     /// The outcome where a bracket has become narrow and the wanted value is not in it.
-    fn edge(&self, low: Trial, high: Trial) -> Result<Design, DesignError> {
+    fn edge(low: &Trial, high: &Trial) -> Result<Ending, DesignError> {
         match (low.outcome.clone(), high.outcome.clone()) {
             (Ok(a), Ok(b)) if low.excess.is_finite() && high.excess.is_finite() => {
-                Ok(Design::Jump(Box::new([a, b])))
+                Ok(Ending::Jump(Box::new([a, b])))
             }
-            (Ok(nearest), _) if low.excess.is_finite() => Ok(Design::OutOfReach {
-                nearest,
-                limit: high.limit(),
-            }),
-            (_, Ok(nearest)) => Ok(Design::OutOfReach {
-                nearest,
-                limit: low.limit(),
-            }),
+            (Ok(nearest), _) if low.excess.is_finite() => {
+                Ok(Ending::OutOfReach(nearest, high.limit()))
+            }
+            (_, Ok(nearest)) => Ok(Ending::OutOfReach(nearest, low.limit())),
             (_, Err(error)) => Err(error.into()),
         }
     }
 
-    /// The outcome where the wanted value is on one side of all trials.
-    fn out_of_reach(&self, trials: &[Trial]) -> Result<Design, DesignError> {
-        let nearest = trials
-            .iter()
-            .filter(|trial| trial.outcome.is_ok())
-            .min_by(|a, b| a.excess.abs().total_cmp(&b.excess.abs()));
-        match nearest.map(|trial| &trial.outcome) {
-            Some(Ok(candidate)) => Ok(Design::OutOfReach {
-                nearest: candidate.clone(),
-                limit: Limit::Range,
-            }),
-            _ => match trials.first().map(|trial| &trial.outcome) {
-                Some(Err(error)) => Err(error.clone().into()),
-                _ => Err(DesignError::NotPositive(self.wanted)),
-            },
+    /// The outcome where the wanted value is on one side of all trials: the nearest, sought
+    /// between the neighbours of the nearest trial.
+    fn nearest(&self, mut trials: Vec<Trial>) -> Result<Ending, DesignError> {
+        trials.sort_by(|a, b| a.position.total_cmp(&b.position));
+        let farness = |trial: &Trial| trial.excess.abs();
+        let Some(best) =
+            (0..trials.len()).min_by(|a, b| farness(&trials[*a]).total_cmp(&farness(&trials[*b])))
+        else {
+            return Err(DesignError::NotPositive(self.wanted));
+        };
+        let last = trials.len() - 1;
+        let (mut low, mut high) = (
+            trials[best.saturating_sub(1)].clone(),
+            trials[(best + 1).min(last)].clone(),
+        );
+        let mut best = trials[best].clone();
+        while high.position - low.position > EDGE {
+            // The larger of the two gaps, by the golden section.
+            let (gaps, golden) = (
+                [best.position - low.position, high.position - best.position],
+                0.381_966,
+            );
+            let position = if gaps[1] > gaps[0] {
+                best.position + golden * gaps[1]
+            } else {
+                best.position - golden * gaps[0]
+            };
+            let trial = self.trial(position)?;
+            if trial.excess.signum() != best.excess.signum() {
+                let mut bracket = [best, trial];
+                bracket.sort_by(|a, b| a.position.total_cmp(&b.position));
+                return self.close_in(bracket);
+            }
+            let (inner, outer) = if farness(&trial) < farness(&best) {
+                (trial, best)
+            } else {
+                (best, trial)
+            };
+            if outer.position < inner.position {
+                low = outer;
+            } else {
+                high = outer;
+            };
+            best = inner;
         }
+        match best.outcome {
+            Ok(candidate) => Ok(Ending::OutOfReach(candidate, Limit::Range)),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// `d ln(answer)/d ln(x)`
+    fn sensitivity(&self, found: &Candidate) -> Result<f64, DesignError> {
+        const STEP: f64 = 1e-3;
+        let middle = found.value.ln();
+        let [low, high] = [self.trial(middle - STEP)?, self.trial(middle + STEP)?];
+        let at = |trial: &Trial| trial.outcome.as_ref().ok().map(|c| c.value.ln());
+        Ok(match (at(&low), at(&high)) {
+            (Some(a), Some(b)) if b > a => (high.excess - low.excess) / (b - a),
+            _ => f64::NAN,
+        })
     }
 }
 
@@ -464,8 +561,8 @@ impl Itp {
     fn next(&mut self, low: &Trial, high: &Trial) -> f64 {
         let width = high.position - low.position;
         let middle = 0.5 * (low.position + high.position);
-        let interpolated = (high.excess * low.position - low.excess * high.position)
-            / (high.excess - low.excess);
+        let interpolated =
+            (high.excess * low.position - low.excess * high.position) / (high.excess - low.excess);
         let towards = (middle - interpolated).signum();
         let truncation = self.truncation * width * width;
         let truncated = if truncation <= (middle - interpolated).abs() {
@@ -480,5 +577,132 @@ impl Itp {
         } else {
             middle - towards * allowed
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paper(surface_fraction: f64) -> CaseFile {
+        let mut file = CaseFile::parse("paper", &Case::example().to_toml()).unwrap();
+        file.set_number(Key::SurfaceFraction, surface_fraction);
+        file
+    }
+
+    fn value_of(case: &Case, key: Key) -> f64 {
+        let file = CaseFile::parse("again", &case.to_toml()).unwrap();
+        file.given(key).unwrap().unwrap()
+    }
+
+    /// Takes the critical force of a case, forgets one quantity, finds it again.
+    #[test]
+    fn every_free_quantity_is_found_again() {
+        let run = Run::default();
+        for surface_fraction in [1e-3, 0.05] {
+            let by_pitch = {
+                let case = paper(surface_fraction).case().unwrap();
+                let mut file = paper(surface_fraction);
+                file.set_number(Key::Pitch, case.system.lattice().pitch);
+                file
+            };
+            for free in FREE {
+                let file = match free {
+                    Key::SurfaceFraction => paper(surface_fraction),
+                    _ => by_pitch.clone(),
+                };
+                let case = file.case().unwrap();
+                let truth = file.given(free).unwrap().unwrap();
+                let critical = fakir::transition(&case.system, case.method, &run).unwrap();
+                let mut other = file.clone();
+                other.set_number(free, truth * 0.7);
+                let wanted = Wanted::Force(critical.contact.force);
+                let Design::Found {
+                    candidate: found,
+                    sensitivity,
+                } = design(&other, free, wanted, &run).unwrap()
+                else {
+                    panic!("{} at {surface_fraction}", free.path());
+                };
+                // A lone pillar hardly knows the pitch.
+                let alone = critical.contact.pillars_in_contact == 1;
+                if alone && [Key::Pitch, Key::SurfaceFraction].contains(&free) {
+                    assert!(sensitivity.abs() < 0.1);
+                } else {
+                    let error = (found.value / truth - 1.0).abs();
+                    assert!(error < 1e-6, "{}: {error:e}", free.path());
+                }
+                // The case as it is written down gives the wanted force.
+                let written = CaseFile::parse("found", &found.case.to_toml())
+                    .unwrap()
+                    .case()
+                    .unwrap();
+                assert_eq!(value_of(&written, free).to_bits(), found.value.to_bits());
+                let again = fakir::transition(&written.system, written.method, &run).unwrap();
+                assert!((again.contact.force / critical.contact.force - 1.0).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn a_contact_radius_can_be_wanted_and_a_key_be_missing() {
+        let text = Case::example().to_toml();
+        let without: String = text
+            .lines()
+            .filter(|line| !line.starts_with("surface_fraction"))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        let file = CaseFile::parse("without", &without).unwrap();
+        let run = Run::default();
+        let wanted = Wanted::ContactRadius(100e-6);
+        match design(&file, Key::Pitch, wanted, &run).unwrap() {
+            Design::Found {
+                candidate: found, ..
+            } => {
+                assert!((found.critical.contact_radius() / 100e-6 - 1.0).abs() < 2.0 * TOLERANCE);
+            }
+            // The contact radius jumps where the next pillars are touched.
+            Design::Jump(sides) => {
+                let [a, b] = sides.map(|side| side.critical.contact_radius());
+                assert!((a - 100e-6) * (b - 100e-6) < 0.0);
+            }
+            Design::OutOfReach { .. } => panic!("100 um can be had"),
+        }
+    }
+
+    /// However wide the pitch, one pillar under the axis bears something: less cannot be had.
+    #[test]
+    fn what_cannot_be_had_is_answered_with_the_nearest() {
+        let run = Run::default();
+        // A small lens, which pillars side by side do not carry far.
+        let mut file = paper(0.01);
+        file.set_number(Key::LensRadius, 3e-4);
+        let forces: Vec<f64> = (0..40)
+            .filter_map(|k| {
+                let case = with(&file, Key::Pitch, 6e-6 * 1.1f64.powi(k)).unwrap();
+                fakir::transition(&case.system, case.method, &run).ok()
+            })
+            .map(|critical| critical.contact.force)
+            .collect();
+        let least = forces.iter().copied().fold(f64::INFINITY, f64::min);
+        let wanted = Wanted::Force(0.5 * least);
+        let Design::OutOfReach { nearest, limit } =
+            design(&file, Key::Pitch, wanted, &run).unwrap()
+        else {
+            panic!("half the least force cannot be had");
+        };
+        assert_eq!(limit, Limit::Range);
+        let force = nearest.critical.contact.force;
+        assert!(force < least * 1.001 && force > 0.9 * least);
+    }
+
+    #[test]
+    fn what_cannot_be_asked_is_refused() {
+        let run = Run::default();
+        let file = paper(0.01);
+        let refused = design(&file, Key::Offset, Wanted::Force(1e-5), &run);
+        assert!(matches!(refused, Err(DesignError::NotFree(Key::Offset))));
+        let refused = design(&file, Key::Pitch, Wanted::Force(-1.0), &run);
+        assert!(matches!(refused, Err(DesignError::NotPositive(_))));
     }
 }

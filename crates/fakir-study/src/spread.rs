@@ -1,7 +1,6 @@
 //! How far the critical state of a texture scatters: sizes and moduli that vary from sample to
 //! sample, and a lens that lands anywhere on the lattice.
 
-use crate::design::with;
 use fakir::contact::{Run, SolveError};
 use fakir::system::HexagonalLattice;
 use fakir_case::{CaseError, CaseFile, Key, Kind};
@@ -101,9 +100,7 @@ pub enum SpreadError {
     #[error("the standard deviation of {} must be a number greater than 0", .0.path())]
     NotPositive(Key),
     /// A deviation so large that hardly any sample can be.
-    #[error(
-        "hardly any sample is possible: with these deviations {problem}: give smaller ones"
-    )]
+    #[error("hardly any sample is possible: with these deviations {problem}: give smaller ones")]
     Impossible {
         /// What is wrong with the samples.
         problem: String,
@@ -279,12 +276,16 @@ pub const PERCENTAGES: [f64; 7] = [2.5, 5.0, 25.0, 50.0, 75.0, 95.0, 97.5];
 impl Spread {
     /// The critical states that were found.
     pub fn found(&self) -> impl Iterator<Item = &Critical> {
-        self.samples.iter().filter_map(|sample| sample.outcome.as_ref().ok())
+        self.samples
+            .iter()
+            .filter_map(|sample| sample.outcome.as_ref().ok())
     }
 
     /// Reasons of the samples without a solution.
     pub fn failures(&self) -> impl Iterator<Item = &str> {
-        self.samples.iter().filter_map(|sample| sample.outcome.as_ref().err().map(String::as_str))
+        self.samples
+            .iter()
+            .filter_map(|sample| sample.outcome.as_ref().err().map(String::as_str))
     }
 
     /// Mean, deviation and percentiles of one number of the critical states; `None` with fewer
@@ -315,4 +316,122 @@ fn percentile(sorted: &[f64], percentage: f64) -> f64 {
     let below = sorted[position.floor() as usize];
     let above = sorted[position.ceil() as usize];
     below + (above - below) * position.fract()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fakir_case::Case;
+
+    fn file() -> CaseFile {
+        let mut file = CaseFile::parse("paper", &Case::example().to_toml()).unwrap();
+        file.set_number(Key::SurfaceFraction, 1e-3);
+        file.set_number(Key::PillarHeight, 1e-6);
+        file
+    }
+
+    fn sampling(tolerances: Vec<Tolerance>, landing: Landing, samples: usize) -> Sampling {
+        Sampling {
+            tolerances,
+            landing,
+            samples,
+            seed: 1,
+        }
+    }
+
+    /// All forces scale with both moduli: their relative spread is that of the moduli.
+    #[test]
+    fn a_spread_of_the_moduli_is_a_spread_of_the_force() {
+        let tolerance = Tolerance {
+            key: Key::SubstrateYoungModulus,
+            deviation: Deviation::Relative(0.1),
+        };
+        let mut stiff_lens = file();
+        stiff_lens.set_number(Key::LensYoungModulus, 1e15);
+        let sampling = sampling(vec![tolerance], Landing::AsGiven, 400);
+        let spread = spread(&stiff_lens, &sampling, &Run::default(), &|_| {}).unwrap();
+        let case = stiff_lens.case().unwrap();
+        let modulus = case.system.substrate().young_modulus;
+        let reference = fakir::transition(&case.system, case.method, &Run::default()).unwrap();
+        for sample in &spread.samples {
+            let force = sample.outcome.as_ref().unwrap().force;
+            let expected = reference.contact.force * sample.values[0] / modulus;
+            assert!((force / expected - 1.0).abs() < 1e-6);
+        }
+        let summary = spread.summary(|critical| critical.force).unwrap();
+        let relative = summary.deviation / reference.contact.force;
+        // Four standard errors: 0.1/sqrt(2 * 400) and 0.1/sqrt(400).
+        assert!((relative - 0.1).abs() < 0.015, "{relative}");
+        assert!((summary.mean / reference.contact.force - 1.0).abs() < 0.02);
+    }
+
+    /// Moments of a uniform distribution over a hexagonal cell: the mean of the squared distance
+    /// from its middle is 5/36 e^2 (second moment of a regular hexagon of inradius e/2).
+    #[test]
+    fn the_lens_lands_uniformly_on_the_cell() {
+        let case = file().case().unwrap();
+        let draw = Draw {
+            file: &file(),
+            lattice: *case.system.lattice(),
+            varied: &[],
+            landing: Landing::Anywhere,
+        };
+        let count = 20_000;
+        let offsets: Vec<(f64, f64)> = (0..count).map(|k| draw.land(&mut stream(7, k))).collect();
+        let mean =
+            |f: &dyn Fn(&(f64, f64)) -> f64| offsets.iter().map(f).sum::<f64>() / count as f64;
+        assert!((mean(&|o| o.0 * o.0) - 5.0 / 36.0).abs() < 4.0 * 0.1 / (count as f64).sqrt());
+        assert!(mean(&|o| (6.0 * o.1).cos()).abs() < 0.2);
+        assert!(mean(&|o| o.1.cos()).abs() < 4.0 / (count as f64).sqrt());
+        assert!(offsets.iter().all(|o| o.0 <= 1.0 / 3f64.sqrt() + 1e-12));
+    }
+
+    #[test]
+    fn samples_do_not_depend_on_threads() {
+        let tolerance = Tolerance {
+            key: Key::PillarHeight,
+            deviation: Deviation::Absolute(0.05e-6),
+        };
+        let sampling = sampling(vec![tolerance], Landing::Anywhere, 20);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .build()
+            .unwrap();
+        let shared = Run {
+            pool: Some(&pool),
+            ..Run::default()
+        };
+        let alone = spread(&file(), &sampling, &Run::default(), &|_| {}).unwrap();
+        assert_eq!(alone, spread(&file(), &sampling, &shared, &|_| {}).unwrap());
+        assert!(alone.found().count() == 20);
+    }
+
+    #[test]
+    fn what_cannot_vary_is_refused() {
+        let ask = |tolerances| {
+            let sampling = sampling(tolerances, Landing::AsGiven, 2);
+            spread(&file(), &sampling, &Run::default(), &|_| {}).unwrap_err()
+        };
+        let tolerance = |key, part| Tolerance {
+            key,
+            deviation: Deviation::Relative(part),
+        };
+        let twice = vec![tolerance(Key::PillarHeight, 0.1); 2];
+        assert!(matches!(ask(twice), SpreadError::Twice(_)));
+        let word = vec![tolerance(Key::MethodName, 0.1)];
+        assert!(matches!(ask(word), SpreadError::NotVariable(_)));
+        let absent = vec![tolerance(Key::Pitch, 0.1)];
+        assert!(matches!(ask(absent), SpreadError::NotVariable(_)));
+        let none = vec![tolerance(Key::PillarHeight, 0.0)];
+        assert!(matches!(ask(none), SpreadError::NotPositive(_)));
+    }
+
+    #[test]
+    fn percentiles_between_samples() {
+        // Definition 7 on 1, 2, 3, 4: the median is 2.5, the quartiles 1.75 and 3.25.
+        let sorted = [1.0, 2.0, 3.0, 4.0];
+        for (percentage, expected) in [(25.0, 1.75), (50.0, 2.5), (75.0, 3.25), (100.0, 4.0)] {
+            assert!((percentile(&sorted, percentage) - expected).abs() < 1e-15);
+        }
+    }
 }
