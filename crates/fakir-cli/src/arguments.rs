@@ -289,8 +289,8 @@ struct FieldArguments {
     /// Points across the maps of pressure, gap and displacement, fields.nc and fields.vti; with
     /// --output
     ///
-    /// The maps hold the contact and a pitch more on each side. Unless given, 12 points across a pillar,
-    /// but no more than 511 in all.
+    /// The maps hold the contact and a pitch more on each side. Unless given, 12 points across a
+    /// pillar, but no more than 511 in all.
     #[arg(long, value_name = "N", requires = "output", value_parser = field_points)]
     field_points: Option<usize>,
 }

@@ -1,7 +1,7 @@
 //! A [`FieldMap`] as VTK image data: XML with base64 inside, which VTK 6 and later read.
 //!
-//! Each array is its length in bytes (64 bits) and its values, little-endian, as one piece of base64. Texts are
-//! arrays of characters in field data. The XML itself holds no text from outside.
+//! Each array is its length in bytes (64 bits) and its values, little-endian, as one piece of
+//! base64. Texts are arrays of characters in field data. The XML itself holds no text from outside.
 
 use super::{FieldMap, Values, Variable};
 use crate::provenance::Provenance;
