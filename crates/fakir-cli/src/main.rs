@@ -93,7 +93,25 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
                 move |case| commands::compare::run(case, &session),
             )
         }
+        Command::Design(options) => design(command, options),
     }
+}
+
+/// Designs; the case that is saved is the one that was found.
+fn design(command: &Command, options: &arguments::Design) -> Result<ExitCode, Failure> {
+    let session = Session::start(&options.run, options.case.quiet)?;
+    let file = read_case(&options.case)?;
+    if let Some(folder) = &options.case.output {
+        fakir_study::output::check_folder(folder)?;
+    }
+    let designed = commands::design::run(&file, options, &session)?;
+    drop(session);
+    let status = deliver(command, &options.case, || Ok(designed.report))?;
+    Ok(if designed.found {
+        status
+    } else {
+        ExitCode::from(failure::NO_ANSWER)
+    })
 }
 
 /// Answers a question about a texture. A session that `ask` owns ends with it, and clears its

@@ -4,6 +4,7 @@ pub(crate) mod approach;
 pub(crate) mod cite;
 mod closed_forms;
 pub(crate) mod compare;
+pub(crate) mod design;
 pub(crate) mod init;
 pub(crate) mod press;
 pub(crate) mod surface;
