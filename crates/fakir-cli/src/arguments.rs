@@ -5,9 +5,9 @@ use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::contact::Load;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
-use fakir_study::fields::MOST_POINTS;
 use fakir_case::{Key, Kind};
 use fakir_study::design::{FREE, Wanted};
+use fakir_study::fields::MOST_POINTS;
 use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
 use std::path::PathBuf;
 

@@ -4,16 +4,14 @@
 use crate::arguments::Design as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, significant, with_unit};
-use crate::report::state::{
-    CriticalJson, RADIUS_DIGITS, VERSION, texture_line, warnings,
-};
+use crate::report::state::{CriticalJson, RADIUS_DIGITS, VERSION, texture_line, warnings};
 use crate::report::table::{Column, list, table};
 use crate::report::{Report, json};
 use crate::session::Session;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseFile, Key, Kind};
-use fakir_study::design::{Candidate, Design, Limit, Wanted, design};
 use fakir_study::citations::Topic;
+use fakir_study::design::{Candidate, Design, Limit, Wanted, design};
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::spread::{Critical, Landing, Sampling, Spread, Summary, spread};
