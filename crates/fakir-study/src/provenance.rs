@@ -100,7 +100,7 @@ impl Provenance {
     pub fn attributes(&self) -> [(&'static str, String); 5] {
         let references: Vec<String> = self.citations.iter().map(Citation::text).collect();
         [
-            ("title", format!("Contact of a lens: {}", self.question)),
+            ("title", format!("Lens on a surface: {}", self.question)),
             ("source", format!("fakir {}", self.fakir_version)),
             ("method", self.method.clone()),
             ("references", references.join("\n")),
