@@ -87,7 +87,7 @@ impl Case {
     }
 
     /// The value of a key in TOML; `None` if the case does without it.
-    fn value(&self, key: Key) -> Option<String> {
+    pub(crate) fn value(&self, key: Key) -> Option<String> {
         let system = &self.system;
         let number = |value: f64| written_number(key, value);
         let word = |word: &str| format!("\"{word}\"");
@@ -142,7 +142,12 @@ impl Case {
 
 /// A case file of the keys that have a value, each with what it means.
 pub(crate) fn write_toml(value: impl Fn(Key) -> Option<String>) -> String {
-    let mut text = String::from(HEADER);
+    format!("{HEADER}{}", write_tables(value))
+}
+
+/// The tables of a case file, without its heading.
+pub(crate) fn write_tables(value: impl Fn(Key) -> Option<String>) -> String {
+    let mut text = String::new();
     let mut table = "";
     for key in Key::ALL {
         let Some(value) = value(key) else {

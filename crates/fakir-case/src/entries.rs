@@ -6,7 +6,7 @@ use crate::unit::Dimension;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
-use toml::de::{DeFloat, DeInteger, DeTable, DeValue};
+use toml::de::{DeFloat, DeInteger, DeString, DeTable, DeValue};
 
 /// The value of a key, as far as TOML knows.
 #[derive(Debug, Clone)]
@@ -35,20 +35,25 @@ pub(crate) struct Entries {
 impl Entries {
     /// Reads a whole document.
     pub(crate) fn parse(source: &Source) -> Result<Self, CaseError> {
-        let (document, errors) = DeTable::parse_recoverable(source.text());
-        if let Some(error) = first(errors) {
-            return Err(syntax_error(source, &error));
-        }
+        let document = document(source)?;
         let mut entries = Self::default();
         entries.table(source, "", document.get_ref())?;
         Ok(entries)
     }
 
+    /// Reads what a document has besides the tables of a study.
+    pub(crate) fn beside_study(source: &Source, document: &DeTable<'_>) -> Result<Self, CaseError> {
+        let mut entries = Self::default();
+        for (name, value) in in_order(document) {
+            if !STUDY_TABLES.contains(&name.get_ref().as_ref()) {
+                entries.item(source, name.get_ref(), name.span(), value)?;
+            }
+        }
+        Ok(entries)
+    }
+
     fn table(&mut self, source: &Source, path: &str, table: &DeTable<'_>) -> Result<(), CaseError> {
-        // In the order of the file, so that its first mistake is the one reported.
-        let mut items: Vec<_> = table.iter().collect();
-        items.sort_by_key(|(name, _)| name.span().start);
-        for (name, value) in items {
+        for (name, value) in in_order(table) {
             let path = join(path, name.get_ref());
             self.item(source, &path, name.span(), value)?;
         }
@@ -74,6 +79,13 @@ impl Entries {
             self.keys.insert(key, entry);
             return Ok(());
         }
+        if STUDY_TABLES.contains(&path) {
+            return Err(
+                CaseError::at(&place(name), "this is a table of a study, not of a case")
+                    .key(path)
+                    .accepted("`fakir sweep` takes a study; leave this table out for a case"),
+            );
+        }
         if !is_table(path) {
             return Err(unknown_key(&place(name), path));
         }
@@ -95,6 +107,27 @@ impl Entries {
     }
 }
 
+/// The tables that a study file has and a case file has not.
+pub(crate) const STUDY_TABLES: [&str; 2] = ["study", "axes"];
+
+/// The text as TOML.
+pub(crate) fn document(source: &Source) -> Result<Spanned<DeTable<'_>>, CaseError> {
+    let (document, errors) = DeTable::parse_recoverable(source.text());
+    match first(errors) {
+        Some(error) => Err(syntax_error(source, &error)),
+        None => Ok(document),
+    }
+}
+
+/// What a table holds, in the order of the file, so that its first mistake is the one reported.
+pub(crate) fn in_order<'a, 'i>(
+    table: &'a DeTable<'i>,
+) -> Vec<(&'a Spanned<DeString<'i>>, &'a Spanned<DeValue<'i>>)> {
+    let mut items: Vec<_> = table.iter().collect();
+    items.sort_by_key(|(name, _)| name.span().start);
+    items
+}
+
 /// Reads the value of an override: TOML, or bare words such as `3 um`.
 pub(crate) fn override_value(text: &str) -> Value {
     match DeValue::parse(text) {
@@ -103,7 +136,7 @@ pub(crate) fn override_value(text: &str) -> Value {
     }
 }
 
-fn plain_value(value: &DeValue<'_>) -> Value {
+pub(crate) fn plain_value(value: &DeValue<'_>) -> Value {
     match value {
         DeValue::String(text) => Value::Text(text.clone().into_owned()),
         DeValue::Integer(number) => Value::Number(integer(number)),
@@ -169,7 +202,7 @@ pub(crate) fn kind_name(value: &Value) -> String {
     }
 }
 
-fn with_article(noun: &str) -> String {
+pub(crate) fn with_article(noun: &str) -> String {
     let vowel = noun.starts_with(['a', 'e', 'i', 'o', 'u']);
     format!("{} {noun}", if vowel { "an" } else { "a" })
 }

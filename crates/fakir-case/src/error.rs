@@ -76,6 +76,32 @@ impl CaseError {
         self
     }
 
+    /// Says in which case of a study it is wrong.
+    pub(crate) fn in_case(mut self, case: &str) -> Self {
+        self.0.problem = format!("{} ({case})", self.0.problem);
+        self
+    }
+
+    pub(crate) fn stands_at(&self, place: &Place) -> bool {
+        let here = self.0.labels.first();
+        here.is_some_and(|(span, _)| *span == place.span)
+            && self.0.source.text() == place.source.text()
+    }
+
+    /// The same error at another place, with the key it is about in its words.
+    pub(crate) fn moved(self, place: &Place, key: &str) -> Self {
+        let mut moved = Self::at(place, self.to_string()).key(key);
+        moved.0.accepted.clone_from(&self.0.accepted);
+        if self.0.source.text() == place.source.text() {
+            let labels = self.0.labels.into_iter();
+            moved
+                .0
+                .labels
+                .extend(labels.map(|(span, _)| (span, "with this".to_owned())));
+        }
+        moved
+    }
+
     /// Name of the file; `--set` for an override.
     #[must_use]
     pub fn file(&self) -> &str {

@@ -1,6 +1,6 @@
 //! A case file and its overrides, resolved into a [`Case`].
 
-use crate::case::{Case, Spacing};
+use crate::case::{Case, Spacing, written_number};
 use crate::entries::{Entries, Entry, Value, accepted, kind_name, override_value, unknown_key};
 use crate::error::{CaseError, Place, Source};
 use crate::key::{Key, Kind};
@@ -121,6 +121,45 @@ impl CaseFile {
         };
         self.entries.keys.insert(key, entry);
         Ok(())
+    }
+
+    /// Sets a key to a number in SI units, in place of what the file gives for the same choice, as
+    /// [`set`](Self::set) does. The case is the same, bit for bit, as with that number in the file.
+    ///
+    /// ```
+    /// use fakir_case::{Case, CaseFile, Key};
+    /// let mut file = CaseFile::parse("example.toml", &Case::example().to_toml())?;
+    /// file.set_number(Key::Pitch, 25e-6);
+    /// assert_eq!(file.case()?.system.lattice().pitch, 25e-6);
+    /// # Ok::<(), fakir_case::CaseError>(())
+    /// ```
+    pub fn set_number(&mut self, key: Key, value: f64) {
+        let text = format!("{} = {}", key.path(), written_number(key, value));
+        let place = Place {
+            span: 0..text.len(),
+            source: Source::new("a number that was set", &text),
+        };
+        let value = Value::Number(value);
+        self.put(key, Entry { value, place });
+    }
+
+    /// The number that was given for a key, in SI units.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a value that is no such number.
+    pub fn given(&self, key: Key) -> Result<Option<f64>, CaseError> {
+        match self.entries.keys.get(&key) {
+            Some(entry) => number(key, entry).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// Sets a key, in place of what there is for the same choice.
+    pub(crate) fn put(&mut self, key: Key, entry: Entry) {
+        for other in replaced_by(key, &entry.value) {
+            self.entries.keys.remove(&other);
+        }
+        self.entries.keys.insert(key, entry);
     }
 
     /// The case that the file and its overrides describe.
@@ -336,7 +375,7 @@ impl CaseFile {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Name {
+pub(crate) enum Name {
     Spectral,
     Love,
     Punch,
@@ -346,7 +385,7 @@ enum Name {
 impl Name {
     const ALL: [Self; 4] = [Self::Spectral, Self::Love, Self::Punch, Self::Homogenised];
 
-    fn word(self) -> &'static str {
+    pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Spectral => "spectral",
             Self::Love => "love",
@@ -357,7 +396,7 @@ impl Name {
 }
 
 /// The keys that only one method has.
-const OWNERS: [(Key, Name); 5] = [
+pub(crate) const OWNERS: [(Key, Name); 5] = [
     (Key::Accuracy, Name::Spectral),
     (Key::Form, Name::Punch),
     (Key::CellsPerDiameter, Name::Love),
@@ -393,6 +432,11 @@ pub(crate) fn number(key: Key, entry: &Entry) -> Result<f64, CaseError> {
         Kind::Number(dimension) => dimension,
         Kind::Word | Kind::Text => Dimension::Number,
     };
+    quantity(key.path(), dimension, entry)
+}
+
+/// The number in SI units that an entry stands for, at a key of that path.
+pub(crate) fn quantity(path: &str, dimension: Dimension, entry: &Entry) -> Result<f64, CaseError> {
     let problem = match &entry.value {
         Value::Number(value) => return Ok(*value),
         Value::Text(text) if dimension != Dimension::Number => {
@@ -405,7 +449,7 @@ pub(crate) fn number(key: Key, entry: &Entry) -> Result<f64, CaseError> {
         other => format!("expected {dimension}, found {}", kind_name(other)),
     };
     Err(CaseError::at(&entry.place, problem)
-        .key(key.path())
+        .key(path)
         .accepted(dimension.accepted()))
 }
 
@@ -426,7 +470,7 @@ pub(crate) fn both_given(a: (&str, &Place), b: (&str, &Place), table: &str) -> C
     error
 }
 
-fn not_utf8(name: &str, error: &std::string::FromUtf8Error) -> CaseError {
+pub(crate) fn not_utf8(name: &str, error: &std::string::FromUtf8Error) -> CaseError {
     let start = error.utf8_error().valid_up_to();
     let shown = String::from_utf8_lossy(error.as_bytes());
     CaseError::new(&Source::new(name, &shown), "not UTF-8 text")

@@ -476,7 +476,7 @@ pub(crate) fn join(table: &str, name: &str) -> String {
 }
 
 /// The number of letters to insert, remove or replace to make `a` into `b` (Levenshtein).
-fn edit_distance(a: &str, b: &str) -> usize {
+pub(crate) fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, letter) in a.chars().enumerate() {

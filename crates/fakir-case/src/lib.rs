@@ -68,6 +68,8 @@
 //! [`Key`] lists all keys. [`CaseFile::surface_case`] gives the [`SurfaceCase`]. Height maps are
 //! read by [`height_map`], which says what files it knows.
 //!
+//! A [`study`] is a case with axes along which it is varied; [`StudyFile`] reads it.
+//!
 //! [`CaseFile`] reads a file and takes overrides, [`CaseFile::case`] gives the [`Case`]; every
 //! [`CaseError`] points at the line, or at the override, that is to blame.
 
@@ -77,6 +79,7 @@ mod error;
 mod file;
 pub mod height_map;
 mod key;
+pub mod study;
 mod surface;
 pub mod unit;
 
@@ -84,4 +87,5 @@ pub use case::Case;
 pub use error::CaseError;
 pub use file::CaseFile;
 pub use key::{Key, Kind};
+pub use study::{Study, StudyFile};
 pub use surface::{SurfaceCase, SurfaceOrigin};

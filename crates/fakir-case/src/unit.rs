@@ -101,6 +101,18 @@ impl Dimension {
         }
     }
 
+    /// What the names of its columns and JSON keys end in: `"_m"`; nothing for plain numbers.
+    #[must_use]
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Length => "_m",
+            Self::Pressure => "_Pa",
+            Self::Force => "_N",
+            Self::Angle => "_rad",
+            Self::Number => "",
+        }
+    }
+
     /// What a case file accepts for it, with an example, as advice.
     #[must_use]
     pub fn accepted(self) -> String {

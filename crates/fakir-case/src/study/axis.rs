@@ -1,0 +1,263 @@
+//! What a study varies, and over which values.
+
+use crate::case::written_number;
+use crate::key::{Key, Kind, edit_distance};
+use crate::unit::{Dimension, format_quantity};
+use std::fmt;
+
+/// What an axis of a study varies: a key of a texture case, or the load that is asked about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variable {
+    /// A key of the case.
+    Key(Key),
+    /// The prescribed indentation, m.
+    Indentation,
+    /// The prescribed force, N.
+    Force,
+}
+
+impl Variable {
+    /// How a study names it: `"texture.surface_fraction"`, `"indentation"`.
+    #[must_use]
+    pub fn path(self) -> &'static str {
+        match self {
+            Self::Key(key) => key.path(),
+            Self::Indentation => "indentation",
+            Self::Force => "force",
+        }
+    }
+
+    /// Its name as a column, with its unit: `"substrate.young_modulus_Pa"`.
+    #[must_use]
+    pub fn column(self) -> String {
+        let suffix = self.dimension().map_or("", Dimension::suffix);
+        format!("{}{suffix}", self.path())
+    }
+
+    /// What its values measure; `None` if they are words.
+    #[must_use]
+    pub fn dimension(self) -> Option<Dimension> {
+        match self {
+            Self::Key(key) => match key.kind() {
+                Kind::Number(dimension) => Some(dimension),
+                Kind::Word | Kind::Text => None,
+            },
+            Self::Indentation => Some(Dimension::Length),
+            Self::Force => Some(Dimension::Force),
+        }
+    }
+
+    pub(crate) fn is_load(self) -> bool {
+        !matches!(self, Self::Key(_))
+    }
+
+    /// The variable that cannot be given together with it.
+    pub(crate) fn alternative(self) -> Option<Self> {
+        match self {
+            Self::Key(key) => key.alternative().map(Self::Key),
+            Self::Indentation => Some(Self::Force),
+            Self::Force => Some(Self::Indentation),
+        }
+    }
+
+    /// A number of it in TOML.
+    pub(crate) fn written(self, value: f64) -> String {
+        match self {
+            Self::Key(key) => written_number(key, value),
+            load => {
+                let dimension = load.dimension().unwrap_or(Dimension::Number);
+                format!("\"{}\"", format_quantity(value, dimension))
+            }
+        }
+    }
+
+    /// Every variable.
+    fn all() -> impl Iterator<Item = Self> {
+        let keys = Key::ALL.into_iter().filter(|key| !key.is_of_surface());
+        keys.map(Self::Key).chain([Self::Indentation, Self::Force])
+    }
+
+    /// The variable of that path, or of that last name.
+    pub(crate) fn named(name: &str) -> Result<Self, Unnamed> {
+        if let Some(variable) = Self::all().find(|variable| variable.path() == name) {
+            return Ok(variable);
+        }
+        let namesakes: Vec<Self> = Self::all()
+            .filter(|variable| variable.last_name() == name)
+            .collect();
+        match namesakes[..] {
+            [variable] => Ok(variable),
+            [] if Key::at(name).is_some() || name.starts_with("surface.") => Err(Unnamed::Surface),
+            [] => Err(Unnamed::Unknown(similar(name))),
+            _ => Err(Unnamed::Ambiguous(namesakes)),
+        }
+    }
+
+    fn last_name(self) -> &'static str {
+        let path = self.path();
+        path.rsplit_once('.').map_or(path, |(_, name)| name)
+    }
+}
+
+/// Why a name is that of no variable.
+pub(crate) enum Unnamed {
+    Unknown(Option<&'static str>),
+    Ambiguous(Vec<Variable>),
+    /// A key of a general surface.
+    Surface,
+}
+
+/// What `name` may have been meant to be: a path, or a last name if that is enough.
+fn similar(name: &str) -> Option<&'static str> {
+    let dotted = name.contains('.');
+    let distance = |variable: Variable| {
+        let path = edit_distance(name, variable.path());
+        let last = edit_distance(name, variable.last_name());
+        if dotted { path } else { path.min(last) }
+    };
+    let (distance, nearest) = Variable::all()
+        .map(|variable| (distance(variable), variable))
+        .min_by_key(|(distance, _)| *distance)?;
+    let misplaced = || {
+        let (_, last) = name.rsplit_once('.')?;
+        Variable::all().find(|variable| variable.last_name() == last)
+    };
+    if distance <= 1 + name.len() / 5 {
+        return Some(nearest.path());
+    }
+    misplaced().map(Variable::path)
+}
+
+/// One axis of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    pub(crate) variable: Variable,
+    pub(crate) values: Values,
+}
+
+/// The values of an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Values {
+    Numbers(Vec<f64>),
+    Words(Vec<String>),
+    Range(Range),
+}
+
+/// Numbers from one to another, both included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Range {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// 2 or more.
+    pub(crate) points: usize,
+    pub(crate) spacing: PointSpacing,
+}
+
+/// How the points of a range are spaced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PointSpacing {
+    /// At equal differences.
+    Linear,
+    /// At equal ratios.
+    Log,
+}
+
+impl PointSpacing {
+    pub(crate) const WORDS: [(&str, Self); 2] = [("linear", Self::Linear), ("log", Self::Log)];
+}
+
+impl Range {
+    /// The value of a point, the same on every machine.
+    fn at(&self, point: usize) -> f64 {
+        let last = self.points - 1;
+        if point == 0 {
+            return self.from;
+        }
+        if point == last {
+            return self.to;
+        }
+        let part = point as f64 / last as f64;
+        match self.spacing {
+            PointSpacing::Linear => self.from + (self.to - self.from) * part,
+            PointSpacing::Log => self.from * libm::pow(self.to / self.from, part),
+        }
+    }
+}
+
+/// The value of a variable in a case.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Coordinate {
+    /// In SI units.
+    Number(f64),
+    /// One of some words.
+    Word(String),
+}
+
+impl Axis {
+    /// What it varies.
+    #[must_use]
+    pub fn variable(&self) -> Variable {
+        self.variable
+    }
+
+    /// How many values it has, at least one.
+    #[must_use]
+    #[allow(clippy::len_without_is_empty)] // it never is
+    pub fn len(&self) -> usize {
+        match &self.values {
+            Values::Numbers(numbers) => numbers.len(),
+            Values::Words(words) => words.len(),
+            Values::Range(range) => range.points,
+        }
+    }
+
+    /// The value at a step from 0 to [`len`](Self::len), exclusively.
+    #[must_use]
+    pub fn value(&self, step: usize) -> Coordinate {
+        match &self.values {
+            Values::Numbers(numbers) => Coordinate::Number(numbers[step]),
+            Values::Words(words) => Coordinate::Word(words[step].clone()),
+            Values::Range(range) => Coordinate::Number(range.at(step)),
+        }
+    }
+
+    /// Whether its values are numbers, not words.
+    #[must_use]
+    pub fn is_numeric(&self) -> bool {
+        !matches!(self.values, Values::Words(_))
+    }
+
+    /// A value as in a study file: `texture.pitch = "20 um"`.
+    pub(crate) fn setting(&self, step: usize) -> String {
+        let value = match self.value(step) {
+            Coordinate::Number(number) => self.variable.written(number),
+            Coordinate::Word(word) => format!("\"{word}\""),
+        };
+        format!("{} = {value}", self.variable.path())
+    }
+}
+
+/// As in a study file.
+impl fmt::Display for Axis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let number = |value: &f64| self.variable.written(*value);
+        let list = |items: Vec<String>| format!("[{}]", items.join(", "));
+        let values = match &self.values {
+            Values::Numbers(numbers) => list(numbers.iter().map(number).collect()),
+            Values::Words(words) => list(words.iter().map(|word| format!("\"{word}\"")).collect()),
+            Values::Range(range) => {
+                let spacing = match range.spacing {
+                    PointSpacing::Linear => "linear",
+                    PointSpacing::Log => "log",
+                };
+                format!(
+                    "{{ from = {}, to = {}, points = {}, spacing = \"{spacing}\" }}",
+                    number(&range.from),
+                    number(&range.to),
+                    range.points
+                )
+            }
+        };
+        write!(f, "\"{}\" = {values}", self.variable.path())
+    }
+}

@@ -1,0 +1,525 @@
+//! Study files: a case, and what of it is varied.
+//!
+//! ```
+//! # let case = fakir_case::Case::example().to_toml();
+//! let text = r#"
+//! [study]
+//! question = "transition"       # or "press", with indentation or force given here or as an axis
+//! combine = "product"           # every value with every other; or "zip": first with first ...
+//!
+//! [axes]
+//! pitch = { from = "10 um", to = "40 um", points = 5 }    # spacing = "log": at equal ratios
+//! "texture.offset" = [0, 0.5]
+//! "method.name" = ["spectral", "punch"]
+//! "#;
+//! let study = fakir_case::StudyFile::parse("study.toml", &format!("{text}{case}"))?.study()?;
+//! assert_eq!(study.cases(), 20);
+//! assert_eq!(study.case(0).case.system.lattice().pitch, 10e-6);
+//! # Ok::<(), fakir_case::CaseError>(())
+//! ```
+//!
+//! * The case is in the same file, or `[study]` names its file: `case = "paper-soft.toml"`, sought
+//!   next to the study. An axis takes the place of what the case gives.
+//! * An axis is named by a [`Key`](crate::Key), in full or by its last name where that says which, or
+//!   by `indentation` or `force`. Cases are in the order of the file, the last axis varying fastest.
+//! * Where `method.name` is an axis, keys of `[method]` count for the methods that have them.
+
+mod axis;
+mod read;
+
+pub use axis::{Axis, Coordinate, Variable};
+
+use crate::case::{Case, write_tables};
+use crate::entries::{Entry, Value};
+use crate::error::{CaseError, Place, Source};
+use crate::file::{CaseFile, OWNERS, not_utf8, quantity};
+use crate::key::Key;
+use crate::unit::Dimension;
+use axis::Values;
+use fakir::Question;
+use fakir::contact::Load;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// The most cases that a study can have.
+pub const MAXIMUM_CASES: usize = 10_000_000;
+
+/// What is asked about every case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Asked {
+    /// The critical state.
+    #[default]
+    Transition,
+    /// The contact under a load.
+    Press,
+}
+
+impl Asked {
+    const WORDS: [(&str, Self); 2] = [("transition", Self::Transition), ("press", Self::Press)];
+
+    /// `"transition"` or `"press"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Transition => "transition",
+            Self::Press => "press",
+        }
+    }
+}
+
+/// How the axes of a study make its cases.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Combine {
+    /// Every value of an axis with every value of the others; the last axis varies fastest.
+    #[default]
+    Product,
+    /// The first values of all axes, then the second ones; all axes are equally long.
+    Zip,
+}
+
+impl Combine {
+    const WORDS: [(&str, Self); 2] = [("product", Self::Product), ("zip", Self::Zip)];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Product => "product",
+            Self::Zip => "zip",
+        }
+    }
+}
+
+/// A study file that has been read, with the overrides applied so far.
+#[derive(Debug, Clone)]
+pub struct StudyFile {
+    source: Source,
+    case: CaseFile,
+    asked: Asked,
+    combine: Combine,
+    load: Option<(Variable, Entry)>,
+    varied: Vec<Varied>,
+}
+
+/// An axis and where it was given.
+#[derive(Debug, Clone)]
+struct Varied {
+    axis: Axis,
+    name: Place,
+    /// Of every item of a list, or of a range as a whole.
+    items: Vec<Place>,
+}
+
+impl Varied {
+    fn place(&self, step: usize) -> &Place {
+        self.items.get(step).unwrap_or(&self.items[0])
+    }
+}
+
+impl StudyFile {
+    /// Reads a file, and the case file that it names.
+    ///
+    /// # Errors
+    /// [`CaseError`] if a file cannot be read, is not UTF-8 or TOML, or has a key that no study
+    /// has, and for axes that cannot be. Cases are looked at by [`study`](Self::study).
+    pub fn read(path: &Path) -> Result<Self, CaseError> {
+        let name = path.display().to_string();
+        let bytes = std::fs::read(path).map_err(|error| {
+            CaseError::new(
+                &Source::new(&name, ""),
+                format!("cannot read {name}: {error}"),
+            )
+        })?;
+        let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Self::of_text(&name, &text, folder)
+    }
+
+    /// Reads the contents of a file; `name` is what errors call it. A case file that it names is
+    /// sought in the current folder.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, CaseError> {
+        match String::from_utf8(bytes) {
+            Ok(text) => Self::parse(name, &text),
+            Err(error) => Err(not_utf8(name, &error)),
+        }
+    }
+
+    /// Reads a text, as [`from_bytes`](Self::from_bytes).
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(name: &str, text: &str) -> Result<Self, CaseError> {
+        Self::of_text(name, text, PathBuf::new())
+    }
+
+    fn of_text(name: &str, text: &str, folder: PathBuf) -> Result<Self, CaseError> {
+        let source = Source::new(name, text);
+        if text.trim().is_empty() {
+            return Err(CaseError::new(&source, format!("{name} is empty"))
+                .accepted("a study file is a case file with a table [axes]"));
+        }
+        read::read(&source, folder)
+    }
+
+    /// Overrides one key of the case, as [`CaseFile::set`]; not one that is an axis.
+    ///
+    /// # Errors
+    /// [`CaseError`].
+    pub fn set(&mut self, argument: &str) -> Result<(), CaseError> {
+        self.case.set(argument)?;
+        let (path, _) = argument.split_once('=').unwrap_or((argument, ""));
+        let Some(key) = Key::at(path.trim()) else {
+            return Ok(());
+        };
+        let variable = Variable::Key(key);
+        let axes = self.varied.iter().map(|varied| varied.axis.variable);
+        match axes
+            .into_iter()
+            .find(|axis| *axis == variable || variable.alternative() == Some(*axis))
+        {
+            None => Ok(()),
+            Some(axis) => Err(CaseError::new(
+                &Source::new("--set", argument),
+                format!("{} is an axis of the study", axis.path()),
+            )
+            .key(key.path())
+            .label(0..argument.len(), "here")
+            .accepted("leave out the override, or the axis")),
+        }
+    }
+
+    /// The study that the file and its overrides describe, every case of it looked at.
+    ///
+    /// # Errors
+    /// [`CaseError`] for axes that do not fit together, and for the first case that cannot be.
+    pub fn study(self) -> Result<Study, CaseError> {
+        let cases = self.number_of_cases()?;
+        if let Err(error) = self.resolve(0) {
+            // What is wrong with or without axes is the fault of the case.
+            let alone = self.case.case().err();
+            return Err(
+                match alone.filter(|alone| alone.one_line() == error.one_line()) {
+                    Some(alone) => alone,
+                    None => self.blame(error, 0),
+                },
+            );
+        }
+        for index in 1..cases {
+            self.resolve(index)
+                .map_err(|error| self.blame(error, index))?;
+        }
+        let mut study = Study {
+            file: self,
+            cases,
+            text: String::new(),
+        };
+        study.text = study.written();
+        Ok(study)
+    }
+
+    fn number_of_cases(&self) -> Result<usize, CaseError> {
+        let lengths = self.varied.iter().map(|varied| varied.axis.len());
+        let cases = match self.combine {
+            Combine::Product => lengths.fold(1usize, usize::saturating_mul),
+            Combine::Zip => {
+                let first = &self.varied[0];
+                for other in &self.varied[1..] {
+                    let (a, b) = (first.axis.len(), other.axis.len());
+                    if a != b {
+                        let problem = format!(
+                            "values are combined one by one, but {} has {a} and {} has {b}",
+                            first.axis.variable.path(),
+                            other.axis.variable.path()
+                        );
+                        return Err(CaseError::at(&other.name, problem)
+                            .key("axes")
+                            .label(first.name.span.clone(), "and here")
+                            .accepted("give as many of each, or combine = \"product\""));
+                    }
+                }
+                first.axis.len()
+            }
+        };
+        if cases > MAXIMUM_CASES {
+            return Err(
+                CaseError::at(&self.varied[0].name, format!("these are {cases} cases"))
+                    .key("axes")
+                    .accepted(format!("a study has at most {MAXIMUM_CASES}")),
+            );
+        }
+        Ok(cases)
+    }
+
+    /// Whether there is a load exactly where one is asked for. `question` is where that is said.
+    fn check_load(&self, question: Option<&Place>) -> Result<(), CaseError> {
+        let axis = self
+            .varied
+            .iter()
+            .find(|varied| varied.axis.variable.is_load())
+            .map(|varied| (varied.axis.variable.path(), &varied.name));
+        let fixed = self
+            .load
+            .as_ref()
+            .map(|(variable, entry)| (variable.path(), &entry.place));
+        match (self.asked, axis, fixed) {
+            (_, Some(axis), Some(fixed)) => Err(crate::file::both_given(fixed, axis, "study")
+                .accepted("give a load once: in [study] or as an axis")),
+            (Asked::Transition, Some((path, place)), None)
+            | (Asked::Transition, None, Some((path, place))) => Err(CaseError::at(
+                place,
+                "a load has no place in the question \"transition\"",
+            )
+            .key(path)
+            .accepted("leave it out, or question = \"press\" in [study]")),
+            (Asked::Press, None, None) => {
+                let error = match question {
+                    Some(place) => CaseError::at(place, "this question needs a load"),
+                    None => CaseError::new(&self.source, "this question needs a load"),
+                };
+                Err(error.key("study.question").accepted(
+                    "give indentation = \"3 um\" or force = \"20 uN\" in [study], or one of them as an axis",
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The step along every axis of a case.
+    fn steps(&self, index: usize) -> Vec<usize> {
+        match self.combine {
+            Combine::Zip => vec![index; self.varied.len()],
+            Combine::Product => {
+                let mut rest = index;
+                let mut steps: Vec<usize> = self
+                    .varied
+                    .iter()
+                    .rev()
+                    .map(|varied| {
+                        let step = rest % varied.axis.len();
+                        rest /= varied.axis.len();
+                        step
+                    })
+                    .collect();
+                steps.reverse();
+                steps
+            }
+        }
+    }
+
+    fn resolve(&self, index: usize) -> Result<StudyCase, CaseError> {
+        let steps = self.steps(index);
+        let mut file = self.case.clone();
+        self.leave_out_idle_keys(&mut file, &steps);
+        let mut load = self.load.clone();
+        let mut coordinates = Vec::with_capacity(steps.len());
+        for (varied, step) in self.varied.iter().zip(steps) {
+            let coordinate = varied.axis.value(step);
+            let entry = Entry {
+                value: match &coordinate {
+                    Coordinate::Number(number) => Value::Number(*number),
+                    Coordinate::Word(word) => Value::Text(word.clone()),
+                },
+                place: varied.place(step).clone(),
+            };
+            match varied.axis.variable {
+                Variable::Key(Key::MethodName) => {
+                    file.entries.keys.insert(Key::MethodName, entry);
+                }
+                Variable::Key(key) => file.put(key, entry),
+                variable => load = Some((variable, entry)),
+            }
+            coordinates.push(coordinate);
+        }
+        Ok(StudyCase {
+            case: file.case()?,
+            question: match (self.asked, &load) {
+                (Asked::Press, Some((variable, entry))) => {
+                    Question::Press(prescribed(*variable, entry)?)
+                }
+                _ => Question::Transition,
+            },
+            coordinates,
+        })
+    }
+
+    /// Of the case's keys for methods that the axis of methods has, those of the others.
+    fn leave_out_idle_keys(&self, file: &mut CaseFile, steps: &[usize]) {
+        for (varied, step) in self.varied.iter().zip(steps) {
+            let Values::Words(words) = &varied.axis.values else {
+                continue;
+            };
+            if varied.axis.variable == Variable::Key(Key::MethodName) {
+                for (key, owner) in OWNERS {
+                    let owner = owner.word();
+                    if owner != words[*step] && words.iter().any(|word| word == owner) {
+                        file.entries.keys.remove(&key);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The error of a case, at an axis, with the combination of values that it comes from.
+    fn blame(&self, error: CaseError, index: usize) -> CaseError {
+        let steps = self.steps(index);
+        let settings: Vec<_> = self
+            .varied
+            .iter()
+            .zip(&steps)
+            .map(|(varied, step)| varied.axis.setting(*step))
+            .collect();
+        let combination = format!("in case {index}, with {}", settings.join(", "));
+        let error = error.in_case(&combination);
+        let places = || self.varied.iter().zip(&steps);
+        if places().any(|(varied, step)| error.stands_at(varied.place(*step))) {
+            return error;
+        }
+        // The slowest axis that changed since the case before, which was good.
+        let before = index.checked_sub(1).map(|index| self.steps(index));
+        let changed = |number: usize| {
+            before
+                .as_ref()
+                .is_none_or(|before| before[number] != steps[number])
+        };
+        let number = (0..steps.len()).find(|number| changed(*number));
+        let number = number.unwrap_or(0);
+        let varied = &self.varied[number];
+        error.moved(varied.place(steps[number]), varied.axis.variable.path())
+    }
+}
+
+/// The load of an entry.
+fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
+    let dimension = variable.dimension().unwrap_or(Dimension::Number);
+    let value = quantity(variable.path(), dimension, entry)?;
+    if !(value.is_finite() && value >= 0.0) {
+        return Err(CaseError::at(
+            &entry.place,
+            format!("cannot be {}", variable.written(value)),
+        )
+        .key(variable.path())
+        .accepted("it must be a finite number, 0 or greater"));
+    }
+    Ok(match variable {
+        Variable::Force => Load::Force(value),
+        _ => Load::Indentation(value),
+    })
+}
+
+/// A study: a question about many cases, all of which can be.
+#[derive(Debug, Clone)]
+pub struct Study {
+    file: StudyFile,
+    cases: usize,
+    text: String,
+}
+
+/// One case of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyCase {
+    /// What is pressed, and how it is solved.
+    pub case: Case,
+    /// What is asked.
+    pub question: Question,
+    /// The value of every axis.
+    pub coordinates: Vec<Coordinate>,
+}
+
+impl Study {
+    /// What is asked about every case.
+    #[must_use]
+    pub fn asked(&self) -> Asked {
+        self.file.asked
+    }
+
+    /// How the axes make the cases.
+    #[must_use]
+    pub fn combine(&self) -> Combine {
+        self.file.combine
+    }
+
+    /// What is varied.
+    pub fn axes(&self) -> impl ExactSizeIterator<Item = &Axis> {
+        self.file.varied.iter().map(|varied| &varied.axis)
+    }
+
+    /// How many cases it has.
+    #[must_use]
+    pub fn cases(&self) -> usize {
+        self.cases
+    }
+
+    /// A case, counted from 0.
+    ///
+    /// # Panics
+    /// If there are no more than `index` cases.
+    #[must_use]
+    pub fn case(&self, index: usize) -> StudyCase {
+        assert!(index < self.cases, "there are {} cases", self.cases);
+        let resolved = self.file.resolve(index);
+        resolved.expect("every case was looked at when the study was made")
+    }
+
+    /// The study as a study file. It depends on the study alone, and reading it gives the same
+    /// study, bit for bit.
+    #[must_use]
+    pub fn to_toml(&self) -> &str {
+        &self.text
+    }
+
+    fn written(&self) -> String {
+        let mut text = String::from(HEADER);
+        let file = &self.file;
+        let _ = writeln!(text, "\n[study]\nquestion = \"{}\"", file.asked.name());
+        let _ = writeln!(text, "combine = \"{}\"", file.combine.name());
+        if let (Some((variable, _)), Question::Press(load)) = (&file.load, self.case(0).question) {
+            let (Load::Force(value) | Load::Indentation(value)) = load;
+            let _ = writeln!(text, "{} = {}", variable.path(), variable.written(value));
+        }
+        text.push_str("\n[axes]\n");
+        for axis in self.axes() {
+            let _ = writeln!(text, "{axis}");
+        }
+        let representatives = self.representatives();
+        text.push_str(&write_tables(|key| {
+            let varied = |axis: &Axis| axis.variable == Variable::Key(key);
+            if self.axes().any(varied) {
+                return None;
+            }
+            representatives.iter().find_map(|case| case.value(key))
+        }));
+        text
+    }
+
+    /// Cases that have, together, every key that is no axis: the first one of each method.
+    fn representatives(&self) -> Vec<Case> {
+        let is_method = |axis: &Axis| axis.variable == Variable::Key(Key::MethodName);
+        let Some(number) = self.axes().position(is_method) else {
+            return vec![self.case(0).case];
+        };
+        // Cases from one value of the axis to the next.
+        let stride: usize = match self.combine() {
+            Combine::Product => self.axes().skip(number + 1).map(Axis::len).product(),
+            Combine::Zip => 1,
+        };
+        let mut representatives: Vec<Case> = Vec::new();
+        let Values::Words(words) = &self.file.varied[number].axis.values else {
+            return representatives;
+        };
+        for (step, word) in words.iter().enumerate() {
+            if representatives
+                .iter()
+                .all(|case| case.method.name() != word)
+            {
+                representatives.push(self.case(step * stride).case);
+            }
+        }
+        representatives
+    }
+}
+
+const HEADER: &str = "\
+# Many cases of a lens pressed onto a surface with pillars: a study for fakir.
+# Quantities have a unit (m mm um nm, GPa MPa kPa Pa, N mN uN nN, deg rad); bare numbers are in SI units.
+";

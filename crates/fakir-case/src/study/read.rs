@@ -1,0 +1,480 @@
+//! Reading the tables `[study]` and `[axes]`.
+
+use super::axis::{Axis, PointSpacing, Range, Unnamed, Values, Variable};
+use super::{Asked, Combine, MAXIMUM_CASES, StudyFile, Varied};
+use crate::CaseFile;
+use crate::entries::{
+    Entries, Entry, Value, document, in_order, kind_name, plain_value, with_article,
+};
+use crate::error::{CaseError, Place, Source};
+use crate::file::{both_given, one_of, quantity};
+use crate::key::{edit_distance, is_table, join};
+use crate::unit::{Dimension, format_quantity};
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+const AXES_EXAMPLE: &str = "for example \"texture.offset\" = [0, 0.5], or pitch = { from = \"10 um\", to = \"40 um\", points = 5 }";
+
+type Item<'a, 'i> = (std::ops::Range<usize>, &'a Spanned<DeValue<'i>>);
+
+pub(super) fn read(source: &Source, folder: PathBuf) -> Result<StudyFile, CaseError> {
+    let reader = Reader { source };
+    let document = document(source)?;
+    let document = document.get_ref();
+    let settings = match document.get("study") {
+        Some(value) => reader.settings(value)?,
+        None => Settings::default(),
+    };
+    let varied = reader.axes(document)?;
+    let entries = Entries::beside_study(source, document)?;
+    let case = match settings.case {
+        None => CaseFile {
+            source: source.clone(),
+            entries,
+            folder,
+        },
+        Some((name, place)) => {
+            if let Some((name, _)) = beside(document) {
+                return Err(both_given_tables(&place, reader.place(name)));
+            }
+            named_case(&folder, &name, &place)?
+        }
+    };
+    let file = StudyFile {
+        source: source.clone(),
+        case,
+        asked: settings.asked,
+        combine: settings.combine,
+        load: settings.load,
+        varied,
+    };
+    file.check_load(settings.question.as_ref())?;
+    Ok(file)
+}
+
+fn beside<'a, 'i>(document: &'a DeTable<'i>) -> Option<Item<'a, 'i>> {
+    in_order(document)
+        .into_iter()
+        .find(|(name, _)| !["study", "axes"].contains(&name.get_ref().as_ref()))
+        .map(|(name, value)| (name.span(), value))
+}
+
+fn both_given_tables(named: &Place, table: Place) -> CaseError {
+    CaseError::at(named, "a case is named, and the file has tables of one too")
+        .key("study.case")
+        .label(table.span, "of a case")
+        .accepted("give one of them; --set overrides keys of the case that is named")
+}
+
+fn named_case(folder: &Path, name: &str, place: &Place) -> Result<CaseFile, CaseError> {
+    let path = folder.join(name);
+    if !path.is_file() {
+        return Err(
+            CaseError::at(place, format!("there is no file {}", path.display()))
+                .key("study.case")
+                .accepted("name a case file, from the folder of the study"),
+        );
+    }
+    CaseFile::read(&path)
+}
+
+/// What `[study]` sets.
+#[derive(Default)]
+struct Settings {
+    asked: Asked,
+    /// Where the question is given.
+    question: Option<Place>,
+    combine: Combine,
+    load: Option<(Variable, Entry)>,
+    case: Option<(String, Place)>,
+}
+
+struct Reader<'s> {
+    source: &'s Source,
+}
+
+impl Reader<'_> {
+    fn place(&self, span: std::ops::Range<usize>) -> Place {
+        Place {
+            source: self.source.clone(),
+            span,
+        }
+    }
+
+    fn entry(&self, value: &Spanned<DeValue<'_>>) -> Entry {
+        Entry {
+            value: plain_value(value.get_ref()),
+            place: self.place(value.span()),
+        }
+    }
+
+    fn table<'a, 'i>(
+        &self,
+        path: &str,
+        value: &'a Spanned<DeValue<'i>>,
+    ) -> Result<&'a DeTable<'i>, CaseError> {
+        match value.get_ref() {
+            DeValue::Table(table) => Ok(table),
+            other => Err(CaseError::at(
+                &self.place(value.span()),
+                format!("this is a table, found {}", with_article(other.type_str())),
+            )
+            .key(path)),
+        }
+    }
+
+    fn settings(&self, value: &Spanned<DeValue<'_>>) -> Result<Settings, CaseError> {
+        const KEYS: [&str; 5] = ["question", "combine", "case", "indentation", "force"];
+        let mut settings = Settings::default();
+        for (name, value) in in_order(self.table("study", value)?) {
+            let path = join("study", name.get_ref());
+            let entry = self.entry(value);
+            match name.get_ref().as_ref() {
+                "question" => {
+                    settings.asked = word(&path, &entry, &Asked::WORDS)?;
+                    settings.question = Some(entry.place);
+                }
+                "combine" => settings.combine = word(&path, &entry, &Combine::WORDS)?,
+                "case" => match entry.value {
+                    Value::Text(text) => settings.case = Some((text, entry.place)),
+                    other => {
+                        let problem =
+                            format!("expected the name of a file, found {}", kind_name(&other));
+                        return Err(CaseError::at(&entry.place, problem)
+                            .key(&path)
+                            .accepted("give a name in quotes"));
+                    }
+                },
+                load @ ("indentation" | "force") => {
+                    let variable = match load {
+                        "force" => Variable::Force,
+                        _ => Variable::Indentation,
+                    };
+                    if let Some((_, first)) = &settings.load {
+                        let (a, b) = (("indentation", &first.place), ("force", &entry.place));
+                        return Err(both_given(a, b, "study").accepted("give only one"));
+                    }
+                    settings.load = Some((variable, entry));
+                }
+                other => {
+                    return Err(self.unknown(name.span(), &path, other, &KEYS, "[study]"));
+                }
+            }
+        }
+        Ok(settings)
+    }
+
+    fn unknown(
+        &self,
+        span: std::ops::Range<usize>,
+        path: &str,
+        name: &str,
+        known: &[&str],
+        place: &str,
+    ) -> CaseError {
+        let list = format!("known in {place}: {}", known.join(", "));
+        let near = known
+            .iter()
+            .map(|known| (edit_distance(name, known), known))
+            .min()
+            .filter(|(distance, known)| *distance <= 1 + known.len() / 4);
+        CaseError::at(&self.place(span), "unknown key")
+            .key(path)
+            .accepted(match near {
+                Some((_, near)) => format!("did you mean {near}? {list}"),
+                None => list,
+            })
+    }
+
+    fn axes(&self, document: &DeTable<'_>) -> Result<Vec<Varied>, CaseError> {
+        let Some((header, value)) = document.get_key_value("axes") else {
+            return Err(CaseError::new(
+                self.source,
+                format!("{} has no table [axes]", self.source.name()),
+            )
+            .accepted(format!("[axes] says what a study varies: {AXES_EXAMPLE}")));
+        };
+        let mut varied = Vec::new();
+        self.collect("", self.table("axes", value)?, &mut varied)?;
+        // Dotted names may stand apart from each other.
+        varied.sort_by_key(|axis| axis.name.span.start);
+        if varied.is_empty() {
+            return Err(
+                CaseError::at(&self.place(header.span()), "there are no axes")
+                    .key("axes")
+                    .accepted(AXES_EXAMPLE),
+            );
+        }
+        refuse_duplicates(&varied)?;
+        Ok(varied)
+    }
+
+    /// The axes of a table, `path` in that of the axes: names with dots are tables in tables.
+    fn collect(
+        &self,
+        path: &str,
+        table: &DeTable<'_>,
+        varied: &mut Vec<Varied>,
+    ) -> Result<(), CaseError> {
+        for (name, value) in in_order(table) {
+            let path = join(path, name.get_ref());
+            match value.get_ref() {
+                DeValue::Table(inner) if is_table(&path) => self.collect(&path, inner, varied)?,
+                _ => varied.push(self.axis(&path, name.span(), value)?),
+            }
+        }
+        Ok(())
+    }
+
+    fn axis(
+        &self,
+        name: &str,
+        span: std::ops::Range<usize>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Result<Varied, CaseError> {
+        let place = self.place(span);
+        let variable = Variable::named(name).map_err(|why| not_a_variable(&place, name, why))?;
+        let path = join("axes", variable.path());
+        let (values, items) = match value.get_ref() {
+            DeValue::Array(items) => self.list(&path, variable, value.span(), items)?,
+            DeValue::Table(table) => {
+                let range = self.range(&path, variable, value.span(), table)?;
+                (Values::Range(range), vec![self.place(value.span())])
+            }
+            other => {
+                let found = with_article(other.type_str());
+                return Err(CaseError::at(
+                    &self.place(value.span()),
+                    format!("expected a list or a range of values, found {found}"),
+                )
+                .key(&path)
+                .accepted(AXES_EXAMPLE));
+            }
+        };
+        Ok(Varied {
+            axis: Axis { variable, values },
+            name: place,
+            items,
+        })
+    }
+
+    fn list<'a, 'i: 'a>(
+        &self,
+        path: &str,
+        variable: Variable,
+        span: std::ops::Range<usize>,
+        items: impl IntoIterator<Item = &'a Spanned<DeValue<'i>>>,
+    ) -> Result<(Values, Vec<Place>), CaseError> {
+        let entries: Vec<Entry> = items.into_iter().map(|item| self.entry(item)).collect();
+        if entries.is_empty() {
+            return Err(CaseError::at(&self.place(span), "the list is empty")
+                .key(path)
+                .accepted("give at least one value, or leave the axis out"));
+        }
+        let values = match variable.dimension() {
+            Some(dimension) => {
+                let numbers = entries.iter().map(|entry| quantity(path, dimension, entry));
+                Values::Numbers(numbers.collect::<Result<_, _>>()?)
+            }
+            None => Values::Words(
+                entries
+                    .iter()
+                    .map(|entry| text(path, entry))
+                    .collect::<Result<_, _>>()?,
+            ),
+        };
+        Ok((
+            values,
+            entries.into_iter().map(|entry| entry.place).collect(),
+        ))
+    }
+
+    fn range(
+        &self,
+        path: &str,
+        variable: Variable,
+        span: std::ops::Range<usize>,
+        table: &DeTable<'_>,
+    ) -> Result<Range, CaseError> {
+        const KEYS: [&str; 4] = ["from", "to", "points", "spacing"];
+        for (name, _) in in_order(table) {
+            if !KEYS.contains(&name.get_ref().as_ref()) {
+                let name_path = join(path, name.get_ref());
+                return Err(self.unknown(
+                    name.span(),
+                    &name_path,
+                    name.get_ref(),
+                    &KEYS,
+                    "a range",
+                ));
+            }
+        }
+        let Some(dimension) = variable.dimension() else {
+            return Err(CaseError::at(&self.place(span), "words have no range")
+                .key(path)
+                .accepted("give a list of words in quotes"));
+        };
+        let needed = |name: &str| {
+            table
+                .get(name)
+                .map(|value| self.entry(value))
+                .ok_or_else(|| {
+                    CaseError::at(
+                        &self.place(span.clone()),
+                        format!("`{name}` is missing in this range"),
+                    )
+                    .key(path)
+                    .accepted("a range has from, to and points, and may have spacing = \"log\"")
+                })
+        };
+        let (from, to, points) = (needed("from")?, needed("to")?, needed("points")?);
+        let spacing = match table.get("spacing") {
+            Some(value) => word(path, &self.entry(value), &PointSpacing::WORDS)?,
+            None => PointSpacing::Linear,
+        };
+        let range = Range {
+            from: finite(path, dimension, &from)?,
+            to: finite(path, dimension, &to)?,
+            points: number_of_points(path, &points)?,
+            spacing,
+        };
+        check_order(path, dimension, &range, &from.place, &to.place)?;
+        Ok(range)
+    }
+}
+
+fn not_a_variable(place: &Place, name: &str, why: Unnamed) -> CaseError {
+    let (problem, accepted) = match why {
+        Unnamed::Unknown(similar) => (
+            format!("\"{name}\" is no key of a case"),
+            match similar {
+                Some(meant) => format!("did you mean {meant}?"),
+                None => "an axis is named by a key, as in \"texture.pillar.height\" or height, or \
+                         by indentation or force"
+                    .to_owned(),
+            },
+        ),
+        Unnamed::Ambiguous(variables) => {
+            let paths: Vec<_> = variables
+                .iter()
+                .map(|variable| format!("\"{}\"", variable.path()))
+                .collect();
+            (
+                format!("\"{name}\" may be one of several keys"),
+                format!("give {}", paths.join(" or ")),
+            )
+        }
+        Unnamed::Surface => (
+            "keys of a [surface] cannot be axes".to_owned(),
+            "a study varies keys of lens, substrate, texture and method".to_owned(),
+        ),
+    };
+    CaseError::at(place, problem).key("axes").accepted(accepted)
+}
+
+fn refuse_duplicates(varied: &[Varied]) -> Result<(), CaseError> {
+    for (index, later) in varied.iter().enumerate() {
+        let variable = later.axis.variable;
+        let clash = varied[..index].iter().find(|earlier| {
+            earlier.axis.variable == variable
+                || variable.alternative() == Some(earlier.axis.variable)
+        });
+        let Some(earlier) = clash else {
+            continue;
+        };
+        let problem = if earlier.axis.variable == variable {
+            format!("{} is an axis twice", variable.path())
+        } else {
+            let other = earlier.axis.variable;
+            format!("{} and {} are both axes", other.path(), variable.path())
+        };
+        return Err(CaseError::at(&later.name, problem)
+            .key("axes")
+            .label(earlier.name.span.clone(), "and here")
+            .accepted("give only one of them"));
+    }
+    Ok(())
+}
+
+fn text(path: &str, entry: &Entry) -> Result<String, CaseError> {
+    match &entry.value {
+        Value::Text(text) => Ok(text.clone()),
+        other => Err(CaseError::at(
+            &entry.place,
+            format!("expected a word, found {}", kind_name(other)),
+        )
+        .key(path)
+        .accepted("give words in quotes")),
+    }
+}
+
+fn word<T: Copy>(path: &str, entry: &Entry, options: &[(&str, T)]) -> Result<T, CaseError> {
+    let known = |text: &String| options.iter().find(|(word, _)| word == text);
+    let problem = match &entry.value {
+        Value::Text(text) => match known(text) {
+            Some((_, value)) => return Ok(*value),
+            None => format!("\"{text}\" is not known"),
+        },
+        other => format!("expected a word, found {}", kind_name(other)),
+    };
+    Err(CaseError::at(&entry.place, problem)
+        .key(path)
+        .accepted(one_of(options)))
+}
+
+fn finite(path: &str, dimension: Dimension, entry: &Entry) -> Result<f64, CaseError> {
+    let value = quantity(path, dimension, entry)?;
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(CaseError::at(&entry.place, format!("cannot be {value}"))
+        .key(path)
+        .accepted("a range has finite ends"))
+}
+
+fn number_of_points(path: &str, entry: &Entry) -> Result<usize, CaseError> {
+    let points = quantity(path, Dimension::Number, entry)?;
+    if points.fract() == 0.0 && (2.0..=MAXIMUM_CASES as f64).contains(&points) {
+        return Ok(points as usize);
+    }
+    Err(
+        CaseError::at(&entry.place, format!("points cannot be {points}"))
+            .key(path)
+            .accepted(format!(
+                "give a whole number from 2, for both ends, to {MAXIMUM_CASES}; a list can have a \
+                 single value"
+            )),
+    )
+}
+
+fn check_order(
+    path: &str,
+    dimension: Dimension,
+    range: &Range,
+    from: &Place,
+    to: &Place,
+) -> Result<(), CaseError> {
+    let written = |value| format_quantity(value, dimension);
+    if range.from >= range.to {
+        let problem = format!(
+            "the range goes down: from {} to {}",
+            written(range.from),
+            written(range.to)
+        );
+        return Err(CaseError::at(to, problem)
+            .key(path)
+            .label(from.span.clone(), "from here")
+            .accepted("`to` is greater than `from`"));
+    }
+    if range.spacing == PointSpacing::Log && range.from <= 0.0 {
+        let problem = format!(
+            "a range of equal ratios cannot begin at {}",
+            written(range.from)
+        );
+        return Err(CaseError::at(from, problem)
+            .key(path)
+            .accepted("give a start greater than 0, or spacing = \"linear\""));
+    }
+    Ok(())
+}
