@@ -4,7 +4,7 @@ use crate::axis::Axis;
 use crate::chart::MARGIN;
 use crate::colour::{ColourMap, Tint};
 use crate::error::FigureError;
-use crate::figure::{Figure, PAGE};
+use crate::figure::Figure;
 use crate::font::Bounds;
 use crate::frame::{ASCENT, DESCENT, Frame, Lettering, NOTE_SIZE};
 use crate::legend::Legend;
@@ -27,6 +27,9 @@ const PIXELS: usize = 160;
 const NO_CONTACT: Colour = Colour::grey(215);
 
 const SIDE: f64 = 118.0;
+
+/// Width of the section with its lettering.
+const SECTION: f64 = 136.0;
 
 /// Pressure on the top of the pillar nearest to the lens axis and of one at the rim of the contact:
 /// along the line from the lens axis through each, and as maps.
@@ -67,7 +70,7 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
         .collect();
     let maps_width = widths.iter().sum::<f64>() + 14.0 * widths.len() as f64;
     let mut items = Vec::new();
-    let right = PAGE - MARGIN - maps_width;
+    let right = MARGIN + SECTION;
     shown.section(&pillars, [MARGIN, top], right, &mut items)?;
     let mut left = right;
     for (((name, pillar), bar), width) in pillars.iter().zip(&bars).zip(widths) {
@@ -79,7 +82,7 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
         left += width;
     }
     let end = top + SIDE + Frame::bottom_room(Lettering::All(&Text::default()));
-    let figure = Figure::new("pillar-pressure", [PAGE, end + MARGIN], items);
+    let figure = Figure::new("pillar-pressure", [right + maps_width + MARGIN, end + MARGIN], items);
     Ok(figure.with_description(
         "Pressure within pillar tops",
         "Pressure on the top of the central pillar and of one at the rim of the contact, along a \

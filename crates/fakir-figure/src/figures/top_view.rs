@@ -183,12 +183,16 @@ fn rings(
 }
 
 /// How much the gap changes across a pixel in one direction, in which neighbours are `stride`
-/// apart.
+/// apart: towards the neighbour to which it changes less, so that pillar edges are no slopes.
 fn step(gaps: &[f64], k: usize, stride: usize) -> f64 {
     let along = (k / stride) % PIXELS;
-    let before = if along > 0 { k - stride } else { k };
-    let after = if along < PIXELS - 1 { k + stride } else { k };
-    (gaps[after] - gaps[before]) / ((after - before) / stride) as f64
+    let back = (along > 0).then(|| gaps[k] - gaps[k - stride]);
+    let ahead = (along < PIXELS - 1).then(|| gaps[k + stride] - gaps[k]);
+    match (back, ahead) {
+        (Some(back), Some(ahead)) if back.abs() < ahead.abs() => back,
+        (_, Some(ahead)) => ahead,
+        (back, None) => back.unwrap_or(0.0),
+    }
 }
 
 /// Of two beams, relative to the brightest, averaged over a pixel across which the gap changes
