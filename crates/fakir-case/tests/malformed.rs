@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir_case::{Case, CaseError, CaseFile};
+use fakir_case::{Case, CaseError, CaseFile, StudyFile};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 use std::path::Path;
 
@@ -58,6 +58,54 @@ fn every_malformed_surface_is_explained() {
             .expect_err(name);
         insta::assert_snapshot!(format!("surface_{name}"), rendered(&error));
     }
+}
+
+#[test]
+fn every_malformed_study_is_explained() {
+    let mut paths: Vec<_> = std::fs::read_dir("tests/malformed_studies")
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.is_file())
+        .collect();
+    paths.sort();
+    assert!(paths.len() >= 60);
+    for path in paths {
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let error = StudyFile::read(&path)
+            .and_then(StudyFile::study)
+            .map(|study| study.cases())
+            .expect_err(name);
+        insta::assert_snapshot!(format!("study_{name}"), rendered(&error));
+    }
+}
+
+#[test]
+fn overrides_of_a_study() {
+    let text = format!(
+        "[axes]\nsurface_fraction = [0.1, 0.2]\n{}",
+        Case::example().to_toml()
+    );
+    let file = StudyFile::parse("study.toml", &text).unwrap();
+    for (name, argument) in [
+        ("of an axis", "texture.surface_fraction=0.3"),
+        ("of what an axis replaces", "texture.pitch=20um"),
+        ("of no key", "axes.offset=0"),
+        ("that cannot be", "texture.pillar.diameter=0um"),
+    ] {
+        let mut file = file.clone();
+        let error = file.set(argument).and_then(|()| file.study().map(drop));
+        insta::assert_snapshot!(
+            format!("study_override_{}", name.replace(' ', "_")),
+            rendered(&error.unwrap_err())
+        );
+    }
+}
+
+#[test]
+fn a_study_is_no_case() {
+    let text = "[study]\nquestion = \"press\"\n";
+    let error = CaseFile::parse("study.toml", text).unwrap_err();
+    insta::assert_snapshot!("study_for_case", rendered(&error));
 }
 
 #[test]

@@ -1,12 +1,15 @@
 //! The command line as clap sees it, with its help texts.
 
 use crate::failure::Failure;
-use clap::{ArgGroup, Args, Parser, Subcommand};
+use crate::report::maps::Maps;
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::contact::Load;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
 use fakir_study::design::{FREE, Wanted};
+use fakir_study::fields::MOST_POINTS;
 use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
+use fakir_study::{Existing, Shard};
 use std::path::PathBuf;
 
 const ABOUT: &str = "\
@@ -18,10 +21,11 @@ Start with `fakir init`, which writes a case file, and `fakir transition case.to
 const EXIT_STATUS: &str = "\
 Exit status:
   0    done
-  1    a solution did not converge, or verify found a disagreement; it is still printed
+  1    a solution did not converge, cases of a sweep failed, or verify found a disagreement; the
+       result is still printed and saved
   2    bad input: arguments, case file, or a file that cannot be read or written
   3    no answer: the contact is too large for the lens or for memory, or the method does not apply
-  130  interrupted by Ctrl-C; nothing is saved";
+  130  interrupted by Ctrl-C; nothing is saved, but a sweep keeps its journal";
 
 #[derive(Debug, Parser)]
 #[command(name = "fakir", version, long_about = ABOUT, after_help = EXIT_STATUS)]
@@ -73,6 +77,9 @@ pub(crate) enum Command {
     /// for a few hundred pillars, minutes for a few thousand.
     #[command(after_help = "Example: fakir compare case.toml")]
     Compare(Compare),
+    /// What to cite for a result, a case, a study or a method
+    #[command(after_help = "Example: fakir cite results --bibtex")]
+    Cite(Cite),
     /// The inverse question: the pitch, size or modulus that gives a wanted critical state; and how
     /// far real samples scatter about it
     ///
@@ -85,6 +92,17 @@ pub(crate) enum Command {
       --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --samples 1000")]
     Design(Design),
+    /// Many cases: a study file with axes along which a case is varied
+    ///
+    /// Every case is one row of a table, also if it fails: then with the reason. With --output a
+    /// journal is kept there, so that a sweep that was interrupted, even killed, goes on with
+    /// --resume; the tables are the same as without the interruption, byte for byte. Without
+    /// --output the table is printed as CSV.
+    #[command(after_help = "Example: fakir sweep study.toml --output results")]
+    Sweep(Sweep),
+    /// The shards of a sweep put together, as if it had never been divided
+    #[command(after_help = "Example: fakir merge results shard-1 shard-2 shard-3")]
+    Merge(Merge),
 }
 
 impl Command {
@@ -97,7 +115,10 @@ impl Command {
             Self::Verify(_) => "verify",
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
+            Self::Cite(_) => "cite",
             Self::Design(_) => "design",
+            Self::Sweep(_) => "sweep",
+            Self::Merge(_) => "merge",
         }
     }
 }
@@ -117,7 +138,15 @@ pub(crate) struct Transition {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
     #[command(flatten)]
+    fields: FieldArguments,
+    #[command(flatten)]
     pub(crate) run: RunArguments,
+}
+
+impl Transition {
+    pub(crate) fn maps(&self) -> Maps {
+        self.fields.maps(&self.case)
+    }
 }
 
 #[derive(Debug, Args)]
@@ -133,10 +162,16 @@ pub(crate) struct Press {
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     force: Option<f64>,
     #[command(flatten)]
+    fields: FieldArguments,
+    #[command(flatten)]
     pub(crate) run: RunArguments,
 }
 
 impl Press {
+    pub(crate) fn maps(&self) -> Maps {
+        self.fields.maps(&self.case)
+    }
+
     pub(crate) fn load(&self) -> Load {
         match (self.indentation, self.force) {
             (Some(indentation), _) => Load::Indentation(indentation),
@@ -228,6 +263,32 @@ pub(crate) struct Compare {
     pub(crate) case: CaseArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Cite {
+    /// Folder of results, case file or study file; without it, what any use of fakir rests on
+    pub(crate) what: Option<PathBuf>,
+    /// Cite for this method instead
+    #[arg(long, conflicts_with = "what")]
+    pub(crate) method: Option<CitedMethod>,
+    /// Print entries for BibTeX
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) bibtex: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The methods by their names in case files, and the formulas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CitedMethod {
+    Spectral,
+    Love,
+    Punch,
+    Homogenised,
+    /// The formulas of `fakir theory`
+    Theory,
 }
 
 #[derive(Debug, Args)]
@@ -339,6 +400,75 @@ fn tolerance(text: &str) -> Result<Tolerance, String> {
     Ok(Tolerance { key, deviation })
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct Sweep {
+    /// Study file (TOML): a case file, or the name of one, with the tables [study] and [axes]; `-`
+    /// for standard input
+    pub(crate) study: PathBuf,
+    /// Override a key of the case that is no axis, as in lens.radius=2mm; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Keep the journal there, and save table.csv, table.parquet, study.toml and provenance.json
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) output: Option<PathBuf>,
+    /// Go on with the sweep in the folder, if one has begun there
+    #[arg(long, requires = "output", conflicts_with = "overwrite")]
+    resume: bool,
+    /// Begin anew, whatever is in the folder
+    #[arg(long, requires = "output")]
+    overwrite: bool,
+    /// Compute only this part of the cases, for `fakir merge`: 1/4 to 4/4 of a sweep in four shards
+    #[arg(long, value_name = "N/OF", default_value = "1/1", requires = "output")]
+    pub(crate) shard: Shard,
+    /// Threads to share the cases between; 0 for as many as there are processors
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) threads: usize,
+    /// Memory a single case may take (kB, MB, GB)
+    #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
+    pub(crate) memory_limit: usize,
+    /// Print JSON, in SI units; without --output with all rows
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No progress and no warnings
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+impl Sweep {
+    pub(crate) fn existing(&self) -> Existing {
+        match (self.resume, self.overwrite) {
+            (true, _) => Existing::Resume,
+            (_, true) => Existing::Overwrite,
+            _ => Existing::Refuse,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Merge {
+    /// Folder to make for the whole sweep
+    pub(crate) folder: PathBuf,
+    /// Folders of all shards, in any order
+    #[arg(required = true)]
+    pub(crate) shards: Vec<PathBuf>,
+    /// Replace what is in the folder
+    #[arg(long)]
+    overwrite: bool,
+    /// Print JSON, in SI units
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+impl Merge {
+    pub(crate) fn existing(&self) -> Existing {
+        if self.overwrite {
+            Existing::Overwrite
+        } else {
+            Existing::Refuse
+        }
+    }
+}
+
 /// What every command that reads a case takes.
 #[derive(Debug, Args)]
 pub(crate) struct CaseArguments {
@@ -353,12 +483,34 @@ pub(crate) struct CaseArguments {
     /// Print JSON instead of tables, in SI units
     #[arg(long)]
     pub(crate) json: bool,
-    /// Save the result there: summary.json, tables as CSV, and the case as it was solved
+    /// Save the result there: summary.json, tables as CSV, fields, the case as it was solved, and
+    /// where it is from
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
     /// No progress and no warnings
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// How the fields of a contact are saved.
+#[derive(Debug, Args)]
+struct FieldArguments {
+    /// Points across the maps of pressure, gap and displacement, fields.nc and fields.vti; with
+    /// --output
+    ///
+    /// The maps hold the contact and a pitch more on each side. Unless given, 12 points across a
+    /// pillar, but no more than 511 in all.
+    #[arg(long, value_name = "N", requires = "output", value_parser = field_points)]
+    field_points: Option<usize>,
+}
+
+impl FieldArguments {
+    fn maps(&self, case: &CaseArguments) -> Maps {
+        match case.output {
+            None => Maps::None,
+            Some(_) => Maps::Points(self.field_points),
+        }
+    }
 }
 
 /// How a computation is run.
@@ -378,6 +530,14 @@ fn length(text: &str) -> Result<f64, QuantityError> {
 
 fn force(text: &str) -> Result<f64, QuantityError> {
     parse_argument(text, Dimension::Force)
+}
+
+/// Points across a map: at least the two ends.
+fn field_points(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|points| (2..=MOST_POINTS).contains(points))
+        .ok_or_else(|| format!("give a whole number from 2 to {MOST_POINTS}"))
 }
 
 /// Squares across a pillar, of which half as many are enough for an error estimate.

@@ -3,6 +3,7 @@
 use fakir::contact::SolveError;
 use fakir::love::SurfaceError;
 use fakir_case::CaseError;
+use fakir_study::StudyError;
 use fakir_study::design::DesignError;
 use fakir_study::output::OutputError;
 use fakir_study::spread::SpreadError;
@@ -25,6 +26,8 @@ pub(crate) enum Failure {
     Design(#[from] DesignError),
     #[error(transparent)]
     Spread(#[from] SpreadError),
+    #[error(transparent)]
+    Study(#[from] StudyError),
     #[error("{0}")]
     Argument(String),
     #[error("{action} {path}: {error}")]
@@ -56,6 +59,7 @@ impl Failure {
                 | Self::Surface(SurfaceError::Interrupted)
                 | Self::Design(DesignError::Solve(SolveError::Interrupted))
                 | Self::Spread(SpreadError::Solve(SolveError::Interrupted))
+                | Self::Study(StudyError::Interrupted { .. })
         )
     }
 
@@ -65,10 +69,14 @@ impl Failure {
             Self::OutputClosed => {}
             // The default report of miette: the line, in colour if the terminal has any.
             Self::Case(error) => tell(&format!("{:?}", miette::Report::new(error.clone()))),
+            Self::Study(error @ StudyError::Interrupted { .. }) => tell(&error.to_string()),
             interrupted if interrupted.is_interruption() => {
                 tell("interrupted: no result");
             }
             Self::Design(DesignError::Case(error)) | Self::Spread(SpreadError::Case(error)) => {
+                tell(&format!("{:?}", miette::Report::new(error.clone())));
+            }
+            Self::Study(StudyError::Case(error)) => {
                 tell(&format!("{:?}", miette::Report::new(error.clone())));
             }
             other => tell(&format!("error: {other}")),
@@ -83,6 +91,7 @@ impl Failure {
             | Self::Surface(SurfaceError::InvalidQuantity(_))
             | Self::Case(_)
             | Self::Output(_)
+            | Self::Study(_)
             | Self::Argument(_)
             | Self::File { .. }
             | Self::Threads(_) => 2,

@@ -10,7 +10,7 @@ use std::sync::Once;
 use std::time::{Duration, Instant};
 
 /// Work shorter than this shows no progress.
-const PATIENCE: Duration = Duration::from_secs(1);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(1);
 
 pub(crate) struct Session {
     cancel: CancelToken,
@@ -107,7 +107,7 @@ fn listener(bar: ProgressBar, watched: bool) -> impl Fn(Progress) + Sync {
 }
 
 /// The first Ctrl-C asks the computation to stop, a second one does not wait for it.
-fn stop_on_interrupt(cancel: CancelToken) {
+pub(crate) fn stop_on_interrupt(cancel: CancelToken) {
     // Without a handler Ctrl-C still ends the process, only less politely.
     let _ = ctrlc::set_handler(move || {
         if cancel.is_cancelled() {

@@ -1,16 +1,55 @@
-//! Many cases: sweeps along axes of a case file, with a journal that survives being killed, tables,
-//! exports of fields, and the inverse question of design.
+//! Many cases: sweeps along the axes of a study, with a journal that survives being killed, and
+//! their tables.
 //!
-//! * [`output`]: files that are there whole or not at all;
-//! * [`provenance`]: where a result is from, stamped on every file;
-//! * [`citations`]: what to cite for it;
-//! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView;
-//! * [`design`]: the case that has a wanted answer;
-//! * [`spread`]: how far answers scatter.
+//! ```
+//! use fakir_case::{Case, StudyFile};
+//! use fakir_study::{Options, Table};
+//!
+//! let text = format!(
+//!     "[axes]\nsurface_fraction = [1e-3, 3e-3]\n\"texture.offset\" = [0, 0.5]\n{}",
+//!     Case::example().to_toml()
+//! );
+//! let study = StudyFile::parse("study.toml", &text)?.study()?;
+//! let rows = fakir_study::sweep(&study, &mut Options::default())?;
+//! assert_eq!(rows.len(), 4);
+//! assert!(rows.iter().all(|row| row.problem.is_none()));
+//! let table = Table::new(&study, &rows);
+//! assert!(table.to_csv().starts_with("case,texture.surface_fraction,texture.offset,method,"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! * [`sweep`] answers every case of a [`Study`](fakir_case::Study) in memory; [`sweep_into`] does so
+//!   in a folder, with a journal from which an interrupted sweep goes on; [`merge`] puts the shards
+//!   of a sweep together.
+//! * What a case answers depends on the study alone: not on threads, shards or interruptions. So
+//!   the table of a sweep that was killed and resumed is the same, byte for byte.
+//! * A case without an answer keeps its row in the [`Table`], with the reason.
+//! * [`design`](mod@design) turns the question round: which value gives a wanted critical force;
+//!   [`spread`](mod@spread) draws samples about a case.
+//! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
+//! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
+//!   files that are there whole or not at all.
 
+mod answer;
 pub mod citations;
 pub mod design;
+mod error;
 pub mod fields;
+mod folder;
+mod journal;
 pub mod output;
+mod plan;
 pub mod provenance;
 pub mod spread;
+mod sweep;
+mod table;
+
+pub use answer::{Answer, Critical, Pressed, Row};
+pub use error::StudyError;
+pub use folder::{Existing, Summary, merge, sweep_into};
+pub use plan::{InvalidShard, Shard};
+pub use sweep::{Options, Progress, sweep};
+pub use table::{Column, Table, Values};
+
+/// The version of fakir, stamped on every result.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

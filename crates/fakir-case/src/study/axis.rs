@@ -27,11 +27,13 @@ impl Variable {
         }
     }
 
-    /// Its name as a column, with its unit: `"substrate.young_modulus_Pa"`.
+    /// Its name as a column, with its unit: `"substrate.young_modulus_Pa"`. A prescribed load is
+    /// `"load.indentation_m"` or `"load.force_N"`, apart from indentation and force as results.
     #[must_use]
     pub fn column(self) -> String {
+        let table = if self.is_load() { "load." } else { "" };
         let suffix = self.dimension().map_or("", Dimension::suffix);
-        format!("{}{suffix}", self.path())
+        format!("{table}{}{suffix}", self.path())
     }
 
     /// What its values measure; `None` if they are words.

@@ -22,7 +22,7 @@
 //!   next to the study. An axis takes the place of what the case gives.
 //! * An axis is named by a [`Key`](crate::Key), in full or by its last name where that says which, or
 //!   by `indentation` or `force`. Cases are in the order of the file, the last axis varying fastest.
-//! * Where `method.name` is an axis, keys of `[method]` count for the methods that have them.
+//! * Where `method.name` is an axis, other keys of `[method]` count for the methods that have them.
 
 mod axis;
 mod read;
@@ -30,11 +30,11 @@ mod read;
 pub use axis::{Axis, Coordinate, Variable};
 
 use crate::case::{Case, write_tables};
-use crate::entries::{Entry, Value};
+use crate::entries::{Entry, STUDY_TABLES, Value};
 use crate::error::{CaseError, Place, Source};
 use crate::file::{CaseFile, OWNERS, not_utf8, quantity};
-use crate::key::Key;
-use crate::unit::Dimension;
+use crate::key::{Key, root};
+use crate::unit::{Dimension, format_quantity};
 use axis::Values;
 use fakir::Question;
 use fakir::contact::Load;
@@ -95,8 +95,16 @@ pub struct StudyFile {
     case: CaseFile,
     asked: Asked,
     combine: Combine,
-    load: Option<(Variable, Entry)>,
+    load: Option<FixedLoad>,
     varied: Vec<Varied>,
+}
+
+/// A load that is the same in every case.
+#[derive(Debug, Clone)]
+struct FixedLoad {
+    variable: Variable,
+    load: Load,
+    place: Place,
 }
 
 /// An axis and where it was given.
@@ -167,8 +175,17 @@ impl StudyFile {
     /// # Errors
     /// [`CaseError`].
     pub fn set(&mut self, argument: &str) -> Result<(), CaseError> {
-        self.case.set(argument)?;
         let (path, _) = argument.split_once('=').unwrap_or((argument, ""));
+        if STUDY_TABLES.contains(&root(path.trim())) {
+            return Err(CaseError::new(
+                &Source::new("--set", argument),
+                "only keys of the case can be overridden",
+            )
+            .key(path.trim())
+            .label(0..path.len(), "here")
+            .accepted("for example texture.pillar.height=2um"));
+        }
+        self.case.set(argument)?;
         let Some(key) = Key::at(path.trim()) else {
             return Ok(());
         };
@@ -194,6 +211,9 @@ impl StudyFile {
     /// # Errors
     /// [`CaseError`] for axes that do not fit together, and for the first case that cannot be.
     pub fn study(self) -> Result<Study, CaseError> {
+        self.case.refuse_surface().map_err(|error| {
+            error.accepted("a study varies a case with a [texture]; a [surface] has none as yet")
+        })?;
         let cases = self.number_of_cases()?;
         if let Err(error) = self.resolve(0) {
             // What is wrong with or without axes is the fault of the case.
@@ -261,7 +281,7 @@ impl StudyFile {
         let fixed = self
             .load
             .as_ref()
-            .map(|(variable, entry)| (variable.path(), &entry.place));
+            .map(|fixed| (fixed.variable.path(), &fixed.place));
         match (self.asked, axis, fixed) {
             (_, Some(axis), Some(fixed)) => Err(crate::file::both_given(fixed, axis, "study")
                 .accepted("give a load once: in [study] or as an axis")),
@@ -308,12 +328,22 @@ impl StudyFile {
     }
 
     fn resolve(&self, index: usize) -> Result<StudyCase, CaseError> {
+        self.resolve_with(index, |_| true)
+    }
+
+    /// A case that only some axes, by number, make different from the case of the file.
+    fn resolve_with(
+        &self,
+        index: usize,
+        counts: impl Fn(usize) -> bool,
+    ) -> Result<StudyCase, CaseError> {
         let steps = self.steps(index);
         let mut file = self.case.clone();
         self.leave_out_idle_keys(&mut file, &steps);
-        let mut load = self.load.clone();
+        let mut load = self.load.as_ref().map(|fixed| fixed.load);
         let mut coordinates = Vec::with_capacity(steps.len());
-        for (varied, step) in self.varied.iter().zip(steps) {
+        let axes = self.varied.iter().zip(steps).enumerate();
+        for (_, (varied, step)) in axes.filter(|(number, _)| counts(*number)) {
             let coordinate = varied.axis.value(step);
             let entry = Entry {
                 value: match &coordinate {
@@ -327,62 +357,66 @@ impl StudyFile {
                     file.entries.keys.insert(Key::MethodName, entry);
                 }
                 Variable::Key(key) => file.put(key, entry),
-                variable => load = Some((variable, entry)),
+                variable => load = Some(prescribed(variable, &entry)?),
             }
             coordinates.push(coordinate);
         }
         Ok(StudyCase {
             case: file.case()?,
-            question: match (self.asked, &load) {
-                (Asked::Press, Some((variable, entry))) => {
-                    Question::Press(prescribed(*variable, entry)?)
-                }
-                _ => Question::Transition,
-            },
+            question: load.map_or(Question::Transition, Question::Press),
             coordinates,
         })
     }
 
-    /// Of the case's keys for methods that the axis of methods has, those of the others.
+    /// Where the methods are varied, the case's keys for others than that of this case.
     fn leave_out_idle_keys(&self, file: &mut CaseFile, steps: &[usize]) {
         for (varied, step) in self.varied.iter().zip(steps) {
             let Values::Words(words) = &varied.axis.values else {
                 continue;
             };
-            if varied.axis.variable == Variable::Key(Key::MethodName) {
-                for (key, owner) in OWNERS {
-                    let owner = owner.word();
-                    if owner != words[*step] && words.iter().any(|word| word == owner) {
-                        file.entries.keys.remove(&key);
-                    }
-                }
+            if varied.axis.variable != Variable::Key(Key::MethodName) {
+                continue;
             }
+            let idle = |key: &Key, entry: &Entry| {
+                let owner = OWNERS.iter().find(|(owned, _)| owned == key);
+                owner.is_some_and(|(_, owner)| {
+                    let is_of_study = words.iter().any(|word| word == owner.word());
+                    let is_override = entry.place.source.name() == "--set";
+                    owner.word() != words[*step] && (is_of_study || !is_override)
+                })
+            };
+            file.entries.keys.retain(|key, entry| !idle(key, entry));
         }
+    }
+
+    /// The values of all axes, as in a study file.
+    fn settings(&self, steps: &[usize]) -> String {
+        let axes = self.varied.iter().zip(steps);
+        let settings: Vec<_> = axes
+            .map(|(varied, step)| varied.axis.setting(*step))
+            .collect();
+        settings.join(", ")
     }
 
     /// The error of a case, at an axis, with the combination of values that it comes from.
     fn blame(&self, error: CaseError, index: usize) -> CaseError {
         let steps = self.steps(index);
-        let settings: Vec<_> = self
-            .varied
-            .iter()
-            .zip(&steps)
-            .map(|(varied, step)| varied.axis.setting(*step))
-            .collect();
-        let combination = format!("in case {index}, with {}", settings.join(", "));
+        let combination = format!("in case {index}, with {}", self.settings(&steps));
         let error = error.in_case(&combination);
         let places = || self.varied.iter().zip(&steps);
         if places().any(|(varied, step)| error.stands_at(varied.place(*step))) {
             return error;
         }
-        // The slowest axis that changed since the case before, which was good.
-        let before = index.checked_sub(1).map(|index| self.steps(index));
-        let changed = |number: usize| {
-            before
-                .as_ref()
-                .is_none_or(|before| before[number] != steps[number])
+        let axes = 0..steps.len();
+        let number = match index.checked_sub(1).map(|before| self.steps(before)) {
+            // The slowest axis that changed since the case before, which was good.
+            Some(before) => axes.into_iter().find(|axis| before[*axis] != steps[*axis]),
+            // The axis without which there would be no error.
+            None => axes.into_iter().find(|axis| {
+                let without = self.resolve_with(index, |other| other != *axis);
+                without.is_ok()
+            }),
         };
-        let number = (0..steps.len()).find(|number| changed(*number));
         let number = number.unwrap_or(0);
         let varied = &self.varied[number];
         error.moved(varied.place(steps[number]), varied.axis.variable.path())
@@ -396,7 +430,7 @@ fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
     if !(value.is_finite() && value >= 0.0) {
         return Err(CaseError::at(
             &entry.place,
-            format!("cannot be {}", variable.written(value)),
+            format!("cannot be {}", format_quantity(value, dimension)),
         )
         .key(variable.path())
         .accepted("it must be a finite number, 0 or greater"));
@@ -461,6 +495,35 @@ impl Study {
         resolved.expect("every case was looked at when the study was made")
     }
 
+    /// The value of every axis in a case, counted from 0.
+    ///
+    /// # Panics
+    /// If there are no more than `index` cases.
+    #[must_use]
+    pub fn coordinates(&self, index: usize) -> Vec<Coordinate> {
+        assert!(index < self.cases, "there are {} cases", self.cases);
+        let steps = self.file.steps(index);
+        let axes = self.axes().zip(steps);
+        axes.map(|(axis, step)| axis.value(step)).collect()
+    }
+
+    /// A case in words, as in a study file: `texture.pitch = "10 um", texture.offset = 0.5`.
+    ///
+    /// # Panics
+    /// If there are no more than `index` cases.
+    #[must_use]
+    pub fn settings(&self, index: usize) -> String {
+        assert!(index < self.cases, "there are {} cases", self.cases);
+        self.file.settings(&self.file.steps(index))
+    }
+
+    /// Names of the methods that its cases are solved with.
+    #[must_use]
+    pub fn methods(&self) -> Vec<&'static str> {
+        let cases = self.representatives();
+        cases.iter().map(|case| case.method.name()).collect()
+    }
+
     /// The study as a study file. It depends on the study alone, and reading it gives the same
     /// study, bit for bit.
     #[must_use]
@@ -473,8 +536,8 @@ impl Study {
         let file = &self.file;
         let _ = writeln!(text, "\n[study]\nquestion = \"{}\"", file.asked.name());
         let _ = writeln!(text, "combine = \"{}\"", file.combine.name());
-        if let (Some((variable, _)), Question::Press(load)) = (&file.load, self.case(0).question) {
-            let (Load::Force(value) | Load::Indentation(value)) = load;
+        if let Some(FixedLoad { variable, load, .. }) = &file.load {
+            let (Load::Force(value) | Load::Indentation(value)) = *load;
             let _ = writeln!(text, "{} = {}", variable.path(), variable.written(value));
         }
         text.push_str("\n[axes]\n");

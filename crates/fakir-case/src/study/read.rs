@@ -1,14 +1,14 @@
 //! Reading the tables `[study]` and `[axes]`.
 
 use super::axis::{Axis, PointSpacing, Range, Unnamed, Values, Variable};
-use super::{Asked, Combine, MAXIMUM_CASES, StudyFile, Varied};
+use super::{Asked, Combine, FixedLoad, MAXIMUM_CASES, StudyFile, Varied, prescribed};
 use crate::CaseFile;
 use crate::entries::{
     Entries, Entry, Value, document, in_order, kind_name, plain_value, with_article,
 };
 use crate::error::{CaseError, Place, Source};
 use crate::file::{both_given, one_of, quantity};
-use crate::key::{edit_distance, is_table, join};
+use crate::key::{edit_distance, is_table, join, names_in};
 use crate::unit::{Dimension, format_quantity};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -22,6 +22,13 @@ pub(super) fn read(source: &Source, folder: PathBuf) -> Result<StudyFile, CaseEr
     let reader = Reader { source };
     let document = document(source)?;
     let document = document.get_ref();
+    let known = [&["study", "axes"], &names_in("")[..]].concat();
+    for (name, _) in in_order(document) {
+        let path = name.get_ref();
+        if !known.contains(&path.as_ref()) {
+            return Err(reader.unknown(name.span(), path, path, &known, "a study"));
+        }
+    }
     let settings = match document.get("study") {
         Some(value) => reader.settings(value)?,
         None => Settings::default(),
@@ -86,7 +93,7 @@ struct Settings {
     /// Where the question is given.
     question: Option<Place>,
     combine: Combine,
-    load: Option<(Variable, Entry)>,
+    load: Option<FixedLoad>,
     case: Option<(String, Place)>,
 }
 
@@ -120,7 +127,11 @@ impl Reader<'_> {
                 &self.place(value.span()),
                 format!("this is a table, found {}", with_article(other.type_str())),
             )
-            .key(path)),
+            .key(path)
+            .accepted(match path {
+                "axes" => format!("[axes] says what is varied: {AXES_EXAMPLE}"),
+                _ => "[study] may have question, combine, case and a load".to_owned(),
+            })),
         }
     }
 
@@ -151,11 +162,15 @@ impl Reader<'_> {
                         "force" => Variable::Force,
                         _ => Variable::Indentation,
                     };
-                    if let Some((_, first)) = &settings.load {
+                    if let Some(first) = &settings.load {
                         let (a, b) = (("indentation", &first.place), ("force", &entry.place));
                         return Err(both_given(a, b, "study").accepted("give only one"));
                     }
-                    settings.load = Some((variable, entry));
+                    settings.load = Some(FixedLoad {
+                        variable,
+                        load: prescribed(variable, &entry)?,
+                        place: entry.place,
+                    });
                 }
                 other => {
                     return Err(self.unknown(name.span(), &path, other, &KEYS, "[study]"));
@@ -235,11 +250,11 @@ impl Reader<'_> {
     ) -> Result<Varied, CaseError> {
         let place = self.place(span);
         let variable = Variable::named(name).map_err(|why| not_a_variable(&place, name, why))?;
-        let path = join("axes", variable.path());
+        let path = variable.path();
         let (values, items) = match value.get_ref() {
-            DeValue::Array(items) => self.list(&path, variable, value.span(), items)?,
+            DeValue::Array(items) => self.list(path, variable, value.span(), items)?,
             DeValue::Table(table) => {
-                let range = self.range(&path, variable, value.span(), table)?;
+                let range = self.range(path, variable, value.span(), table)?;
                 (Values::Range(range), vec![self.place(value.span())])
             }
             other => {
@@ -248,7 +263,7 @@ impl Reader<'_> {
                     &self.place(value.span()),
                     format!("expected a list or a range of values, found {found}"),
                 )
-                .key(&path)
+                .key(path)
                 .accepted(AXES_EXAMPLE));
             }
         };
@@ -458,7 +473,7 @@ fn check_order(
     let written = |value| format_quantity(value, dimension);
     if range.from >= range.to {
         let problem = format!(
-            "the range goes down: from {} to {}",
+            "the range does not go up: from {} to {}",
             written(range.from),
             written(range.to)
         );

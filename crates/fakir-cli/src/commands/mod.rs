@@ -1,12 +1,14 @@
 //! One module for each command: what it asks the library, and its report.
 
 pub(crate) mod approach;
+pub(crate) mod cite;
 mod closed_forms;
 pub(crate) mod compare;
 pub(crate) mod design;
 pub(crate) mod init;
 pub(crate) mod press;
 pub(crate) mod surface;
+pub(crate) mod sweep;
 pub(crate) mod theory;
 pub(crate) mod transition;
 pub(crate) mod verify;

@@ -1,0 +1,181 @@
+//! What study files mean.
+
+#![allow(clippy::unwrap_used)]
+
+use fakir::Question;
+use fakir::contact::{Accuracy, Load, Method, PunchForm};
+use fakir_case::study::{Asked, Axis, Coordinate, Variable};
+use fakir_case::{Case, CaseFile, Key, Study, StudyFile};
+
+/// A study of the example case.
+fn study(tables: &str) -> Study {
+    let text = format!("{tables}\n{}", Case::example().to_toml());
+    let file = StudyFile::parse("study.toml", &text).unwrap();
+    file.study().unwrap()
+}
+
+fn pitches(study: &Study) -> Vec<f64> {
+    (0..study.cases())
+        .map(|index| study.case(index).case.system.lattice().pitch)
+        .collect()
+}
+
+#[test]
+fn the_last_axis_varies_fastest() {
+    let study = study("[axes]\npitch = [\"20 um\", \"30 um\"]\noffset = [0, 0.25, 0.5]");
+    assert_eq!(study.cases(), 6);
+    assert_eq!(pitches(&study), [20e-6, 20e-6, 20e-6, 30e-6, 30e-6, 30e-6]);
+    assert_eq!(
+        study.coordinates(4),
+        [Coordinate::Number(30e-6), Coordinate::Number(0.25)]
+    );
+    assert_eq!(
+        study.settings(4),
+        "texture.pitch = \"30 um\", texture.offset = 0.25"
+    );
+    assert_eq!(study.case(4).coordinates, study.coordinates(4));
+    assert_eq!(study.asked(), Asked::Transition);
+    let columns: Vec<_> = study.axes().map(|axis| axis.variable().column()).collect();
+    assert_eq!(columns, ["texture.pitch_m", "texture.offset"]);
+}
+
+#[test]
+fn axes_that_go_together() {
+    let study = study(
+        "[study]\ncombine = \"zip\"\n[axes]\npitch = [\"20 um\", \"30 um\"]\noffset = [0, 0.5]",
+    );
+    assert_eq!(study.cases(), 2);
+    assert_eq!(pitches(&study), [20e-6, 30e-6]);
+    assert_eq!(study.coordinates(1)[1], Coordinate::Number(0.5));
+}
+
+#[test]
+fn dotted_names_need_no_quotes() {
+    let study = study("[axes]\ntexture.pillar.height = [1e-6, 2e-6]\ntexture.offset = [0, 0.5]");
+    let axes: Vec<_> = study.axes().map(Axis::variable).collect();
+    assert_eq!(
+        axes,
+        [Variable::Key(Key::PillarHeight), Variable::Key(Key::Offset)]
+    );
+}
+
+#[test]
+fn ranges_begin_and_end_where_they_say() {
+    let range = "{ from = 3e-4, to = 0.29, points = 60, spacing = \"log\" }";
+    let study = study(&format!("[axes]\nsurface_fraction = {range}"));
+    let fractions: Vec<f64> = (0..60)
+        .map(|index| match study.coordinates(index)[..] {
+            [Coordinate::Number(number)] => number,
+            _ => panic!("a number"),
+        })
+        .collect();
+    assert_eq!((fractions[0], fractions[59]), (3e-4, 0.29));
+    let ratio = (0.29_f64 / 3e-4).powf(1.0 / 59.0);
+    for pair in fractions.windows(2) {
+        assert!((pair[1] / pair[0] / ratio - 1.0).abs() < 1e-12);
+    }
+    let study = self::study("[axes]\noffset = { from = 0.1, to = 0.7, points = 4 }");
+    let offset = |index: usize| study.case(index).case.system.lattice().offset;
+    assert_eq!((offset(0), offset(3)), (0.1, 0.7));
+    assert!((offset(1) - 0.3).abs() < 1e-15 && (offset(2) - 0.5).abs() < 1e-15);
+}
+
+#[test]
+fn a_value_of_an_axis_is_that_of_a_case_file_bit_for_bit() {
+    let study = study(
+        "[axes]\n\"substrate.young_modulus\" = [\"0.0021 MPa\", 1000000000]\npitch = [\"18.07 um\"]\n\
+         offset_angle = [\"10 deg\"]",
+    );
+    let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+    for argument in [
+        "substrate.young_modulus=0.0021 MPa",
+        "texture.pitch=18.07 um",
+        "texture.offset_angle=10 deg",
+    ] {
+        file.set(argument).unwrap();
+    }
+    assert_eq!(study.case(0).case, file.case().unwrap());
+    file.set_number(Key::SubstrateYoungModulus, 1e9);
+    assert_eq!(study.case(1).case, file.case().unwrap());
+    file.set_number(Key::SurfaceFraction, 0.2); // in place of the pitch
+    let fraction = file.case().unwrap().system.texture().surface_fraction();
+    assert!((fraction / 0.2 - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn loads() {
+    let load = |study: &Study, index| match study.case(index).question {
+        Question::Press(load) => load,
+        Question::Transition => panic!("a load was given"),
+    };
+    let axis = study("[study]\nquestion = \"press\"\n[axes]\nforce = [\"20 uN\", 0]");
+    assert_eq!(load(&axis, 0), Load::Force(20e-6));
+    assert_eq!(load(&axis, 1), Load::Force(0.0));
+    let column = axis.axes().next().unwrap().variable().column();
+    assert_eq!(column, "load.force_N");
+    let fixed = "[study]\nquestion = \"press\"\nindentation = \"3 um\"\n[axes]\noffset = [0, 0.5]";
+    assert_eq!(load(&study(fixed), 1), Load::Indentation(3e-6));
+}
+
+#[test]
+fn keys_of_methods_count_for_the_methods_that_have_them() {
+    let methods = |tables: &str, set: &[&str]| -> Result<Vec<Method>, String> {
+        let text = format!("{tables}\n{}", Case::example().to_toml());
+        let mut file = StudyFile::parse("study.toml", &text).unwrap();
+        for argument in set {
+            file.set(argument).unwrap();
+        }
+        let study = file.study().map_err(|error| error.to_string())?;
+        let cases = (0..study.cases()).map(|index| study.case(index).case.method);
+        Ok(cases.collect())
+    };
+    // The example has method.accuracy = "default", which the punch lattice has not.
+    let axis = "[axes]\n\"method.name\" = [\"punch\", \"homogenised\"]";
+    let corrected = Method::Punch(PunchForm::Corrected);
+    assert_eq!(methods(axis, &[]), Ok(vec![corrected, Method::Homogenised]));
+    let both = "[axes]\n\"method.name\" = [\"spectral\", \"punch\"]";
+    assert_eq!(
+        methods(both, &["method.accuracy=accurate", "method.form=plain"]),
+        Ok(vec![
+            Method::Spectral(Accuracy::Accurate),
+            Method::Punch(PunchForm::Plain)
+        ])
+    );
+    let idle = methods(axis, &["method.accuracy=accurate"]).unwrap_err();
+    assert!(idle.contains("only the method \"spectral\""), "{idle}");
+    let known = study("[axes]\noffset = [0, 0.5]\n\"method.name\" = [\"punch\", \"love\"]");
+    assert_eq!(known.methods(), ["punch", "love"]);
+}
+
+#[test]
+fn what_is_written_is_the_same_study() {
+    let tables = [
+        "[axes]\noffset = [0, 0.1, 0.8660254037844386]",
+        "[axes]\npitch = { from = \"10.1 um\", to = 4e-5, points = 7, spacing = \"log\" }\noffset = [0, 1]",
+        "[axes]\n\"method.name\" = [\"love\", \"spectral\"]\n\"lens.young_modulus\" = [\"1 GPa\"]",
+        "[study]\nquestion = \"press\"\nforce = \"0.1 uN\"\ncombine = \"zip\"\n[axes]\noffset_angle = [1]",
+        "[study]\nquestion = \"press\"\n[axes]\nindentation = { from = 0, to = 1e-6, points = 3 }",
+    ];
+    for tables in tables {
+        let study = study(tables);
+        let written = study.to_toml();
+        let again = StudyFile::parse("study.toml", written).unwrap();
+        let again = again.study().unwrap();
+        assert_eq!(again.to_toml(), written);
+        assert_eq!(again.cases(), study.cases());
+        for index in 0..study.cases() {
+            assert_eq!(again.case(index), study.case(index));
+        }
+    }
+    insta::assert_snapshot!(study(tables[2]).to_toml());
+}
+
+#[test]
+fn defaults_that_are_spelt_out_are_the_same_study() {
+    let text = "[axes]\noffset_angle = [0, 0.1]\n[lens]\nradius = 0.0022\nyoung_modulus = 2e6\n\
+                poisson_ratio = 0.5\n[substrate]\nyoung_modulus = 2e6\npoisson_ratio = 0.5\n\
+                [texture]\nsurface_fraction = 0.1\n[texture.pillar]\ndiameter = 6e-6\nheight = 2.2e-6";
+    let short = StudyFile::parse("short.toml", text).unwrap();
+    let long = study("[axes]\n\"texture.offset_angle\" = [\"0 deg\", \"0.1 rad\"]");
+    assert_eq!(short.study().unwrap().to_toml(), long.to_toml());
+}

@@ -1,0 +1,263 @@
+//! `fakir sweep` and `fakir merge`: the cases of a study, and the tables of their answers.
+
+use crate::arguments::{Merge, Sweep};
+use crate::failure::{Failure, tell};
+use crate::numbers::seconds;
+use crate::report::json;
+use crate::report::state::VERSION;
+use crate::session::{PATIENCE, stop_on_interrupt};
+use crate::{STANDARD_INPUT, output, standard_input};
+use fakir::contact::CancelToken;
+use fakir_case::study::Asked;
+use fakir_case::{Study, StudyFile};
+use fakir_study::{Options, Progress, Row, StudyError, Summary, Table, sweep, sweep_into};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+use serde_json::Value;
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Cases that failed, of which the reason is printed.
+const REASONS: usize = 5;
+
+pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
+    let cancel = CancelToken::default();
+    stop_on_interrupt(cancel.clone());
+    let study = read(arguments)?;
+    let start = Instant::now();
+    let mut bar = Bar::new(arguments.quiet);
+    let mut listener = |progress| bar.show(progress);
+    let mut options = Options {
+        threads: arguments.threads,
+        cancel,
+        memory_limit: Some(arguments.memory_limit),
+        shard: arguments.shard,
+        on_progress: Some(&mut listener),
+    };
+    let result = match &arguments.output {
+        Some(folder) => sweep_into(&study, folder, arguments.existing(), &mut options),
+        None => sweep(&study, &mut options).map(|rows| Summary {
+            study: study.clone(),
+            rows,
+            found: 0,
+        }),
+    };
+    bar.clear();
+    let summary = match result {
+        Err(StudyError::Interrupted { done, cases }) => {
+            let advice = match arguments.output {
+                Some(_) => "--resume goes on",
+                None => "nothing is kept without --output",
+            };
+            tell(&format!(
+                "interrupted after {done} of {cases} cases: {advice}"
+            ));
+            return Ok(ExitCode::from(crate::failure::INTERRUPTED));
+        }
+        other => other?,
+    };
+    let wall_time = Some(start.elapsed().as_secs_f64());
+    match (&arguments.output, arguments.json) {
+        (None, false) => {
+            output::print(&Table::new(&summary.study, &summary.rows).to_csv())?;
+            if !arguments.quiet {
+                for line in reasons(&summary) {
+                    tell(&format!("warning: {line}"));
+                }
+            }
+        }
+        (folder, true) => print_json(&summary, folder.as_deref(), wall_time)?,
+        (Some(folder), false) => output::print(&text(&summary, folder, wall_time))?,
+    }
+    Ok(status(&summary))
+}
+
+pub(crate) fn merge(arguments: &Merge) -> Result<ExitCode, Failure> {
+    let folder = &arguments.folder;
+    let summary = fakir_study::merge(folder, &arguments.shards, arguments.existing())?;
+    if arguments.json {
+        print_json(&summary, Some(folder), None)?;
+    } else {
+        output::print(&text(&summary, folder, None))?;
+    }
+    Ok(status(&summary))
+}
+
+/// 1 if a case failed.
+fn status(summary: &Summary) -> ExitCode {
+    ExitCode::from(u8::from(summary.failed().next().is_some()))
+}
+
+fn read(arguments: &Sweep) -> Result<Study, Failure> {
+    let mut file = if arguments.study.as_os_str() == "-" {
+        StudyFile::from_bytes(STANDARD_INPUT, standard_input()?)?
+    } else {
+        StudyFile::read(&arguments.study)?
+    };
+    for argument in &arguments.set {
+        file.set(argument)?;
+    }
+    Ok(file.study()?)
+}
+
+/// Cases done, how fast, and how long it will take.
+struct Bar {
+    bar: ProgressBar,
+    start: Instant,
+    watched: bool,
+    shown: bool,
+}
+
+impl Bar {
+    fn new(quiet: bool) -> Self {
+        Self {
+            bar: ProgressBar::hidden(),
+            start: Instant::now(),
+            watched: !quiet && std::io::stderr().is_terminal(),
+            shown: false,
+        }
+    }
+
+    fn show(&mut self, progress: Progress) {
+        if !self.watched || self.start.elapsed() < PATIENCE {
+            return;
+        }
+        if !self.shown {
+            self.begin(progress);
+        }
+        if progress.failed > 0 {
+            self.bar
+                .set_message(format!(", {} failed", progress.failed));
+        }
+        self.bar.set_position(progress.done as u64);
+    }
+
+    fn begin(&mut self, progress: Progress) {
+        self.shown = true;
+        self.bar = ProgressBar::with_draw_target(
+            Some(progress.cases as u64),
+            ProgressDrawTarget::stderr(),
+        )
+        .with_position(progress.found as u64)
+        .with_elapsed(self.start.elapsed());
+        let style = "{bar:30} {pos} of {len} cases, {per_sec}, {eta} left{msg}";
+        if let Ok(style) = ProgressStyle::with_template(style) {
+            self.bar.set_style(style);
+        }
+    }
+
+    fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A line for each of the first cases that failed, and one for the others.
+fn reasons(summary: &Summary) -> Vec<String> {
+    let line = |row: &Row| {
+        format!(
+            "case {} ({}): {}",
+            row.index,
+            summary.study.settings(row.index),
+            row.problem.as_deref().unwrap_or_default()
+        )
+    };
+    let mut lines: Vec<String> = summary.failed().take(REASONS).map(line).collect();
+    let more = summary.failed().count() - lines.len();
+    if more > 0 {
+        lines.push(format!(
+            "{more} more; the reasons are in the column \"problem\""
+        ));
+    }
+    lines
+}
+
+fn text(summary: &Summary, folder: &Path, wall_time: Option<f64>) -> String {
+    let asked = match summary.study.asked() {
+        Asked::Transition => "critical states",
+        Asked::Press => "contacts under a load",
+    };
+    let all = summary.rows.len();
+    let mut text = format!("{all} of {} cases: {asked}\n", summary.study.cases());
+    if all == summary.study.cases() {
+        text = format!("{all} cases: {asked}\n");
+    }
+    if let Some(wall_time) = wall_time {
+        let computed = all - summary.found;
+        let journal = match summary.found {
+            0 => String::new(),
+            found => format!(", {found} from the journal"),
+        };
+        let _ = writeln!(
+            text,
+            "computed  {computed} in {}{journal}",
+            seconds(wall_time)
+        );
+    }
+    let _ = writeln!(text, "failed    {}", summary.failed().count());
+    for line in reasons(summary) {
+        let _ = writeln!(text, "          {line}");
+    }
+    let table = |name| folder.join(name).display().to_string();
+    let _ = writeln!(
+        text,
+        "tables    {}, {}",
+        table("table.csv"),
+        table("table.parquet")
+    );
+    text
+}
+
+/// `fakir sweep --json` and `fakir merge --json`.
+#[derive(Serialize)]
+struct SweepJson<'a> {
+    question: &'static str,
+    cases: usize,
+    cases_of_study: usize,
+    from_journal: usize,
+    failed: usize,
+    problems: Vec<ProblemJson<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    folder: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rows: Option<Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wall_time_s: Option<f64>,
+    fakir_version: &'static str,
+}
+
+#[derive(Serialize)]
+struct ProblemJson<'a> {
+    case: usize,
+    settings: String,
+    problem: &'a str,
+}
+
+fn print_json(
+    summary: &Summary,
+    folder: Option<&Path>,
+    wall_time: Option<f64>,
+) -> Result<(), Failure> {
+    let study = &summary.study;
+    let problems = summary.failed().map(|row| ProblemJson {
+        case: row.index,
+        settings: study.settings(row.index),
+        problem: row.problem.as_deref().unwrap_or_default(),
+    });
+    output::print(&json(&SweepJson {
+        question: study.asked().name(),
+        cases: summary.rows.len(),
+        cases_of_study: study.cases(),
+        from_journal: summary.found,
+        failed: summary.failed().count(),
+        problems: problems.collect(),
+        folder: folder.map(|folder| folder.display().to_string()),
+        rows: folder
+            .is_none()
+            .then(|| Table::new(study, &summary.rows).to_json()),
+        wall_time_s: wall_time,
+        fakir_version: VERSION,
+    }))
+}

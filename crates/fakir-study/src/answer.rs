@@ -1,0 +1,206 @@
+//! The answer to one case, as it is kept: numbers only, each of which JSON gives back bit for bit.
+
+use fakir::contact::{ContactState, CriticalState, Normalized, Regime};
+use fakir_case::study::Coordinate;
+use serde::{Deserialize, Serialize};
+
+/// One case of a sweep, with its answer or the reason why there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Number of the case in its study, from 0.
+    pub index: usize,
+    /// The value of every axis.
+    pub coordinates: Vec<Coordinate>,
+    /// The answer, also if it did not converge.
+    pub answer: Option<Answer>,
+    /// Why there is no answer, or none to be relied on.
+    pub problem: Option<String>,
+    /// How long it took, s. Alone of all this it is not the same every time.
+    pub wall_time: f64,
+}
+
+/// What a case answers: the numbers of `fakir transition --json` or `fakir press --json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// The critical state.
+    Transition(Critical),
+    /// The contact under a load.
+    Press(Pressed),
+}
+
+/// A critical state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Critical {
+    /// Name of the method.
+    pub method: String,
+    /// What the lens meets first.
+    #[serde(with = "RegimeName")]
+    pub regime: Regime,
+    /// Fraction of the surface that is pillar top.
+    #[serde(with = "exact")]
+    pub surface_fraction: f64,
+    /// Distance of neighbouring pillars, m.
+    #[serde(rename = "pitch_m", with = "exact")]
+    pub pitch: f64,
+    /// Critical force, N.
+    #[serde(rename = "critical_force_N", with = "exact")]
+    pub force: f64,
+    /// Critical indentation, m.
+    #[serde(rename = "critical_indentation_m", with = "exact")]
+    pub indentation: f64,
+    /// Critical contact radius, m: the larger of the next one and the distance of the floor contact.
+    #[serde(rename = "critical_contact_radius_m", with = "exact")]
+    pub contact_radius: f64,
+    /// Radius of the contact on the pillar tops, m.
+    #[serde(rename = "top_contact_radius_m", with = "exact")]
+    pub top_contact_radius: f64,
+    /// Where the floor is touched, m from the lens axis.
+    #[serde(rename = "bottom_contact_m")]
+    pub floor_contact: [f64; 2],
+    /// Number of pillars touched.
+    pub pillars_in_contact: usize,
+    /// Number of pillars crossed by the edge of the contact.
+    pub pillars_partially_in_contact: usize,
+    /// `F gamma_int/(h d)`.
+    #[serde(with = "exact")]
+    pub normalized_force: f64,
+    /// `a/e`.
+    #[serde(with = "exact")]
+    pub normalized_contact_radius: f64,
+    /// `zeta/h`.
+    #[serde(with = "exact")]
+    pub normalized_indentation: f64,
+    /// Estimated relative error of the force.
+    #[serde(with = "exact")]
+    pub relative_error_estimate_force: f64,
+    /// Estimated relative error of the indentation.
+    #[serde(with = "exact")]
+    pub relative_error_estimate_indentation: f64,
+    /// Whether the numbers are the solution.
+    pub converged: bool,
+    /// Steps taken.
+    pub iterations: usize,
+}
+
+/// A contact under a load.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pressed {
+    /// Name of the method.
+    pub method: String,
+    /// Normal force, N.
+    #[serde(rename = "force_N", with = "exact")]
+    pub force: f64,
+    /// Indentation, m.
+    #[serde(rename = "indentation_m", with = "exact")]
+    pub indentation: f64,
+    /// Contact radius, m.
+    #[serde(rename = "contact_radius_m", with = "exact")]
+    pub contact_radius: f64,
+    /// Number of pillars touched.
+    pub pillars_in_contact: usize,
+    /// Number of pillars crossed by the edge of the contact.
+    pub pillars_partially_in_contact: usize,
+    /// Smallest gap between lens and floor, m; negative past the transition.
+    #[serde(rename = "smallest_floor_gap_m", with = "exact")]
+    pub smallest_floor_gap: f64,
+    /// Whether the floor would have been touched already.
+    pub beyond_transition: bool,
+    /// Estimated relative error of the force.
+    #[serde(with = "exact")]
+    pub relative_error_estimate_force: f64,
+    /// Estimated relative error of the indentation.
+    #[serde(with = "exact")]
+    pub relative_error_estimate_indentation: f64,
+    /// Whether the numbers are the solution.
+    pub converged: bool,
+    /// Steps taken.
+    pub iterations: usize,
+}
+
+impl From<&CriticalState> for Critical {
+    fn from(critical: &CriticalState) -> Self {
+        let state = &critical.contact;
+        let Normalized {
+            force,
+            contact_radius,
+            indentation,
+        } = critical.normalized();
+        Self {
+            method: state.method.name().to_owned(),
+            regime: critical.regime,
+            surface_fraction: state.system.texture().surface_fraction(),
+            pitch: state.system.lattice().pitch,
+            force: state.force,
+            indentation: state.indentation,
+            contact_radius: critical.contact_radius(),
+            top_contact_radius: state.contact_radius,
+            floor_contact: critical.floor_contact,
+            pillars_in_contact: state.pillars_in_contact,
+            pillars_partially_in_contact: state.pillars_partially_in_contact,
+            normalized_force: force,
+            normalized_contact_radius: contact_radius,
+            normalized_indentation: indentation,
+            relative_error_estimate_force: state.error.force,
+            relative_error_estimate_indentation: state.error.indentation,
+            converged: state.converged(),
+            iterations: state.iterations,
+        }
+    }
+}
+
+impl From<&ContactState> for Pressed {
+    fn from(state: &ContactState) -> Self {
+        Self {
+            method: state.method.name().to_owned(),
+            force: state.force,
+            indentation: state.indentation,
+            contact_radius: state.contact_radius,
+            pillars_in_contact: state.pillars_in_contact,
+            pillars_partially_in_contact: state.pillars_partially_in_contact,
+            smallest_floor_gap: state.smallest_floor_gap,
+            beyond_transition: state.beyond_transition(),
+            relative_error_estimate_force: state.error.force,
+            relative_error_estimate_indentation: state.error.indentation,
+            converged: state.converged(),
+            iterations: state.iterations,
+        }
+    }
+}
+
+/// [`Regime`] in JSON.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Regime", rename_all = "snake_case")]
+enum RegimeName {
+    TopFirst,
+    BottomFirst,
+}
+
+/// Numbers in JSON, which has no infinity and no NaN: those are texts.
+mod exact {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Number {
+        Finite(f64),
+        Text(String),
+    }
+
+    // serde hands over references.
+    #[allow(clippy::trivially_copy_pass_by_ref)]
+    pub(super) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        if value.is_finite() {
+            value.serialize(serializer)
+        } else {
+            value.to_string().serialize(serializer)
+        }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        match Number::deserialize(deserializer)? {
+            Number::Finite(value) => Ok(value),
+            Number::Text(text) => text.parse().map_err(de::Error::custom),
+        }
+    }
+}

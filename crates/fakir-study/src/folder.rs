@@ -1,0 +1,327 @@
+//! Sweeps that are kept in a folder, and the folders of shards put together.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `journal.jsonl` | every case as it ended, with the time it took; an interrupted sweep goes on from it |
+//! | `study.toml` | the study as it was understood |
+//! | `table.csv`, `table.parquet` | one row per case |
+//! | `provenance.json` | version, study, methods, reference |
+
+use crate::answer::Row;
+use crate::error::{StudyError, memory};
+use crate::journal::{Contents, Header, JOURNAL, Journal, first_difference, whole};
+use crate::output::{File, save};
+use crate::plan::{Plan, Shard};
+use crate::provenance::Provenance;
+use crate::sweep::{Options, complete};
+use crate::table::Table;
+use fakir_case::{Study, StudyFile};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// The tables of a sweep, and what goes with them.
+const RESULTS: [&str; 4] = [
+    "study.toml",
+    "table.csv",
+    "table.parquet",
+    "provenance.json",
+];
+
+/// What to do about a folder in which there is something already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Existing {
+    /// Leave it alone: that is an error.
+    #[default]
+    Refuse,
+    /// Go on with the sweep that is there, if one is.
+    Resume,
+    /// Begin anew.
+    Overwrite,
+}
+
+/// What a sweep or a merge gave.
+#[derive(Debug, Clone)]
+pub struct Summary {
+    /// What was swept.
+    pub study: Study,
+    /// In the order of the study.
+    pub rows: Vec<Row>,
+    /// How many of them were in the journal before.
+    pub found: usize,
+}
+
+impl Summary {
+    /// Rows without an answer to be relied on.
+    pub fn failed(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(|row| row.problem.is_some())
+    }
+}
+
+/// Answers every case of a study, or of a shard of it, in a folder, and writes the tables there.
+///
+/// Every case is in the journal as soon as it has ended; after an interruption the sweep goes on
+/// from there with [`Existing::Resume`].
+///
+/// # Errors
+/// [`StudyError`]: for a folder that is not empty, a journal that does not fit, what cannot be
+/// written, and interruption.
+pub fn sweep_into(
+    study: &Study,
+    folder: &Path,
+    existing: Existing,
+    options: &mut Options<'_>,
+) -> Result<Summary, StudyError> {
+    check_contents(folder, existing)?;
+    make(folder)?;
+    let mut journal = Journal::open(folder)?;
+    let header = Header::new(study, options);
+    let rows = match existing {
+        Existing::Refuse if journal.is_empty()? => None,
+        Existing::Refuse => return Err(StudyError::NotEmpty(folder.to_owned())),
+        Existing::Resume => go_on(&mut journal, &header, study)?,
+        Existing::Overwrite => {
+            remove_results(folder)?;
+            None
+        }
+    };
+    let rows = match rows {
+        Some(rows) => rows,
+        None => {
+            journal.begin(&header)?;
+            BTreeMap::new()
+        }
+    };
+    save(folder, &[File::new("study.toml", study.to_toml())])?;
+    let found = rows.len();
+    let rows = complete(study, rows, options, |new| journal.append(new))?;
+    let rows: Vec<Row> = rows.into_values().collect();
+    save(folder, &results(study, &rows))?;
+    Ok(Summary {
+        study: study.clone(),
+        rows,
+        found,
+    })
+}
+
+/// The rows in a journal; `None` if it has not begun.
+fn go_on(
+    journal: &mut Journal,
+    header: &Header,
+    study: &Study,
+) -> Result<Option<BTreeMap<usize, Row>>, StudyError> {
+    let Some(contents) = journal.read()? else {
+        return Ok(None);
+    };
+    contents.header.check(journal.path(), header)?;
+    let bytes = contents.bytes;
+    let rows = contents.rows(study)?;
+    journal.keep_only(bytes)?;
+    Ok(Some(rows))
+}
+
+/// Puts the shards of a sweep together: the tables, and the journal, as if it had never been
+/// divided.
+///
+/// # Errors
+/// [`StudyError`]: for shards that are not one sweep or not complete, for a folder that is not
+/// empty unless it may be overwritten, and what cannot be read or written.
+pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Summary, StudyError> {
+    check_contents(folder, existing)?;
+    refuse_own_shard(folder, shards)?;
+    let journals: Vec<_> = shards
+        .iter()
+        .map(|shard| read_shard(shard))
+        .collect::<Result<_, _>>()?;
+    let Some((_, first)) = journals.first() else {
+        return Err(StudyError::Shards(
+            "there are no shards to merge".to_owned(),
+        ));
+    };
+    let header = Header {
+        shard: Shard::WHOLE,
+        ..first.header.clone()
+    };
+    check_shards(&journals)?;
+    let study = StudyFile::parse(JOURNAL, &header.study)?.study()?;
+    let mut rows = BTreeMap::new();
+    for (folder, contents) in journals {
+        let shard = contents.header.shard;
+        let part = contents.rows(&study)?;
+        check_complete(&study, &folder, shard, &part)?;
+        rows.extend(part);
+    }
+    let rows: Vec<Row> = rows.into_values().collect();
+    make(folder)?;
+    drop(Journal::open(folder)?); // nothing is running there
+    remove_results(folder)?;
+    let mut files = results(&study, &rows);
+    files.push(File::new("study.toml", study.to_toml()));
+    files.push(File::new(JOURNAL, whole(&header, &rows)));
+    save(folder, &files)?;
+    let found = rows.len();
+    Ok(Summary { study, rows, found })
+}
+
+fn read_shard(folder: &Path) -> Result<(PathBuf, Contents), StudyError> {
+    let path = folder.join(JOURNAL);
+    let file = match fs::File::open(&path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            return Err(StudyError::NoSweep(folder.to_owned()));
+        }
+        Err(error) => return Err(StudyError::file("cannot read", &path, error)),
+    };
+    let contents = Contents::read(&path, &file)?;
+    let contents = contents.ok_or_else(|| StudyError::NoSweep(folder.to_owned()))?;
+    contents.header.check_version(&path)?;
+    Ok((folder.to_owned(), contents))
+}
+
+/// Whether these are all shards of one sweep.
+fn check_shards(journals: &[(PathBuf, Contents)]) -> Result<(), StudyError> {
+    let (first_folder, first) = &journals[0];
+    let first = &first.header;
+    let of = first.shard.of();
+    let mut folders: BTreeMap<usize, &Path> = BTreeMap::new();
+    for (folder, contents) in journals {
+        let header = &contents.header;
+        let wrong = |what: String| {
+            let (a, b) = (first_folder.display(), folder.display());
+            Err(StudyError::Shards(format!(
+                "{a} and {b} are not of one sweep: {what}"
+            )))
+        };
+        if let Some((line, a, b)) = first_difference(&first.study, &header.study) {
+            return wrong(format!(
+                "line {line} of the study is\n  {a}\nin the first and\n  {b}\nin the second"
+            ));
+        }
+        if header.shard.of() != of {
+            return wrong(format!(
+                "one has shard {}, the other {}",
+                first.shard, header.shard
+            ));
+        }
+        if header.memory_limit != first.memory_limit {
+            return wrong(format!(
+                "a case may take {} of memory in one, {} in the other",
+                memory(first.memory_limit),
+                memory(header.memory_limit)
+            ));
+        }
+        if let Some(other) = folders.insert(header.shard.number(), folder) {
+            return Err(StudyError::Shards(format!(
+                "{} and {} are both shard {}",
+                other.display(),
+                folder.display(),
+                header.shard
+            )));
+        }
+    }
+    let missing = (1..=of).filter(|number| !folders.contains_key(number));
+    let missing: Vec<String> = missing.map(|number| format!("{number}/{of}")).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(StudyError::Shards(format!(
+        "{} of {of} shards {} missing: {}",
+        missing.len(),
+        if missing.len() == 1 { "is" } else { "are" },
+        shortened(&missing)
+    )))
+}
+
+fn check_complete(
+    study: &Study,
+    folder: &Path,
+    shard: Shard,
+    rows: &BTreeMap<usize, Row>,
+) -> Result<(), StudyError> {
+    let cases: Vec<usize> = Plan::new(study, shard).chains().flatten().collect();
+    let missing = cases.iter().filter(|case| !rows.contains_key(case));
+    let missing: Vec<String> = missing.map(ToString::to_string).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(StudyError::Shards(format!(
+        "shard {shard} in {} is not complete: {} of {} cases are missing ({}); go on with it first: \
+         fakir sweep --shard {shard} --resume",
+        folder.display(),
+        missing.len(),
+        cases.len(),
+        shortened(&missing)
+    )))
+}
+
+/// The first few of a list.
+fn shortened(items: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let shown = items[..items.len().min(SHOWN)].join(", ");
+    if items.len() > SHOWN {
+        format!("{shown}, ...")
+    } else {
+        shown
+    }
+}
+
+fn refuse_own_shard(folder: &Path, shards: &[PathBuf]) -> Result<(), StudyError> {
+    let Ok(place) = folder.canonicalize() else {
+        return Ok(()); // it is to be made
+    };
+    let is_shard = |shard: &PathBuf| shard.canonicalize().is_ok_and(|shard| shard == place);
+    if shards.iter().any(is_shard) {
+        return Err(StudyError::Shards(format!(
+            "{} is one of the shards: give another folder for all of them together",
+            folder.display()
+        )));
+    }
+    Ok(())
+}
+
+/// Whether what is in a folder, if it is there, is as it should be.
+fn check_contents(folder: &Path, existing: Existing) -> Result<(), StudyError> {
+    let mut entries = match folder.read_dir() {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(StudyError::file("cannot read the folder", folder, error)),
+    };
+    let empty = entries.next().is_none();
+    match existing {
+        Existing::Refuse if !empty => Err(StudyError::NotEmpty(folder.to_owned())),
+        Existing::Resume if !empty && !folder.join(JOURNAL).exists() => {
+            Err(StudyError::NoSweep(folder.to_owned()))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn make(folder: &Path) -> Result<(), StudyError> {
+    fs::create_dir_all(folder)
+        .map_err(|error| StudyError::file("cannot make the folder", folder, error))
+}
+
+/// Removes the tables of an earlier sweep, which would not fit what is to come.
+fn remove_results(folder: &Path) -> Result<(), StudyError> {
+    for name in RESULTS {
+        let path = folder.join(name);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(StudyError::file("cannot remove", &path, error));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn results(study: &Study, rows: &[Row]) -> Vec<File> {
+    let table = Table::new(study, rows);
+    let provenance = Provenance::of_study(study);
+    vec![
+        File::new("table.csv", table.to_csv()),
+        File::new("table.parquet", table.to_parquet(&provenance)),
+        provenance.file(),
+    ]
+}

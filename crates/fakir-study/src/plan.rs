@@ -1,0 +1,247 @@
+//! How the cases of a study are grouped: into chains, and these into shards.
+//!
+//! A chain is a block of consecutive cases along the last axis. Within a chain a case may be
+//! started from the answer of the one before, so a chain is computed in order and as a whole by
+//! one thread; chains know nothing of each other.
+
+use fakir::contact::Method;
+use fakir::system::System;
+use fakir_case::Study;
+use fakir_case::study::{Axis, Combine};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::ops::Range;
+use std::str::FromStr;
+
+/// Cases of a chain, at most. It is part of what a study means: with another length cases would
+/// be started from others.
+const CHAIN: usize = 8;
+
+/// A part of a sweep, to be computed apart from the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Shard {
+    number: usize,
+    of: usize,
+}
+
+/// What is wrong with a shard.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("\"{0}\" is no shard: give its number and how many there are, as in 3/16 or 16/16")]
+pub struct InvalidShard(String);
+
+impl Shard {
+    /// All of a sweep, as one shard.
+    pub const WHOLE: Self = Self { number: 1, of: 1 };
+
+    /// Shard `number`, from 1, of so many.
+    ///
+    /// # Errors
+    /// [`InvalidShard`] for a number that is not from 1 to `of`.
+    pub fn new(number: usize, of: usize) -> Result<Self, InvalidShard> {
+        if (1..=of).contains(&number) {
+            Ok(Self { number, of })
+        } else {
+            Err(InvalidShard(format!("{number}/{of}")))
+        }
+    }
+
+    /// Its number, from 1.
+    #[must_use]
+    pub fn number(self) -> usize {
+        self.number
+    }
+
+    /// How many shards there are.
+    #[must_use]
+    pub fn of(self) -> usize {
+        self.of
+    }
+
+    fn has(self, chain: usize) -> bool {
+        chain % self.of + 1 == self.number
+    }
+}
+
+impl Default for Shard {
+    fn default() -> Self {
+        Self::WHOLE
+    }
+}
+
+impl FromStr for Shard {
+    type Err = InvalidShard;
+
+    fn from_str(text: &str) -> Result<Self, InvalidShard> {
+        let wrong = || InvalidShard(text.to_owned());
+        let (number, of) = text.split_once('/').ok_or_else(wrong)?;
+        let count = |text: &str| text.trim().parse().map_err(|_| wrong());
+        Self::new(count(number)?, count(of)?).map_err(|_| wrong())
+    }
+}
+
+impl TryFrom<String> for Shard {
+    type Error = InvalidShard;
+
+    fn try_from(text: String) -> Result<Self, InvalidShard> {
+        text.parse()
+    }
+}
+
+impl From<Shard> for String {
+    fn from(shard: Shard) -> Self {
+        shard.to_string()
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
+
+/// The chains of a shard.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plan {
+    shard: Shard,
+    cases: usize,
+    /// Consecutive cases that are neighbours along the last axis; chains do not go beyond.
+    run: usize,
+}
+
+impl Plan {
+    pub(crate) fn new(study: &Study, shard: Shard) -> Self {
+        Self {
+            shard,
+            cases: study.cases(),
+            run: run_length(study),
+        }
+    }
+
+    fn chains_of_run(&self) -> usize {
+        self.run.div_ceil(CHAIN)
+    }
+
+    /// Whether the shard has that case.
+    pub(crate) fn has(&self, case: usize) -> bool {
+        let chain = case / self.run * self.chains_of_run() + case % self.run / CHAIN;
+        case < self.cases && self.shard.has(chain)
+    }
+
+    /// The chains, in the order of their cases.
+    pub(crate) fn chains(self) -> impl Iterator<Item = Range<usize>> {
+        let all = self.cases / self.run * self.chains_of_run();
+        let mine = (0..all).filter(move |chain| self.shard.has(*chain));
+        mine.map(move |chain| {
+            let start = chain / self.chains_of_run() * self.run;
+            let first = start + chain % self.chains_of_run() * CHAIN;
+            first..(first + CHAIN).min(start + self.run)
+        })
+    }
+}
+
+/// Consecutive cases that have neighbours in what varies; cases along words have none.
+fn run_length(study: &Study) -> usize {
+    match study.combine() {
+        Combine::Zip if study.axes().all(Axis::is_numeric) => study.cases(),
+        Combine::Product => match study.axes().last() {
+            Some(axis) if axis.is_numeric() => axis.len(),
+            _ => 1,
+        },
+        Combine::Zip => 1,
+    }
+}
+
+/// Puts the chains first that probably take longest, so that none of them is left over at the
+/// end. What they answer does not depend on it.
+pub(crate) fn longest_first(study: &Study, chains: &mut [Range<usize>]) {
+    chains.sort_by_cached_key(|chain| {
+        let middle = study.case(usize::midpoint(chain.start, chain.end)).case;
+        let cost = cost(&middle.system, middle.method) * chain.len() as f64;
+        (std::cmp::Reverse(cost as u64), chain.start)
+    });
+}
+
+/// What the critical state of a case takes, very roughly: the number of pillars touched, times
+/// what a pillar costs. The contact radius is the paper's for large contacts,
+/// `e sqrt(1 + (k phi)^2)`, `k = 4 eta^2 R h/d^2` with `eta^2 = sqrt(3)/(2 pi)...1` taken as 1.
+fn cost(system: &System, method: Method) -> f64 {
+    let pillar = system.pillar();
+    let growth = 4.0 * system.lens().radius * pillar.height / pillar.diameter.powi(2);
+    let radius = (growth * system.texture().surface_fraction()).hypot(1.0); // in pitches
+    let pillars = radius * radius;
+    match method {
+        Method::Love(mesh) => pillars * (mesh.cells_per_diameter as f64).powi(2),
+        Method::Homogenised => 1.0,
+        _ => pillars,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fakir_case::{Case, StudyFile};
+
+    fn study(tables: &str) -> Study {
+        let text = format!("{tables}\n{}", Case::example().to_toml());
+        let file = StudyFile::parse("study.toml", &text).unwrap();
+        file.study().unwrap()
+    }
+
+    #[test]
+    fn every_case_is_in_one_chain_of_one_shard() {
+        let offsets = "\"texture.offset\" = { from = 0, to = 1, points = 19 }";
+        let fractions = "surface_fraction = [0.01, 0.02, 0.03]";
+        let words = "\"method.name\" = [\"punch\", \"homogenised\"]";
+        let angles = "offset_angle = { from = 0, to = 1, points = 19 }";
+        for (tables, longest) in [
+            (format!("[axes]\n{fractions}\n{offsets}"), 8),
+            (format!("[axes]\n{offsets}\n{fractions}"), 3),
+            (format!("[axes]\n{offsets}\n{words}"), 1),
+            (
+                format!("[study]\ncombine = \"zip\"\n[axes]\n{offsets}\n{angles}"),
+                8,
+            ),
+        ] {
+            let study = study(&tables);
+            for of in [1, 2, 5, 100] {
+                let mut seen = Vec::new();
+                for number in 1..=of {
+                    let plan = Plan::new(&study, Shard::new(number, of).unwrap());
+                    for chain in plan.chains() {
+                        assert!((1..=longest).contains(&chain.len()));
+                        assert!(chain.clone().all(|case| plan.has(case)));
+                        seen.extend(chain);
+                    }
+                    assert_eq!(
+                        (0..study.cases()).filter(|case| plan.has(*case)).count(),
+                        plan.chains().map(|chain| chain.len()).sum::<usize>()
+                    );
+                }
+                seen.sort_unstable();
+                assert!(seen.into_iter().eq(0..study.cases()));
+            }
+        }
+    }
+
+    #[test]
+    fn chains_do_not_go_around_the_end_of_the_last_axis() {
+        let study = study(
+            "[axes]\nsurface_fraction = [0.01, 0.1]\noffset = { from = 0, to = 1, points = 10 }",
+        );
+        let chains = Plan::new(&study, Shard::WHOLE).chains();
+        assert_eq!(chains.collect::<Vec<_>>(), [0..8, 8..10, 10..18, 18..20]);
+        let mut chains: Vec<_> = Plan::new(&study, Shard::WHOLE).chains().collect();
+        longest_first(&study, &mut chains);
+        assert_eq!(chains, [10..18, 18..20, 0..8, 8..10]);
+    }
+
+    #[test]
+    fn shards_as_text() {
+        assert_eq!("3/16".parse(), Shard::new(3, 16));
+        assert_eq!("16/16".parse::<Shard>().unwrap().to_string(), "16/16");
+        for wrong in ["0/4", "5/4", "x", "1", "1/0", "-1/4", "1/4/2", ""] {
+            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
+        }
+    }
+}

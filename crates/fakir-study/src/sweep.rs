@@ -1,0 +1,222 @@
+//! Answering the cases of a study, on several threads.
+
+use crate::answer::{Answer, Critical, Pressed, Row};
+use crate::error::StudyError;
+use crate::plan::{Plan, Shard, longest_first};
+use fakir::Question;
+use fakir::contact::{CancelToken, Run, SolveError, Termination};
+use fakir_case::Study;
+use fakir_case::study::StudyCase;
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::num::NonZero;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+/// How long the calling thread looks away from its token and its listener, at most.
+const TICK: Duration = Duration::from_millis(50);
+
+/// How a sweep is run; what it answers does not depend on it.
+#[derive(Default)]
+pub struct Options<'a> {
+    /// Threads that share the cases; 0 for as many as there are processors. Every case is
+    /// computed by one thread.
+    pub threads: usize,
+    /// Stops the sweep when cancelled.
+    pub cancel: CancelToken,
+    /// Most memory that a single case may take, bytes; 8 GB if not set.
+    pub memory_limit: Option<usize>,
+    /// The part of the sweep to compute.
+    pub shard: Shard,
+    /// Told how far it is, on the calling thread, many times a second.
+    pub on_progress: Option<&'a mut dyn FnMut(Progress)>,
+}
+
+/// How far a sweep is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Cases that have a row, with those found in the journal.
+    pub done: usize,
+    /// Of them those found in the journal.
+    pub found: usize,
+    /// Of those done the ones without an answer to be relied on.
+    pub failed: usize,
+    /// Cases in all, of this shard.
+    pub cases: usize,
+}
+
+/// Answers every case of a study, or of a shard of it, in memory: rows in the order of the study.
+///
+/// A case that fails has a row too.
+///
+/// # Errors
+/// [`StudyError::Interrupted`].
+pub fn sweep(study: &Study, options: &mut Options<'_>) -> Result<Vec<Row>, StudyError> {
+    let rows = complete(study, BTreeMap::new(), options, |_| Ok(()))?;
+    Ok(rows.into_values().collect())
+}
+
+/// Answers the cases of a shard that are not among the `rows`, and returns all of them. New rows are
+/// given to `keep` first, in the order in which they come.
+pub(crate) fn complete(
+    study: &Study,
+    mut rows: BTreeMap<usize, Row>,
+    options: &mut Options<'_>,
+    mut keep: impl FnMut(&[Row]) -> Result<(), StudyError>,
+) -> Result<BTreeMap<usize, Row>, StudyError> {
+    let mut chains: Vec<_> = Plan::new(study, options.shard).chains().collect();
+    let mut progress = Progress {
+        done: rows.len(),
+        found: rows.len(),
+        failed: rows.values().filter(|row| row.problem.is_some()).count(),
+        cases: chains.iter().map(Range::len).sum(),
+    };
+    let known = rows.clone();
+    chains.retain(|chain| chain.clone().any(|index| !known.contains_key(&index)));
+    longest_first(study, &mut chains);
+    let work = Work {
+        study,
+        chains,
+        known,
+        next: AtomicUsize::new(0),
+        stop: CancelToken::default(),
+        memory_limit: options.memory_limit,
+    };
+    let threads = threads(options.threads).min(work.chains.len());
+    let mut outcome = Ok(());
+    std::thread::scope(|scope| {
+        let (sender, receiver) = channel();
+        for _ in 0..threads {
+            let sender = sender.clone();
+            let work = &work;
+            scope.spawn(move || work.run(&sender));
+        }
+        drop(sender);
+        loop {
+            let new: Vec<Row> = match receiver.recv_timeout(TICK) {
+                Ok(row) => std::iter::once(row).chain(receiver.try_iter()).collect(),
+                Err(RecvTimeoutError::Timeout) => Vec::new(),
+                Err(RecvTimeoutError::Disconnected) => break,
+            };
+            if !new.is_empty() && outcome.is_ok() {
+                outcome = keep(&new);
+            }
+            if options.cancel.is_cancelled() || outcome.is_err() {
+                work.stop.cancel();
+            }
+            progress.done += new.len();
+            progress.failed += new.iter().filter(|row| row.problem.is_some()).count();
+            rows.extend(new.into_iter().map(|row| (row.index, row)));
+            if let Some(listener) = &mut options.on_progress {
+                listener(progress);
+            }
+        }
+    });
+    outcome?;
+    if progress.done < progress.cases {
+        return Err(StudyError::Interrupted {
+            done: progress.done,
+            cases: progress.cases,
+        });
+    }
+    Ok(rows)
+}
+
+fn threads(asked: usize) -> usize {
+    match asked {
+        0 => std::thread::available_parallelism().map_or(1, NonZero::get),
+        threads => threads,
+    }
+}
+
+/// What the threads share.
+struct Work<'a> {
+    study: &'a Study,
+    chains: Vec<Range<usize>>,
+    /// Rows that are there already.
+    known: BTreeMap<usize, Row>,
+    /// The first chain that no thread has taken.
+    next: AtomicUsize,
+    stop: CancelToken,
+    memory_limit: Option<usize>,
+}
+
+impl Work<'_> {
+    /// Computes chain after chain, until there is none left or the sweep is stopped.
+    fn run(&self, sender: &Sender<Row>) {
+        while let Some(chain) = self.chains.get(self.next.fetch_add(1, Ordering::Relaxed)) {
+            for index in chain.clone() {
+                if self.known.contains_key(&index) {
+                    continue;
+                }
+                let Some(row) = self.row(index) else {
+                    return; // stopped
+                };
+                if sender.send(row).is_err() {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// The row of a case; `None` if the sweep is stopped.
+    fn row(&self, index: usize) -> Option<Row> {
+        if self.stop.is_cancelled() {
+            return None;
+        }
+        let start = Instant::now();
+        let case = self.study.case(index);
+        // A defect that shows in one case of thousands is to be no reason to lose the others.
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.solve(&case)));
+        let (answer, problem) = match outcome {
+            Ok(Ok((answer, Termination::Converged))) => (Some(answer), None),
+            Ok(Ok((answer, termination))) => {
+                (Some(answer), Some(termination.description().to_owned()))
+            }
+            Ok(Err(SolveError::Interrupted)) => return None,
+            Ok(Err(error)) => (None, Some(error.to_string())),
+            Err(panic) => (None, Some(defect(panic.as_ref()))),
+        };
+        Some(Row {
+            index,
+            coordinates: case.coordinates,
+            answer,
+            problem,
+            wall_time: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    fn solve(&self, case: &StudyCase) -> Result<(Answer, Termination), SolveError> {
+        let run = Run {
+            cancel: self.stop.clone(),
+            memory_limit: self.memory_limit,
+            ..Run::default()
+        };
+        let (system, method) = (&case.case.system, case.case.method);
+        match case.question {
+            Question::Transition => {
+                let critical = fakir::transition(system, method, &run)?;
+                let answer = Answer::Transition(Critical::from(&critical));
+                Ok((answer, critical.contact.termination))
+            }
+            Question::Press(load) => {
+                let state = fakir::press(system, load, method, &run)?;
+                Ok((Answer::Press(Pressed::from(&state)), state.termination))
+            }
+        }
+    }
+}
+
+fn defect(panic: &(dyn Any + Send)) -> String {
+    let message = panic
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| panic.downcast_ref::<&str>().copied());
+    format!(
+        "a defect of fakir, please report it: {}",
+        message.unwrap_or("no message")
+    )
+}

@@ -1,0 +1,369 @@
+//! The rows of a sweep as a table: one row per case, one column per axis and per number.
+
+use crate::answer::{Answer, Critical, Pressed, Row};
+use crate::provenance::Provenance;
+use fakir_case::Study;
+use fakir_case::study::{Asked, Coordinate};
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::column::writer::ColumnWriter;
+use parquet::data_type::ByteArray;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::schema::types::{Type, TypePtr};
+use serde_json::{Map, Value, json};
+use std::sync::Arc;
+
+/// A table of results, without times: the same study gives the same table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// All of the same length.
+    pub columns: Vec<Column>,
+}
+
+/// A column of a [`Table`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// With the unit at its end, as in `critical_force_N`.
+    pub name: String,
+    /// One for every row.
+    pub values: Values,
+}
+
+/// The values of a column; cases without an answer have none.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Numbers in SI units.
+    Numbers(Vec<Option<f64>>),
+    /// Whole numbers.
+    Counts(Vec<Option<i64>>),
+    /// Yes or no.
+    Flags(Vec<Option<bool>>),
+    /// Words.
+    Words(Vec<Option<String>>),
+}
+
+impl Table {
+    /// The table of some rows of a study.
+    #[must_use]
+    pub fn new(study: &Study, rows: &[Row]) -> Self {
+        let index = |row: &Row| i64::try_from(row.index).ok();
+        let mut columns = vec![Column {
+            name: "case".to_owned(),
+            values: Values::Counts(rows.iter().map(index).collect()),
+        }];
+        for (number, axis) in study.axes().enumerate() {
+            let coordinates = rows.iter().map(|row| &row.coordinates[number]);
+            columns.push(Column {
+                name: axis.variable().column(),
+                values: coordinate_values(axis.is_numeric(), coordinates),
+            });
+        }
+        match study.asked() {
+            Asked::Transition => critical_columns(rows, &mut columns),
+            Asked::Press => pressed_columns(rows, &mut columns),
+        }
+        let converged = |row: &Row| Some(row.problem.is_none());
+        columns.push(Column {
+            name: "converged".to_owned(),
+            values: Values::Flags(rows.iter().map(converged).collect()),
+        });
+        let problem = |row: &Row| Some(row.problem.clone().unwrap_or_default());
+        columns.push(Column {
+            name: "problem".to_owned(),
+            values: Values::Words(rows.iter().map(problem).collect()),
+        });
+        Self { columns }
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// The column of that name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&Values> {
+        let column = self.columns.iter().find(|column| column.name == name)?;
+        Some(&column.values)
+    }
+
+    /// As CSV: a heading, then the rows. Numbers are in the fewest digits that give them back.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let heading = self.columns.iter().map(|column| column.name.as_str());
+        let mut written = writer.write_record(heading);
+        for row in 0..self.rows() {
+            let cells = self.columns.iter().map(|column| column.values.cell(row));
+            written = written.and_then(|()| writer.write_record(cells));
+        }
+        written.expect("memory takes rows of equal length");
+        let bytes = writer.into_inner().expect("memory takes every byte");
+        String::from_utf8(bytes).expect("cells are texts")
+    }
+
+    /// As a Parquet file that knows where it comes from.
+    ///
+    /// # Panics
+    /// If columns have different lengths.
+    #[must_use]
+    pub fn to_parquet(&self, provenance: &Provenance) -> Vec<u8> {
+        self.try_parquet(provenance)
+            .expect("memory takes a table of columns of equal length")
+    }
+
+    fn try_parquet(&self, provenance: &Provenance) -> Result<Vec<u8>, ParquetError> {
+        let fields = self.columns.iter().map(Column::parquet_type);
+        let schema = Type::group_type_builder("fakir")
+            .with_fields(fields.collect::<Result<_, _>>()?)
+            .build()?;
+        let pairs = provenance.attributes().into_iter();
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .set_key_value_metadata(Some(
+                pairs
+                    .map(|(name, text)| KeyValue::new(name.to_owned(), text))
+                    .collect(),
+            ))
+            .build();
+        let mut writer =
+            SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))?;
+        let mut group = writer.next_row_group()?;
+        for column in &self.columns {
+            if let Some(mut writer) = group.next_column()? {
+                column.values.write_parquet(&mut writer)?;
+                writer.close()?;
+            }
+        }
+        group.close()?;
+        writer.into_inner()
+    }
+
+    /// As a list of JSON objects, one for every row.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let object = |row| {
+            let cells = self.columns.iter();
+            let cells = cells.map(|column| (column.name.clone(), column.values.json(row)));
+            Value::Object(cells.collect::<Map<_, _>>())
+        };
+        Value::Array((0..self.rows()).map(object).collect())
+    }
+}
+
+fn coordinate_values<'a>(
+    numeric: bool,
+    coordinates: impl Iterator<Item = &'a Coordinate>,
+) -> Values {
+    if numeric {
+        Values::Numbers(
+            coordinates
+                .map(|coordinate| match coordinate {
+                    Coordinate::Number(number) => Some(*number),
+                    Coordinate::Word(_) => None,
+                })
+                .collect(),
+        )
+    } else {
+        Values::Words(
+            coordinates
+                .map(|coordinate| match coordinate {
+                    Coordinate::Word(word) => Some(word.clone()),
+                    Coordinate::Number(_) => None,
+                })
+                .collect(),
+        )
+    }
+}
+
+/// Adds columns of what the answers of one kind hold.
+struct Answers<'a, T> {
+    answers: Vec<Option<&'a T>>,
+    columns: &'a mut Vec<Column>,
+}
+
+impl<T> Answers<'_, T> {
+    fn push(&mut self, name: &str, values: Values) {
+        self.columns.push(Column {
+            name: name.to_owned(),
+            values,
+        });
+    }
+
+    fn values<V>(&self, value: impl Fn(&T) -> V) -> Vec<Option<V>> {
+        let answers = self.answers.iter();
+        answers.map(|answer| answer.map(&value)).collect()
+    }
+
+    fn number(&mut self, name: &str, value: impl Fn(&T) -> f64) {
+        self.push(name, Values::Numbers(self.values(value)));
+    }
+
+    fn count(&mut self, name: &str, value: impl Fn(&T) -> usize) {
+        let count = |answer: &T| i64::try_from(value(answer)).unwrap_or(i64::MAX);
+        self.push(name, Values::Counts(self.values(count)));
+    }
+
+    fn flag(&mut self, name: &str, value: impl Fn(&T) -> bool) {
+        self.push(name, Values::Flags(self.values(value)));
+    }
+
+    fn word(&mut self, name: &str, value: impl Fn(&T) -> String) {
+        self.push(name, Values::Words(self.values(value)));
+    }
+}
+
+fn critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
+    let answers = rows.iter().map(|row| match &row.answer {
+        Some(Answer::Transition(critical)) => Some(critical),
+        _ => None,
+    });
+    let mut of: Answers<'_, Critical> = Answers {
+        answers: answers.collect(),
+        columns,
+    };
+    of.word("method", |it| it.method.clone());
+    of.word("regime", |it| it.regime.name().to_owned());
+    of.number("surface_fraction", |it| it.surface_fraction);
+    of.number("pitch_m", |it| it.pitch);
+    of.number("critical_force_N", |it| it.force);
+    of.number("critical_indentation_m", |it| it.indentation);
+    of.number("critical_contact_radius_m", |it| it.contact_radius);
+    of.number("top_contact_radius_m", |it| it.top_contact_radius);
+    of.number("bottom_contact_x_m", |it| it.floor_contact[0]);
+    of.number("bottom_contact_y_m", |it| it.floor_contact[1]);
+    of.count("pillars_in_contact", |it| it.pillars_in_contact);
+    of.count("pillars_partially_in_contact", |it| {
+        it.pillars_partially_in_contact
+    });
+    of.number("normalized_force", |it| it.normalized_force);
+    of.number("normalized_contact_radius", |it| {
+        it.normalized_contact_radius
+    });
+    of.number("normalized_indentation", |it| it.normalized_indentation);
+    of.number("relative_error_estimate_force", |it| {
+        it.relative_error_estimate_force
+    });
+    of.number("relative_error_estimate_indentation", |it| {
+        it.relative_error_estimate_indentation
+    });
+    of.count("iterations", |it| it.iterations);
+}
+
+fn pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
+    let answers = rows.iter().map(|row| match &row.answer {
+        Some(Answer::Press(pressed)) => Some(pressed),
+        _ => None,
+    });
+    let mut of: Answers<'_, Pressed> = Answers {
+        answers: answers.collect(),
+        columns,
+    };
+    of.word("method", |it| it.method.clone());
+    of.number("force_N", |it| it.force);
+    of.number("indentation_m", |it| it.indentation);
+    of.number("contact_radius_m", |it| it.contact_radius);
+    of.count("pillars_in_contact", |it| it.pillars_in_contact);
+    of.count("pillars_partially_in_contact", |it| {
+        it.pillars_partially_in_contact
+    });
+    of.number("smallest_floor_gap_m", |it| it.smallest_floor_gap);
+    of.flag("beyond_transition", |it| it.beyond_transition);
+    of.number("relative_error_estimate_force", |it| {
+        it.relative_error_estimate_force
+    });
+    of.number("relative_error_estimate_indentation", |it| {
+        it.relative_error_estimate_indentation
+    });
+    of.count("iterations", |it| it.iterations);
+}
+
+impl Values {
+    /// Number of values.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Numbers(values) => values.len(),
+            Self::Counts(values) => values.len(),
+            Self::Flags(values) => values.len(),
+            Self::Words(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn cell(&self, row: usize) -> String {
+        match self {
+            Self::Numbers(values) => values[row].map(|value| format!("{value:?}")),
+            Self::Counts(values) => values[row].map(|value| value.to_string()),
+            Self::Flags(values) => values[row].map(|value| value.to_string()),
+            Self::Words(values) => values[row].clone(),
+        }
+        .unwrap_or_default()
+    }
+
+    fn json(&self, row: usize) -> Value {
+        match self {
+            Self::Numbers(values) => json!(values[row]),
+            Self::Counts(values) => json!(values[row]),
+            Self::Flags(values) => json!(values[row]),
+            Self::Words(values) => json!(values[row]),
+        }
+    }
+
+    fn write_parquet(&self, writer: &mut SerializedColumnWriter<'_>) -> Result<(), ParquetError> {
+        match (self, writer.untyped()) {
+            (Self::Numbers(values), ColumnWriter::DoubleColumnWriter(writer)) => {
+                let (values, levels) = present(values);
+                writer.write_batch(&values, Some(&levels), None)
+            }
+            (Self::Counts(values), ColumnWriter::Int64ColumnWriter(writer)) => {
+                let (values, levels) = present(values);
+                writer.write_batch(&values, Some(&levels), None)
+            }
+            (Self::Flags(values), ColumnWriter::BoolColumnWriter(writer)) => {
+                let (values, levels) = present(values);
+                writer.write_batch(&values, Some(&levels), None)
+            }
+            (Self::Words(values), ColumnWriter::ByteArrayColumnWriter(writer)) => {
+                let (values, levels) = present(values);
+                let values: Vec<ByteArray> = values
+                    .iter()
+                    .map(|word| ByteArray::from(word.as_str()))
+                    .collect();
+                writer.write_batch(&values, Some(&levels), None)
+            }
+            _ => unreachable!("columns are written as what the schema says of them"),
+        }
+        .map(|_| ())
+    }
+}
+
+/// The values there are, and for every row whether it has one, as Parquet wants it.
+fn present<V: Clone>(values: &[Option<V>]) -> (Vec<V>, Vec<i16>) {
+    let levels = values.iter().map(|value| i16::from(value.is_some()));
+    (values.iter().flatten().cloned().collect(), levels.collect())
+}
+
+impl Column {
+    fn parquet_type(&self) -> Result<TypePtr, ParquetError> {
+        let (physical, logical) = match &self.values {
+            Values::Numbers(_) => (Physical::DOUBLE, None),
+            Values::Counts(_) => (Physical::INT64, None),
+            Values::Flags(_) => (Physical::BOOLEAN, None),
+            Values::Words(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+        };
+        let built = Type::primitive_type_builder(&self.name, physical)
+            .with_logical_type(logical)
+            .with_repetition(Repetition::OPTIONAL)
+            .build()?;
+        Ok(Arc::new(built))
+    }
+}
