@@ -143,6 +143,17 @@ impl CaseFile {
         self.put(key, Entry { value, place });
     }
 
+    /// The number that was given for a key, in SI units.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a value that is no such number.
+    pub fn given(&self, key: Key) -> Result<Option<f64>, CaseError> {
+        match self.entries.keys.get(&key) {
+            Some(entry) => number(key, entry).map(Some),
+            None => Ok(None),
+        }
+    }
+
     /// Sets a key, in place of what there is for the same choice.
     pub(crate) fn put(&mut self, key: Key, entry: Entry) {
         for other in replaced_by(key, &entry.value) {

@@ -4,6 +4,9 @@ use crate::failure::Failure;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use fakir::contact::Load;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
+use fakir_case::{Key, Kind};
+use fakir_study::design::{FREE, Wanted};
+use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::{Existing, Shard};
 use std::path::PathBuf;
 
@@ -72,6 +75,18 @@ pub(crate) enum Command {
     /// for a few hundred pillars, minutes for a few thousand.
     #[command(after_help = "Example: fakir compare case.toml")]
     Compare(Compare),
+    /// The inverse question: the pitch, size or modulus that gives a wanted critical state; and how
+    /// far real samples scatter about it
+    ///
+    /// All else is as in the case file. With a pitch in the case file the pitch stays as it is, with
+    /// a surface fraction that. Exit status 3 says that no value gives what is wanted; the nearest
+    /// is then printed.
+    #[command(after_help = "Examples:
+  fakir design case.toml --free pitch --critical-force 1mN
+  fakir design case.toml --free pitch --critical-force 1mN \\
+      --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
+  fakir design case.toml --samples 1000")]
+    Design(Design),
     /// Many cases: a study file with axes along which a case is varied
     ///
     /// Every case is one row of a table, also if it fails: then with the reason. With --output a
@@ -95,6 +110,7 @@ impl Command {
             Self::Verify(_) => "verify",
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
+            Self::Design(_) => "design",
             Self::Sweep(_) => "sweep",
             Self::Merge(_) => "merge",
         }
@@ -227,6 +243,115 @@ pub(crate) struct Compare {
     pub(crate) case: CaseArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius"]).requires("free"))]
+pub(crate) struct Design {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// What is sought: pitch, surface_fraction, texture.pillar.height, texture.pillar.diameter,
+    /// lens.radius, lens.young_modulus or substrate.young_modulus
+    #[arg(long, value_name = "KEY", value_parser = free_key, requires = "wanted")]
+    free: Option<Key>,
+    /// The critical force that is wanted (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    critical_force: Option<f64>,
+    /// The critical contact radius that is wanted (m, mm, um, nm)
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    critical_contact_radius: Option<f64>,
+    /// A quantity that varies, normally distributed, with its standard deviation as a quantity or
+    /// in per cent: texture.pillar.height=0.05um, substrate.young_modulus=10%; may be repeated
+    #[arg(long, value_name = "KEY=DEVIATION", value_parser = tolerance)]
+    tolerance: Vec<Tolerance>,
+    /// Samples drawn with these tolerances; 500 if there are any
+    #[arg(long, value_name = "N")]
+    samples: Option<usize>,
+    /// Decides which samples are drawn
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Let the lens land where the case file says, instead of anywhere on the lattice
+    #[arg(long)]
+    keep_offset: bool,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+impl Design {
+    /// What is sought, and what for.
+    pub(crate) fn question(&self) -> Result<Option<(Key, Wanted)>, Failure> {
+        let wanted = self
+            .critical_force
+            .map(Wanted::Force)
+            .or(self.critical_contact_radius.map(Wanted::ContactRadius));
+        if self.free.is_none() && self.tolerance.is_empty() && self.samples.is_none() {
+            return Err(Failure::Argument(
+                "nothing to do: give --free and --critical-force for a design, or --tolerance or \
+                 --samples for a spread"
+                    .to_owned(),
+            ));
+        }
+        Ok(self.free.zip(wanted))
+    }
+
+    /// What is drawn, if a spread is asked for.
+    pub(crate) fn sampling(&self) -> Option<Sampling> {
+        if self.tolerance.is_empty() && self.samples.is_none() {
+            return None;
+        }
+        Some(Sampling {
+            tolerances: self.tolerance.clone(),
+            landing: if self.keep_offset {
+                Landing::AsGiven
+            } else {
+                Landing::Anywhere
+            },
+            samples: self.samples.unwrap_or(500),
+            seed: self.seed,
+        })
+    }
+}
+
+/// A key that can be sought, by its path or by its last name.
+fn free_key(text: &str) -> Result<Key, String> {
+    let named: Vec<Key> = FREE
+        .into_iter()
+        .filter(|key| key.path() == text || key.name() == text)
+        .collect();
+    match named[..] {
+        [key] => Ok(key),
+        _ => {
+            let keys = if named.is_empty() { &FREE[..] } else { &named };
+            let paths: Vec<_> = keys.iter().map(|key| key.path()).collect();
+            Err(format!("give one of {}", paths.join(", ")))
+        }
+    }
+}
+
+/// `KEY=DEVIATION`, the deviation as a quantity or in per cent.
+fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let (path, deviation) = text
+        .split_once('=')
+        .ok_or("give KEY=DEVIATION, as in texture.pillar.height=3%")?;
+    let path = path.trim();
+    let key = Key::at(path).ok_or_else(|| format!("{path} is no key of a case file"))?;
+    let Kind::Number(dimension) = key.kind() else {
+        return Err(format!("{path} is no number"));
+    };
+    let deviation = match deviation.trim().strip_suffix('%') {
+        Some(percent) => {
+            let percent: f64 = percent
+                .trim()
+                .parse()
+                .map_err(|_| format!("{percent} is no number of per cent"))?;
+            Deviation::Relative(percent / 100.0)
+        }
+        None => {
+            let value = parse_argument(deviation.trim(), dimension);
+            Deviation::Absolute(value.map_err(|error| error.to_string())?)
+        }
+    };
+    Ok(Tolerance { key, deviation })
 }
 
 #[derive(Debug, Args)]

@@ -4,6 +4,9 @@ use fakir::contact::SolveError;
 use fakir::love::SurfaceError;
 use fakir_case::CaseError;
 use fakir_study::StudyError;
+use fakir_study::design::DesignError;
+use fakir_study::output::OutputError;
+use fakir_study::spread::SpreadError;
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -19,6 +22,12 @@ pub(crate) enum Failure {
     Surface(#[from] SurfaceError),
     #[error(transparent)]
     Study(#[from] StudyError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    #[error(transparent)]
+    Design(#[from] DesignError),
+    #[error(transparent)]
+    Spread(#[from] SpreadError),
     #[error("{0}")]
     Argument(String),
     #[error("{action} {path}: {error}")]
@@ -43,19 +52,31 @@ impl Failure {
         }
     }
 
+    fn is_interruption(&self) -> bool {
+        matches!(
+            self,
+            Self::Solve(SolveError::Interrupted)
+                | Self::Surface(SurfaceError::Interrupted)
+                | Self::Design(DesignError::Solve(SolveError::Interrupted))
+                | Self::Spread(SpreadError::Solve(SolveError::Interrupted))
+                | Self::Study(StudyError::Interrupted { .. })
+        )
+    }
+
     /// Explains itself on standard error.
     pub(crate) fn explain(&self) {
         match self {
             Self::OutputClosed => {}
             // The default report of miette: the line, in colour if the terminal has any.
             Self::Case(error) => tell(&format!("{:?}", miette::Report::new(error.clone()))),
-            Self::Solve(SolveError::Interrupted) | Self::Surface(SurfaceError::Interrupted) => {
+            interrupted if interrupted.is_interruption() => {
                 tell("interrupted: no result");
             }
-            Self::Study(StudyError::Case(error)) => {
+            Self::Study(StudyError::Case(error))
+            | Self::Design(DesignError::Case(error))
+            | Self::Spread(SpreadError::Case(error)) => {
                 tell(&format!("{:?}", miette::Report::new(error.clone())));
             }
-            Self::Study(error @ StudyError::Interrupted { .. }) => tell(&error.to_string()),
             other => tell(&format!("error: {other}")),
         }
     }
@@ -63,20 +84,27 @@ impl Failure {
     pub(crate) fn status(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::OutputClosed => 0,
-            Self::Solve(SolveError::Interrupted)
-            | Self::Surface(SurfaceError::Interrupted)
-            | Self::Study(StudyError::Interrupted { .. }) => INTERRUPTED,
+            interrupted if interrupted.is_interruption() => INTERRUPTED,
             Self::Solve(SolveError::InvalidQuantity(_))
             | Self::Surface(SurfaceError::InvalidQuantity(_))
             | Self::Case(_)
+            | Self::Output(_)
             | Self::Study(_)
             | Self::Argument(_)
             | Self::File { .. }
             | Self::Threads(_) => 2,
-            Self::Solve(_) | Self::Surface(_) => 3,
+            Self::Design(DesignError::NotConverged { .. }) => 1,
+            Self::Solve(_)
+            | Self::Surface(_)
+            | Self::Design(DesignError::Solve(_))
+            | Self::Spread(SpreadError::Solve(_)) => NO_ANSWER,
+            Self::Design(_) | Self::Spread(_) => 2,
         })
     }
 }
+
+/// There is no such contact, or no such texture.
+pub(crate) const NO_ANSWER: u8 = 3;
 
 /// 128 + SIGINT, as shells count it.
 pub(crate) const INTERRUPTED: u8 = 130;

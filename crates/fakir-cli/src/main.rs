@@ -2,7 +2,7 @@
 //!
 //! Arguments ([`arguments`]) are resolved into a case and a question, a command ([`commands`])
 //! asks the library and makes a [`Report`], and that is printed as a table or as
-//! JSON and saved ([`output`]). Standard output holds the result and nothing else.
+//! JSON ([`output`]) and saved. Standard output holds the result and nothing else.
 
 mod arguments;
 mod commands;
@@ -96,7 +96,27 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         }
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Merge(options) => commands::sweep::merge(options),
+        Command::Design(options) => design(command, options),
     }
+}
+
+/// Designs; the case that is saved is the one that was found.
+fn design(command: &Command, options: &arguments::Design) -> Result<ExitCode, Failure> {
+    let session = Session::start(&options.run, options.case.quiet)?;
+    let file = read_case(&options.case)?;
+    if let Some(folder) = &options.case.output {
+        fakir_study::output::check_folder(folder)?;
+    }
+    let designed = commands::design::run(&file, options, &session)?;
+    drop(session);
+    let status = deliver(command, &options.case, &designed.case, || {
+        Ok(designed.report)
+    })?;
+    Ok(if designed.found {
+        status
+    } else {
+        ExitCode::from(failure::NO_ANSWER)
+    })
 }
 
 /// Answers a question about a texture. A session that `ask` owns ends with it, and clears its
@@ -120,11 +140,11 @@ fn deliver(
     ask: impl FnOnce() -> Result<Report, Failure>,
 ) -> Result<ExitCode, Failure> {
     if let Some(folder) = &options.output {
-        output::check_folder(folder)?;
+        fakir_study::output::check_folder(folder)?;
     }
     let report = ask()?;
     if let Some(folder) = &options.output {
-        output::save(folder, &report.files(case, command.name()))?;
+        fakir_study::output::save(folder, &report.files(case, command.name()))?;
     }
     if !options.quiet {
         for warning in &report.warnings {

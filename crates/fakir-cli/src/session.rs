@@ -17,6 +17,7 @@ pub(crate) struct Session {
     pool: Option<ThreadPool>,
     memory_limit: usize,
     bar: ProgressBar,
+    watched: bool,
     listener: Box<dyn Fn(Progress) + Sync>,
 }
 
@@ -39,6 +40,7 @@ impl Session {
             memory_limit: options.memory_limit,
             listener: Box::new(listener(bar.clone(), watched)),
             bar,
+            watched,
         })
     }
 
@@ -55,6 +57,21 @@ impl Session {
     /// Says which part of a longer piece of work comes next.
     pub(crate) fn part(&self, name: &str) {
         self.bar.set_prefix(format!("{name}: "));
+    }
+
+    /// A bar for so many pieces of work, shown where anybody watches.
+    pub(crate) fn count(&self, name: &'static str, total: usize) -> ProgressBar {
+        let bar = ProgressBar::hidden();
+        if self.watched {
+            bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        bar.set_length(total as u64);
+        if let Ok(style) =
+            ProgressStyle::with_template("{spinner} {prefix} {pos}/{len} ({elapsed}, {eta} left)")
+        {
+            bar.set_style(style);
+        }
+        bar.with_prefix(name)
     }
 
     /// Threads that share the work.

@@ -1,1 +1,61 @@
 //! Figures of contacts between a lens and a surface patterned with pillars, as SVG and PNG.
+//!
+//! Every figure is a function from typed data to a [`Figure`], which renders to SVG text and PNG
+//! bytes; the crate opens no files. Sizes are those of Phys. Rev. E, 86 mm for a column and 178 mm
+//! for a page; quantities come in SI units and are shown with the prefix that suits them.
+//!
+//! ```
+//! use fakir_figure::{Axis, LineChart, Series, Style, lines};
+//!
+//! let points = (1..=20).map(f64::from).map(|x| [x, x.powf(1.5)]).collect();
+//! let figure = lines(&LineChart {
+//!     x: Axis::logarithmic("force *F* (µN)"),
+//!     y: Axis::logarithmic("number of pillars *n*"),
+//!     series: vec![Series::new("*n* = *F*^{3/2}", points, Style::line(0))],
+//! });
+//! assert!(figure.svg().starts_with("<svg"));
+//! assert!(figure.faults().is_empty());
+//! ```
+//!
+//! # Base
+//! A figure is a list of paths, discs, text and images. It is written as SVG here, and drawn as
+//! pixels by `tiny-skia`, with the glyphs of the one font that every SVG carries: SVG and PNG agree,
+//! and no font need be installed.
+
+mod axis;
+mod chart;
+mod colour;
+mod error;
+mod figure;
+mod figures;
+mod font;
+mod frame;
+mod legend;
+mod map;
+mod png;
+mod raster;
+mod scene;
+mod series;
+mod svg;
+mod text;
+mod unit;
+
+pub use axis::{Axis, Scale};
+pub use colour::Tint;
+pub use error::FigureError;
+pub use figure::{Figure, RESOLUTION};
+pub use figures::critical_curves::{
+    CriticalColumn, CriticalCurve, CriticalPoint, Measured, critical_curves,
+};
+pub use figures::floor_gap_map::floor_gap_map;
+pub use figures::histogram::{Histogram, histogram};
+pub use figures::lattice_sums::lattice_sums;
+pub use figures::lines::{LineChart, lines};
+pub use figures::phase_diagram::{PhaseDiagram, phase_diagram, phase_points};
+pub use figures::pillar_pressure::pillar_pressure;
+pub use figures::pressure_map::pressure_map;
+pub use figures::profiles::{ProfileState, profiles};
+pub use figures::top_view::{View, top_view};
+pub use series::{Dash, Marker, Series, Style};
+pub use svg::font_css;
+pub use text::Text;

@@ -1,5 +1,6 @@
 //! Why a sweep or a merge gives no tables.
 
+use crate::output::OutputError;
 use crate::plan::Shard;
 use fakir_case::CaseError;
 use std::io;
@@ -12,6 +13,9 @@ pub enum StudyError {
     /// A study in a journal that cannot be.
     #[error(transparent)]
     Case(#[from] CaseError),
+    /// Tables that cannot be saved.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// The sweep was cancelled.
     #[error("interrupted after {done} of {cases} cases")]
     Interrupted {

@@ -8,26 +8,24 @@
 //! | `provenance.json` | version, study, methods, reference |
 
 use crate::answer::Row;
+use crate::citations::Topic;
 use crate::error::{StudyError, memory};
 use crate::journal::{Contents, Header, JOURNAL, Journal, first_difference, whole};
-use crate::output::save;
+use crate::output::{File, save};
 use crate::plan::{Plan, Shard};
-use crate::provenance::Provenance;
+use crate::provenance::{FILE_NAME, Provenance, method_words};
 use crate::sweep::{Options, complete};
 use crate::table::Table;
+use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The tables of a sweep, and what goes with them.
-const RESULTS: [&str; 4] = [
-    "study.toml",
-    "table.csv",
-    "table.parquet",
-    "provenance.json",
-];
+/// The study as it was understood.
+const STUDY: &str = "study.toml";
+const CSV: &str = "table.csv";
+const PARQUET: &str = "table.parquet";
 
 /// What to do about a folder in which there is something already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -93,7 +91,7 @@ pub fn sweep_into(
             BTreeMap::new()
         }
     };
-    save(folder, &[("study.toml", study.to_toml().into())])?;
+    save(folder, &[File::new(STUDY, study.to_toml())])?;
     let found = rows.len();
     let rows = complete(study, rows, options, |new| journal.append(new))?;
     let rows: Vec<Row> = rows.into_values().collect();
@@ -157,8 +155,8 @@ pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Su
     drop(Journal::open(folder)?); // nothing is running there
     remove_results(folder)?;
     let mut files = results(&study, &rows);
-    files.push(("study.toml", study.to_toml().into()));
-    files.push((JOURNAL, whole(&header, &rows).into()));
+    files.push(File::new(STUDY, study.to_toml()));
+    files.push(File::new(JOURNAL, whole(&header, &rows)));
     save(folder, &files)?;
     let found = rows.len();
     Ok(Summary { study, rows, found })
@@ -166,7 +164,7 @@ pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Su
 
 fn read_shard(folder: &Path) -> Result<(PathBuf, Contents), StudyError> {
     let path = folder.join(JOURNAL);
-    let file = match File::open(&path) {
+    let file = match std::fs::File::open(&path) {
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => {
             return Err(StudyError::NoSweep(folder.to_owned()));
@@ -304,7 +302,7 @@ fn make(folder: &Path) -> Result<(), StudyError> {
 
 /// Removes the tables of an earlier sweep, which would not fit what is to come.
 fn remove_results(folder: &Path) -> Result<(), StudyError> {
-    for name in RESULTS {
+    for name in [STUDY, CSV, PARQUET, FILE_NAME] {
         let path = folder.join(name);
         match std::fs::remove_file(&path) {
             Err(error) if error.kind() != ErrorKind::NotFound => {
@@ -316,13 +314,25 @@ fn remove_results(folder: &Path) -> Result<(), StudyError> {
     Ok(())
 }
 
-fn results(study: &Study, rows: &[Row]) -> Vec<(&'static str, Vec<u8>)> {
+fn results(study: &Study, rows: &[Row]) -> Vec<File> {
     let table = Table::new(study, rows);
-    let methods = study.methods().into_iter().map(str::to_owned).collect();
-    let provenance = Provenance::new(methods, study.to_toml());
+    let stamp = stamp(study);
     vec![
-        ("table.csv", table.to_csv().into()),
-        ("table.parquet", table.to_parquet(&provenance)),
-        ("provenance.json", provenance.to_json().into()),
+        File::new(CSV, table.to_csv()),
+        File::new(PARQUET, table.to_parquet(&stamp)),
+        stamp.file(),
     ]
+}
+
+/// Where the tables of a study are from.
+#[must_use]
+pub fn stamp(study: &Study) -> Provenance {
+    let question = match study.asked() {
+        Asked::Transition => "critical states",
+        Asked::Press => "contacts under a load",
+    };
+    let methods = study.methods();
+    let words: Vec<String> = methods.iter().copied().map(method_words).collect();
+    let topics: Vec<Topic> = methods.into_iter().map(Topic::Method).collect();
+    Provenance::new(question, words.join("; "), &topics, study.to_toml())
 }

@@ -6,7 +6,6 @@
 use crate::answer::{Answer, Row};
 use crate::error::StudyError;
 use crate::plan::{Plan, Shard};
-use crate::provenance::VERSION;
 use crate::sweep::Options;
 use fakir::contact::Run;
 use fakir_case::Study;
@@ -19,6 +18,9 @@ use std::path::{Path, PathBuf};
 
 /// Its name in the folder of a sweep.
 pub(crate) const JOURNAL: &str = "journal.jsonl";
+
+/// The version of fakir.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The version of what is written here.
 const FORMAT: u32 = 1;

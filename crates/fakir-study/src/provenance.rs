@@ -1,66 +1,118 @@
-//! Where numbers come from: what goes with every file of results.
+//! Where a result is from: stamped on every file that is saved.
+//!
+//! It depends on the question alone: no dates, no machine, so that the same question gives the same
+//! files.
 
-use serde::Serialize;
+use crate::citations::{Citation, REFERENCE_DOI, Topic, citations};
+use crate::output::File;
+use fakir::contact::{Accuracy, Method, PunchForm};
+use serde::{Deserialize, Serialize};
 
-/// The version of fakir.
-pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// The file that holds the provenance of a folder of results.
+pub const FILE_NAME: &str = "provenance.json";
 
-/// The paper that states the problem.
-pub const DOI: &str = "10.1103/PhysRevE.104.055007";
-
-/// The same, for a list of references.
-pub const CITATION: &str = "R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, \
-                            Phys. Rev. E 104, 055007 (2021)";
-
-/// What a result was computed from and with; it has no times, so that the same question gives the
-/// same file.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Where a result is from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// `"fakir"`
-    pub program: &'static str,
-    /// The version of fakir.
-    pub fakir_version: &'static str,
-    /// The methods that were used.
-    pub methods: Vec<String>,
-    /// What was computed, as the case or study file that says so.
-    pub input: String,
-    /// Where the problem is stated.
-    pub citation: &'static str,
-    /// The same as a DOI.
-    pub doi: &'static str,
+    /// Version of fakir that computed it.
+    pub fakir_version: String,
+    /// What was asked, in words: `"critical state"`.
+    pub question: String,
+    /// How it was answered, in words: `"spectral method, default accuracy"`.
+    pub method: String,
+    /// DOI of the paper whose problem it is.
+    pub reference_doi: String,
+    /// What to cite.
+    pub citations: Vec<Citation>,
+    /// The case or study as it was solved, as a file to be run again (TOML).
+    pub case: String,
 }
 
 impl Provenance {
-    /// Of results computed by this version from a case or study file.
+    /// The stamp on what this version computes: the question and the method in words, what to
+    /// cite, and the case or study in its canonical text.
     #[must_use]
-    pub fn new(methods: Vec<String>, input: &str) -> Self {
+    pub fn new(
+        question: impl Into<String>,
+        method: impl Into<String>,
+        topics: &[Topic],
+        case: impl Into<String>,
+    ) -> Self {
         Self {
-            program: "fakir",
-            fakir_version: VERSION,
-            methods,
-            input: input.to_owned(),
-            citation: CITATION,
-            doi: DOI,
+            fakir_version: env!("CARGO_PKG_VERSION").to_owned(),
+            question: question.into(),
+            method: method.into(),
+            reference_doi: REFERENCE_DOI.to_owned(),
+            citations: citations(topics),
+            case: case.into(),
         }
     }
 
-    /// A JSON object, as in `provenance.json`.
+    /// As one JSON object.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let text = serde_json::to_string_pretty(self);
-        text.expect("a struct of texts is a JSON object") + "\n"
+        serde_json::to_string_pretty(self).expect("texts are JSON") + "\n"
     }
 
-    /// As pairs of names and texts, for files that keep such pairs.
+    /// Reads what [`to_json`](Self::to_json) wrote.
+    ///
+    /// # Errors
+    /// If it is not JSON, or a key is missing.
+    pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
+        serde_json::from_str(text)
+    }
+
+    /// The file to be saved next to results.
     #[must_use]
-    pub fn pairs(&self) -> Vec<(&'static str, String)> {
-        vec![
-            ("program", self.program.to_owned()),
-            ("fakir_version", self.fakir_version.to_owned()),
-            ("methods", self.methods.join(", ")),
-            ("input", self.input.clone()),
-            ("citation", self.citation.to_owned()),
-            ("doi", self.doi.to_owned()),
+    pub fn file(&self) -> File {
+        File::new(FILE_NAME, self.to_json())
+    }
+
+    /// Names and texts to be written into files that hold attributes, such as netCDF.
+    #[must_use]
+    pub fn attributes(&self) -> [(&'static str, String); 5] {
+        let references: Vec<String> = self.citations.iter().map(Citation::text).collect();
+        [
+            ("title", format!("Contact of a lens: {}", self.question)),
+            ("source", format!("fakir {}", self.fakir_version)),
+            ("method", self.method.clone()),
+            ("references", references.join("\n")),
+            ("case", self.case.clone()),
         ]
+    }
+}
+
+/// A method in a few words: `spectral method, default accuracy`.
+#[must_use]
+pub fn method_words(method: Method) -> String {
+    match method {
+        Method::Spectral(Accuracy::Default) => "spectral method, default accuracy".to_owned(),
+        Method::Spectral(Accuracy::Accurate) => "spectral method, accurate".to_owned(),
+        Method::Punch(PunchForm::Plain) => "punch lattice, plain".to_owned(),
+        Method::Punch(PunchForm::Corrected) => "punch lattice, corrected".to_owned(),
+        Method::Homogenised => "homogenised lattice, an approximation".to_owned(),
+        Method::Love(mesh) => format!(
+            "Love elements, {} cells across a pillar",
+            mesh.cells_per_diameter
+        ),
+        other => format!("{} method", other.name()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fakir_case::{Case, CaseFile};
+
+    #[test]
+    fn the_case_can_be_run_again() {
+        let case = Case::example();
+        let method = method_words(case.method);
+        let topics = [Topic::Method(case.method)];
+        let stamp = Provenance::new("critical state", method, &topics, case.to_toml());
+        let read = Provenance::from_json(&stamp.to_json()).unwrap();
+        assert_eq!(read, stamp);
+        let again = CaseFile::parse("case.toml", &read.case).unwrap();
+        assert_eq!(again.case().unwrap(), case);
     }
 }

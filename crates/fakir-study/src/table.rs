@@ -120,7 +120,7 @@ impl Table {
         let schema = Type::group_type_builder("fakir")
             .with_fields(fields.collect::<Result<_, _>>()?)
             .build()?;
-        let pairs = provenance.pairs().into_iter();
+        let pairs = provenance.attributes().into_iter();
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .set_key_value_metadata(Some(

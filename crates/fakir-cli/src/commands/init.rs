@@ -2,8 +2,9 @@
 
 use crate::arguments::Init;
 use crate::failure::{Failure, tell};
-use crate::output::{Replace, print, save_file};
+use crate::output::print;
 use fakir_case::Case;
+use fakir_study::output::{OutputError, Replace, save_file};
 use std::process::ExitCode;
 
 pub(crate) fn run(options: &Init) -> Result<ExitCode, Failure> {
@@ -17,8 +18,17 @@ pub(crate) fn run(options: &Init) -> Result<ExitCode, Failure> {
     } else {
         Replace::Refused
     };
-    save_file(&options.file, &text, replace)?;
+    save_file(&options.file, text.as_bytes(), replace).map_err(explained)?;
     let file = options.file.display();
     tell(&format!("wrote {file}; next: fakir transition {file}"));
     Ok(ExitCode::SUCCESS)
+}
+
+fn explained(error: OutputError) -> Failure {
+    match error {
+        OutputError::Exists { .. } => Failure::Argument(format!(
+            "{error}: choose another name, or --force to replace it"
+        )),
+        other => other.into(),
+    }
 }

@@ -3,6 +3,7 @@
 pub(crate) mod approach;
 mod closed_forms;
 pub(crate) mod compare;
+pub(crate) mod design;
 pub(crate) mod init;
 pub(crate) mod press;
 pub(crate) mod surface;

@@ -4,7 +4,7 @@ pub(crate) mod state;
 pub(crate) mod surface;
 pub(crate) mod table;
 
-use crate::output::File;
+use fakir_study::output::File;
 use serde::Serialize;
 
 /// The result of a command, in every form it is wanted in.

@@ -3,12 +3,12 @@
 use super::csv;
 use super::table::list;
 use crate::numbers::{DIGITS, digits, scaled, seconds, significant, with_unit};
-use crate::output::File;
 use fakir::contact::{
     Accuracy, ContactState, CriticalState, ErrorEstimate, Method, Normalized, PunchForm,
 };
 use fakir::system::{Point, System};
 use fakir_case::unit::Dimension;
+use fakir_study::output::File;
 use serde::Serialize;
 
 /// Digits shown of contact radii, which have no error estimate: where the contact edge crosses

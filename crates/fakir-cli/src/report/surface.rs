@@ -3,7 +3,6 @@
 use super::state::{ErrorJson, QuantityList, RADIUS_DIGITS, VERSION};
 use super::{Report, json};
 use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
-use crate::output::File;
 use fakir::contact::Regime;
 use fakir::love::solver::Certificate;
 use fakir::love::{
@@ -14,6 +13,7 @@ use fakir::system::Point;
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
+use fakir_study::output::File;
 use serde::Serialize;
 
 /// Digits shown of contact areas, which change by whole cells.

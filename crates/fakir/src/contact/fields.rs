@@ -42,18 +42,19 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// The solution of a contact problem as functions of position.
 ///
-/// Positions are in m from the lens axis. Evaluation at a point visits every touched pillar.
+/// Positions are in m from the lens axis. Evaluation at a point visits every touched pillar; for
+/// many points [`sample`](Self::sample) is much faster.
 #[derive(Clone)]
 pub struct Fields {
-    problem: Problem,
+    pub(super) problem: Problem,
     /// Scaled.
     indentation: f64,
-    discs: Vec<Disc>,
+    pub(super) discs: Vec<Disc>,
     disc_of: HashMap<(i64, i64), usize>,
-    exterior: Exterior,
+    pub(super) exterior: Exterior,
     /// Of all modes, for points close to discs with more than the leading ones.
     close_exterior: Exterior,
-    compliance: Vec<f64>,
+    pub(super) compliance: Vec<f64>,
 }
 
 /// Without the tables it is evaluated by.
@@ -89,7 +90,7 @@ impl Fields {
         }
     }
 
-    fn scaled(&self, position: Point) -> Point {
+    pub(super) fn scaled(&self, position: Point) -> Point {
         [
             position[0] / self.problem.length,
             position[1] / self.problem.length,
@@ -117,21 +118,25 @@ impl Fields {
         self.scaled_displacement(self.scaled(position)) * self.problem.length
     }
 
-    fn scaled_displacement(&self, position: Point) -> f64 {
+    /// As [`displacement`](Self::displacement), scaled.
+    pub(super) fn scaled_displacement(&self, position: Point) -> f64 {
         let mut values = vec![0.0; self.compliance.len()];
         self.discs
             .iter()
-            .map(|disc| {
-                let at = [
-                    (position[0] - disc.centre[0]) / disc.radius,
-                    (position[1] - disc.centre[1]) / disc.radius,
-                ];
-                disc.radius * self.displacement_by(disc, at, &mut values)
-            })
+            .map(|disc| self.displacement_by(disc, position, &mut values))
             .sum()
     }
 
-    fn displacement_by(&self, disc: &Disc, at: Point, values: &mut [f64]) -> f64 {
+    /// What one disc adds; `values` is room for its modes.
+    pub(super) fn displacement_by(&self, disc: &Disc, position: Point, values: &mut [f64]) -> f64 {
+        let at = [
+            (position[0] - disc.centre[0]) / disc.radius,
+            (position[1] - disc.centre[1]) / disc.radius,
+        ];
+        disc.radius * self.displacement_of_unit(disc, at, values)
+    }
+
+    fn displacement_of_unit(&self, disc: &Disc, at: Point, values: &mut [f64]) -> f64 {
         let distance = at[0].hypot(at[1]);
         if distance <= 1.0 {
             let mut basis = BasisEvaluator::new(self.degree_of(disc));
@@ -163,8 +168,13 @@ impl Fields {
     #[must_use]
     pub fn gap(&self, position: Point) -> f64 {
         let at = self.scaled(position);
-        let above_floor = self.problem.height + self.problem.sag(at) + self.scaled_displacement(at)
-            - self.indentation;
+        self.gap_with(at, self.scaled_displacement(at))
+    }
+
+    /// The gap, m, at a scaled position with a scaled displacement.
+    pub(super) fn gap_with(&self, at: Point, displacement: f64) -> f64 {
+        let above_floor =
+            self.problem.height + self.problem.sag(at) + displacement - self.indentation;
         let gap = match self.pillar_under(at) {
             None => above_floor,
             Some(index) => above_floor - self.problem.height + self.column_sink(index),
@@ -183,7 +193,11 @@ impl Fields {
     /// top.
     #[must_use]
     pub fn pressure(&self, position: Point) -> f64 {
-        let at = self.scaled(position);
+        self.pressure_at(self.scaled(position))
+    }
+
+    /// The pressure, Pa, at a scaled position.
+    pub(super) fn pressure_at(&self, at: Point) -> f64 {
         let Some(&k) = self
             .pillar_under(at)
             .and_then(|index| self.disc_of.get(&index))

@@ -15,10 +15,12 @@ pub(crate) mod floor;
 pub(crate) mod newton;
 pub(crate) mod problem;
 mod run;
+mod samples;
 pub(crate) mod spectral;
 
 pub use fields::Fields;
 pub use run::{CancelToken, Progress, Run, Stage, Termination};
+pub use samples::FieldSamples;
 
 use crate::love::ElementMesh;
 use crate::system::{InvalidQuantity, Point, System};

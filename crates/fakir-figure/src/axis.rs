@@ -1,0 +1,453 @@
+//! Axes: ranges, ticks and their labels.
+
+use crate::text::Text;
+
+/// How values are spread along an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly.
+    Linear,
+    /// Equal ratios take equal lengths; values that are not positive are not shown.
+    Logarithmic,
+}
+
+/// What is along one side of a chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Name of the quantity and its unit.
+    pub label: Text,
+    /// How values are spread.
+    pub scale: Scale,
+    /// First and last value; `None` to show all data.
+    pub range: Option<[f64; 2]>,
+}
+
+impl Axis {
+    /// A linear axis that shows all data.
+    #[must_use]
+    pub fn linear(label: impl Into<Text>) -> Self {
+        Self {
+            label: label.into(),
+            scale: Scale::Linear,
+            range: None,
+        }
+    }
+
+    /// A logarithmic axis that shows all data that are positive.
+    #[must_use]
+    pub fn logarithmic(label: impl Into<Text>) -> Self {
+        Self {
+            scale: Scale::Logarithmic,
+            ..Self::linear(label)
+        }
+    }
+
+    /// The same axis from one value to another.
+    #[must_use]
+    pub fn over(self, first: f64, last: f64) -> Self {
+        Self {
+            range: Some([first, last]),
+            ..self
+        }
+    }
+
+    /// The values shown on it: those asked for, or those of the data with some room around.
+    pub(crate) fn span(&self, data: impl Iterator<Item = f64>) -> Span {
+        let shown = |value: &f64| match self.scale {
+            Scale::Linear => value.is_finite(),
+            Scale::Logarithmic => value.is_finite() && *value > 0.0,
+        };
+        let range = self
+            .range
+            .filter(|range| range.iter().all(shown) && range[0] < range[1]);
+        let range = range.unwrap_or_else(|| {
+            let (low, high) = data
+                .filter(shown)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                    (low.min(value), high.max(value))
+                });
+            with_room(self.scale, low, high)
+        });
+        Span {
+            scale: self.scale,
+            range,
+        }
+    }
+}
+
+/// Room between the data and the ends of an axis, relative to their extent.
+const ROOM: f64 = 0.05;
+
+fn with_room(scale: Scale, low: f64, high: f64) -> [f64; 2] {
+    if low > high {
+        return [1.0, 10.0]; // no data
+    }
+    match scale {
+        Scale::Logarithmic => {
+            let factor = (high / low).powf(ROOM).max(1.05);
+            [low / factor, high * factor]
+        }
+        Scale::Linear => {
+            let extent = high - low;
+            let room = if extent > 1e-12 * high.abs().max(low.abs()) {
+                ROOM * extent
+            } else if high == 0.0 {
+                1.0
+            } else {
+                0.1 * high.abs()
+            };
+            // Zero is a good place to start from if it is near.
+            let bottom = if low >= 0.0 && low < 0.3 * high {
+                0.0
+            } else {
+                low - room
+            };
+            let top = if high <= 0.0 && high > 0.3 * low {
+                0.0
+            } else {
+                high + room
+            };
+            [bottom, top]
+        }
+    }
+}
+
+/// The values along an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Span {
+    pub(crate) scale: Scale,
+    pub(crate) range: [f64; 2],
+}
+
+/// A mark on an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Tick {
+    pub(crate) value: f64,
+    /// None for a minor tick.
+    pub(crate) label: Option<Text>,
+    pub(crate) major: bool,
+}
+
+/// Which way an axis goes: decides how much room labels take along it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Direction {
+    Across,
+    Upwards,
+}
+
+impl Span {
+    pub(crate) fn linear(low: f64, high: f64) -> Self {
+        Self {
+            scale: Scale::Linear,
+            range: [low, high],
+        }
+    }
+
+    /// Where a value is, from 0 at the first to 1 at the last. Far below for what a logarithmic
+    /// axis cannot show.
+    pub(crate) fn fraction(&self, value: f64) -> f64 {
+        let [low, high] = self.range;
+        match self.scale {
+            Scale::Linear => (value - low) / (high - low),
+            Scale::Logarithmic if value > 0.0 => (value / low).ln() / (high / low).ln(),
+            Scale::Logarithmic => -100.0,
+        }
+    }
+
+    /// The value at a fraction of the way.
+    pub(crate) fn value(&self, fraction: f64) -> f64 {
+        let [low, high] = self.range;
+        match self.scale {
+            Scale::Linear => low + fraction * (high - low),
+            Scale::Logarithmic => low * (high / low).powf(fraction),
+        }
+    }
+
+    fn holds(&self, value: f64) -> bool {
+        (-1e-9..=1.0 + 1e-9).contains(&self.fraction(value))
+    }
+
+    /// Marks on an axis `length` points long with labels of `size` points.
+    pub(crate) fn ticks(&self, length: f64, size: f64, direction: Direction) -> Vec<Tick> {
+        let most = match direction {
+            Direction::Across => length / (4.0 * size),
+            Direction::Upwards => length / (3.2 * size),
+        };
+        let most = (most as usize).clamp(2, 7);
+        let candidates: Vec<Vec<Tick>> = (2..=most)
+            .rev()
+            .map(|count| match self.scale {
+                Scale::Linear => linear_ticks(self.range, count),
+                Scale::Logarithmic => self.logarithmic_ticks(count),
+            })
+            .collect();
+        // Two labels tell the scale; one is better than none.
+        let with_labels = |fewest: usize| {
+            candidates.iter().find(|ticks| {
+                let labels = ticks.iter().filter(|tick| tick.label.is_some()).count();
+                labels >= fewest && self.labels_are_apart(ticks, length, size, direction)
+            })
+        };
+        with_labels(2)
+            .or_else(|| with_labels(1))
+            .or(candidates.last())
+            .cloned()
+            .unwrap_or_default()
+    }
+
+    fn labels_are_apart(
+        &self,
+        ticks: &[Tick],
+        length: f64,
+        size: f64,
+        direction: Direction,
+    ) -> bool {
+        let extents: Vec<(f64, f64)> = ticks
+            .iter()
+            .filter_map(|tick| {
+                let half = 0.5
+                    * match direction {
+                        Direction::Across => size * (tick.label.as_ref()?.width() + 0.6),
+                        Direction::Upwards => {
+                            tick.label.as_ref()?;
+                            1.3 * size
+                        }
+                    };
+                let at = length * self.fraction(tick.value);
+                Some((at - half, at + half))
+            })
+            .collect();
+        extents.windows(2).all(|pair| pair[0].1 <= pair[1].0)
+    }
+
+    /// `most` labels at most.
+    fn logarithmic_ticks(&self, most: usize) -> Vec<Tick> {
+        let [low, high] = self.range;
+        let first = (low.log10() + 1e-9).floor() as i32;
+        let last = (high.log10() - 1e-9).ceil() as i32;
+        let decades: Vec<i32> = (first..=last)
+            .filter(|power| self.holds(10f64.powi(*power)))
+            .collect();
+        if decades.len() < 2 {
+            return self.ticks_within_a_decade([first, last], most);
+        }
+        let every = decades.len().div_ceil(most) as i32;
+        let mut ticks = Vec::new();
+        for power in first..=last {
+            let decade = 10f64.powi(power);
+            if self.holds(decade) {
+                let labelled = power.rem_euclid(every) == 0;
+                ticks.push(Tick {
+                    value: decade,
+                    label: labelled.then(|| Text::from(format!("10^{{{power}}}"))),
+                    major: true,
+                });
+            }
+            if last - first <= 10 {
+                ticks.extend(
+                    (2..10)
+                        .map(|digit| f64::from(digit) * decade)
+                        .filter(|value| self.holds(*value))
+                        .map(|value| Tick {
+                            value,
+                            label: None,
+                            major: false,
+                        }),
+                );
+            }
+        }
+        ticks
+    }
+
+    /// Labels at plain numbers, where powers of ten would be too few.
+    fn ticks_within_a_decade(&self, powers: [i32; 2], most: usize) -> Vec<Tick> {
+        const CHOICES: [&[i32]; 4] = [
+            &[1, 2, 3, 4, 5, 6, 7, 8, 9],
+            &[1, 2, 3, 5, 7],
+            &[1, 2, 5],
+            &[1, 3],
+        ];
+        let all: Vec<(i32, f64)> = (powers[0]..=powers[1])
+            .flat_map(|power| {
+                (1..10).map(move |digit| (digit, f64::from(digit) * 10f64.powi(power)))
+            })
+            .filter(|(_, value)| self.holds(*value))
+            .collect();
+        let labelled = |digits: &[i32]| all.iter().filter(|(d, _)| digits.contains(d)).count();
+        let choice = CHOICES
+            .into_iter()
+            .find(|digits| (2..=most).contains(&labelled(digits)));
+        let digits = match choice {
+            Some(digits) => digits,
+            None if self.range[1] > 5.0 * self.range[0] && labelled(&[1]) > 0 => &[1],
+            None => return linear_ticks(self.range, most),
+        };
+        all.iter()
+            .map(|(digit, value)| {
+                let label = digits.contains(digit);
+                Tick {
+                    value: *value,
+                    label: label.then(|| Text::from(plain(*value))),
+                    major: label,
+                }
+            })
+            .collect()
+    }
+}
+
+/// A number of few digits, with a power of ten if it is very large or small.
+fn plain(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e4).contains(&size) {
+        let digits: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+        digits.to_string()
+    } else {
+        let power = size.log10().floor() as i32;
+        let digits = value / 10f64.powi(power);
+        let digits: f64 = format!("{digits:.4}").parse().unwrap_or(digits);
+        format!("{digits}·10^{{{power}}}")
+    }
+}
+
+/// Marks at multiples of 1, 2 or 5 times a power of ten, `most` with labels at most.
+fn linear_ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
+    let raw = (high - low) / most as f64;
+    let power = raw.log10().floor();
+    let unit = 10f64.powf(power);
+    let (step, minor) = [(1.0, 5), (2.0, 4), (5.0, 5), (10.0, 5)]
+        .into_iter()
+        .find(|(step, _)| step * unit >= raw * (1.0 - 1e-9))
+        .map_or((10.0 * unit, 5), |(step, minor)| (step * unit, minor));
+    let fine = step / f64::from(minor);
+    let (first, last) = (
+        (low / fine - 1e-6).ceil() as i64,
+        (high / fine + 1e-6).floor() as i64,
+    );
+    let write = number_format(low.abs().max(high.abs()), step);
+    (first..=last)
+        .map(|k| {
+            let value = k as f64 * fine;
+            let major = k % i64::from(minor) == 0;
+            Tick {
+                value,
+                label: major.then(|| if k == 0 { write(0.0) } else { write(value) }),
+                major,
+            }
+        })
+        .collect()
+}
+
+/// How to write multiples of `step` up to `largest`: all with the same number of decimals, and with
+/// the same power of ten if they are very large or small.
+fn number_format(largest: f64, step: f64) -> impl Fn(f64) -> Text {
+    let power_of_step = (step.log10() + 1e-9).floor() as i32;
+    let plain = (1e-3..1e5).contains(&largest) && power_of_step >= -5;
+    let power = if plain {
+        0
+    } else {
+        (largest.log10() + 1e-9).floor() as i32
+    };
+    let decimals = (power - power_of_step).max(0) as usize;
+    move |value| {
+        let digits = value / 10f64.powi(power);
+        Text::from(if power == 0 {
+            format!("{digits:.decimals$}")
+        } else if value == 0.0 {
+            "0".to_owned()
+        } else {
+            format!("{digits:.decimals$}·10^{{{power}}}")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(span: Span, length: f64) -> Vec<String> {
+        span.ticks(length, 7.0, Direction::Across)
+            .into_iter()
+            .filter_map(|tick| tick.label.map(|label| label.to_string()))
+            .collect()
+    }
+
+    fn logarithmic(low: f64, high: f64) -> Span {
+        Span {
+            scale: Scale::Logarithmic,
+            range: [low, high],
+        }
+    }
+
+    #[test]
+    fn round_numbers_on_linear_axes() {
+        assert_eq!(
+            labels(Span::linear(0.0, 1.0), 150.0),
+            ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
+        );
+        assert_eq!(labels(Span::linear(-3.0, 12.0), 150.0), ["0", "5", "10"]);
+        assert_eq!(
+            labels(Span::linear(0.0, 2.3e-7), 150.0),
+            ["0", "0.5·10−7", "1.0·10−7", "1.5·10−7", "2.0·10−7"]
+        );
+    }
+
+    #[test]
+    fn powers_of_ten_on_logarithmic_axes() {
+        assert_eq!(
+            labels(logarithmic(1e-4, 0.3), 200.0),
+            ["10−4", "10−3", "10−2", "10−1"]
+        );
+        assert_eq!(
+            labels(logarithmic(1.0, 7.0), 150.0),
+            ["1", "2", "3", "5", "7"]
+        );
+        assert_eq!(
+            labels(logarithmic(0.97, 1.04), 150.0),
+            ["0.98", "1.00", "1.02", "1.04"]
+        );
+        let wide = labels(logarithmic(1e-12, 1e9), 150.0);
+        assert!((3..=7).contains(&wide.len()), "{wide:?}");
+    }
+
+    #[test]
+    fn labels_never_touch() {
+        for step in 0..400 {
+            let low = 10f64.powf(-6.0 + 0.03 * f64::from(step));
+            for factor in [1.01, 1.5, 3.0, 30.0, 1e4, 1e9] {
+                for span in [
+                    logarithmic(low, low * factor),
+                    Span::linear(-low, low * factor),
+                ] {
+                    for length in [60.0, 150.0, 400.0] {
+                        let ticks = span.ticks(length, 7.0, Direction::Across);
+                        let labelled = ticks.iter().any(|tick| tick.label.is_some());
+                        assert!(labelled || length < 100.0, "{span:?} {length}");
+                        let apart = span.labels_are_apart(&ticks, length, 7.0, Direction::Across);
+                        assert!(apart || length < 100.0, "{span:?} {length}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn ranges_hold_the_data() {
+        let data = || [0.5, 3.0, -1.0].into_iter();
+        let span = Axis::linear("x").span(data());
+        assert!(data().all(|value| span.holds(value)));
+        let span = Axis::logarithmic("x").span(data());
+        assert!(span.holds(0.5) && span.holds(3.0) && !span.holds(-1.0));
+        // Without data, and with a single value, there still is a range.
+        assert_eq!(
+            Axis::linear("x").span(std::iter::empty()).range,
+            [1.0, 10.0]
+        );
+        let single = Axis::linear("x").span(std::iter::once(5.0)).range;
+        assert!(single[0] < 5.0 && single[1] > 5.0);
+        // An impossible range asked for is as none.
+        let span = Axis::logarithmic("x").over(0.0, 1.0).span(data());
+        assert!(span.holds(0.5) && span.holds(3.0));
+    }
+}

@@ -1,0 +1,299 @@
+//! Charts of series, alone or in a grid with common axes.
+
+use crate::axis::{Axis, Span};
+use crate::figure::Figure;
+use crate::font::Bounds;
+use crate::frame::{ASCENT, DESCENT, Frame, LABEL_SIZE, Lettering, NOTE_SIZE};
+use crate::legend::Legend;
+use crate::scene::{Anchor, Colour, Item, Label, Path};
+use crate::series::Series;
+use crate::text::Text;
+
+/// Margin around the page and between frames with common axes, points.
+pub(crate) const MARGIN: f64 = 4.0;
+const BETWEEN: f64 = 7.0;
+/// Beyond the frame at the right, for half of the last number.
+const RIGHT: f64 = 8.0;
+
+/// A region behind the data.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Shade {
+    /// Corners, in the values of the axes.
+    pub(crate) corners: Vec<[f64; 2]>,
+    pub(crate) colour: Colour,
+}
+
+/// Text at a point of the chart.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Note {
+    pub(crate) text: Text,
+    /// In the values of the axes.
+    pub(crate) at: [f64; 2],
+    /// From there, points to the right and down.
+    pub(crate) shift: [f64; 2],
+    pub(crate) anchor: Anchor,
+    pub(crate) rim: bool,
+}
+
+/// A chart.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Chart {
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    pub(crate) shades: Vec<Shade>,
+    pub(crate) series: Vec<Series>,
+    pub(crate) notes: Vec<Note>,
+}
+
+impl Chart {
+    pub(crate) fn new(x: Axis, y: Axis, series: Vec<Series>) -> Self {
+        Self {
+            x,
+            y,
+            shades: Vec::new(),
+            series,
+            notes: Vec::new(),
+        }
+    }
+
+    fn shade_values(&self, direction: usize) -> impl Iterator<Item = f64> + '_ {
+        let corners = self.shades.iter().flat_map(|shade| &shade.corners);
+        corners.map(move |corner| corner[direction])
+    }
+
+    fn values(&self, direction: usize) -> impl Iterator<Item = f64> + '_ {
+        let series = self.series.iter().flat_map(move |s| s.values(direction));
+        series.chain(self.shade_values(direction))
+    }
+
+    /// What lies inside the frame: shades, then data and notes.
+    pub(crate) fn contents(&self, frame: &Frame) -> (Vec<Item>, Vec<Item>) {
+        let shades = self.shades.iter().map(|shade| {
+            let corners = shade.corners.iter().map(|corner| frame.place(*corner));
+            Item::filled(Path::polygon(corners), shade.colour)
+        });
+        let mut data = Vec::new();
+        for series in &self.series {
+            series.draw(frame, &mut data);
+        }
+        for note in &self.notes {
+            let [x, y] = frame.place(note.at);
+            let at = [x + note.shift[0], y + note.shift[1]];
+            let mut label = Label::new(note.text.clone(), at, NOTE_SIZE, note.anchor);
+            label.rim = note.rim;
+            data.push(Item::Label(label));
+        }
+        let shades = Item::Clipped {
+            bounds: frame.bounds,
+            items: shades.collect(),
+        };
+        (vec![shades], data)
+    }
+}
+
+/// Charts row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Grid {
+    pub(crate) name: &'static str,
+    /// Of the page, points.
+    pub(crate) width: f64,
+    pub(crate) columns: usize,
+    pub(crate) charts: Vec<Chart>,
+    /// Heights of the frames, by row.
+    pub(crate) heights: Vec<f64>,
+    /// Whether the charts of a column have one x axis.
+    pub(crate) common_x: bool,
+    /// Whether the charts of a row have one y axis.
+    pub(crate) common_y: bool,
+    /// Above the columns.
+    pub(crate) titles: Vec<Text>,
+    /// Whether charts are marked (a), (b), ...
+    pub(crate) tagged: bool,
+}
+
+impl Grid {
+    /// A chart by itself.
+    pub(crate) fn of_one(name: &'static str, width: f64, height: f64, chart: Chart) -> Self {
+        Self {
+            name,
+            width,
+            columns: 1,
+            charts: vec![chart],
+            heights: vec![height],
+            common_x: false,
+            common_y: false,
+            titles: Vec::new(),
+            tagged: false,
+        }
+    }
+
+    fn rows(&self) -> usize {
+        self.charts.len().div_ceil(self.columns)
+    }
+
+    fn chart(&self, row: usize, column: usize) -> Option<&Chart> {
+        self.charts.get(row * self.columns + column)
+    }
+
+    /// Values along x of a chart: of all in its column if they have one axis.
+    fn x_span(&self, row: usize, column: usize) -> Option<Span> {
+        let chart = self.chart(row, column)?;
+        let rows = if self.common_x {
+            0..self.rows()
+        } else {
+            row..row + 1
+        };
+        let charts = rows.filter_map(|row| self.chart(row, column));
+        Some(chart.x.span(charts.flat_map(|chart| chart.values(0))))
+    }
+
+    fn y_span(&self, row: usize, column: usize) -> Option<Span> {
+        let chart = self.chart(row, column)?;
+        let columns = if self.common_y {
+            0..self.columns
+        } else {
+            column..column + 1
+        };
+        let charts = columns.filter_map(|column| self.chart(row, column));
+        Some(chart.y.span(charts.flat_map(|chart| chart.values(1))))
+    }
+
+    fn x_lettering(&self, row: usize, column: usize) -> Lettering<'_> {
+        let below = self.common_x && self.chart(row + 1, column).is_some();
+        match self.chart(row, column) {
+            Some(chart) if !below => Lettering::All(&chart.x.label),
+            _ => Lettering::None,
+        }
+    }
+
+    fn y_lettering(&self, row: usize, column: usize) -> Lettering<'_> {
+        match self.chart(row, column) {
+            Some(chart) if column == 0 || !self.common_y => Lettering::All(&chart.y.label),
+            _ => Lettering::None,
+        }
+    }
+
+    /// Room at the left of every column.
+    fn left_rooms(&self) -> Vec<f64> {
+        (0..self.columns)
+            .map(|column| {
+                (0..self.rows())
+                    .filter_map(|row| {
+                        let span = self.y_span(row, column)?;
+                        let lettering = self.y_lettering(row, column);
+                        Some(Frame::left_room(span, self.heights[row], lettering))
+                    })
+                    .fold(0.0, f64::max)
+            })
+            .collect()
+    }
+
+    /// The frames of all charts, and where the last of them ends with its lettering.
+    fn frames(&self) -> (Vec<Frame>, f64) {
+        let rooms = self.left_rooms();
+        let between = if self.common_y { BETWEEN } else { RIGHT + 2.0 };
+        let free = self.width
+            - 2.0 * MARGIN
+            - RIGHT
+            - rooms.iter().sum::<f64>()
+            - between * (self.columns - 1) as f64;
+        let width = free / self.columns as f64;
+        let mut frames = Vec::new();
+        let mut top = MARGIN + 3.0;
+        if !self.titles.is_empty() {
+            top += LABEL_SIZE * (ASCENT + DESCENT);
+        }
+        let mut end = top;
+        for row in 0..self.rows() {
+            let mut left = MARGIN;
+            let mut below: f64 = 0.0;
+            for (column, room) in rooms.iter().enumerate() {
+                left += room;
+                if let Some((x, y)) = self.x_span(row, column).zip(self.y_span(row, column)) {
+                    let bounds = Bounds::new(left, top, width, self.heights[row]);
+                    frames.push(Frame { bounds, x, y });
+                }
+                below = below.max(Frame::bottom_room(self.x_lettering(row, column)));
+                left += width + between;
+            }
+            end = top + self.heights[row] + below;
+            top = end + BETWEEN;
+        }
+        (frames, end)
+    }
+
+    pub(crate) fn figure(&self) -> Figure {
+        let (frames, mut end) = self.frames();
+        let mut items = Vec::new();
+        let mut legend = Legend::default();
+        let mut contents = Vec::new();
+        for (k, (frame, chart)) in frames.iter().zip(&self.charts).enumerate() {
+            let (row, column) = (k / self.columns, k % self.columns);
+            let (shades, data) = chart.contents(frame);
+            items.extend(shades);
+            items.extend(data.iter().cloned());
+            frame.draw(
+                &mut items,
+                self.x_lettering(row, column),
+                self.y_lettering(row, column),
+            );
+            for series in &chart.series {
+                if let Some(label) = &series.label {
+                    legend.push(label, series.style);
+                }
+            }
+            contents.push(data);
+        }
+        self.name_columns(&frames, &mut items);
+        self.tag(&frames, &mut items);
+        if !legend.is_empty() {
+            let inside = frames
+                .iter()
+                .zip(&contents)
+                .any(|(frame, data)| legend.draw_inside(&frame.bounds, data, &mut items));
+            if !inside {
+                end += 2.0 * MARGIN;
+                let at = [0.5 * self.width, end];
+                end += legend.draw_below(at, self.width - 2.0 * MARGIN, &mut items);
+            }
+        }
+        Figure::new(self.name, [self.width, end + MARGIN], items)
+    }
+
+    fn name_columns(&self, frames: &[Frame], items: &mut Vec<Item>) {
+        for (frame, title) in frames.iter().zip(&self.titles) {
+            let at = [
+                frame.bounds.centre()[0],
+                frame.bounds.top - 3.0 - DESCENT * LABEL_SIZE,
+            ];
+            items.push(Item::Label(Label::new(
+                title.clone(),
+                at,
+                LABEL_SIZE,
+                Anchor::Middle,
+            )));
+        }
+    }
+
+    /// Letters at the left of the frames, above the names of the y axes, where no data are: for
+    /// every frame, or for every row with a common y axis.
+    fn tag(&self, frames: &[Frame], items: &mut Vec<Item>) {
+        if !self.tagged {
+            return;
+        }
+        let rooms = self.left_rooms();
+        let columns = if self.common_y { 1 } else { self.columns };
+        let tagged = (0..self.rows()).flat_map(|row| (0..columns).map(move |column| (row, column)));
+        for ((row, column), letter) in tagged.zip('a'..='z') {
+            let Some(frame) = frames.get(row * self.columns + column) else {
+                continue;
+            };
+            let at = [
+                frame.bounds.left - rooms[column],
+                frame.bounds.top + ASCENT * LABEL_SIZE,
+            ];
+            let text = Text::plain(&format!("({letter})"));
+            items.push(Item::Label(Label::new(text, at, LABEL_SIZE, Anchor::Start)));
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! Why a figure cannot be drawn.
+
+use fakir::contact::SolveError;
+
+/// Why a figure cannot be drawn.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FigureError {
+    /// The state has no fields: nothing is touched, or the method does not resolve pillars.
+    #[error(
+        "this figure shows single pillars, but in this state none is touched, or the {method} \
+         method does not resolve them"
+    )]
+    NoPillars {
+        /// Name of the method.
+        method: &'static str,
+    },
+    /// Fewer data than the figure needs.
+    #[error("this figure needs at least {fewest} values, but there are {given}")]
+    TooFewData {
+        /// Fewest that will do.
+        fewest: usize,
+        /// How many there are.
+        given: usize,
+    },
+    /// The caller asked to stop while fields were computed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}

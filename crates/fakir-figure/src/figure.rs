@@ -1,0 +1,204 @@
+//! A figure: what is drawn, and what is said about it.
+
+use crate::font::{Bounds, Face};
+use crate::png;
+use crate::raster;
+use crate::scene::{Item, Label};
+use crate::svg::{self, Font};
+
+/// Lengths on the page are in points of 1/72 inch.
+pub(crate) const POINTS_PER_INCH: f64 = 72.0;
+
+/// Resolution of PNG pictures, dots per inch.
+pub const RESOLUTION: f64 = 300.0;
+
+/// Width of one column of Phys. Rev. E, 86 mm, in points.
+pub(crate) const COLUMN: f64 = 86.0 / 25.4 * POINTS_PER_INCH;
+
+/// Width of a page of Phys. Rev. E, 178 mm, in points.
+pub(crate) const PAGE: f64 = 178.0 / 25.4 * POINTS_PER_INCH;
+
+/// A drawing that can be written as SVG or PNG, in the size it has on paper.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    name: String,
+    /// Width and height, points.
+    pub(crate) size: [f64; 2],
+    pub(crate) items: Vec<Item>,
+    title: String,
+    description: String,
+    provenance: String,
+}
+
+impl Figure {
+    /// `name` is one of a file, in letters, digits and hyphens.
+    pub(crate) fn new(name: &str, size: [f64; 2], items: Vec<Item>) -> Self {
+        Self {
+            name: name.to_owned(),
+            size,
+            items,
+            title: name.replace('-', " "),
+            description: String::new(),
+            provenance: String::new(),
+        }
+    }
+
+    /// The same figure with another title and description: what a reader who cannot see it, or
+    /// who finds the file by itself, should know.
+    #[must_use]
+    pub fn with_description(self, title: &str, description: &str) -> Self {
+        Self {
+            title: title.to_owned(),
+            description: description.to_owned(),
+            ..self
+        }
+    }
+
+    /// The same figure with a note of where it comes from: program and version, case, reference.
+    #[must_use]
+    pub fn with_provenance(self, provenance: &str) -> Self {
+        Self {
+            provenance: provenance.to_owned(),
+            ..self
+        }
+    }
+
+    /// The same figure under another name. Letters, digits, hyphens and underscores are kept,
+    /// anything else becomes a hyphen.
+    #[must_use]
+    pub fn named(self, name: &str) -> Self {
+        let kept = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        Self {
+            name: name
+                .chars()
+                .map(|c| if kept(c) { c } else { '-' })
+                .collect(),
+            ..self
+        }
+    }
+
+    /// Its name, fit for a file without its extension and unique on a page of different figures.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its title.
+    #[must_use]
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// What it shows.
+    #[must_use]
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// Where it comes from.
+    #[must_use]
+    pub fn provenance(&self) -> &str {
+        &self.provenance
+    }
+
+    /// Width and height, m.
+    #[must_use]
+    pub fn size(&self) -> [f64; 2] {
+        self.size.map(|points| points * 0.0254 / POINTS_PER_INCH)
+    }
+
+    /// Width and height of the PNG, pixels.
+    #[must_use]
+    pub fn pixels(&self) -> [u32; 2] {
+        self.size
+            .map(|points| (points * RESOLUTION / POINTS_PER_INCH).round() as u32)
+    }
+
+    /// The figure as SVG, with the font in it.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        svg::write(self, Font::Embedded)
+    }
+
+    /// The figure as SVG for a page that has the font already, from [`font_css`](crate::font_css).
+    #[must_use]
+    pub fn svg_for_page(&self) -> String {
+        svg::write(self, Font::OfThePage)
+    }
+
+    /// The figure as PNG, at 300 dots per inch.
+    #[must_use]
+    pub fn png(&self) -> Vec<u8> {
+        let pixels = raster::draw(&self.items, self.pixels(), RESOLUTION / POINTS_PER_INCH);
+        let remarks: Vec<png::Remark<'_>> = [
+            ("Title", self.title.as_str()),
+            ("Description", self.description.as_str()),
+            ("Source", self.provenance.as_str()),
+        ]
+        .into_iter()
+        .filter(|(_, text)| !text.is_empty())
+        .collect();
+        png::picture(&pixels, RESOLUTION, &remarks)
+    }
+
+    /// The faces that its text needs.
+    pub(crate) fn faces(&self) -> Vec<Face> {
+        let labels = self.labels();
+        [Face::Upright, Face::Italic]
+            .into_iter()
+            .filter(|face| {
+                let mut runs = labels.iter().flat_map(|label| label.text.runs());
+                runs.any(|run| run.face == *face)
+            })
+            .collect()
+    }
+
+    fn labels(&self) -> Vec<&Label> {
+        let mut labels = Vec::new();
+        collect_labels(&self.items, &mut labels);
+        labels
+    }
+
+    /// What is wrong with its text: off the page, over other text, or too small to read. An empty
+    /// list for a figure that is in order.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        let page = Bounds::new(0.0, 0.0, self.size[0], self.size[1]);
+        let inked: Vec<(&Label, Bounds)> = self
+            .labels()
+            .into_iter()
+            .filter_map(|label| Some((label, label.ink()?)))
+            .collect();
+        let mut faults = Vec::new();
+        for (k, (label, ink)) in inked.iter().enumerate() {
+            if !page.holds(ink) {
+                faults.push(format!("\"{}\" leaves the page: {ink:?}", label.text));
+            }
+            if label.size < SMALLEST_TEXT {
+                faults.push(format!(
+                    "\"{}\" is too small: {} pt",
+                    label.text, label.size
+                ));
+            }
+            for (other, other_ink) in &inked[k + 1..] {
+                if ink.overlaps(other_ink) {
+                    faults.push(format!("\"{}\" is over \"{}\"", other.text, label.text));
+                }
+            }
+        }
+        faults
+    }
+}
+
+/// Smallest text, points; subscripts may be smaller.
+const SMALLEST_TEXT: f64 = 6.0;
+
+fn collect_labels<'a>(items: &'a [Item], labels: &mut Vec<&'a Label>) {
+    for item in items {
+        match item {
+            Item::Label(label) => labels.push(label),
+            Item::Clipped { items, .. } => collect_labels(items, labels),
+            Item::Path { .. } | Item::Disc { .. } | Item::Image { .. } => {}
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! The gap to the floor between the pillars.
+
+use crate::chart::MARGIN;
+use crate::colour::ColourMap;
+use crate::error::FigureError;
+use crate::figure::{COLUMN, Figure};
+use crate::frame::{Frame, Lettering};
+use crate::map::{ColourBar, Window, cross, symmetric_copies};
+use crate::scene::{Colour, Item, Stroke};
+use crate::text::Text;
+use crate::unit::Unit;
+use fakir::contact::{ContactState, Run};
+use std::collections::HashSet;
+
+/// Pixels of the map, along a side.
+const PIXELS: usize = 220;
+
+const TOUCHED: Colour = Colour::grey(120);
+const UNTOUCHED: Colour = Colour::grey(225);
+
+/// Map of the gap between lens and floor around the lens axis, `h + f + w - zeta`, with the pillars
+/// on it: dark grey if touched, light grey if not. Crosses mark where it is smallest, with the
+/// symmetric copies of that place.
+///
+/// # Errors
+/// [`FigureError::NoPillars`] from a state without fields; interruption.
+pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, FigureError> {
+    let fields = state.fields.as_ref().ok_or(FigureError::NoPillars {
+        method: state.method.name(),
+    })?;
+    let system = &state.system;
+    let (lattice, pillar) = (system.lattice(), system.pillar());
+    let [x, y] = state.smallest_gap_position;
+    let half_width = (1.7 * lattice.pitch).max(x.hypot(y) + 0.6 * lattice.pitch);
+
+    let name = Text::from(format!("*y* ({})", Unit::of_length(half_width).name));
+    let lettering = Lettering::All(&name);
+    // The frame is as wide as what is beside it leaves; that hardly depends on the width.
+    let guess = Window::new([0.0, 0.0], 0.6 * COLUMN, [0.0, 0.0], half_width);
+    let left = MARGIN + Frame::left_room(guess.frame.y, 0.6 * COLUMN, lettering);
+    let [across, up] = guess.pixel_coordinates(PIXELS);
+    let samples = fields.on_grid(&across, &up, run)?;
+    let points = up.iter().flat_map(|y| across.iter().map(move |x| [*x, *y]));
+    let gaps: Vec<f64> = points
+        .clone()
+        .zip(&samples.displacement)
+        .map(|([x, y], w)| pillar.height + system.lens().sag(x.hypot(y)) + w - state.indentation)
+        .collect();
+    let on_floor = points
+        .zip(&gaps)
+        .filter(|(point, _)| !fields.is_on_pillar(*point));
+    let (low, high) = on_floor.fold(
+        (f64::INFINITY, f64::NEG_INFINITY),
+        |(low, high), (_, gap)| (low.min(*gap), high.max(*gap)),
+    );
+    let low = low.min(state.smallest_floor_gap);
+    let unit = Unit::of_length(high.abs().max(low.abs()));
+    let bar = ColourBar::over(
+        ColourMap::Viridis,
+        unit.of(low),
+        unit.of(high),
+        format!("gap to the floor ({})", unit.name),
+    );
+    let side = COLUMN - left - 6.0 - bar.width(0.6 * COLUMN) - MARGIN;
+    let window = Window::new([left, MARGIN + 3.0], side, [0.0, 0.0], half_width);
+
+    let colours: Vec<Colour> = gaps.iter().map(|gap| bar.colour(unit.of(*gap))).collect();
+    let mut inside = vec![window.image(PIXELS, &colours)];
+    let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
+    for (index, centre) in window.pillars(lattice, pillar.diameter) {
+        let fill = if touched.contains(&index) {
+            TOUCHED
+        } else {
+            UNTOUCHED
+        };
+        inside.push(Item::Disc {
+            centre: window.place(centre),
+            radius: window.length(0.5 * pillar.diameter),
+            fill: Some(fill),
+            stroke: Some(Stroke::solid(Colour::BLACK, 0.4)),
+        });
+    }
+    for point in symmetric_copies(lattice, state.smallest_gap_position) {
+        cross(window.place(point), &mut inside);
+    }
+    let mut items = vec![window.clipped(inside)];
+    let across_name = Text::from(format!("*x* ({})", window.unit.name));
+    let below = Lettering::All(&across_name);
+    window.frame.draw(&mut items, below, lettering);
+    let bounds = window.frame.bounds;
+    bar.draw([bounds.right + 6.0, bounds.top], side, &mut items);
+    let end = bounds.bottom + Frame::bottom_room(below);
+    let figure = Figure::new("floor-gap-map", [COLUMN, end + MARGIN], items);
+    Ok(figure.with_description(
+        "Gap between the lens and the floor",
+        &format!(
+            "Map of the gap between lens and floor around the lens axis. Grey discs are pillars, \
+             dark where touched; crosses mark the smallest gap, {}.",
+            Unit::of_length(state.smallest_floor_gap).text(state.smallest_floor_gap, 3)
+        ),
+    ))
+}

@@ -1,0 +1,12 @@
+//! The figures, each from its data.
+
+pub(crate) mod critical_curves;
+pub(crate) mod floor_gap_map;
+pub(crate) mod histogram;
+pub(crate) mod lattice_sums;
+pub(crate) mod lines;
+pub(crate) mod phase_diagram;
+pub(crate) mod pillar_pressure;
+pub(crate) mod pressure_map;
+pub(crate) mod profiles;
+pub(crate) mod top_view;

@@ -1,0 +1,195 @@
+//! Force against contact radius: where the lens rests on pillar tops only.
+
+use crate::axis::Axis;
+use crate::chart::{Chart, MARGIN, Shade};
+use crate::colour::Tint;
+use crate::figure::{COLUMN, Figure};
+use crate::font::Bounds;
+use crate::frame::{ASCENT, DESCENT, Frame, Lettering, NOTE_SIZE};
+use crate::legend::{Legend, place_where};
+use crate::scene::{Anchor, Colour, Item, Label};
+use crate::series::{Dash, Series, Style};
+use crate::text::Text;
+use fakir::contact::Normalized;
+use fakir::system::System;
+use fakir::theory::closed_forms::{Region, phase, transition_force};
+
+/// What is drawn on the regions of the phase diagram.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhaseDiagram {
+    /// Lens, substrate and pillars; the pitch does not matter in reduced variables.
+    pub system: System,
+    /// Critical states: points (`a_c/e`, `F_c gamma_int/(h d)`), such as a series for every
+    /// offset.
+    pub critical: Vec<Series>,
+    /// Loading paths: points (`a/e`, `F gamma_int/(h d)`) by rising load, such as a series for
+    /// every surface fraction.
+    pub paths: Vec<Series>,
+}
+
+/// Points (`a/e`, `F gamma_int/(h d)`) of states, for the series of a [`PhaseDiagram`].
+#[must_use]
+pub fn phase_points<'a>(states: impl IntoIterator<Item = &'a Normalized>) -> Vec<[f64; 2]> {
+    states
+        .into_iter()
+        .map(|state| [state.contact_radius, state.force])
+        .collect()
+}
+
+const TOP: Colour = Colour([221, 235, 247]);
+const MIXED: Colour = Colour([250, 228, 208]);
+
+/// The phase diagram of the paper: reduced force against reduced contact radius, with the regions
+/// of [`phase`].
+///
+/// Below the transition curve ([`transition_force`]) the lens rests on pillar tops only, above it
+/// also touches the floor. Right of one pitch, force and contact radius decide that; left of it, on
+/// paler ground, the place where the lens lands does too, and the curve is that of a lens
+/// that lands on a pillar.
+#[must_use]
+pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
+    let mut series = diagram.paths.clone();
+    series.extend(diagram.critical.iter().cloned());
+    let x = Axis::logarithmic("*a*/*e*");
+    let y = Axis::logarithmic("*F* *γ*_{int}/(*h* *d*)");
+    let mut spans = [
+        x.span(series.iter().flat_map(|s| s.values(0)).chain([0.3, 10.0])),
+        y.span(series.iter().flat_map(|s| s.values(1)).chain([0.3, 100.0])),
+    ];
+    // A little more room for the names of the regions.
+    spans[1].range[0] *= 0.7;
+    spans[1].range[1] *= 2.0;
+    let [x_span, y_span] = spans;
+    let curve = transition_curve(&diagram.system, x_span.range);
+    let transition = Series::new(
+        "transition, formula of the paper",
+        curve.clone(),
+        Style::line(0).in_tint(Tint::Black),
+    );
+    series.insert(0, transition);
+    let one_pitch = vec![[1.0, y_span.range[0]], [1.0, y_span.range[1]]];
+    let boundary = Style::line(0).in_tint(Tint::Black).with_line(Dash::Dotted);
+    series.insert(1, Series::unnamed(one_pitch, boundary));
+
+    let mut chart = Chart::new(x, y, series);
+    chart.shades = shades(&curve, x_span.range, y_span.range);
+    let lettering = [
+        Lettering::All(&chart.x.label),
+        Lettering::All(&chart.y.label),
+    ];
+    let height = 0.86 * COLUMN;
+    let left = MARGIN + Frame::left_room(y_span, height, lettering[1]);
+    let frame = Frame {
+        bounds: Bounds::new(left, MARGIN + 2.0, COLUMN - left - MARGIN - 4.0, height),
+        x: x_span,
+        y: y_span,
+    };
+    let (ground, data) = chart.contents(&frame);
+    let mut items = ground;
+    items.extend(data.iter().cloned());
+    let mut written = data.clone();
+    for region in region_names(&diagram.system, &frame, &data) {
+        written.push(region.clone());
+        items.push(region);
+    }
+    frame.draw(&mut items, lettering[0], lettering[1]);
+    let mut legend = Legend::default();
+    for series in &chart.series {
+        if let Some(label) = &series.label {
+            legend.push(label, series.style);
+        }
+    }
+    let mut end = frame.bounds.bottom + Frame::bottom_room(lettering[0]) + 2.0 * MARGIN;
+    end += legend.draw_below([0.5 * COLUMN, end], COLUMN - 2.0 * MARGIN, &mut items);
+    Figure::new("phase-diagram", [COLUMN, end + MARGIN], items).with_description(
+        "Phase diagram of the contact",
+        "Reduced force against reduced contact radius. Below the transition curve the lens rests on \
+         pillar tops only, above it also touches the floor between them; left of one pitch the \
+         outcome depends on where the lens lands.",
+    )
+}
+
+/// The transition force is constant below one pitch and jumps nowhere: both its parts are 1 there.
+fn transition_curve(system: &System, [first, last]: [f64; 2]) -> Vec<[f64; 2]> {
+    let pillar = system.pillar();
+    let reduce = system.internal_compliance() / (pillar.height * pillar.diameter);
+    let pitch = system.lattice().pitch;
+    (0..=240)
+        .map(|k| {
+            let ratio = first * (last / first).powf(f64::from(k) / 240.0);
+            [ratio, reduce * transition_force(system, ratio * pitch)]
+        })
+        .collect()
+}
+
+fn shades(curve: &[[f64; 2]], x: [f64; 2], y: [f64; 2]) -> Vec<Shade> {
+    let side = |discrete: bool, above: bool| {
+        let edge = if above { y[1] } else { y[0] };
+        let inside = |p: &&[f64; 2]| (p[0] <= 1.0) == discrete;
+        let mut corners: Vec<[f64; 2]> = curve.iter().filter(inside).copied().collect();
+        let level = curve[0][1];
+        if discrete {
+            corners.push([1.0, level]);
+            corners.extend([[1.0, edge], [x[0], edge]]);
+        } else {
+            corners.insert(0, [1.0, level]);
+            corners.extend([[x[1], edge], [1.0, edge]]);
+        }
+        let colour = if above { MIXED } else { TOP };
+        let colour = if discrete {
+            colour.lighter(0.55)
+        } else {
+            colour
+        };
+        Shade { corners, colour }
+    };
+    [(true, false), (true, true), (false, false), (false, true)]
+        .into_iter()
+        .map(|(discrete, above)| side(discrete, above))
+        .collect()
+}
+
+/// The name of every region, in the emptiest place well inside it.
+fn region_names(system: &System, frame: &Frame, data: &[Item]) -> Vec<Item> {
+    let pitch = system.lattice().pitch;
+    let pillar = system.pillar();
+    let reduce = system.internal_compliance() / (pillar.height * pillar.diameter);
+    let names = [
+        (Region::Top, true, "top"),
+        (Region::Mixed, true, "mixed"),
+        (Region::Top, false, "top, discrete"),
+        (Region::Mixed, false, "mixed, discrete"),
+    ];
+    let mut labels: Vec<Item> = Vec::new();
+    for (region, deterministic, name) in names {
+        let text = Text::from(format!("*{name}*"));
+        let size = [NOTE_SIZE * text.width(), NOTE_SIZE * (ASCENT + DESCENT)];
+        let inside = |bounds: &Bounds| {
+            let corners = [
+                [bounds.left, bounds.top],
+                [bounds.right, bounds.bottom],
+                [bounds.left, bounds.bottom],
+                [bounds.right, bounds.top],
+            ];
+            corners.iter().all(|place| {
+                let [ratio, force] = frame.value(*place);
+                let phase = phase(system, force / reduce, ratio * pitch);
+                phase.region == region && phase.deterministic == deterministic
+            })
+        };
+        let free = |bounds: &Bounds| {
+            let roomy = bounds.grown(2.0);
+            inside(bounds)
+                && !data
+                    .iter()
+                    .chain(&labels)
+                    .any(|item| item.comes_into(&roomy))
+        };
+        let centre = |[x, y]: [f64; 2]| (x - 0.5).abs() + (y - 0.5).abs();
+        if let Some([x, y]) = place_where(&frame.bounds, size, centre, free) {
+            let at = [x, y + ASCENT * NOTE_SIZE];
+            labels.push(Item::Label(Label::new(text, at, NOTE_SIZE, Anchor::Start)));
+        }
+    }
+    labels
+}

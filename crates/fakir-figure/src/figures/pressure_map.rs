@@ -1,0 +1,221 @@
+//! The pressure on every pillar.
+
+use crate::axis::Axis;
+use crate::chart::MARGIN;
+use crate::colour::{ColourMap, Tint};
+use crate::error::FigureError;
+use crate::figure::{Figure, PAGE};
+use crate::font::Bounds;
+use crate::frame::{Frame, Lettering};
+use crate::legend::Legend;
+use crate::map::{ColourBar, RED, SCALE_BAR_ROOM, Window, cross, symmetric_copies};
+use crate::scene::{Colour, Item, Stroke};
+use crate::series::{Dash, Marker, Series, Style};
+use crate::text::Text;
+use crate::unit::Unit;
+use fakir::contact::{ContactState, PillarState, PillarStatus};
+use fakir::system::Point;
+use std::collections::HashSet;
+use std::f64::consts::PI;
+
+const SIDE: f64 = 208.0;
+const GREY: Colour = Colour::grey(226);
+
+/// Mean pressure on every pillar top as a map, and the pressure at the centre of every pillar top
+/// against its distance from the lens axis.
+///
+/// The map has the contact edge (the circle of [`ContactState::contact_radius`]), partially touched
+/// pillars outlined, and `floor_contact` (m) with its symmetric copies.
+///
+/// The curve beside it is Hertz-like, `p_0 sqrt(1 - (r/a)^2)`, as the paper takes the forces on
+/// pillars to be: `F_n = F_0 sqrt(1 - (r_n/a)^2)`, with `F_0` such that the pillars carry the whole
+/// force, and the centre of a pillar top half its mean pressure, as under a flat punch:
+/// `p = F_n/(2 pi (d/2)^2)`.
+///
+/// # Errors
+/// [`FigureError::NoPillars`] if there is no pillar to show.
+pub fn pressure_map(
+    state: &ContactState,
+    floor_contact: Option<Point>,
+) -> Result<Figure, FigureError> {
+    if state.pillars.is_empty() {
+        return Err(FigureError::NoPillars {
+            method: state.method.name(),
+        });
+    }
+    let top_area = 0.25 * PI * state.system.pillar().diameter.powi(2);
+    let largest = largest(state.pillars.iter().map(|pillar| pillar.force / top_area));
+    let unit = Unit::of_pressure(largest);
+    let bar = ColourBar::over(
+        ColourMap::Viridis,
+        0.0,
+        unit.of(largest),
+        format!("mean pressure on pillar top ({})", unit.name),
+    );
+    let mut items = Vec::new();
+    let top = MARGIN + 2.0;
+    let window = map_window(state, floor_contact, [MARGIN + 1.0, top]);
+    let colour = |pillar: &PillarState| bar.colour(unit.of(pillar.force / top_area));
+    draw_map(&window, state, floor_contact, colour, &mut items);
+    let bar_left = window.frame.bounds.right + 6.0;
+    bar.draw([bar_left, top], SIDE, &mut items);
+    let left = bar_left + bar.width(SIDE) + 16.0;
+    let height = draw_profile(state, [left, top], &mut items);
+    let end = (top + SIDE + SCALE_BAR_ROOM).max(height);
+    let figure = Figure::new("pressure-map", [PAGE, end + MARGIN], items);
+    Ok(figure.with_description(
+        "Pressure on the pillars",
+        &format!(
+            "Left: map of the {} touched pillars, coloured by mean pressure; partially touched \
+             ones are outlined, the dashed circle is the edge of the contact, crosses mark where \
+             the floor is touched. Right: pressure at the centre of every pillar top against the \
+             distance from the lens axis, with a Hertz-like distribution of the same force.",
+            state.pillars_in_contact
+        ),
+    ))
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
+}
+
+fn map_window(state: &ContactState, floor_contact: Option<Point>, at: [f64; 2]) -> Window {
+    let pitch = state.system.lattice().pitch;
+    let floor = floor_contact.map_or(0.0, |[x, y]| x.hypot(y));
+    let half_width = (1.06 * state.contact_radius)
+        .max(floor + 0.3 * pitch)
+        .max(1.2 * pitch);
+    Window::new(at, SIDE, [0.0, 0.0], half_width)
+}
+
+fn draw_map(
+    window: &Window,
+    state: &ContactState,
+    floor_contact: Option<Point>,
+    colour: impl Fn(&PillarState) -> Colour,
+    items: &mut Vec<Item>,
+) {
+    let pillar = state.system.pillar();
+    let radius = window.length(0.5 * pillar.diameter);
+    let lattice = state.system.lattice();
+    let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
+    let mut inside = Vec::new();
+    for (index, centre) in window.pillars(lattice, pillar.diameter) {
+        if !touched.contains(&index) {
+            inside.push(disc(window.place(centre), radius, GREY, None));
+        }
+    }
+    for pillar in &state.pillars {
+        let outline = (pillar.status == PillarStatus::Partial)
+            .then(|| Stroke::solid(Colour::BLACK, (0.25 * radius).clamp(0.25, 0.7)));
+        let place = window.place(pillar.centre);
+        inside.push(disc(place, radius, colour(pillar), outline));
+    }
+    inside.push(Item::Disc {
+        centre: window.place([0.0, 0.0]),
+        radius: window.length(state.contact_radius),
+        fill: None,
+        stroke: Some(Stroke {
+            colour: RED,
+            width: 0.7,
+            dashes: Dash::Dashed.lengths(),
+        }),
+    });
+    for point in floor_contact
+        .map(|point| symmetric_copies(lattice, point))
+        .unwrap_or_default()
+    {
+        cross(window.place(point), &mut inside);
+    }
+    items.push(window.clipped(inside));
+    window.draw_with_scale_bar(items);
+}
+
+fn disc(centre: [f64; 2], radius: f64, fill: Colour, stroke: Option<Stroke>) -> Item {
+    // The outline is inside the disc, so that neighbours do not run together.
+    let inset = stroke.as_ref().map_or(0.0, |stroke| 0.5 * stroke.width);
+    Item::Disc {
+        centre,
+        radius: radius - inset,
+        fill: Some(fill),
+        stroke,
+    }
+}
+
+/// Answers with where it ends.
+fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Item>) -> f64 {
+    let unit = Unit::of_pressure(largest(state.pillars.iter().map(|p| p.centre_pressure)));
+    let series = profile_series(state, unit);
+    let x = Axis::linear("*r*/*a*").over(0.0, 1.05);
+    let y = Axis::linear(format!("pressure at pillar centre ({})", unit.name));
+    let y_span = y.span(series.iter().flat_map(|series| series.values(1)));
+    let x_span = x.span(std::iter::empty());
+    let lettering = Lettering::All(&y.label);
+    let room = Frame::left_room(y_span, SIDE, lettering);
+    let bounds = Bounds::new(left + room, top, PAGE - left - room - MARGIN - 5.0, SIDE);
+    let frame = Frame {
+        bounds,
+        x: x_span,
+        y: y_span,
+    };
+    let mut data = Vec::new();
+    let mut legend = Legend::default();
+    for series in &series {
+        series.draw(&frame, &mut data);
+        if let Some(label) = &series.label {
+            legend.push(label, series.style);
+        }
+    }
+    items.extend(data.iter().cloned());
+    frame.draw(items, Lettering::All(&x.label), lettering);
+    let mut end = bounds.bottom + Frame::bottom_room(Lettering::All(&x.label));
+    if !legend.draw_inside(&bounds, &data, items) {
+        end += 4.0;
+        end += legend.draw_below([bounds.centre()[0], end], bounds.width(), items);
+    }
+    end
+}
+
+fn profile_series(state: &ContactState, unit: Unit) -> Vec<Series> {
+    let a = state.contact_radius;
+    let weight = |ratio: f64| (1.0 - ratio * ratio).max(0.0).sqrt();
+    let ratio = |pillar: &PillarState| pillar.centre[0].hypot(pillar.centre[1]) / a;
+    let of_status = |status: PillarStatus| -> Vec<[f64; 2]> {
+        let pillars = state.pillars.iter().filter(|p| p.status == status);
+        pillars
+            .map(|p| [ratio(p), unit.of(p.centre_pressure)])
+            .collect()
+    };
+    let weights: f64 = state.pillars.iter().map(|p| weight(ratio(p))).sum();
+    let top_area = 0.25 * PI * state.system.pillar().diameter.powi(2);
+    let largest = 0.5 * state.force / (weights * top_area);
+    let curve = (0..=200)
+        .map(|k| {
+            let ratio = f64::from(k) / 200.0;
+            [ratio, unit.of(largest * weight(ratio))]
+        })
+        .collect();
+    let marks = |tint, marker| Style {
+        tint,
+        line: None,
+        marker: Some(marker),
+    };
+    let mut series = vec![Series::new(
+        "touched fully",
+        of_status(PillarStatus::Full),
+        marks(Tint::Blue, Marker::Disc),
+    )];
+    let partial = of_status(PillarStatus::Partial);
+    if !partial.is_empty() {
+        let style = marks(Tint::Vermillion, Marker::Ring);
+        series.push(Series::new("touched partially", partial, style));
+    }
+    if largest.is_finite() {
+        series.push(Series::new(
+            Text::from("√(1 − (*r*/*a*)^{2}), same force"),
+            curve,
+            Style::line(1).in_tint(Tint::Black),
+        ));
+    }
+    series
+}

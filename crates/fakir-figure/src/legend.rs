@@ -1,0 +1,136 @@
+//! Legends: in the emptiest corner of a chart, or below all of it.
+
+use crate::font::{Bounds, CAP_HEIGHT};
+use crate::frame::NOTE_SIZE;
+use crate::scene::{Anchor, Item, Label, Place};
+use crate::series::Style;
+use crate::text::Text;
+
+const SAMPLE: f64 = 19.0;
+const GAP: f64 = 4.0;
+const LINE: f64 = NOTE_SIZE * 1.32;
+/// Distance from the frame and from the data.
+const MARGIN: f64 = 6.0;
+const CLEARANCE: f64 = 2.0;
+const BETWEEN_COLUMNS: f64 = 12.0;
+
+/// A legend.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Legend {
+    entries: Vec<(Text, Style)>,
+}
+
+impl Legend {
+    /// Every label once, in the order of their first appearance.
+    pub(crate) fn push(&mut self, label: &Text, style: Style) {
+        let known = |(text, of): &(Text, Style)| text == label && *of == style;
+        if !self.entries.iter().any(known) {
+            self.entries.push((label.clone(), style));
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    fn column_width(&self) -> f64 {
+        let widths = self.entries.iter().map(|(text, _)| text.width());
+        SAMPLE + GAP + NOTE_SIZE * widths.fold(0.0, f64::max)
+    }
+
+    fn size(&self, columns: usize) -> [f64; 2] {
+        let rows = self.entries.len().div_ceil(columns);
+        [
+            columns as f64 * self.column_width() + (columns - 1) as f64 * BETWEEN_COLUMNS,
+            rows as f64 * LINE,
+        ]
+    }
+
+    fn draw(&self, [left, top]: Place, columns: usize, items: &mut Vec<Item>) {
+        let rows = self.entries.len().div_ceil(columns);
+        let step = self.column_width() + BETWEEN_COLUMNS;
+        for (k, (text, style)) in self.entries.iter().enumerate() {
+            let x = left + (k / rows) as f64 * step;
+            let middle = top + ((k % rows) as f64 + 0.5) * LINE;
+            style.sample([x, middle], SAMPLE, items);
+            let at = [x + SAMPLE + GAP, middle + 0.5 * CAP_HEIGHT * NOTE_SIZE];
+            items.push(Item::Label(Label::new(
+                text.clone(),
+                at,
+                NOTE_SIZE,
+                Anchor::Start,
+            )));
+        }
+    }
+
+    /// Draws it inside a frame where it covers none of the data; `false` if there is no such
+    /// place.
+    pub(crate) fn draw_inside(&self, frame: &Bounds, data: &[Item], items: &mut Vec<Item>) -> bool {
+        for columns in 1..=2 {
+            let size = self.size(columns);
+            if let Some(place) = free_place(frame, size, data) {
+                self.draw(place, columns, items);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Draws it below a chart, centred on `centre` and at most `width` wide; answers with its
+    /// height.
+    pub(crate) fn draw_below(
+        &self,
+        [centre, top]: Place,
+        width: f64,
+        items: &mut Vec<Item>,
+    ) -> f64 {
+        let fit = (width + BETWEEN_COLUMNS) / (self.column_width() + BETWEEN_COLUMNS);
+        let most = (fit as usize).clamp(1, self.entries.len().max(1));
+        // As many rows as needed, as few columns as these rows need.
+        let rows = self.entries.len().div_ceil(most);
+        let columns = self.entries.len().div_ceil(rows.max(1)).max(1);
+        let size = self.size(columns);
+        self.draw([centre - 0.5 * size[0], top], columns, items);
+        size[1]
+    }
+}
+
+/// Top left of a box of a size, inside the frame, that no line, marker or text comes into:
+/// preferably in a corner.
+pub(crate) fn free_place(frame: &Bounds, size: [f64; 2], data: &[Item]) -> Option<Place> {
+    let corner = |[x, y]: [f64; 2]| x.min(1.0 - x) + y.min(1.0 - y) + 1e-3 * y + 1e-4 * (1.0 - x);
+    place_where(frame, size, corner, |bounds| {
+        !data.iter().any(|item| item.comes_into(bounds))
+    })
+}
+
+/// As [`free_place`], wherever `accepted` says, with the least `cost` of the share of the way
+/// across and down.
+pub(crate) fn place_where(
+    frame: &Bounds,
+    size: [f64; 2],
+    cost: impl Fn([f64; 2]) -> f64,
+    accepted: impl Fn(&Bounds) -> bool,
+) -> Option<Place> {
+    const STEPS: i32 = 24;
+    let room = [
+        frame.width() - size[0] - 2.0 * MARGIN,
+        frame.height() - size[1] - 2.0 * MARGIN,
+    ];
+    if room.iter().any(|room| *room < 0.0) {
+        return None;
+    }
+    let mut shares: Vec<[f64; 2]> = (0..=STEPS)
+        .flat_map(|i| (0..=STEPS).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(STEPS))))
+        .collect();
+    shares.sort_by(|a, b| cost(*a).total_cmp(&cost(*b)));
+    shares
+        .into_iter()
+        .map(|[x, y]| {
+            [
+                frame.left + MARGIN + x * room[0],
+                frame.top + MARGIN + y * room[1],
+            ]
+        })
+        .find(|[x, y]| accepted(&Bounds::new(*x, *y, size[0], size[1]).grown(CLEARANCE)))
+}

@@ -1,0 +1,283 @@
+//! What maps have in common: frames with equal scales, pixels, pillars, colour bars, scale bars.
+
+use crate::axis::{Direction, Span};
+use crate::colour::ColourMap;
+use crate::font::{Bounds, CAP_HEIGHT};
+use crate::frame::{ASCENT, DESCENT, FRAME_WIDTH, Frame, LABEL_SIZE, NOTE_SIZE, TICK_SIZE};
+use crate::scene::{Anchor, Colour, Item, Label, Path, Pixels, Place, Stroke};
+use crate::text::Text;
+use crate::unit::{Unit, significant};
+use fakir::system::{HexagonalLattice, Point};
+use std::sync::Arc;
+
+/// A square window on the surface, from `-half_width` to `half_width` (m) around a centre, shown
+/// in a unit of length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Window {
+    pub(crate) frame: Frame,
+    pub(crate) centre: Point,
+    pub(crate) half_width: f64,
+    pub(crate) unit: Unit,
+}
+
+impl Window {
+    pub(crate) fn new([left, top]: Place, side: f64, centre: Point, half_width: f64) -> Self {
+        let unit = Unit::of_length(half_width);
+        let span =
+            |centre: f64| Span::linear(unit.of(centre - half_width), unit.of(centre + half_width));
+        Self {
+            frame: Frame {
+                bounds: Bounds::new(left, top, side, side),
+                x: span(centre[0]),
+                y: span(centre[1]),
+            },
+            centre,
+            half_width,
+            unit,
+        }
+    }
+
+    /// Where a point of the surface (m) is on the page.
+    pub(crate) fn place(&self, point: Point) -> Place {
+        self.frame.place(point.map(|v| self.unit.of(v)))
+    }
+
+    /// A length (m) on the page.
+    pub(crate) fn length(&self, length: f64) -> f64 {
+        length / (2.0 * self.half_width) * self.frame.bounds.width()
+    }
+
+    /// Coordinates (m) of the middles of `count` pixels across, and up from the bottom.
+    pub(crate) fn pixel_coordinates(&self, count: usize) -> [Vec<f64>; 2] {
+        self.centre.map(|centre| {
+            (0..count)
+                .map(|k| {
+                    let share = (k as f64 + 0.5) / count as f64;
+                    centre + self.half_width * (2.0 * share - 1.0)
+                })
+                .collect()
+        })
+    }
+
+    /// An image of colours given row by row from the bottom, `count` to a row.
+    pub(crate) fn image(&self, count: usize, colours: &[Colour]) -> Item {
+        let from_top = colours.chunks(count).rev().flatten().copied().collect();
+        Item::Image {
+            bounds: self.frame.bounds,
+            pixels: Arc::new(Pixels {
+                width: count,
+                height: colours.len() / count.max(1),
+                colours: from_top,
+            }),
+        }
+    }
+
+    /// Centres of the pillars of a lattice of which something is seen, with their indices.
+    pub(crate) fn pillars(
+        &self,
+        lattice: &HexagonalLattice,
+        diameter: f64,
+    ) -> Vec<((i64, i64), Point)> {
+        let (middle_i, middle_j) = lattice.nearest_pillar(self.centre);
+        // Lattice points within a distance r have indices within 2 r/(sqrt3 e).
+        let reach = (1.2 * (1.5 * self.half_width + diameter) / lattice.pitch).ceil() as i64 + 1;
+        let limit = self.half_width + 0.5 * diameter;
+        (-reach..=reach)
+            .flat_map(|i| (-reach..=reach).map(move |j| (middle_i + i, middle_j + j)))
+            .map(|(i, j)| ((i, j), lattice.centre(i, j)))
+            .filter(|(_, [x, y])| {
+                (x - self.centre[0]).abs() < limit && (y - self.centre[1]).abs() < limit
+            })
+            .collect()
+    }
+
+    /// The same items, of which only what is inside the window is seen.
+    pub(crate) fn clipped(&self, items: Vec<Item>) -> Item {
+        Item::Clipped {
+            bounds: self.frame.bounds,
+            items,
+        }
+    }
+
+    /// Border without ticks, and below it a bar with its length.
+    pub(crate) fn draw_with_scale_bar(&self, items: &mut Vec<Item>) {
+        let bounds = &self.frame.bounds;
+        items.push(Item::stroked(
+            Path::rectangle(bounds),
+            Stroke::solid(Colour::BLACK, FRAME_WIDTH),
+        ));
+        let length = round_down(0.3 * 2.0 * self.half_width);
+        let [left, y] = [bounds.left, bounds.bottom + SCALE_BAR_DROP];
+        let right = left + self.length(length);
+        let stroke = Stroke::solid(Colour::BLACK, 1.6);
+        items.push(Item::stroked(Path::line([[left, y], [right, y]]), stroke));
+        let text = format!(
+            "{} {}",
+            significant_without_zeros(self.unit.of(length)),
+            self.unit.name
+        );
+        let at = [right + 4.0, y + 0.5 * CAP_HEIGHT * NOTE_SIZE];
+        items.push(Item::Label(Label::new(text, at, NOTE_SIZE, Anchor::Start)));
+    }
+}
+
+const SCALE_BAR_DROP: f64 = 8.0;
+
+/// Room below a window for its scale bar.
+pub(crate) const SCALE_BAR_ROOM: f64 = 12.5;
+
+/// 1, 2 or 5 times a power of ten, at most `value`.
+fn round_down(value: f64) -> f64 {
+    let unit = 10f64.powf(value.log10().floor());
+    [5.0, 2.0, 1.0]
+        .into_iter()
+        .map(|digit| digit * unit)
+        .find(|length| *length <= value * (1.0 + 1e-9))
+        .unwrap_or(unit)
+}
+
+fn significant_without_zeros(value: f64) -> String {
+    let text = significant(value, 3);
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A scale of colours.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ColourBar {
+    pub(crate) map: ColourMap,
+    /// Values of the first and last colour.
+    pub(crate) span: Span,
+    pub(crate) label: Text,
+}
+
+const BAR_WIDTH: f64 = 8.0;
+const NUMBER_GAP: f64 = 3.0;
+const NAME_GAP: f64 = 4.0;
+
+impl ColourBar {
+    /// Colours from the smallest to the largest of some values; from 0 if they are not negative.
+    pub(crate) fn over(map: ColourMap, low: f64, high: f64, label: impl Into<Text>) -> Self {
+        let high = if high > low { high } else { low + 1.0 };
+        Self {
+            map,
+            span: Span::linear(low, high),
+            label: label.into(),
+        }
+    }
+
+    pub(crate) fn colour(&self, value: f64) -> Colour {
+        self.map.at(self.span.fraction(value))
+    }
+
+    fn number_width(&self, height: f64) -> f64 {
+        let ticks = self.span.ticks(height, TICK_SIZE, Direction::Upwards);
+        let widths = ticks.iter().filter_map(|tick| tick.label.as_ref());
+        TICK_SIZE * widths.map(Text::width).fold(0.0, f64::max)
+    }
+
+    /// Width of all of it.
+    pub(crate) fn width(&self, height: f64) -> f64 {
+        BAR_WIDTH
+            + NUMBER_GAP
+            + self.number_width(height)
+            + NAME_GAP
+            + LABEL_SIZE * (ASCENT + DESCENT)
+    }
+
+    pub(crate) fn draw(&self, [left, top]: Place, height: f64, items: &mut Vec<Item>) {
+        let bounds = Bounds::new(left, top, BAR_WIDTH, height);
+        items.push(Item::Path {
+            path: Path::rectangle(&bounds),
+            fill: Some(self.map.fill()),
+            stroke: Some(Stroke::solid(Colour::BLACK, FRAME_WIDTH)),
+        });
+        let mut marks = Path::default();
+        for tick in self.span.ticks(height, TICK_SIZE, Direction::Upwards) {
+            let Some(text) = tick.label else { continue };
+            let y = bounds.bottom - height * self.span.fraction(tick.value);
+            marks.push_line([[bounds.right - 2.5, y], [bounds.right, y]]);
+            marks.push_line([[bounds.left, y], [bounds.left + 2.5, y]]);
+            let at = [bounds.right + NUMBER_GAP, y + 0.5 * CAP_HEIGHT * TICK_SIZE];
+            items.push(Item::Label(Label::new(text, at, TICK_SIZE, Anchor::Start)));
+        }
+        items.push(Item::stroked(marks, Stroke::solid(Colour::BLACK, 0.5)));
+        let x =
+            bounds.right + NUMBER_GAP + self.number_width(height) + NAME_GAP + ASCENT * LABEL_SIZE;
+        let at = [x, bounds.centre()[1]];
+        let mut name = Label::new(self.label.clone(), at, LABEL_SIZE, Anchor::Middle);
+        name.upwards = true;
+        items.push(Item::Label(name));
+    }
+}
+
+/// A mark that is seen on any ground: a white cross with a black core.
+pub(crate) fn cross([x, y]: Place, items: &mut Vec<Item>) {
+    let arm = 2.8;
+    let mut path = Path::line([[x - arm, y - arm], [x + arm, y + arm]]);
+    path.push_line([[x - arm, y + arm], [x + arm, y - arm]]);
+    items.push(Item::stroked(
+        path.clone(),
+        Stroke::solid(Colour::WHITE, 2.4),
+    ));
+    items.push(Item::stroked(path, Stroke::solid(RED, 1.1)));
+}
+
+/// Of marks on maps: in no map of this crate, and dark enough for a white ground.
+pub(crate) const RED: Colour = Colour([200, 30, 30]);
+
+/// The images of a point under the symmetries of the lattice, each once.
+pub(crate) fn symmetric_copies(lattice: &HexagonalLattice, point: Point) -> Vec<Point> {
+    let near = 1e-6 * lattice.pitch;
+    let mut copies: Vec<Point> = Vec::new();
+    for image in lattice.symmetry().images(point) {
+        let same = |other: &Point| (other[0] - image[0]).hypot(other[1] - image[1]) < near;
+        if !copies.iter().any(same) {
+            copies.push(image);
+        }
+    }
+    copies
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_pillars_in_a_window_and_no_others() {
+        let lattice = HexagonalLattice::new(2.0).offset_by(0.3);
+        let window = Window::new([0.0, 0.0], 100.0, [0.7, -3.0], 9.0);
+        let pillars = window.pillars(&lattice, 1.0);
+        // 19^2/(2 sqrt3) = 104.2 lattice cells.
+        assert!((95..=114).contains(&pillars.len()), "{}", pillars.len());
+        let wide = (-40..=40).flat_map(|i| (-40..=40).map(move |j| (i, j)));
+        let seen = wide.filter(|(i, j)| {
+            let [x, y] = lattice.centre(*i, *j);
+            (x - 0.7).abs() < 9.5 && (y + 3.0).abs() < 9.5
+        });
+        assert_eq!(seen.count(), pillars.len());
+    }
+
+    #[test]
+    fn scale_bars_have_round_lengths() {
+        for (value, length) in [(0.3, 0.2), (5.0, 5.0), (99.0, 50.0), (1.1e-5, 1e-5)] {
+            assert!((round_down(value) / length - 1.0).abs() < 1e-9);
+        }
+        assert_eq!(significant_without_zeros(50.0), "50");
+        assert_eq!(significant_without_zeros(0.5), "0.5");
+    }
+
+    #[test]
+    fn copies_of_a_hollow_site() {
+        let lattice = HexagonalLattice::new(1.0);
+        assert_eq!(
+            symmetric_copies(&lattice, [1.0 / 3f64.sqrt(), 0.0]).len(),
+            6
+        );
+        assert_eq!(symmetric_copies(&lattice, [0.5, 0.1]).len(), 12);
+        assert_eq!(symmetric_copies(&lattice, [0.0, 0.0]).len(), 1);
+    }
+}

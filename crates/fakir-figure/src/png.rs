@@ -1,0 +1,56 @@
+//! Pixels as PNG.
+
+use crate::scene::{Colour, Pixels};
+use png::{BitDepth, ColorType, Compression, Encoder, PixelDimensions, Unit};
+
+/// What goes with a picture: keyword and text.
+pub(crate) type Remark<'a> = (&'static str, &'a str);
+
+/// An image as it is.
+pub(crate) fn pixels(pixels: &Pixels) -> Vec<u8> {
+    encode(pixels, None, &[])
+}
+
+/// A picture of a resolution in dots per inch, with remarks: as Latin-1 (`tEXt`) where that has
+/// all their characters, otherwise as UTF-8 (`iTXt`).
+pub(crate) fn picture(pixels: &Pixels, dots_per_inch: f64, remarks: &[Remark<'_>]) -> Vec<u8> {
+    encode(pixels, Some(dots_per_inch), remarks)
+}
+
+fn encode(pixels: &Pixels, dots_per_inch: Option<f64>, remarks: &[Remark<'_>]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    try_encode(&mut bytes, pixels, dots_per_inch, remarks)
+        .expect("memory takes every byte, and the number of pixels is right");
+    bytes
+}
+
+fn try_encode(
+    bytes: &mut Vec<u8>,
+    pixels: &Pixels,
+    dots_per_inch: Option<f64>,
+    remarks: &[Remark<'_>],
+) -> Result<(), png::EncodingError> {
+    let mut encoder = Encoder::new(bytes, pixels.width as u32, pixels.height as u32);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Balanced);
+    if let Some(dots_per_inch) = dots_per_inch {
+        let per_metre = (dots_per_inch / 0.0254).round() as u32;
+        encoder.set_pixel_dims(Some(PixelDimensions {
+            xppu: per_metre,
+            yppu: per_metre,
+            unit: Unit::Meter,
+        }));
+    }
+    for (keyword, text) in remarks {
+        if text.chars().all(|c| u32::from(c) < 256) {
+            encoder.add_text_chunk((*keyword).to_owned(), (*text).to_owned())?;
+        } else {
+            encoder.add_itxt_chunk((*keyword).to_owned(), (*text).to_owned())?;
+        }
+    }
+    let data: Vec<u8> = pixels.colours.iter().flat_map(|Colour(c)| *c).collect();
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&data)?;
+    writer.finish()
+}

@@ -1,0 +1,287 @@
+//! Data of a chart and how they are drawn.
+
+use crate::colour::Tint;
+use crate::frame::Frame;
+use crate::scene::{Colour, Fill, Item, Path, Place, Stroke};
+use crate::text::Text;
+
+/// Pattern of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the names say it
+pub enum Dash {
+    Solid,
+    Dashed,
+    Dotted,
+    DashDotted,
+    LongDashed,
+    DashDotDotted,
+}
+
+impl Dash {
+    pub(crate) const ORDER: [Self; 6] = [
+        Self::Solid,
+        Self::Dashed,
+        Self::DashDotted,
+        Self::Dotted,
+        Self::LongDashed,
+        Self::DashDotDotted,
+    ];
+
+    pub(crate) fn lengths(self) -> &'static [f64] {
+        match self {
+            Self::Solid => &[],
+            Self::Dashed => &[4.0, 2.0],
+            Self::Dotted => &[1.0, 1.5],
+            Self::DashDotted => &[5.0, 1.6, 1.0, 1.6],
+            Self::LongDashed => &[8.0, 2.5],
+            Self::DashDotDotted => &[5.0, 1.5, 1.0, 1.5, 1.0, 1.5],
+        }
+    }
+}
+
+/// Shape of a data point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the names say it
+pub enum Marker {
+    Disc,
+    Square,
+    Triangle,
+    Diamond,
+    Ring,
+    Cross,
+}
+
+impl Marker {
+    pub(crate) const ORDER: [Self; 6] = [
+        Self::Disc,
+        Self::Square,
+        Self::Triangle,
+        Self::Diamond,
+        Self::Ring,
+        Self::Cross,
+    ];
+}
+
+/// How a series is drawn. Colours alone do not tell series apart in a grey print: different
+/// dashes or markers should go with them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Style {
+    /// Colour of line and markers.
+    pub tint: Tint,
+    /// The line through the points, if any.
+    pub line: Option<Dash>,
+    /// The mark at every point, if any.
+    pub marker: Option<Marker>,
+}
+
+impl Style {
+    /// The `k`-th line that differs from the others in colour and pattern.
+    #[must_use]
+    pub fn line(k: usize) -> Self {
+        Self {
+            tint: Tint::ORDER[k % Tint::ORDER.len()],
+            line: Some(Dash::ORDER[k % Dash::ORDER.len()]),
+            marker: None,
+        }
+    }
+
+    /// The `k`-th marker that differs from the others in colour and shape.
+    #[must_use]
+    pub fn marks(k: usize) -> Self {
+        Self {
+            tint: Tint::ORDER[k % Tint::ORDER.len()],
+            line: None,
+            marker: Some(Marker::ORDER[k % Marker::ORDER.len()]),
+        }
+    }
+
+    /// The same in another colour.
+    #[must_use]
+    pub fn in_tint(self, tint: Tint) -> Self {
+        Self { tint, ..self }
+    }
+
+    /// The same with a line through the points.
+    #[must_use]
+    pub fn with_line(self, dash: Dash) -> Self {
+        Self {
+            line: Some(dash),
+            ..self
+        }
+    }
+}
+
+/// Points of a chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// What stands in the legend; `None` keeps it out.
+    pub label: Option<Text>,
+    /// The points, in the values of the axes. A line is interrupted at points that an axis cannot
+    /// show.
+    pub points: Vec<[f64; 2]>,
+    /// Half lengths of error bars along x and y, for every point or none.
+    pub errors: Vec<[f64; 2]>,
+    /// How it is drawn.
+    pub style: Style,
+}
+
+impl Series {
+    /// Points without error bars.
+    #[must_use]
+    pub fn new(label: impl Into<Text>, points: Vec<[f64; 2]>, style: Style) -> Self {
+        Self {
+            label: Some(label.into()),
+            ..Self::unnamed(points, style)
+        }
+    }
+
+    /// Points without error bars that are not in the legend.
+    #[must_use]
+    pub fn unnamed(points: Vec<[f64; 2]>, style: Style) -> Self {
+        Self {
+            label: None,
+            points,
+            errors: Vec::new(),
+            style,
+        }
+    }
+
+    /// The same points with error bars: half lengths along x and y.
+    #[must_use]
+    pub fn with_errors(self, errors: Vec<[f64; 2]>) -> Self {
+        Self { errors, ..self }
+    }
+
+    /// Values along one direction, ends of error bars included.
+    pub(crate) fn values(&self, direction: usize) -> impl Iterator<Item = f64> + '_ {
+        self.points.iter().enumerate().flat_map(move |(k, point)| {
+            let error = self.errors.get(k).map_or(0.0, |error| error[direction]);
+            let value = point[direction];
+            [value - error, value, value + error]
+        })
+    }
+
+    pub(crate) fn draw(&self, frame: &Frame, items: &mut Vec<Item>) {
+        let places: Vec<Option<Place>> = self
+            .points
+            .iter()
+            .map(|point| {
+                let place = frame.place(*point);
+                let shown = place.iter().all(|v| v.is_finite())
+                    && frame.x.fraction(point[0]) > -50.0
+                    && frame.y.fraction(point[1]) > -50.0;
+                shown.then_some(place)
+            })
+            .collect();
+        if let Some(dash) = self.style.line {
+            let mut path = Path::default();
+            for piece in places.split(Option::is_none) {
+                if piece.len() > 1 {
+                    path.push_line(piece.iter().copied().flatten());
+                }
+            }
+            if !path.pieces.is_empty() {
+                items.push(Item::Clipped {
+                    bounds: frame.bounds,
+                    items: vec![Item::stroked(path, self.style.stroke(dash))],
+                });
+            }
+        }
+        self.draw_errors(frame, items);
+        let inside = frame.bounds.grown(0.5);
+        if let Some(marker) = self.style.marker {
+            for place in places.into_iter().flatten() {
+                if inside.contains(place) {
+                    items.push(marker.item(place, self.style.tint.colour()));
+                }
+            }
+        }
+    }
+
+    fn draw_errors(&self, frame: &Frame, items: &mut Vec<Item>) {
+        const CAP: f64 = 1.6;
+        let mut path = Path::default();
+        for ([x, y], [dx, dy]) in self.points.iter().zip(&self.errors) {
+            if *dx > 0.0 {
+                let [a, b] = [frame.place([x - dx, *y]), frame.place([x + dx, *y])];
+                path.push_line([a, b]);
+                for [x, y] in [a, b] {
+                    path.push_line([[x, y - CAP], [x, y + CAP]]);
+                }
+            }
+            if *dy > 0.0 {
+                let [a, b] = [frame.place([*x, y - dy]), frame.place([*x, y + dy])];
+                path.push_line([a, b]);
+                for [x, y] in [a, b] {
+                    path.push_line([[x - CAP, y], [x + CAP, y]]);
+                }
+            }
+        }
+        if !path.pieces.is_empty() {
+            items.push(Item::Clipped {
+                bounds: frame.bounds,
+                items: vec![Item::stroked(
+                    path,
+                    Stroke::solid(self.style.tint.colour(), 0.6),
+                )],
+            });
+        }
+    }
+}
+
+/// Width of the lines of a series, points.
+const LINE_WIDTH: f64 = 1.0;
+
+impl Style {
+    pub(crate) fn stroke(self, dash: Dash) -> Stroke {
+        Stroke {
+            colour: self.tint.colour(),
+            width: LINE_WIDTH,
+            dashes: dash.lengths(),
+        }
+    }
+
+    /// A sample for the legend, from `start` over a length.
+    pub(crate) fn sample(self, [x, y]: Place, length: f64, items: &mut Vec<Item>) {
+        if let Some(dash) = self.line {
+            let path = Path::line([[x, y], [x + length, y]]);
+            items.push(Item::stroked(path, self.stroke(dash)));
+        }
+        if let Some(marker) = self.marker {
+            items.push(marker.item([x + 0.5 * length, y], self.tint.colour()));
+        }
+    }
+}
+
+impl Marker {
+    /// The mark around a place.
+    pub(crate) fn item(self, [x, y]: Place, colour: Colour) -> Item {
+        let polygon = |corners: &[[f64; 2]]| Item::Path {
+            path: Path::polygon(corners.iter().map(|[dx, dy]| [x + dx, y + dy])),
+            fill: Some(Fill::Colour(colour)),
+            stroke: Some(Stroke::solid(Colour::WHITE, 0.3)),
+        };
+        match self {
+            Self::Disc => Item::Disc {
+                centre: [x, y],
+                radius: 1.9,
+                fill: Some(colour),
+                stroke: Some(Stroke::solid(Colour::WHITE, 0.3)),
+            },
+            Self::Ring => Item::Disc {
+                centre: [x, y],
+                radius: 1.8,
+                fill: Some(Colour::WHITE),
+                stroke: Some(Stroke::solid(colour, 0.8)),
+            },
+            Self::Square => polygon(&[[-1.7, -1.7], [1.7, -1.7], [1.7, 1.7], [-1.7, 1.7]]),
+            Self::Diamond => polygon(&[[0.0, -2.5], [2.2, 0.0], [0.0, 2.5], [-2.2, 0.0]]),
+            Self::Triangle => polygon(&[[0.0, -2.4], [2.2, 1.5], [-2.2, 1.5]]),
+            Self::Cross => {
+                let mut path = Path::line([[x - 1.8, y - 1.8], [x + 1.8, y + 1.8]]);
+                path.push_line([[x - 1.8, y + 1.8], [x + 1.8, y - 1.8]]);
+                Item::stroked(path, Stroke::solid(colour, 0.9))
+            }
+        }
+    }
+}

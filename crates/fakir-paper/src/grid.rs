@@ -1,0 +1,178 @@
+//! The critical states of the paper: three substrates, six places to land, surface fractions from
+//! one pillar to many.
+
+use fakir::system::System;
+use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
+use fakir_study::{Answer, Critical, Row};
+
+/// A substrate of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Substrate {
+    /// 1000 MPa
+    Rigid,
+    /// 2 MPa, as the lens
+    Intermediate,
+    /// 0.002 MPa
+    Soft,
+}
+
+impl Substrate {
+    /// All three, in the order of the tables.
+    pub const ALL: [Self; 3] = [Self::Rigid, Self::Intermediate, Self::Soft];
+
+    /// Young's modulus, Pa.
+    #[must_use]
+    pub fn young_modulus(self) -> f64 {
+        match self {
+            Self::Rigid => 1e9,
+            Self::Intermediate => 2e6,
+            Self::Soft => 2e3,
+        }
+    }
+
+    /// What the paper calls it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rigid => "rigid",
+            Self::Intermediate => "intermediate",
+            Self::Soft => "soft",
+        }
+    }
+}
+
+/// Distances of the lens axis from a pillar centre, in pitches along x, with their names.
+pub const OFFSETS: [(f64, &str); 6] = [
+    (0.0, "0"),
+    (1.0 / 6.0, "1/6"),
+    (1.0 / 3.0, "1/3"),
+    (0.5, "1/2"),
+    (2.0 / 3.0, "2/3"),
+    (0.866_025_403_784_438_6, "√3/2"),
+];
+
+/// Surface fractions of the sweep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fractions {
+    /// The smallest.
+    pub from: f64,
+    /// The largest.
+    pub to: f64,
+    /// How many, equally spaced on a logarithmic scale.
+    pub points: usize,
+}
+
+impl Fractions {
+    /// Up to where the paper's experiments reached the transition.
+    pub const OBSERVED: Self = Self {
+        from: 3e-4,
+        to: 0.21,
+        points: 60,
+    };
+    /// Beyond, up to the densest texture of the paper.
+    pub const DENSE: Self = Self {
+        from: 0.23,
+        to: 0.29,
+        points: 4,
+    };
+}
+
+/// A system of the paper.
+///
+/// # Errors
+/// [`CaseError`] for a surface fraction that cannot be.
+pub fn system(
+    substrate: Substrate,
+    offset: f64,
+    surface_fraction: f64,
+) -> Result<System, CaseError> {
+    let mut file = CaseFile::parse("the paper", &Case::example().to_toml())?;
+    file.set_number(Key::SubstrateYoungModulus, substrate.young_modulus());
+    file.set_number(Key::Offset, offset);
+    file.set_number(Key::SurfaceFraction, surface_fraction);
+    Ok(file.case()?.system)
+}
+
+/// The sweep over substrates, offsets and surface fractions, as a study.
+///
+/// # Errors
+/// [`CaseError`] for surface fractions that cannot be.
+pub fn study(fractions: Fractions) -> Result<Study, CaseError> {
+    let moduli = Substrate::ALL.map(|substrate| format!("{:e}", substrate.young_modulus()));
+    let offsets = OFFSETS.map(|(offset, _)| offset.to_string());
+    let Fractions { from, to, points } = fractions;
+    let text = format!(
+        "{}\n[axes]\n\"substrate.young_modulus\" = [{}]\n\"texture.offset\" = [{}]\n\
+         \"texture.surface_fraction\" = {{ from = {from:e}, to = {to:e}, points = {points}, \
+         spacing = \"log\" }}\n",
+        Case::example().to_toml(),
+        moduli.join(", "),
+        offsets.join(", "),
+    );
+    StudyFile::parse("the paper", &text)?.study()
+}
+
+/// The rows of [`study`], by substrate and offset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    curves: Vec<Curve>,
+}
+
+/// Critical states along the surface fraction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// On which substrate.
+    pub substrate: Substrate,
+    /// Which of [`OFFSETS`].
+    pub offset: usize,
+    /// By rising surface fraction; those without an answer are left out.
+    pub states: Vec<Critical>,
+}
+
+impl Grid {
+    /// Sorts the rows of one or more studies: curves go on from one study to the next.
+    #[must_use]
+    pub fn new(studies: &[(&Study, &[Row])]) -> Self {
+        let mut curves: Vec<Curve> = Substrate::ALL
+            .into_iter()
+            .flat_map(|substrate| {
+                (0..OFFSETS.len()).map(move |offset| Curve {
+                    substrate,
+                    offset,
+                    states: Vec::new(),
+                })
+            })
+            .collect();
+        for (study, rows) in studies {
+            let count = study.cases() / curves.len();
+            for row in *rows {
+                if let Some(Answer::Transition(critical)) = &row.answer
+                    && row.problem.is_none()
+                {
+                    curves[row.index / count].states.push(critical.clone());
+                }
+            }
+        }
+        Self { curves }
+    }
+
+    /// All curves, substrate by substrate.
+    #[must_use]
+    pub fn curves(&self) -> &[Curve] {
+        &self.curves
+    }
+
+    /// The curves of a substrate, in the order of [`OFFSETS`].
+    pub fn of(&self, substrate: Substrate) -> impl Iterator<Item = &Curve> {
+        self.curves
+            .iter()
+            .filter(move |curve| curve.substrate == substrate)
+    }
+
+    /// The curve of a substrate with the lens axis on a pillar.
+    #[must_use]
+    pub fn on_pillar(&self, substrate: Substrate) -> &Curve {
+        let place = Substrate::ALL.iter().position(|other| *other == substrate);
+        &self.curves[place.unwrap_or(0) * OFFSETS.len()]
+    }
+}

@@ -1,0 +1,708 @@
+//! The inverse question: which pitch, height, diameter, lens radius or modulus gives a wanted
+//! critical force or contact radius.
+//!
+//! The answer is sought as a root of `g(x) = ln(answer(x)/wanted)` over `ln x`: bracketed by
+//! strides that double, from where the homogenised lattice (a thousand times cheaper) has its
+//! root, or from the value in the case file; then closed in on by the ITP method (I. F. D.
+//! Oliveira, R. H. C. Takahashi, ACM Trans. Math. Softw. 47, 5 (2021)), which never needs more
+//! steps than bisection by more than one and takes a few. Where the lens would sink in too far to
+//! be solved the answer counts as too large; where it meets the floor first, as zero.
+
+use fakir::contact::{CriticalState, Method, Run, SolveError};
+use fakir::system::{MAXIMUM_SURFACE_FRACTION, System};
+use fakir_case::{Case, CaseError, CaseFile, Key};
+
+/// What is wanted of the critical state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Wanted {
+    /// Critical force `F_c`, N.
+    Force(f64),
+    /// Critical contact radius `a_c`, m.
+    ContactRadius(f64),
+}
+
+impl Wanted {
+    /// The value, N or m.
+    #[must_use]
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Force(value) | Self::ContactRadius(value) => value,
+        }
+    }
+
+    /// The same quantity of a critical state.
+    #[must_use]
+    pub fn of(self, critical: &CriticalState) -> f64 {
+        match self {
+            Self::Force(_) => critical.contact.force,
+            Self::ContactRadius(_) => critical.contact_radius(),
+        }
+    }
+
+    /// Its name in a sentence.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Force(_) => "critical force",
+            Self::ContactRadius(_) => "critical contact radius",
+        }
+    }
+}
+
+/// A value of the free quantity and the critical state it gives.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// Value of the free key, in SI units.
+    pub value: f64,
+    /// The case with it.
+    pub case: Case,
+    /// Its critical state.
+    pub critical: CriticalState,
+}
+
+/// What came of a search.
+#[derive(Debug, Clone)]
+pub enum Design {
+    /// A value that gives what is wanted, to within [`TOLERANCE`].
+    Found {
+        /// The value and its critical state.
+        candidate: Candidate,
+        /// Relative change of the answer over that of the value, `d ln(answer)/d ln(x)`: how
+        /// exactly the value has to be made. Near zero the answer hardly depends on it, and many
+        /// values do.
+        sensitivity: f64,
+    },
+    /// What is wanted lies in a jump of the answer: these are its two sides.
+    Jump(Box<[Candidate; 2]>),
+    /// No value gives it; this is the nearest, and why there is none nearer.
+    OutOfReach {
+        /// The nearest that can be had.
+        nearest: Candidate,
+        /// What stands in the way.
+        limit: Limit,
+    },
+}
+
+/// Why an answer cannot come nearer to what is wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Limit {
+    /// The free quantity is at the end of its range.
+    Range,
+    /// Beyond, no contact can be computed.
+    Solver(SolveError),
+    /// Beyond, the lens meets the floor before any pillar.
+    FloorFirst,
+}
+
+/// Why there is no design.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignError {
+    /// A case that cannot be.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// No contact could be computed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// A key that cannot be sought.
+    #[error("{} cannot be sought: give one of {}", .0.path(), free_names())]
+    NotFree(Key),
+    /// A wanted value that cannot be.
+    #[error("the wanted {} must be greater than 0", .0.name())]
+    NotPositive(Wanted),
+    /// A solution that did not converge kept the search from its end.
+    #[error(
+        "the critical state at {} = {value:e} (SI units) did not converge: try another accuracy \
+         or an offset that is a little different", .key.path()
+    )]
+    NotConverged {
+        /// The free key.
+        key: Key,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// Keys that can be sought.
+pub const FREE: [Key; 7] = [
+    Key::Pitch,
+    Key::SurfaceFraction,
+    Key::PillarHeight,
+    Key::PillarDiameter,
+    Key::LensRadius,
+    Key::LensYoungModulus,
+    Key::SubstrateYoungModulus,
+];
+
+fn free_names() -> String {
+    FREE.map(Key::path).join(", ")
+}
+
+/// Relative difference from what is wanted at which a search ends.
+pub const TOLERANCE: f64 = 1e-9;
+
+/// Relative width of a bracket within which an answer that is still not met is a jump.
+const JUMP: f64 = 1e-12;
+
+/// Relative width of a bracket that is narrow enough to say where a range ends.
+const EDGE: f64 = 1e-3;
+
+/// Where the homogenised lattice has this many pillars in contact, it is within a few per cent, and
+/// where it is farther from what is wanted than a factor of 2, that is all the search has to know.
+const MANY_PILLARS: usize = 1000;
+const CLEAR: f64 = std::f64::consts::LN_2;
+
+/// First strides in `ln x`: from an estimate, and from a guess.
+const STRIDES: [f64; 2] = [0.02, 0.4];
+
+/// Finds the value of `free` that gives what is wanted; everything else is as in the case file,
+/// whose own value of `free`, if it has any, is where the search begins.
+///
+/// With a pitch in the case file the pitch stays as it is, with a surface fraction that.
+///
+/// # Errors
+/// See [`DesignError`]. That there is no such value is not an error: see [`Design`].
+pub fn design(
+    file: &CaseFile,
+    free: Key,
+    wanted: Wanted,
+    run: &Run<'_>,
+) -> Result<Design, DesignError> {
+    if !FREE.contains(&free) {
+        return Err(DesignError::NotFree(free));
+    }
+    let target = wanted.value();
+    if !(target > 0.0 && target.is_finite()) {
+        return Err(DesignError::NotPositive(wanted));
+    }
+    let first = first_value(file, free)?;
+    let mut search = Search {
+        file,
+        free,
+        wanted,
+        run,
+        range: range(free, &with(file, free, first)?.system, file),
+        method: Some(Method::Homogenised),
+    };
+    let estimate = match search.find(first, STRIDES[1]) {
+        Ok(Ending::Found(candidate) | Ending::OutOfReach(candidate, _)) => Some(candidate.value),
+        Err(DesignError::Solve(SolveError::Interrupted)) => {
+            return Err(SolveError::Interrupted.into());
+        }
+        _ => None,
+    };
+    search.method = None;
+    let ending = match estimate {
+        Some(value) => search.find(value, STRIDES[0])?,
+        None => search.find(first, STRIDES[1])?,
+    };
+    Ok(match ending {
+        Ending::Found(candidate) => Design::Found {
+            sensitivity: search.sensitivity(&candidate)?,
+            candidate,
+        },
+        Ending::Jump(sides) => Design::Jump(sides),
+        Ending::OutOfReach(nearest, limit) => Design::OutOfReach {
+            nearest: search.exactly(nearest)?,
+            limit,
+        },
+    })
+}
+
+/// How a search ends.
+enum Ending {
+    Found(Candidate),
+    Jump(Box<[Candidate; 2]>),
+    OutOfReach(Candidate, Limit),
+}
+
+/// The case with a key set to a value in SI units.
+pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseError> {
+    let mut file = file.clone();
+    file.set_number(key, value);
+    file.case()
+}
+
+/// Where to begin: the value in the case file, or one in proportion to the others.
+fn first_value(file: &CaseFile, free: Key) -> Result<f64, CaseError> {
+    let of_case = |case: &Case| {
+        let system = &case.system;
+        match free {
+            Key::Pitch => system.lattice().pitch,
+            Key::SurfaceFraction => system.texture().surface_fraction(),
+            Key::PillarHeight => system.pillar().height,
+            Key::PillarDiameter => system.pillar().diameter,
+            Key::LensRadius => system.lens().radius,
+            Key::LensYoungModulus => system.lens().material.young_modulus,
+            _ => system.substrate().young_modulus,
+        }
+    };
+    match file.case() {
+        Ok(case) => Ok(of_case(&case)),
+        // It may be just the free key that is missing.
+        Err(error) => GUESSES
+            .iter()
+            .find_map(|guess| with(file, free, *guess).ok())
+            .map(|case| of_case(&case))
+            .ok_or(error),
+    }
+}
+
+/// Values, in SI units, one of which is within reach of any quantity of a texture.
+const GUESSES: [f64; 9] = [1e6, 0.1, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7];
+
+/// Values between which a free quantity is sought.
+fn range(free: Key, system: &System, file: &CaseFile) -> [f64; 2] {
+    // Far beyond what is made or solved.
+    const WIDE: f64 = 1e6;
+    let lens = system.lens();
+    let (pillar, pitch) = (system.pillar(), system.lattice().pitch);
+    let around = |value: f64| [value / WIDE, value * WIDE];
+    match free {
+        Key::Pitch => [pillar.diameter, lens.radius],
+        Key::SurfaceFraction => {
+            let widest = pillar.diameter / lens.radius;
+            [
+                MAXIMUM_SURFACE_FRACTION * widest * widest,
+                MAXIMUM_SURFACE_FRACTION,
+            ]
+        }
+        Key::PillarHeight => [pillar.height.min(lens.radius) / WIDE, lens.radius * 0.999],
+        Key::PillarDiameter => {
+            // With a pitch pillars can grow until they touch, with a surface fraction they
+            // take the pitch with them.
+            let doubled = with(file, free, 0.5 * pillar.diameter);
+            let pitch_is_held =
+                doubled.is_ok_and(|case| (case.system.lattice().pitch / pitch - 1.0).abs() < 0.1);
+            let largest = if pitch_is_held { pitch } else { lens.radius };
+            [pillar.diameter / WIDE, largest]
+        }
+        Key::LensRadius => [pillar.height * 1.001, lens.radius * WIDE],
+        Key::LensYoungModulus => around(lens.material.young_modulus),
+        _ => around(system.substrate().young_modulus),
+    }
+}
+
+struct Search<'a> {
+    file: &'a CaseFile,
+    free: Key,
+    wanted: Wanted,
+    run: &'a Run<'a>,
+    range: [f64; 2],
+    /// Instead of that of the case.
+    method: Option<Method>,
+}
+
+/// The critical state at one value.
+#[derive(Clone)]
+struct Trial {
+    /// `ln x`
+    position: f64,
+    outcome: Result<Candidate, SolveError>,
+    /// `ln(answer/wanted)`: infinite where there is none.
+    excess: f64,
+}
+
+impl Trial {
+    fn is_met(&self) -> bool {
+        self.excess.abs() <= TOLERANCE
+    }
+
+    fn limit(&self) -> Limit {
+        match &self.outcome {
+            Err(error) => Limit::Solver(error.clone()),
+            Ok(candidate) if candidate.critical.contact.force <= 0.0 => Limit::FloorFirst,
+            Ok(_) => Limit::Range,
+        }
+    }
+}
+
+impl Search<'_> {
+    fn trial(&self, position: f64) -> Result<Trial, DesignError> {
+        let value = position.exp().clamp(self.range[0], self.range[1]);
+        if self.method.is_none()
+            && let Ok(outline) = self.trial_by(Some(Method::Homogenised), value)
+            && let Ok(candidate) = &outline.outcome
+            && candidate.critical.contact.pillars_in_contact > MANY_PILLARS
+            && outline.excess.abs() > CLEAR
+        {
+            return Ok(Trial {
+                position,
+                ..outline
+            });
+        }
+        let trial = self.trial_by(self.method, value)?;
+        Ok(Trial { position, ..trial })
+    }
+
+    fn trial_by(&self, method: Option<Method>, value: f64) -> Result<Trial, DesignError> {
+        let mut case = with(self.file, self.free, value)?;
+        if let Some(method) = method {
+            case.method = method;
+        }
+        let outcome = match fakir::transition(&case.system, case.method, self.run) {
+            Ok(critical) if !critical.contact.converged() => {
+                return Err(DesignError::NotConverged {
+                    key: self.free,
+                    value,
+                });
+            }
+            Ok(critical) => Ok(Candidate {
+                value,
+                case,
+                critical,
+            }),
+            Err(
+                error @ (SolveError::ContactExceedsLens { .. }
+                | SolveError::TooLarge { .. }
+                | SolveError::TextureTooDense { .. }),
+            ) => Err(error),
+            Err(error) => return Err(error.into()),
+        };
+        let excess = match &outcome {
+            Ok(candidate) => (self.wanted.of(&candidate.critical) / self.wanted.value()).ln(),
+            Err(_) => f64::INFINITY,
+        };
+        Ok(Trial {
+            position: value.ln(),
+            outcome,
+            excess,
+        })
+    }
+
+    /// The candidate by the method of the case, where an estimate did for the search.
+    fn exactly(&self, candidate: Candidate) -> Result<Candidate, DesignError> {
+        if candidate.case.method == with(self.file, self.free, candidate.value)?.method {
+            return Ok(candidate);
+        }
+        Ok(self.trial_by(None, candidate.value)?.outcome?)
+    }
+
+    fn find(&self, first: f64, stride: f64) -> Result<Ending, DesignError> {
+        let start = self.trial(first.clamp(self.range[0], self.range[1]).ln())?;
+        if start.is_met()
+            && let Ok(candidate) = start.outcome
+        {
+            return Ok(Ending::Found(candidate));
+        }
+        match self.bracket(start, stride)? {
+            Ok(bracket) => self.close_in(bracket),
+            Err(trials) => self.nearest(trials),
+        }
+    }
+
+    /// Two neighbouring trials with the wanted value between them; or, if there are none, all
+    /// the trials between the ends of the range.
+    fn bracket(
+        &self,
+        start: Trial,
+        stride: f64,
+    ) -> Result<Result<[Trial; 2], Vec<Trial>>, DesignError> {
+        let ends = self.range.map(f64::ln);
+        let mut trials = vec![start.clone()];
+        let mut fronts = [start.clone(), start]; // downwards and upwards
+        let mut strides = [stride; 2];
+        let side_done = |fronts: &[Trial; 2], side: usize| match side {
+            0 => fronts[0].position <= ends[0],
+            _ => fronts[1].position >= ends[1],
+        };
+        // Upwards first; then whichever front is nearer to what is wanted.
+        let mut side = 1;
+        while !(side_done(&fronts, 0) && side_done(&fronts, 1)) {
+            if side_done(&fronts, side) {
+                side = 1 - side;
+            }
+            let sign = if side == 1 { 1.0 } else { -1.0 };
+            let next = (fronts[side].position + sign * strides[side]).clamp(ends[0], ends[1]);
+            strides[side] *= 2.0;
+            let trial = self.trial(next)?;
+            if trial.excess.signum() != fronts[side].excess.signum() || trial.is_met() {
+                let mut bracket = [fronts[side].clone(), trial];
+                if side == 0 {
+                    bracket.reverse();
+                }
+                return Ok(Ok(bracket));
+            }
+            trials.push(trial.clone());
+            let nearer = trial.excess.abs() < fronts[side].excess.abs();
+            fronts[side] = trial;
+            if !nearer {
+                side = 1 - side;
+            }
+        }
+        Ok(Err(trials))
+    }
+
+    /// Closes in on the wanted value between two trials: by halves as long as one side has no
+    /// value, then by the ITP method.
+    fn close_in(&self, [mut low, mut high]: [Trial; 2]) -> Result<Ending, DesignError> {
+        let mut steps = None;
+        loop {
+            for trial in [&low, &high] {
+                if let (true, Ok(candidate)) = (trial.is_met(), &trial.outcome) {
+                    return Ok(Ending::Found(candidate.clone()));
+                }
+            }
+            let width = high.position - low.position;
+            let open = !(low.excess.is_finite() && high.excess.is_finite());
+            if width < if open { EDGE } else { JUMP } {
+                return Self::edge(&low, &high);
+            }
+            let position = if open {
+                0.5 * (low.position + high.position)
+            } else {
+                steps
+                    .get_or_insert_with(|| Itp::new(width))
+                    .next(&low, &high)
+            };
+            let trial = self.trial(position)?;
+            if trial.excess.signum() == low.excess.signum() {
+                low = trial;
+            } else {
+                high = trial;
+            }
+        }
+    }
+
+    /// The outcome where a bracket has become narrow and the wanted value is not in it.
+    fn edge(low: &Trial, high: &Trial) -> Result<Ending, DesignError> {
+        match (low.outcome.clone(), high.outcome.clone()) {
+            (Ok(a), Ok(b)) if low.excess.is_finite() && high.excess.is_finite() => {
+                Ok(Ending::Jump(Box::new([a, b])))
+            }
+            (Ok(nearest), _) if low.excess.is_finite() => {
+                Ok(Ending::OutOfReach(nearest, high.limit()))
+            }
+            (_, Ok(nearest)) => Ok(Ending::OutOfReach(nearest, low.limit())),
+            (_, Err(error)) => Err(error.into()),
+        }
+    }
+
+    /// The outcome where the wanted value is on one side of all trials: the nearest, sought
+    /// between the neighbours of the nearest trial.
+    fn nearest(&self, mut trials: Vec<Trial>) -> Result<Ending, DesignError> {
+        trials.sort_by(|a, b| a.position.total_cmp(&b.position));
+        let farness = |trial: &Trial| trial.excess.abs();
+        let Some(best) =
+            (0..trials.len()).min_by(|a, b| farness(&trials[*a]).total_cmp(&farness(&trials[*b])))
+        else {
+            return Err(DesignError::NotPositive(self.wanted));
+        };
+        let last = trials.len() - 1;
+        let (mut low, mut high) = (
+            trials[best.saturating_sub(1)].clone(),
+            trials[(best + 1).min(last)].clone(),
+        );
+        let mut best = trials[best].clone();
+        while high.position - low.position > EDGE {
+            // The larger of the two gaps, by the golden section.
+            let (gaps, golden) = (
+                [best.position - low.position, high.position - best.position],
+                0.381_966,
+            );
+            let position = if gaps[1] > gaps[0] {
+                best.position + golden * gaps[1]
+            } else {
+                best.position - golden * gaps[0]
+            };
+            let trial = self.trial(position)?;
+            if trial.excess.signum() != best.excess.signum() {
+                let mut bracket = [best, trial];
+                bracket.sort_by(|a, b| a.position.total_cmp(&b.position));
+                return self.close_in(bracket);
+            }
+            let (inner, outer) = if farness(&trial) < farness(&best) {
+                (trial, best)
+            } else {
+                (best, trial)
+            };
+            if outer.position < inner.position {
+                low = outer;
+            } else {
+                high = outer;
+            };
+            best = inner;
+        }
+        match best.outcome {
+            Ok(candidate) => Ok(Ending::OutOfReach(candidate, Limit::Range)),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// `d ln(answer)/d ln(x)`
+    fn sensitivity(&self, found: &Candidate) -> Result<f64, DesignError> {
+        const STEP: f64 = 1e-3;
+        let middle = found.value.ln();
+        let [low, high] = [self.trial(middle - STEP)?, self.trial(middle + STEP)?];
+        let at = |trial: &Trial| trial.outcome.as_ref().ok().map(|c| c.value.ln());
+        Ok(match (at(&low), at(&high)) {
+            (Some(a), Some(b)) if b > a => (high.excess - low.excess) / (b - a),
+            _ => f64::NAN,
+        })
+    }
+}
+
+/// Interpolate, truncate, project: positions within a bracket of a root.
+struct Itp {
+    /// How far from the middle of the bracket half its width may end up, in units of [`JUMP`],
+    /// so that bisection is never outdone by more than a step.
+    slack: f64,
+    /// `kappa_1` of the method, with `kappa_2 = 2`.
+    truncation: f64,
+}
+
+impl Itp {
+    fn new(width: f64) -> Self {
+        Self {
+            slack: 2f64.powf((width / JUMP).log2().ceil().max(0.0) + 1.0),
+            truncation: 0.2 / width,
+        }
+    }
+
+    fn next(&mut self, low: &Trial, high: &Trial) -> f64 {
+        let width = high.position - low.position;
+        let middle = 0.5 * (low.position + high.position);
+        let interpolated =
+            (high.excess * low.position - low.excess * high.position) / (high.excess - low.excess);
+        let towards = (middle - interpolated).signum();
+        let truncation = self.truncation * width * width;
+        let truncated = if truncation <= (middle - interpolated).abs() {
+            interpolated + towards * truncation
+        } else {
+            middle
+        };
+        let allowed = (0.5 * JUMP * self.slack - 0.5 * width).max(0.0);
+        self.slack *= 0.5;
+        if (truncated - middle).abs() <= allowed {
+            truncated
+        } else {
+            middle - towards * allowed
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paper(surface_fraction: f64) -> CaseFile {
+        let mut file = CaseFile::parse("paper", &Case::example().to_toml()).unwrap();
+        file.set_number(Key::SurfaceFraction, surface_fraction);
+        file
+    }
+
+    fn value_of(case: &Case, key: Key) -> f64 {
+        let file = CaseFile::parse("again", &case.to_toml()).unwrap();
+        file.given(key).unwrap().unwrap()
+    }
+
+    /// Takes the critical force of a case, forgets one quantity, finds it again.
+    #[test]
+    fn every_free_quantity_is_found_again() {
+        let run = Run::default();
+        for surface_fraction in [1e-3, 0.05] {
+            let by_pitch = {
+                let case = paper(surface_fraction).case().unwrap();
+                let mut file = paper(surface_fraction);
+                file.set_number(Key::Pitch, case.system.lattice().pitch);
+                file
+            };
+            for free in FREE {
+                let file = match free {
+                    Key::SurfaceFraction => paper(surface_fraction),
+                    _ => by_pitch.clone(),
+                };
+                let case = file.case().unwrap();
+                let truth = file.given(free).unwrap().unwrap();
+                let critical = fakir::transition(&case.system, case.method, &run).unwrap();
+                let mut other = file.clone();
+                other.set_number(free, truth * 0.7);
+                let wanted = Wanted::Force(critical.contact.force);
+                let Design::Found {
+                    candidate: found,
+                    sensitivity,
+                } = design(&other, free, wanted, &run).unwrap()
+                else {
+                    panic!("{} at {surface_fraction}", free.path());
+                };
+                // A lone pillar hardly knows the pitch.
+                let alone = critical.contact.pillars_in_contact == 1;
+                if alone && [Key::Pitch, Key::SurfaceFraction].contains(&free) {
+                    assert!(sensitivity.abs() < 0.1);
+                } else {
+                    let error = (found.value / truth - 1.0).abs();
+                    assert!(error < 1e-6, "{}: {error:e}", free.path());
+                }
+                // The case as it is written down gives the wanted force.
+                let written = CaseFile::parse("found", &found.case.to_toml())
+                    .unwrap()
+                    .case()
+                    .unwrap();
+                assert_eq!(value_of(&written, free).to_bits(), found.value.to_bits());
+                let again = fakir::transition(&written.system, written.method, &run).unwrap();
+                assert!((again.contact.force / critical.contact.force - 1.0).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn a_contact_radius_can_be_wanted_and_a_key_be_missing() {
+        let text = Case::example().to_toml();
+        let without: String = text
+            .lines()
+            .filter(|line| !line.starts_with("surface_fraction"))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        let file = CaseFile::parse("without", &without).unwrap();
+        let run = Run::default();
+        let wanted = Wanted::ContactRadius(100e-6);
+        match design(&file, Key::Pitch, wanted, &run).unwrap() {
+            Design::Found {
+                candidate: found, ..
+            } => {
+                assert!((found.critical.contact_radius() / 100e-6 - 1.0).abs() < 2.0 * TOLERANCE);
+            }
+            // The contact radius jumps where the next pillars are touched.
+            Design::Jump(sides) => {
+                let [a, b] = sides.map(|side| side.critical.contact_radius());
+                assert!((a - 100e-6) * (b - 100e-6) < 0.0);
+            }
+            Design::OutOfReach { .. } => panic!("100 um can be had"),
+        }
+    }
+
+    /// However wide the pitch, one pillar under the axis bears something: less cannot be had.
+    #[test]
+    fn what_cannot_be_had_is_answered_with_the_nearest() {
+        let run = Run::default();
+        // A small lens, which pillars side by side do not carry far.
+        let mut file = paper(0.01);
+        file.set_number(Key::LensRadius, 3e-4);
+        let forces: Vec<f64> = (0..40)
+            .filter_map(|k| {
+                let case = with(&file, Key::Pitch, 6e-6 * 1.1f64.powi(k)).unwrap();
+                fakir::transition(&case.system, case.method, &run).ok()
+            })
+            .map(|critical| critical.contact.force)
+            .collect();
+        let least = forces.iter().copied().fold(f64::INFINITY, f64::min);
+        let wanted = Wanted::Force(0.5 * least);
+        let Design::OutOfReach { nearest, limit } =
+            design(&file, Key::Pitch, wanted, &run).unwrap()
+        else {
+            panic!("half the least force cannot be had");
+        };
+        assert_eq!(limit, Limit::Range);
+        let force = nearest.critical.contact.force;
+        assert!(force < least * 1.001 && force > 0.9 * least);
+    }
+
+    #[test]
+    fn what_cannot_be_asked_is_refused() {
+        let run = Run::default();
+        let file = paper(0.01);
+        let refused = design(&file, Key::Offset, Wanted::Force(1e-5), &run);
+        assert!(matches!(refused, Err(DesignError::NotFree(Key::Offset))));
+        let refused = design(&file, Key::Pitch, Wanted::Force(-1.0), &run);
+        assert!(matches!(refused, Err(DesignError::NotPositive(_))));
+    }
+}

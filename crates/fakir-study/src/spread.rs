@@ -1,0 +1,437 @@
+//! How far the critical state of a texture scatters: sizes and moduli that vary from sample to
+//! sample, and a lens that lands anywhere on the lattice.
+
+use fakir::contact::{Run, SolveError};
+use fakir::system::HexagonalLattice;
+use fakir_case::{CaseError, CaseFile, Key, Kind};
+use rand_chacha::ChaCha12Rng;
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// A quantity that varies, normally distributed about its value in the case file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Which.
+    pub key: Key,
+    /// How much.
+    pub deviation: Deviation,
+}
+
+/// A standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Deviation {
+    /// In SI units.
+    Absolute(f64),
+    /// As a part of the value.
+    Relative(f64),
+}
+
+/// Where the lens lands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Landing {
+    /// Anywhere on the lattice, all places being equally likely.
+    #[default]
+    Anywhere,
+    /// Where the case file says.
+    AsGiven,
+}
+
+/// What is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampling {
+    /// What varies.
+    pub tolerances: Vec<Tolerance>,
+    /// Where the lens lands.
+    pub landing: Landing,
+    /// Number of samples, 2 or more.
+    pub samples: usize,
+    /// Decides all that is random. A sample depends on it and on its own number alone.
+    pub seed: u64,
+}
+
+/// One sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// Values of the quantities that vary, in SI units, in the order of the tolerances.
+    pub values: Vec<f64>,
+    /// Distance of the lens axis from a pillar centre, in pitches.
+    pub offset: f64,
+    /// Direction of the offset, rad.
+    pub offset_angle: f64,
+    /// Critical force, indentation and contact radius, or why there are none.
+    pub outcome: Result<Critical, String>,
+}
+
+/// The numbers of a critical state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Critical {
+    /// `F_c`, N.
+    pub force: f64,
+    /// `zeta_c`, m.
+    pub indentation: f64,
+    /// `a_c`, m.
+    pub contact_radius: f64,
+}
+
+/// The samples and what they say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spread {
+    /// In the order they were drawn.
+    pub samples: Vec<Sample>,
+}
+
+/// Why there is no spread.
+#[derive(Debug, thiserror::Error)]
+pub enum SpreadError {
+    /// A case that cannot be.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The computation was stopped.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// A key that is no number of the case.
+    #[error("{} has no tolerance: it must be a number that the case file gives", .0.path())]
+    NotVariable(Key),
+    /// A key twice.
+    #[error("{} has two tolerances", .0.path())]
+    Twice(Key),
+    /// A deviation that cannot be.
+    #[error("the standard deviation of {} must be a number greater than 0", .0.path())]
+    NotPositive(Key),
+    /// A deviation so large that hardly any sample can be.
+    #[error("hardly any sample is possible: with these deviations {problem}: give smaller ones")]
+    Impossible {
+        /// What is wrong with the samples.
+        problem: String,
+    },
+    /// Too few samples.
+    #[error("a spread takes at least 2 samples")]
+    TooFew,
+}
+
+/// Draws of one sample before giving up: values that cannot be, such as a negative height, are
+/// drawn again, which cuts the normal distribution off.
+const DRAWS: usize = 100;
+
+/// Critical states of samples drawn about a case, by the method of the case. `done` is told the
+/// number of samples that are done.
+///
+/// # Errors
+/// See [`SpreadError`]. Samples without a solution are no error: they say why.
+pub fn spread(
+    file: &CaseFile,
+    sampling: &Sampling,
+    run: &Run<'_>,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Spread, SpreadError> {
+    if sampling.samples < 2 {
+        return Err(SpreadError::TooFew);
+    }
+    let case = file.case()?;
+    let varied = varied(file, &sampling.tolerances)?;
+    let count = AtomicUsize::new(0);
+    // Samples are shared between threads, so each has to make do with one.
+    let single = Run {
+        pool: None,
+        progress: None,
+        ..run.clone()
+    };
+    let one = |number: usize| -> Result<Sample, SpreadError> {
+        let sample = Draw {
+            file,
+            lattice: *case.system.lattice(),
+            varied: &varied,
+            landing: sampling.landing,
+        }
+        .sample(sampling.seed, number, &single)?;
+        done(count.fetch_add(1, Ordering::Relaxed) + 1);
+        Ok(sample)
+    };
+    let samples: Result<Vec<_>, SpreadError> = match run.pool {
+        Some(pool) => pool.install(|| (0..sampling.samples).into_par_iter().map(one).collect()),
+        None => (0..sampling.samples).map(one).collect(),
+    };
+    Ok(Spread { samples: samples? })
+}
+
+/// Keys that vary, with mean and standard deviation.
+fn varied(file: &CaseFile, tolerances: &[Tolerance]) -> Result<Vec<(Key, f64, f64)>, SpreadError> {
+    let mut varied: Vec<(Key, f64, f64)> = Vec::new();
+    for Tolerance { key, deviation } in tolerances {
+        let mean = match key.kind() {
+            Kind::Number(_) => file.given(*key)?,
+            Kind::Word | Kind::Text => None,
+        };
+        let mean = mean.ok_or(SpreadError::NotVariable(*key))?;
+        if varied.iter().any(|(other, _, _)| other == key) {
+            return Err(SpreadError::Twice(*key));
+        }
+        let deviation = match deviation {
+            Deviation::Absolute(value) => *value,
+            Deviation::Relative(part) => part * mean,
+        };
+        if !(deviation > 0.0 && deviation.is_finite()) {
+            return Err(SpreadError::NotPositive(*key));
+        }
+        varied.push((*key, mean, deviation));
+    }
+    Ok(varied)
+}
+
+struct Draw<'a> {
+    file: &'a CaseFile,
+    lattice: HexagonalLattice,
+    varied: &'a [(Key, f64, f64)],
+    landing: Landing,
+}
+
+impl Draw<'_> {
+    fn sample(&self, seed: u64, number: usize, run: &Run<'_>) -> Result<Sample, SpreadError> {
+        let mut random = stream(seed, number);
+        let mut problem = String::new();
+        for _ in 0..DRAWS {
+            let values: Vec<f64> = self
+                .varied
+                .iter()
+                .map(|(_, mean, deviation)| {
+                    let normal: f64 = StandardNormal.sample(&mut random);
+                    mean + deviation * normal
+                })
+                .collect();
+            let (offset, offset_angle) = self.land(&mut random);
+            let mut file = self.file.clone();
+            for ((key, _, _), value) in self.varied.iter().zip(&values) {
+                file.set_number(*key, *value);
+            }
+            if self.landing == Landing::Anywhere {
+                file.set_number(Key::Offset, offset);
+                file.set_number(Key::OffsetAngle, offset_angle);
+            }
+            let case = match file.case() {
+                Ok(case) => case,
+                Err(error) => {
+                    problem = error.one_line();
+                    continue;
+                }
+            };
+            let outcome = match fakir::transition(&case.system, case.method, run) {
+                Ok(critical) if critical.contact.converged() => Ok(Critical {
+                    force: critical.contact.force,
+                    indentation: critical.contact.indentation,
+                    contact_radius: critical.contact_radius(),
+                }),
+                Ok(critical) => Err(critical.contact.termination.description().to_owned()),
+                Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
+                Err(error) => Err(error.to_string()),
+            };
+            let lattice = case.system.lattice();
+            return Ok(Sample {
+                values,
+                offset: lattice.offset,
+                offset_angle: lattice.offset_angle,
+                outcome,
+            });
+        }
+        Err(SpreadError::Impossible { problem })
+    }
+
+    /// A place on the lattice, as distance (pitches) and direction from the nearest pillar: uniform
+    /// over a parallelogram of lattice vectors, which is one cell.
+    fn land(&self, random: &mut ChaCha12Rng) -> (f64, f64) {
+        let [u, v]: [f64; 2] =
+            std::array::from_fn(|_| Distribution::<f64>::sample(&StandardUniform, random));
+        let lattice = HexagonalLattice::new(self.lattice.pitch);
+        let [a, b] = [lattice.lattice_vector(1, 0), lattice.lattice_vector(0, 1)];
+        let point = [u * a[0] + v * b[0], u * a[1] + v * b[1]];
+        let (i, j) = lattice.nearest_pillar(point);
+        let [x, y] = lattice.centre(i, j);
+        let (x, y) = (point[0] - x, point[1] - y);
+        (x.hypot(y) / lattice.pitch, y.atan2(x))
+    }
+}
+
+/// The random numbers of one sample.
+fn stream(seed: u64, number: usize) -> ChaCha12Rng {
+    use rand_chacha::rand_core::SeedableRng;
+    let mut random = ChaCha12Rng::seed_from_u64(seed);
+    random.set_stream(number as u64);
+    random
+}
+
+/// Position and width of a distribution, estimated from samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub deviation: f64,
+    /// Percentages with their percentiles.
+    pub percentiles: Vec<(f64, f64)>,
+}
+
+/// Percentages of which the percentiles are given.
+pub const PERCENTAGES: [f64; 7] = [2.5, 5.0, 25.0, 50.0, 75.0, 95.0, 97.5];
+
+impl Spread {
+    /// The critical states that were found.
+    pub fn found(&self) -> impl Iterator<Item = &Critical> {
+        self.samples
+            .iter()
+            .filter_map(|sample| sample.outcome.as_ref().ok())
+    }
+
+    /// Reasons of the samples without a solution.
+    pub fn failures(&self) -> impl Iterator<Item = &str> {
+        self.samples
+            .iter()
+            .filter_map(|sample| sample.outcome.as_ref().err().map(String::as_str))
+    }
+
+    /// Mean, deviation and percentiles of one number of the critical states; `None` with fewer
+    /// than two of them.
+    pub fn summary(&self, pick: impl Fn(&Critical) -> f64) -> Option<Summary> {
+        let mut values: Vec<f64> = self.found().map(pick).collect();
+        if values.len() < 2 {
+            return None;
+        }
+        values.sort_by(f64::total_cmp);
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        Some(Summary {
+            mean,
+            deviation: (squares / (count - 1.0)).sqrt(),
+            percentiles: PERCENTAGES
+                .map(|percentage| (percentage, percentile(&values, percentage)))
+                .to_vec(),
+        })
+    }
+}
+
+/// The percentile of sorted values, linear between them (definition 7 of R. J. Hyndman, Y. Fan,
+/// Am. Stat. 50, 361 (1996)).
+fn percentile(sorted: &[f64], percentage: f64) -> f64 {
+    let position = percentage / 100.0 * (sorted.len() - 1) as f64;
+    let below = sorted[position.floor() as usize];
+    let above = sorted[position.ceil() as usize];
+    below + (above - below) * position.fract()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fakir_case::Case;
+
+    fn file() -> CaseFile {
+        let mut file = CaseFile::parse("paper", &Case::example().to_toml()).unwrap();
+        file.set_number(Key::SurfaceFraction, 1e-3);
+        file.set_number(Key::PillarHeight, 1e-6);
+        file
+    }
+
+    fn sampling(tolerances: Vec<Tolerance>, landing: Landing, samples: usize) -> Sampling {
+        Sampling {
+            tolerances,
+            landing,
+            samples,
+            seed: 1,
+        }
+    }
+
+    /// All forces scale with both moduli: their relative spread is that of the moduli.
+    #[test]
+    fn a_spread_of_the_moduli_is_a_spread_of_the_force() {
+        let tolerance = Tolerance {
+            key: Key::SubstrateYoungModulus,
+            deviation: Deviation::Relative(0.1),
+        };
+        let mut stiff_lens = file();
+        stiff_lens.set_number(Key::LensYoungModulus, 1e15);
+        let sampling = sampling(vec![tolerance], Landing::AsGiven, 400);
+        let spread = spread(&stiff_lens, &sampling, &Run::default(), &|_| {}).unwrap();
+        let case = stiff_lens.case().unwrap();
+        let modulus = case.system.substrate().young_modulus;
+        let reference = fakir::transition(&case.system, case.method, &Run::default()).unwrap();
+        for sample in &spread.samples {
+            let force = sample.outcome.as_ref().unwrap().force;
+            let expected = reference.contact.force * sample.values[0] / modulus;
+            assert!((force / expected - 1.0).abs() < 1e-6);
+        }
+        let summary = spread.summary(|critical| critical.force).unwrap();
+        let relative = summary.deviation / reference.contact.force;
+        // Four standard errors: 0.1/sqrt(2 * 400) and 0.1/sqrt(400).
+        assert!((relative - 0.1).abs() < 0.015, "{relative}");
+        assert!((summary.mean / reference.contact.force - 1.0).abs() < 0.02);
+    }
+
+    /// Moments of a uniform distribution over a hexagonal cell: the mean of the squared distance
+    /// from its middle is 5/36 e^2 (second moment of a regular hexagon of inradius e/2).
+    #[test]
+    fn the_lens_lands_uniformly_on_the_cell() {
+        let case = file().case().unwrap();
+        let draw = Draw {
+            file: &file(),
+            lattice: *case.system.lattice(),
+            varied: &[],
+            landing: Landing::Anywhere,
+        };
+        let count = 20_000;
+        let offsets: Vec<(f64, f64)> = (0..count).map(|k| draw.land(&mut stream(7, k))).collect();
+        let mean =
+            |f: &dyn Fn(&(f64, f64)) -> f64| offsets.iter().map(f).sum::<f64>() / count as f64;
+        assert!((mean(&|o| o.0 * o.0) - 5.0 / 36.0).abs() < 4.0 * 0.1 / (count as f64).sqrt());
+        assert!(mean(&|o| (6.0 * o.1).cos()).abs() < 0.2);
+        assert!(mean(&|o| o.1.cos()).abs() < 4.0 / (count as f64).sqrt());
+        assert!(offsets.iter().all(|o| o.0 <= 1.0 / 3f64.sqrt() + 1e-12));
+    }
+
+    #[test]
+    fn samples_do_not_depend_on_threads() {
+        let tolerance = Tolerance {
+            key: Key::PillarHeight,
+            deviation: Deviation::Absolute(0.05e-6),
+        };
+        let sampling = sampling(vec![tolerance], Landing::Anywhere, 20);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .build()
+            .unwrap();
+        let shared = Run {
+            pool: Some(&pool),
+            ..Run::default()
+        };
+        let alone = spread(&file(), &sampling, &Run::default(), &|_| {}).unwrap();
+        assert_eq!(alone, spread(&file(), &sampling, &shared, &|_| {}).unwrap());
+        assert!(alone.found().count() == 20);
+    }
+
+    #[test]
+    fn what_cannot_vary_is_refused() {
+        let ask = |tolerances| {
+            let sampling = sampling(tolerances, Landing::AsGiven, 2);
+            spread(&file(), &sampling, &Run::default(), &|_| {}).unwrap_err()
+        };
+        let tolerance = |key, part| Tolerance {
+            key,
+            deviation: Deviation::Relative(part),
+        };
+        let twice = vec![tolerance(Key::PillarHeight, 0.1); 2];
+        assert!(matches!(ask(twice), SpreadError::Twice(_)));
+        let word = vec![tolerance(Key::MethodName, 0.1)];
+        assert!(matches!(ask(word), SpreadError::NotVariable(_)));
+        let absent = vec![tolerance(Key::Pitch, 0.1)];
+        assert!(matches!(ask(absent), SpreadError::NotVariable(_)));
+        let none = vec![tolerance(Key::PillarHeight, 0.0)];
+        assert!(matches!(ask(none), SpreadError::NotPositive(_)));
+    }
+
+    #[test]
+    fn percentiles_between_samples() {
+        // Definition 7 on 1, 2, 3, 4: the median is 2.5, the quartiles 1.75 and 3.25.
+        let sorted = [1.0, 2.0, 3.0, 4.0];
+        for (percentage, expected) in [(25.0, 1.75), (50.0, 2.5), (75.0, 3.25), (100.0, 4.0)] {
+            assert!((percentile(&sorted, percentage) - expected).abs() < 1e-15);
+        }
+    }
+}
