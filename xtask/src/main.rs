@@ -1,5 +1,7 @@
 //! `cargo xtask test`: every check, as continuous integration runs it.
 
+mod python;
+
 use std::process::{Command, ExitCode};
 
 /// One check: what it is called, and the arguments to cargo.
@@ -24,20 +26,26 @@ const CHECKS: &[(&str, &[&str])] = &[
     ),
 ];
 
+/// Comes last: it uses the program that the tests were run on.
+const PYTHON: &str = "python";
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let names = || CHECKS.iter().map(|(name, _)| *name).chain([PYTHON]);
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["test"] => run_checks(),
+        ["test"] => run_checks(|_| true),
+        ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
         _ => {
-            eprintln!("usage: cargo xtask test    formatting, lints, tests and documentation");
+            let names = names().collect::<Vec<_>>().join(", ");
+            eprintln!("usage: cargo xtask test [CHECK]    every check, or one of: {names}");
             ExitCode::from(2)
         }
     }
 }
 
-fn run_checks() -> ExitCode {
+fn run_checks(wanted: impl Fn(&str) -> bool) -> ExitCode {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    for (name, arguments) in CHECKS {
+    for (name, arguments) in CHECKS.iter().filter(|(name, _)| wanted(name)) {
         println!("== {name}: cargo {}", arguments.join(" "));
         let status = Command::new(&cargo)
             .args(*arguments)
@@ -55,6 +63,13 @@ fn run_checks() -> ExitCode {
             }
         }
     }
-    println!("== all checks passed");
+    if wanted(PYTHON) {
+        println!("== {PYTHON}: pytest tests/python");
+        if let Err(problem) = python::check(&cargo) {
+            eprintln!("== {PYTHON} failed: {problem}");
+            return ExitCode::FAILURE;
+        }
+    }
+    println!("== checks passed");
     ExitCode::SUCCESS
 }

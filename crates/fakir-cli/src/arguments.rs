@@ -1,11 +1,13 @@
 //! The command line as clap sees it, with its help texts.
 
 use crate::failure::Failure;
-use clap::{ArgGroup, Args, Parser, Subcommand};
+use crate::report::maps::Maps;
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::contact::Load;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
 use fakir_study::design::{FREE, Wanted};
+use fakir_study::fields::MOST_POINTS;
 use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::{Existing, Shard};
 use std::path::PathBuf;
@@ -75,6 +77,9 @@ pub(crate) enum Command {
     /// for a few hundred pillars, minutes for a few thousand.
     #[command(after_help = "Example: fakir compare case.toml")]
     Compare(Compare),
+    /// What to cite for a result, a case, a study or a method
+    #[command(after_help = "Example: fakir cite results --bibtex")]
+    Cite(Cite),
     /// The inverse question: the pitch, size or modulus that gives a wanted critical state; and how
     /// far real samples scatter about it
     ///
@@ -110,6 +115,7 @@ impl Command {
             Self::Verify(_) => "verify",
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
+            Self::Cite(_) => "cite",
             Self::Design(_) => "design",
             Self::Sweep(_) => "sweep",
             Self::Merge(_) => "merge",
@@ -132,7 +138,15 @@ pub(crate) struct Transition {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
     #[command(flatten)]
+    fields: FieldArguments,
+    #[command(flatten)]
     pub(crate) run: RunArguments,
+}
+
+impl Transition {
+    pub(crate) fn maps(&self) -> Maps {
+        self.fields.maps(&self.case)
+    }
 }
 
 #[derive(Debug, Args)]
@@ -148,10 +162,16 @@ pub(crate) struct Press {
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     force: Option<f64>,
     #[command(flatten)]
+    fields: FieldArguments,
+    #[command(flatten)]
     pub(crate) run: RunArguments,
 }
 
 impl Press {
+    pub(crate) fn maps(&self) -> Maps {
+        self.fields.maps(&self.case)
+    }
+
     pub(crate) fn load(&self) -> Load {
         match (self.indentation, self.force) {
             (Some(indentation), _) => Load::Indentation(indentation),
@@ -243,6 +263,32 @@ pub(crate) struct Compare {
     pub(crate) case: CaseArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Cite {
+    /// Folder of results, case file or study file; without it, what any use of fakir rests on
+    pub(crate) what: Option<PathBuf>,
+    /// Cite for this method instead
+    #[arg(long, conflicts_with = "what")]
+    pub(crate) method: Option<CitedMethod>,
+    /// Print entries for BibTeX
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) bibtex: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The methods by their names in case files, and the formulas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CitedMethod {
+    Spectral,
+    Love,
+    Punch,
+    Homogenised,
+    /// The formulas of `fakir theory`
+    Theory,
 }
 
 #[derive(Debug, Args)]
@@ -437,12 +483,34 @@ pub(crate) struct CaseArguments {
     /// Print JSON instead of tables, in SI units
     #[arg(long)]
     pub(crate) json: bool,
-    /// Save the result there: summary.json, tables as CSV, and the case as it was solved
+    /// Save the result there: summary.json, tables as CSV, fields, the case as it was solved, and
+    /// where it is from
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
     /// No progress and no warnings
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// How the fields of a contact are saved.
+#[derive(Debug, Args)]
+struct FieldArguments {
+    /// Points across the maps of pressure, gap and displacement, fields.nc and fields.vti; with
+    /// --output
+    ///
+    /// The maps hold the contact and a pitch more on each side. Unless given, 12 points across a
+    /// pillar, but no more than 511 in all.
+    #[arg(long, value_name = "N", requires = "output", value_parser = field_points)]
+    field_points: Option<usize>,
+}
+
+impl FieldArguments {
+    fn maps(&self, case: &CaseArguments) -> Maps {
+        match case.output {
+            None => Maps::None,
+            Some(_) => Maps::Points(self.field_points),
+        }
+    }
 }
 
 /// How a computation is run.
@@ -462,6 +530,14 @@ fn length(text: &str) -> Result<f64, QuantityError> {
 
 fn force(text: &str) -> Result<f64, QuantityError> {
     parse_argument(text, Dimension::Force)
+}
+
+/// Points across a map: at least the two ends.
+fn field_points(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|points| (2..=MOST_POINTS).contains(points))
+        .ok_or_else(|| format!("give a whole number from 2 to {MOST_POINTS}"))
 }
 
 /// Squares across a pillar, of which half as many are enough for an error estimate.

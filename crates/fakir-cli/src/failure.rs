@@ -21,13 +21,13 @@ pub(crate) enum Failure {
     #[error(transparent)]
     Surface(#[from] SurfaceError),
     #[error(transparent)]
-    Study(#[from] StudyError),
-    #[error(transparent)]
     Output(#[from] OutputError),
     #[error(transparent)]
     Design(#[from] DesignError),
     #[error(transparent)]
     Spread(#[from] SpreadError),
+    #[error(transparent)]
+    Study(#[from] StudyError),
     #[error("{0}")]
     Argument(String),
     #[error("{action} {path}: {error}")]
@@ -69,12 +69,14 @@ impl Failure {
             Self::OutputClosed => {}
             // The default report of miette: the line, in colour if the terminal has any.
             Self::Case(error) => tell(&format!("{:?}", miette::Report::new(error.clone()))),
+            Self::Study(error @ StudyError::Interrupted { .. }) => tell(&error.to_string()),
             interrupted if interrupted.is_interruption() => {
                 tell("interrupted: no result");
             }
-            Self::Study(StudyError::Case(error))
-            | Self::Design(DesignError::Case(error))
-            | Self::Spread(SpreadError::Case(error)) => {
+            Self::Design(DesignError::Case(error)) | Self::Spread(SpreadError::Case(error)) => {
+                tell(&format!("{:?}", miette::Report::new(error.clone())));
+            }
+            Self::Study(StudyError::Case(error)) => {
                 tell(&format!("{:?}", miette::Report::new(error.clone())));
             }
             other => tell(&format!("error: {other}")),

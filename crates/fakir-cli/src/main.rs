@@ -35,18 +35,18 @@ fn main() -> ExitCode {
 fn run(command: &Command) -> Result<ExitCode, Failure> {
     match command {
         Command::Init(options) => commands::init::run(options),
+        Command::Cite(options) => commands::cite::run(options),
         Command::Transition(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
             if file.is_surface() {
                 let case = file.surface_case(options.run.memory_limit)?;
-                let text = case.to_toml();
-                return deliver(command, &options.case, &text, move || {
-                    commands::surface::transition(&case, &session)
+                return deliver(command, &options.case, move || {
+                    commands::surface::transition(&case, options.maps(), &session)
                 });
             }
             answer(command, &options.case, &file, move |case| {
-                commands::transition::run(case, &session)
+                commands::transition::run(case, options.maps(), &session)
             })
         }
         Command::Press(options) => {
@@ -54,13 +54,12 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
             let file = read_case(&options.case)?;
             if file.is_surface() {
                 let case = file.surface_case(options.run.memory_limit)?;
-                let text = case.to_toml();
-                return deliver(command, &options.case, &text, move || {
-                    commands::surface::press(&case, options.load(), &session)
+                return deliver(command, &options.case, move || {
+                    commands::surface::press(&case, options.load(), options.maps(), &session)
                 });
             }
             answer(command, &options.case, &file, move |case| {
-                commands::press::run(case, options.load(), &session)
+                commands::press::run(case, options.load(), options.maps(), &session)
             })
         }
         Command::Approach(options) => {
@@ -94,9 +93,9 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
                 move |case| commands::compare::run(case, &session),
             )
         }
+        Command::Design(options) => design(command, options),
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Merge(options) => commands::sweep::merge(options),
-        Command::Design(options) => design(command, options),
     }
 }
 
@@ -109,9 +108,7 @@ fn design(command: &Command, options: &arguments::Design) -> Result<ExitCode, Fa
     }
     let designed = commands::design::run(&file, options, &session)?;
     drop(session);
-    let status = deliver(command, &options.case, &designed.case, || {
-        Ok(designed.report)
-    })?;
+    let status = deliver(command, &options.case, || Ok(designed.report))?;
     Ok(if designed.found {
         status
     } else {
@@ -128,15 +125,14 @@ fn answer(
     ask: impl FnOnce(&Case) -> Result<Report, Failure>,
 ) -> Result<ExitCode, Failure> {
     let case = file.case()?;
-    deliver(command, options, &case.to_toml(), || ask(&case))
+    deliver(command, options, || ask(&case))
 }
 
 /// Asks (a session in `ask` ends with it, and clears its progress away), and delivers the report:
-/// saved first, so that what is printed is safe. `case` is the case as a case file.
+/// saved first, so that what is printed is safe.
 fn deliver(
     command: &Command,
     options: &CaseArguments,
-    case: &str,
     ask: impl FnOnce() -> Result<Report, Failure>,
 ) -> Result<ExitCode, Failure> {
     if let Some(folder) = &options.output {
@@ -144,7 +140,7 @@ fn deliver(
     }
     let report = ask()?;
     if let Some(folder) = &options.output {
-        fakir_study::output::save(folder, &report.files(case, command.name()))?;
+        fakir_study::output::save(folder, &report.files(command.name()))?;
     }
     if !options.quiet {
         for warning in &report.warnings {

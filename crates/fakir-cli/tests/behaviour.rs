@@ -38,8 +38,9 @@ fn bad_input_is_status_2_with_an_explanation_and_no_files() {
     let bench = Bench::new();
     let case = intermediate();
     bench.write("broken.toml", "[lens]\nradius = 2200 um\n");
+    let surface = example("square-pillars.toml");
     bench.write("file", "");
-    let attempts: [(&[&str], &str); 16] = [
+    let attempts: [(&[&str], &str); 18] = [
         (&["transition", "broken.toml"], "broken.toml:2:10"),
         (&["transition", "missing.toml"], "cannot read missing.toml"),
         (
@@ -53,6 +54,11 @@ fn bad_input_is_status_2_with_an_explanation_and_no_files() {
         (&["transition", &case, "--threads", "many"], "invalid value"),
         (&["transition", &case, "--memory-limit", "8"], "such as 8GB"),
         (&["transition", &case, "--output", "file"], "file"),
+        (&["transition", &case, "--field-points", "1"], "2 to 2048"),
+        (
+            &["transition", &surface, "--field-points", "9"],
+            "on its own cells",
+        ),
         (&["transition"], "<CASE>"),
         (&["press", &case], "--indentation"),
         (
@@ -115,6 +121,23 @@ fn what_the_physics_refuses_is_status_3() {
         assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
     }
     assert!(bench.files(".").is_empty());
+}
+
+#[test]
+fn what_cannot_be_cited_is_status_2() {
+    let bench = Bench::new();
+    bench.write("provenance.json", "{}");
+    let attempts: [(&[&str], &str); 4] = [
+        (&["cite", "missing"], "cannot read missing"),
+        (&["cite", "."], "missing field"),
+        (&["cite", "/"], "no results of fakir"),
+        (&["cite", ".", "--method", "love"], "cannot be used with"),
+    ];
+    for (arguments, explanation) in attempts {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
+    }
 }
 
 #[test]
@@ -214,6 +237,7 @@ fn help_has_an_example_for_every_command() {
         "verify",
         "theory",
         "compare",
+        "cite",
     ] {
         let help = bench.result(&[command, "--help"]);
         assert!(

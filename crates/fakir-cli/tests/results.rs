@@ -295,7 +295,14 @@ fn output_holds_the_result_and_the_case() {
     bench.result(&[&["transition", &intermediate()], &arguments[..]].concat());
     assert_eq!(
         bench.files("results/first"),
-        ["case.toml", "pillars.csv", "summary.json"]
+        [
+            "case.toml",
+            "fields.nc",
+            "fields.vti",
+            "pillars.csv",
+            "provenance.json",
+            "summary.json"
+        ]
     );
     let summary: Value = serde_json::from_str(&bench.read("results/first/summary.json")).unwrap();
     let pillars = bench.read("results/first/pillars.csv");
@@ -318,6 +325,16 @@ fn output_holds_the_result_and_the_case() {
     // The saved case gives the same result.
     let again = bench.json(&["transition", "results/first/case.toml"]);
     assert_eq!(again["critical_force_N"], summary["critical_force_N"]);
+    // So does the one in its provenance, which is the same.
+    let provenance = bench.read("results/first/provenance.json");
+    let provenance: Value = serde_json::from_str(&provenance).unwrap();
+    let case = bench.read("results/first/case.toml");
+    assert_eq!(
+        case.split_once('\n').unwrap().1,
+        provenance["case"].as_str().unwrap()
+    );
+    assert_eq!(provenance["question"], "critical state");
+    assert_eq!(provenance["fakir_version"], env!("CARGO_PKG_VERSION"));
 
     bench.result(
         &[
@@ -329,7 +346,12 @@ fn output_holds_the_result_and_the_case() {
     );
     assert_eq!(
         bench.files("a"),
-        ["approach.csv", "case.toml", "summary.json"]
+        [
+            "approach.csv",
+            "case.toml",
+            "provenance.json",
+            "summary.json"
+        ]
     );
     assert_eq!(bench.read("a/approach.csv").lines().count(), 18); // heading, 0 to 15 um, critical at 15.06 um
     bench.result(&["theory", &intermediate(), "--output", "t"]);
@@ -339,10 +361,62 @@ fn output_holds_the_result_and_the_case() {
             "case.toml",
             "critical_states.csv",
             "lattice_sums.csv",
+            "provenance.json",
             "summary.json",
             "transition_curve.csv"
         ]
     );
+}
+
+/// Results, the case and the method they are from all name the same works.
+#[test]
+fn what_to_cite_follows_from_the_method() {
+    let bench = Bench::new();
+    let press = ["--force", "1uN", "--output", "results"];
+    let love = ["--set", "method.name=love"];
+    bench.result(&[&["press", &intermediate()], &press[..], &love[..]].concat());
+    let keys = |arguments: &[&str]| -> Vec<String> {
+        let cited = bench.json(&[&["cite"], arguments].concat());
+        let works = cited["citations"].as_array().unwrap();
+        works
+            .iter()
+            .map(|work| work["key"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    let of_results = keys(&["results"]);
+    assert_eq!(
+        of_results[..4],
+        [
+            "LedesmaAlonso2021",
+            "fakir",
+            "LedesmaAlonso2016",
+            "Love1929"
+        ]
+    );
+    assert_eq!(keys(&["results/case.toml"]), of_results);
+    assert_eq!(keys(&["--method", "love"]), of_results);
+    assert_eq!(keys(&[]), of_results[..2]);
+    assert!(keys(&[&intermediate()]).contains(&"Copson1947".to_owned()));
+    assert!(keys(&[&example("square-pillars.toml")]).contains(&"Crandall1994".to_owned()));
+
+    let study = "[axes]\n\"texture.pitch\" = [\"20 um\", \"30 um\"]\n\
+                 \"method.name\" = [\"punch\", \"homogenised\"]\n";
+    let case = bench.read("results/case.toml");
+    let (case, _) = case.split_once("[method]").unwrap();
+    let case = case.replace("surface_fraction", "# surface_fraction");
+    bench.write("study.toml", &format!("{study}{case}"));
+    let of_study = keys(&["study.toml"]);
+    assert!(of_study.contains(&"Watson1944".to_owned()), "{of_study:?}");
+    assert!(of_study.contains(&"Sneddon1966".to_owned()), "{of_study:?}");
+
+    let text = bench.result(&["cite", "results"]);
+    assert!(text.starts_with("To cite for contact under a force of 1 uN, Love elements, 16 cells"));
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 100),
+        "{text}"
+    );
+    let entries = bench.result(&["cite", "--bibtex"]);
+    assert_eq!(entries.matches("@article{LedesmaAlonso2021,").count(), 1);
 }
 
 #[test]

@@ -101,9 +101,12 @@ fn saved_fields_are_a_case_again() {
     files.sort();
     let wanted = [
         "case.toml",
+        "fields.nc",
+        "fields.vti",
         "gap.npy",
         "heights.npy",
         "pressure.npy",
+        "provenance.json",
         "summary.json",
     ];
     assert_eq!(files, wanted);

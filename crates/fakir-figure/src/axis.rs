@@ -318,7 +318,7 @@ fn linear_ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
     let unit = 10f64.powf(power);
     let (step, minor) = [(1.0, 5), (2.0, 4), (5.0, 5), (10.0, 5)]
         .into_iter()
-        .find(|(step, _)| step * unit >= raw * (1.0 - 1e-9))
+        .find(|(step, _)| step * unit >= 0.8 * raw)
         .map_or((10.0 * unit, 5), |(step, minor)| (step * unit, minor));
     let fine = step / f64::from(minor);
     let (first, last) = (

@@ -31,7 +31,15 @@ fn try_encode(
     remarks: &[Remark<'_>],
 ) -> Result<(), png::EncodingError> {
     let mut encoder = Encoder::new(bytes, pixels.width as u32, pixels.height as u32);
-    encoder.set_color(ColorType::Rgb);
+    let grey = pixels
+        .colours
+        .iter()
+        .all(|Colour([r, g, b])| r == g && g == b);
+    encoder.set_color(if grey {
+        ColorType::Grayscale
+    } else {
+        ColorType::Rgb
+    });
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Balanced);
     if let Some(dots_per_inch) = dots_per_inch {
@@ -49,7 +57,13 @@ fn try_encode(
             encoder.add_itxt_chunk((*keyword).to_owned(), (*text).to_owned())?;
         }
     }
-    let data: Vec<u8> = pixels.colours.iter().flat_map(|Colour(c)| *c).collect();
+    let channels = if grey { 1 } else { 3 };
+    let data: Vec<u8> = pixels
+        .colours
+        .iter()
+        .flat_map(|Colour(c)| &c[..channels])
+        .copied()
+        .collect();
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&data)?;
     writer.finish()

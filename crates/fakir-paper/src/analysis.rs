@@ -122,10 +122,7 @@ fn least_squares(points: &[[f64; 2]]) -> Option<[f64; 3]> {
     let mean = |k: usize| points.iter().map(|point| point[k]).sum::<f64>() / count as f64;
     let [mean_x, mean_y] = [mean(0), mean(1)];
     let moment = |f: fn(f64, f64) -> f64| -> f64 {
-        points
-            .iter()
-            .map(|[x, y]| f(x - mean_x, y - mean_y))
-            .sum()
+        points.iter().map(|[x, y]| f(x - mean_x, y - mean_y)).sum()
     };
     let squares = moment(|x, _| x * x);
     let slope = moment(|x, y| x * y) / squares;
@@ -158,7 +155,11 @@ pub fn offset_spread(grid: &Grid, substrate: Substrate, quantity: Quantity) -> V
             let phi = state.surface_fraction;
             let values = grid.of(substrate).filter_map(|curve| {
                 let same = |other: &&Critical| (other.surface_fraction / phi - 1.0).abs() < 1e-9;
-                curve.states.iter().find(same).map(|other| quantity.of(other))
+                curve
+                    .states
+                    .iter()
+                    .find(same)
+                    .map(|other| quantity.of(other))
             });
             let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), v| {
                 (low.min(v), high.max(v))
@@ -182,13 +183,10 @@ pub fn merged_from(spreads: &[OffsetSpread], bound: f64) -> Option<f64> {
 /// The value at the surface fraction that is nearest to the one asked for.
 #[must_use]
 pub fn nearest_to(spreads: &[OffsetSpread], surface_fraction: f64) -> Option<OffsetSpread> {
-    spreads
-        .iter()
-        .copied()
-        .min_by(|a, b| {
-            let away = |at: &OffsetSpread| (at.surface_fraction / surface_fraction).ln().abs();
-            away(a).total_cmp(&away(b))
-        })
+    spreads.iter().copied().min_by(|a, b| {
+        let away = |at: &OffsetSpread| (at.surface_fraction / surface_fraction).ln().abs();
+        away(a).total_cmp(&away(b))
+    })
 }
 
 /// The neighbouring surface fractions between which one pillar stops being enough: at the first

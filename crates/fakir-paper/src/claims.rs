@@ -194,7 +194,9 @@ fn one_pillar_range(grid: &Grid) -> Result<Option<Claim>, CaseError> {
     };
     let text = |[a, b]: [f64; 2]| format!("{} to {}", short(a), short(b));
     let all = [rigid, intermediate, soft];
-    let near = all.iter().all(|[a, b]| *a < 1.2 * limit && *b > 0.8 * limit);
+    let near = all
+        .iter()
+        .all(|[a, b]| *a < 1.2 * limit && *b > 0.8 * limit);
     Ok(Some(Claim {
         name: "one-pillar-range",
         claim: format!(
@@ -385,7 +387,12 @@ fn lattice_sum_fits(fit: &SumFit) -> Claim {
             "Least squares over {} to {} pitches give {}, {}, {}.",
             fit.range[0],
             fit.range[1],
-            row("C01", paper.displacement, found.displacement, limit.displacement),
+            row(
+                "C01",
+                paper.displacement,
+                found.displacement,
+                limit.displacement
+            ),
             row("C1", paper.force, found.force, limit.force),
             row("C11", paper.curvature, found.curvature, limit.curvature)
         ),
@@ -515,8 +522,7 @@ fn large_contact_indentation(grid: &Grid) -> Result<Option<Claim>, CaseError> {
             list(&corrected, short)
         ),
         verdict: Verdict::Differs,
-        reason: "a_c/e − 1 is expanded for kφ ≪ 1 although kφ reaches 30 (erratum iii)."
-            .to_owned(),
+        reason: "a_c/e − 1 is expanded for kφ ≪ 1 although kφ reaches 30 (erratum iii).".to_owned(),
         numbers: [
             numbers_at("printed_indentation_ratio", &printed),
             numbers_at("unexpanded_indentation_ratio", &corrected),
@@ -697,7 +703,9 @@ fn power_law(grid: &Grid, quantity: Quantity) -> Option<Claim> {
         Quantity::ContactRadius => "power-law-contact-radius",
         Quantity::Indentation => "power-law-indentation",
     };
-    let within = dense.iter().all(|law| (law.exponent - printed).abs() < 0.25);
+    let within = dense
+        .iter()
+        .all(|law| (law.exponent - printed).abs() < 0.25);
     Some(Claim {
         name,
         claim: format!(
@@ -775,7 +783,10 @@ fn dense_textures(grid: &Grid) -> Option<Claim> {
         verdict: Verdict::Beyond,
         reason: "The force grows steeply with φ, beyond what the experiments applied.".to_owned(),
         numbers: [
-            vec![("densest_surface_fraction".to_owned(), densest.surface_fraction)],
+            vec![(
+                "densest_surface_fraction".to_owned(),
+                densest.surface_fraction,
+            )],
             named("force_at_densest", "_N", forces),
         ]
         .concat(),

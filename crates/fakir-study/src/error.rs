@@ -13,9 +13,6 @@ pub enum StudyError {
     /// A study in a journal that cannot be.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// Tables that cannot be saved.
-    #[error(transparent)]
-    Output(#[from] OutputError),
     /// The sweep was cancelled.
     #[error("interrupted after {done} of {cases} cases")]
     Interrupted {
@@ -34,6 +31,12 @@ pub enum StudyError {
         /// What the system says.
         error: io::Error,
     },
+    /// Files that cannot be saved.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// Tables that cannot be saved at the end of a sweep.
+    #[error("{0}; all cases are safe in the journal, and --resume writes the tables")]
+    Tables(OutputError),
     /// A journal that cannot be written any more.
     #[error(
         "cannot write {}: {error}; the cases before are safe in it, and --resume goes on from there",

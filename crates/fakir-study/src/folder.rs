@@ -8,24 +8,26 @@
 //! | `provenance.json` | version, study, methods, reference |
 
 use crate::answer::Row;
-use crate::citations::Topic;
 use crate::error::{StudyError, memory};
 use crate::journal::{Contents, Header, JOURNAL, Journal, first_difference, whole};
 use crate::output::{File, save};
 use crate::plan::{Plan, Shard};
-use crate::provenance::{FILE_NAME, Provenance, method_words};
+use crate::provenance::Provenance;
 use crate::sweep::{Options, complete};
 use crate::table::Table;
-use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};
 use std::collections::BTreeMap;
+use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The study as it was understood.
-const STUDY: &str = "study.toml";
-const CSV: &str = "table.csv";
-const PARQUET: &str = "table.parquet";
+/// The tables of a sweep, and what goes with them.
+const RESULTS: [&str; 4] = [
+    "study.toml",
+    "table.csv",
+    "table.parquet",
+    "provenance.json",
+];
 
 /// What to do about a folder in which there is something already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -91,11 +93,11 @@ pub fn sweep_into(
             BTreeMap::new()
         }
     };
-    save(folder, &[File::new(STUDY, study.to_toml())])?;
+    save(folder, &[File::new("study.toml", study.to_toml())])?;
     let found = rows.len();
     let rows = complete(study, rows, options, |new| journal.append(new))?;
     let rows: Vec<Row> = rows.into_values().collect();
-    save(folder, &results(study, &rows))?;
+    save(folder, &results(study, &rows)).map_err(StudyError::Tables)?;
     Ok(Summary {
         study: study.clone(),
         rows,
@@ -155,7 +157,7 @@ pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Su
     drop(Journal::open(folder)?); // nothing is running there
     remove_results(folder)?;
     let mut files = results(&study, &rows);
-    files.push(File::new(STUDY, study.to_toml()));
+    files.push(File::new("study.toml", study.to_toml()));
     files.push(File::new(JOURNAL, whole(&header, &rows)));
     save(folder, &files)?;
     let found = rows.len();
@@ -164,7 +166,7 @@ pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Su
 
 fn read_shard(folder: &Path) -> Result<(PathBuf, Contents), StudyError> {
     let path = folder.join(JOURNAL);
-    let file = match std::fs::File::open(&path) {
+    let file = match fs::File::open(&path) {
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => {
             return Err(StudyError::NoSweep(folder.to_owned()));
@@ -296,15 +298,15 @@ fn check_contents(folder: &Path, existing: Existing) -> Result<(), StudyError> {
 }
 
 fn make(folder: &Path) -> Result<(), StudyError> {
-    std::fs::create_dir_all(folder)
+    fs::create_dir_all(folder)
         .map_err(|error| StudyError::file("cannot make the folder", folder, error))
 }
 
 /// Removes the tables of an earlier sweep, which would not fit what is to come.
 fn remove_results(folder: &Path) -> Result<(), StudyError> {
-    for name in [STUDY, CSV, PARQUET, FILE_NAME] {
+    for name in RESULTS {
         let path = folder.join(name);
-        match std::fs::remove_file(&path) {
+        match fs::remove_file(&path) {
             Err(error) if error.kind() != ErrorKind::NotFound => {
                 return Err(StudyError::file("cannot remove", &path, error));
             }
@@ -316,23 +318,10 @@ fn remove_results(folder: &Path) -> Result<(), StudyError> {
 
 fn results(study: &Study, rows: &[Row]) -> Vec<File> {
     let table = Table::new(study, rows);
-    let stamp = stamp(study);
+    let provenance = Provenance::of_study(study);
     vec![
-        File::new(CSV, table.to_csv()),
-        File::new(PARQUET, table.to_parquet(&stamp)),
-        stamp.file(),
+        File::new("table.csv", table.to_csv()),
+        File::new("table.parquet", table.to_parquet(&provenance)),
+        provenance.file(),
     ]
-}
-
-/// Where the tables of a study are from.
-#[must_use]
-pub fn stamp(study: &Study) -> Provenance {
-    let question = match study.asked() {
-        Asked::Transition => "critical states",
-        Asked::Press => "contacts under a load",
-    };
-    let methods = study.methods();
-    let words: Vec<String> = methods.iter().copied().map(method_words).collect();
-    let topics: Vec<Topic> = methods.into_iter().map(Topic::Method).collect();
-    Provenance::new(question, words.join("; "), &topics, study.to_toml())
 }

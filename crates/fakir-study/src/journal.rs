@@ -3,6 +3,7 @@
 //! The first line says what is swept; it must fit when the sweep goes on. A last line that was not
 //! written in full, as when the process is killed, is dropped; any other damage is an error.
 
+use crate::VERSION;
 use crate::answer::{Answer, Row};
 use crate::error::StudyError;
 use crate::plan::{Plan, Shard};
@@ -18,9 +19,6 @@ use std::path::{Path, PathBuf};
 
 /// Its name in the folder of a sweep.
 pub(crate) const JOURNAL: &str = "journal.jsonl";
-
-/// The version of fakir.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The version of what is written here.
 const FORMAT: u32 = 1;

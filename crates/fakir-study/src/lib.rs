@@ -1,5 +1,5 @@
 //! Many cases: sweeps along the axes of a study, with a journal that survives being killed, and
-//! their tables; and what else goes beyond a single answer.
+//! their tables.
 //!
 //! ```
 //! use fakir_case::{Case, StudyFile};
@@ -24,15 +24,11 @@
 //! * What a case answers depends on the study alone: not on threads, shards or interruptions. So
 //!   the table of a sweep that was killed and resumed is the same, byte for byte.
 //! * A case without an answer keeps its row in the [`Table`], with the reason.
-//!
-//! Besides:
-//!
-//! * [`output`]: files that are there whole or not at all;
-//! * [`provenance`]: where a result is from, stamped on every file;
-//! * [`citations`]: what to cite for it;
-//! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView;
-//! * [`design`]: the case that has a wanted answer;
-//! * [`spread`]: how far answers scatter.
+//! * [`design`](mod@design) turns the question round: which value gives a wanted critical force;
+//!   [`spread`](mod@spread) draws samples about a case.
+//! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
+//! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
+//!   files that are there whole or not at all.
 
 mod answer;
 pub mod citations;
@@ -50,7 +46,10 @@ mod table;
 
 pub use answer::{Answer, Critical, Pressed, Row};
 pub use error::StudyError;
-pub use folder::{Existing, Summary, merge, stamp, sweep_into};
+pub use folder::{Existing, Summary, merge, sweep_into};
 pub use plan::{InvalidShard, Shard};
 pub use sweep::{Options, Progress, sweep};
 pub use table::{Column, Table, Values};
+
+/// The version of fakir, stamped on every result.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -3,9 +3,12 @@
 //! It depends on the question alone: no dates, no machine, so that the same question gives the same
 //! files.
 
+use crate::VERSION;
 use crate::citations::{Citation, REFERENCE_DOI, Topic, citations};
 use crate::output::File;
 use fakir::contact::{Accuracy, Method, PunchForm};
+use fakir_case::Study;
+use fakir_case::study::Asked;
 use serde::{Deserialize, Serialize};
 
 /// The file that holds the provenance of a folder of results.
@@ -39,13 +42,31 @@ impl Provenance {
         case: impl Into<String>,
     ) -> Self {
         Self {
-            fakir_version: env!("CARGO_PKG_VERSION").to_owned(),
+            fakir_version: VERSION.to_owned(),
             question: question.into(),
             method: method.into(),
             reference_doi: REFERENCE_DOI.to_owned(),
             citations: citations(topics),
             case: case.into(),
         }
+    }
+
+    /// The stamp on a study.
+    #[must_use]
+    pub fn of_study(study: &Study) -> Self {
+        let methods = study.methods();
+        let asked = match study.asked() {
+            Asked::Transition => "critical state",
+            Asked::Press => "contact under a load",
+        };
+        let words: Vec<String> = methods.iter().copied().map(method_words).collect();
+        let topics: Vec<Topic> = methods.into_iter().map(Topic::Method).collect();
+        Self::new(
+            format!("{asked}, {} cases", study.cases()),
+            words.join("; "),
+            &topics,
+            study.to_toml(),
+        )
     }
 
     /// As one JSON object.
@@ -73,7 +94,7 @@ impl Provenance {
     pub fn attributes(&self) -> [(&'static str, String); 5] {
         let references: Vec<String> = self.citations.iter().map(Citation::text).collect();
         [
-            ("title", format!("Contact of a lens: {}", self.question)),
+            ("title", format!("Lens on a surface: {}", self.question)),
             ("source", format!("fakir {}", self.fakir_version)),
             ("method", self.method.clone()),
             ("references", references.join("\n")),

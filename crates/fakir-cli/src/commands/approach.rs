@@ -3,13 +3,15 @@
 use crate::arguments::LoadingPath;
 use crate::failure::Failure;
 use crate::numbers::{digits, with_unit};
-use crate::report::state::{CriticalJson, VERSION, method_name, texture_line, warnings};
+use crate::report::state::{CriticalJson, VERSION, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;
 use fakir::contact::{ContactState, CriticalState, Load};
 use fakir_case::Case;
-use fakir_case::unit::Dimension;
+use fakir_case::unit::{Dimension, format_quantity};
+use fakir_study::citations::Topic;
+use fakir_study::provenance::{Provenance, method_words};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -78,10 +80,29 @@ pub(crate) fn run(case: &Case, path: &LoadingPath, session: &Session) -> Result<
             fakir_version: VERSION,
         }),
         text: text(case, &critical, &rows),
+        provenance: Provenance::new(
+            question(path),
+            method_words(case.method),
+            &[Topic::Method(case.method)],
+            case.to_toml(),
+        ),
         tables: vec![csv("approach.csv", &rows)],
         warnings,
         converged,
     })
+}
+
+/// The loading in words: `loading in steps of 1 um, up to the critical state`.
+fn question(path: &LoadingPath) -> String {
+    let length = |value| format_quantity(value, Dimension::Length);
+    let end = match path.until {
+        None => "up to the critical state".to_owned(),
+        Some(until) if path.past_transition => {
+            format!("past the critical state to {}", length(until))
+        }
+        Some(until) => format!("up to {} or the critical state", length(until)),
+    };
+    format!("loading in steps of {}, {end}", length(path.step))
 }
 
 /// A state of the loading that is to be computed.
@@ -160,7 +181,7 @@ fn text(case: &Case, critical: &CriticalState, rows: &[StateRow]) -> String {
     format!(
         "Approach of the lens\n{}\n{}\n\n{}{reached}",
         texture_line(&case.system),
-        method_name(case.method),
+        method_words(case.method),
         table(rows, &columns(rows))
     )
 }

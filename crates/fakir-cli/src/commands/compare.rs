@@ -11,6 +11,8 @@ use fakir::contact::{Accuracy, CriticalState, Method, PunchForm, SolveError};
 use fakir::love::ElementMesh;
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
+use fakir_study::citations::Topic;
+use fakir_study::provenance::Provenance;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -99,6 +101,13 @@ pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {
     }
     let reference = set_differences(&mut rows);
     let converged = rows.iter().all(|row| row.converged);
+    let methods = methods().map(|(method, ..)| Topic::Method(method));
+    let provenance = Provenance::new(
+        "critical state",
+        "every method, coarse to exact",
+        &[&[Topic::ClosedForms], methods.as_slice()].concat(),
+        case.to_toml(),
+    );
     Ok(Report {
         json: json(&CompareJson {
             surface_fraction: case.system.texture().surface_fraction(),
@@ -115,6 +124,7 @@ pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {
             reference.map(|(_, name)| name),
             session.threads(),
         ),
+        provenance,
         tables: vec![csv("compare.csv", &rows)],
         warnings: all_warnings,
         converged,

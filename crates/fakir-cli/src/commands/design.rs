@@ -4,16 +4,16 @@
 use crate::arguments::Design as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, significant, with_unit};
-use crate::report::state::{
-    CriticalJson, RADIUS_DIGITS, VERSION, method_name, texture_line, warnings,
-};
+use crate::report::state::{CriticalJson, RADIUS_DIGITS, VERSION, texture_line, warnings};
 use crate::report::table::{Column, list, table};
 use crate::report::{Report, json};
 use crate::session::Session;
-use fakir_case::unit::Dimension;
+use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseFile, Key, Kind};
+use fakir_study::citations::Topic;
 use fakir_study::design::{Candidate, Design, Limit, Wanted, design};
 use fakir_study::output::File;
+use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::spread::{Critical, Landing, Sampling, Spread, Summary, spread};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -22,8 +22,6 @@ use std::time::Instant;
 /// What came of it.
 pub(crate) struct Designed {
     pub(crate) report: Report,
-    /// The case that was found, or that scatters, as a case file.
-    pub(crate) case: String,
     /// Whether there is a value that gives what is wanted.
     pub(crate) found: bool,
 }
@@ -83,6 +81,12 @@ pub(crate) fn run(
             fakir_version: VERSION,
         }),
         text: text.into_iter().flatten().collect::<Vec<_>>().join("\n"),
+        provenance: Provenance::new(
+            words(question, sampling.as_ref()),
+            method_words(case.method),
+            &[Topic::Method(case.method)],
+            case.to_toml(),
+        ),
         tables: scattered
             .map(|(sampling, scatter)| samples_table(sampling, scatter))
             .into_iter()
@@ -92,11 +96,27 @@ pub(crate) fn run(
             .as_ref()
             .is_none_or(|scatter| scatter.failures().next().is_none()),
     };
-    Ok(Designed {
-        report,
-        case: case.to_toml(),
-        found,
-    })
+    Ok(Designed { report, found })
+}
+
+/// The question in words: `texture.pitch for a critical force of 1 mN`.
+fn words(question: Option<(Key, Wanted)>, sampling: Option<&Sampling>) -> String {
+    let design = question.map(|(free, wanted)| {
+        let dimension = match wanted {
+            Wanted::Force(_) => Dimension::Force,
+            Wanted::ContactRadius(_) => Dimension::Length,
+        };
+        let value = format_quantity(wanted.value(), dimension);
+        format!("{} for a {} of {value}", free.path(), wanted.name())
+    });
+    let spread = sampling.map(|sampling| {
+        format!(
+            "spread of the critical state over {} samples, seed {}",
+            sampling.samples, sampling.seed
+        )
+    });
+    let words: Vec<String> = design.into_iter().chain(spread).collect();
+    words.join("; ")
 }
 
 struct Answer {
@@ -229,7 +249,7 @@ impl Answer {
             "{}\n{}\n{}\n\n{}",
             self.headline(),
             texture_line(&case.system),
-            method_name(case.method),
+            method_words(case.method),
             list(rows)
         )
     }

@@ -1,6 +1,7 @@
 //! One module for each command: what it asks the library, and its report.
 
 pub(crate) mod approach;
+pub(crate) mod cite;
 mod closed_forms;
 pub(crate) mod compare;
 pub(crate) mod design;

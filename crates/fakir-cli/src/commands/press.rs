@@ -2,8 +2,9 @@
 
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
+use crate::report::maps::Maps;
 use crate::report::state::{
-    ErrorJson, QuantityList, RADIUS_DIGITS, VERSION, method_name, pillar_table, texture_line,
+    ErrorJson, QuantityList, RADIUS_DIGITS, VERSION, load_words, pillar_table, texture_line,
     warnings,
 };
 use crate::report::{Report, json};
@@ -11,6 +12,8 @@ use crate::session::Session;
 use fakir::contact::{ContactState, CriticalState, Load, Normalized, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
+use fakir_study::citations::Topic;
+use fakir_study::provenance::{Provenance, method_words};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -33,7 +36,12 @@ struct PressJson {
     fakir_version: &'static str,
 }
 
-pub(crate) fn run(case: &Case, load: Load, session: &Session) -> Result<Report, Failure> {
+pub(crate) fn run(
+    case: &Case,
+    load: Load,
+    maps: Maps,
+    session: &Session,
+) -> Result<Report, Failure> {
     let start = Instant::now();
     let state = fakir::press(&case.system, load, case.method, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
@@ -42,10 +50,19 @@ pub(crate) fn run(case: &Case, load: Load, session: &Session) -> Result<Report, 
         session.part("critical state");
         warnings.push(beyond(case, session)?);
     }
+    let provenance = Provenance::new(
+        load_words(load),
+        method_words(case.method),
+        &[Topic::Method(case.method)],
+        case.to_toml(),
+    );
+    let mut tables = pillar_table(&state);
+    tables.extend(maps.files(&state, &provenance, session)?);
     Ok(Report {
         json: json(&summary(&state, wall_time)),
         text: text(&state, wall_time),
-        tables: pillar_table(&state),
+        provenance,
+        tables,
         warnings,
         converged: state.converged(),
     })
@@ -122,7 +139,7 @@ fn text(state: &ContactState, wall_time: f64) -> String {
     format!(
         "Contact under load\n{}\n{}\n\n{}",
         texture_line(&state.system),
-        method_name(state.method),
+        method_words(state.method),
         list.text()
     )
 }

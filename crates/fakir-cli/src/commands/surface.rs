@@ -2,19 +2,32 @@
 
 use crate::failure::Failure;
 use crate::report::Report;
+use crate::report::maps::Maps;
 use crate::report::surface::{pressed, reached};
 use crate::session::Session;
 use fakir::contact::Load;
 use fakir_case::SurfaceCase;
 use std::time::Instant;
 
-pub(crate) fn press(case: &SurfaceCase, load: Load, session: &Session) -> Result<Report, Failure> {
+pub(crate) fn press(
+    case: &SurfaceCase,
+    load: Load,
+    maps: Maps,
+    session: &Session,
+) -> Result<Report, Failure> {
+    check_maps(maps)?;
     let start = Instant::now();
     let contact = case.system.press(load, &session.run())?;
-    Ok(pressed(case, &contact, start.elapsed().as_secs_f64()))
+    let wall_time = start.elapsed().as_secs_f64();
+    Ok(pressed(case, load, &contact, maps, wall_time))
 }
 
-pub(crate) fn transition(case: &SurfaceCase, session: &Session) -> Result<Report, Failure> {
+pub(crate) fn transition(
+    case: &SurfaceCase,
+    maps: Maps,
+    session: &Session,
+) -> Result<Report, Failure> {
+    check_maps(maps)?;
     let Some(floor) = case.floor else {
         return Err(Failure::Argument(
             "surface.floor is missing: a height map has no pillars that would tell which part of \
@@ -24,5 +37,18 @@ pub(crate) fn transition(case: &SurfaceCase, session: &Session) -> Result<Report
     };
     let start = Instant::now();
     let critical = case.system.transition(floor, &session.run())?;
-    Ok(reached(case, &critical, start.elapsed().as_secs_f64()))
+    let wall_time = start.elapsed().as_secs_f64();
+    Ok(reached(case, &critical, maps, wall_time))
+}
+
+/// A surface has its fields on its own cells.
+fn check_maps(maps: Maps) -> Result<(), Failure> {
+    match maps {
+        Maps::Points(Some(_)) => Err(Failure::Argument(
+            "--field-points is for textures: the fields of a surface are saved on its own cells, as \
+             many as its file or surface.grid gives"
+                .to_owned(),
+        )),
+        _ => Ok(()),
+    }
 }

@@ -16,6 +16,8 @@ use fakir::theory::homogenised::{central_force_amplification, largest_surface_fr
 use fakir::theory::lattice_sums::{LatticeSums, SumCoefficients, SumFit};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
+use fakir_study::citations::Topic;
+use fakir_study::provenance::Provenance;
 use serde::Serialize;
 
 /// Contact radii (in pitches) at which lattice sums and transition curve are tabulated.
@@ -132,6 +134,12 @@ pub(crate) fn run(case: &Case) -> Result<Report, Failure> {
             curve_text(&curve),
         ]
         .join("\n"),
+        provenance: Provenance::new(
+            "critical state and transition curve",
+            "closed forms and homogenised lattice",
+            &[Topic::ClosedForms, Topic::Method(Method::Homogenised)],
+            case.to_toml(),
+        ),
         tables: vec![
             csv("critical_states.csv", &critical),
             csv("lattice_sums.csv", &sums),

@@ -2,31 +2,40 @@
 
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
+use crate::report::maps::Maps;
 use crate::report::state::{
-    CriticalJson, QuantityList, RADIUS_DIGITS, method_name, pillar_table, texture_line, warnings,
+    CriticalJson, QuantityList, RADIUS_DIGITS, pillar_table, texture_line, warnings,
 };
 use crate::report::{Report, json};
 use crate::session::Session;
 use fakir::contact::{CriticalState, Regime};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
+use fakir_study::citations::Topic;
+use fakir_study::provenance::{Provenance, method_words};
 use std::time::Instant;
 
-pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {
+pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, Failure> {
     let start = Instant::now();
     let critical = fakir::transition(&case.system, case.method, &session.run())?;
-    Ok(report(&critical, start.elapsed().as_secs_f64()))
-}
-
-fn report(critical: &CriticalState, wall_time: f64) -> Report {
+    let wall_time = start.elapsed().as_secs_f64();
     let state = &critical.contact;
-    Report {
-        json: json(&CriticalJson::new(critical, wall_time)),
-        text: text(critical, wall_time),
-        tables: pillar_table(state),
+    let provenance = Provenance::new(
+        "critical state",
+        method_words(case.method),
+        &[Topic::Method(case.method)],
+        case.to_toml(),
+    );
+    let mut tables = pillar_table(state);
+    tables.extend(maps.files(state, &provenance, session)?);
+    Ok(Report {
+        json: json(&CriticalJson::new(&critical, wall_time)),
+        text: text(&critical, wall_time),
+        provenance,
+        tables,
         warnings: warnings(state),
         converged: state.converged(),
-    }
+    })
 }
 
 fn text(critical: &CriticalState, wall_time: f64) -> String {
@@ -57,7 +66,7 @@ fn text(critical: &CriticalState, wall_time: f64) -> String {
     format!(
         "Critical state: {first}\n{}\n{}\n\n{}",
         texture_line(&state.system),
-        method_name(state.method),
+        method_words(state.method),
         list.text()
     )
 }

@@ -2,15 +2,17 @@
 
 use crate::failure::Failure;
 use crate::numbers::{seconds, significant};
-use crate::report::state::{ErrorJson, VERSION, texture_line, warnings};
+use crate::report::state::{ErrorJson, VERSION, load_words, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;
-use fakir::contact::{ContactState, Load, Method};
+use fakir::contact::{Accuracy, ContactState, Load, Method};
 use fakir::love::ElementMesh;
 use fakir::{Difference, Question, Verification};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
+use fakir_study::citations::Topic;
+use fakir_study::provenance::{Provenance, method_words};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -89,10 +91,24 @@ pub(crate) fn run(
             fakir_version: VERSION,
         }),
         text: text(case, &verification, &rows, wall_time),
+        provenance: provenance(case, question, mesh),
         tables: vec![csv("verify.csv", &rows)],
         warnings: answers(&verification).flat_map(warnings).collect(),
         converged: verification.agrees(),
     })
+}
+
+fn provenance(case: &Case, question: Question, mesh: ElementMesh) -> Provenance {
+    let methods = [Method::Spectral(Accuracy::Accurate), Method::Love(mesh)];
+    Provenance::new(
+        match question {
+            Question::Transition => "critical state".to_owned(),
+            Question::Press(load) => load_words(load),
+        },
+        methods.map(method_words).join(" against "),
+        &methods.map(Topic::Method),
+        case.to_toml(),
+    )
 }
 
 fn answers(verification: &Verification) -> impl Iterator<Item = &ContactState> {

@@ -1,10 +1,12 @@
 //! What a command hands back, ready to be printed and saved.
 
+pub(crate) mod maps;
 pub(crate) mod state;
 pub(crate) mod surface;
 pub(crate) mod table;
 
 use fakir_study::output::File;
+use fakir_study::provenance::Provenance;
 use serde::Serialize;
 
 /// The result of a command, in every form it is wanted in.
@@ -14,6 +16,8 @@ pub(crate) struct Report {
     pub(crate) json: String,
     /// Tables for a person.
     pub(crate) text: String,
+    /// What was asked, and how it was answered.
+    pub(crate) provenance: Provenance,
     /// Tables and fields for other programs.
     pub(crate) tables: Vec<File>,
     /// What to be careful about.
@@ -29,15 +33,19 @@ impl Report {
         u8::from(!self.converged)
     }
 
-    /// The files to save: the summary, the tables, and the case as a case file.
-    pub(crate) fn files(&self, case: &str, command: &str) -> Vec<File> {
-        let case = format!(
-            "# As solved by fakir {}: fakir {command}.\n{case}",
-            env!("CARGO_PKG_VERSION")
-        );
+    /// The files to save: the summary, the tables, the case as a case file, and where all this is
+    /// from.
+    pub(crate) fn files(&self, command: &str) -> Vec<File> {
+        let Provenance {
+            fakir_version,
+            case,
+            ..
+        } = &self.provenance;
+        let case = format!("# As solved by fakir {fakir_version}: fakir {command}.\n{case}");
         let mut files = self.tables.clone();
         files.push(File::new("case.toml", case));
         files.push(File::new("summary.json", format!("{}\n", self.json)));
+        files.push(self.provenance.file());
         files
     }
 }
@@ -66,6 +74,7 @@ mod tests {
         let report = |converged| Report {
             json: "{}".to_owned(),
             text: String::new(),
+            provenance: Provenance::new("", "", &[], ""),
             tables: Vec::new(),
             warnings: Vec::new(),
             converged,

@@ -3,11 +3,9 @@
 use super::csv;
 use super::table::list;
 use crate::numbers::{DIGITS, digits, scaled, seconds, significant, with_unit};
-use fakir::contact::{
-    Accuracy, ContactState, CriticalState, ErrorEstimate, Method, Normalized, PunchForm,
-};
+use fakir::contact::{ContactState, CriticalState, ErrorEstimate, Load, Method, Normalized};
 use fakir::system::{Point, System};
-use fakir_case::unit::Dimension;
+use fakir_case::unit::{Dimension, format_quantity};
 use fakir_study::output::File;
 use serde::Serialize;
 
@@ -139,19 +137,17 @@ pub(crate) fn pillar_table(state: &ContactState) -> Vec<File> {
     )]
 }
 
-/// The method in a few words: `spectral method, default accuracy`.
-pub(crate) fn method_name(method: Method) -> String {
-    match method {
-        Method::Spectral(Accuracy::Default) => "spectral method, default accuracy".to_owned(),
-        Method::Spectral(Accuracy::Accurate) => "spectral method, accurate".to_owned(),
-        Method::Punch(PunchForm::Plain) => "punch lattice, plain".to_owned(),
-        Method::Punch(PunchForm::Corrected) => "punch lattice, corrected".to_owned(),
-        Method::Homogenised => "homogenised lattice, an approximation".to_owned(),
-        Method::Love(mesh) => format!(
-            "Love elements, {} cells across a pillar",
-            mesh.cells_per_diameter
+/// A load in words: `contact under a force of 20 uN`.
+pub(crate) fn load_words(load: Load) -> String {
+    match load {
+        Load::Force(force) => format!(
+            "contact under a force of {}",
+            format_quantity(force, Dimension::Force)
         ),
-        other => format!("{} method", other.name()),
+        Load::Indentation(indentation) => format!(
+            "contact at an indentation of {}",
+            format_quantity(indentation, Dimension::Length)
+        ),
     }
 }
 

@@ -1,9 +1,10 @@
 //! Reports of contacts with general surfaces.
 
-use super::state::{ErrorJson, QuantityList, RADIUS_DIGITS, VERSION};
+use super::maps::Maps;
+use super::state::{ErrorJson, QuantityList, RADIUS_DIGITS, VERSION, load_words};
 use super::{Report, json};
 use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
-use fakir::contact::Regime;
+use fakir::contact::{Load, Regime};
 use fakir::love::solver::Certificate;
 use fakir::love::{
     Boundary, Grid, Indenter, Share, Shares, SurfaceContact, SurfaceTransition, SurfaceWarning,
@@ -13,7 +14,10 @@ use fakir::system::Point;
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
+use fakir_study::citations::Topic;
+use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::output::File;
+use fakir_study::provenance::Provenance;
 use serde::Serialize;
 
 /// Digits shown of contact areas, which change by whole cells.
@@ -137,7 +141,13 @@ struct TransitionJson {
 const METHOD: &str = "love";
 
 /// The contact under a load.
-pub(crate) fn pressed(case: &SurfaceCase, contact: &SurfaceContact, wall_time: f64) -> Report {
+pub(crate) fn pressed(
+    case: &SurfaceCase,
+    load: Load,
+    contact: &SurfaceContact,
+    maps: Maps,
+    wall_time: f64,
+) -> Report {
     let shares = case
         .floor
         .map(|floor| contact.shares(case.system.surface(), floor));
@@ -163,11 +173,20 @@ pub(crate) fn pressed(case: &SurfaceCase, contact: &SurfaceContact, wall_time: f
         description(case),
         list.text()
     );
-    report(case, contact, json(&summary), text)
+    Report {
+        json: json(&summary),
+        text,
+        ..report(case, &load_words(load), contact, maps)
+    }
 }
 
 /// The critical state.
-pub(crate) fn reached(case: &SurfaceCase, critical: &SurfaceTransition, wall_time: f64) -> Report {
+pub(crate) fn reached(
+    case: &SurfaceCase,
+    critical: &SurfaceTransition,
+    maps: Maps,
+    wall_time: f64,
+) -> Report {
     let contact = &critical.contact;
     let summary = TransitionJson {
         method: METHOD,
@@ -200,10 +219,15 @@ pub(crate) fn reached(case: &SurfaceCase, critical: &SurfaceTransition, wall_tim
         description(case),
         list.text()
     );
-    report(case, contact, json(&summary), text)
+    Report {
+        json: json(&summary),
+        text,
+        ..report(case, "critical state", contact, maps)
+    }
 }
 
-fn report(case: &SurfaceCase, contact: &SurfaceContact, json: String, text: String) -> Report {
+/// The report of a contact, but for its JSON and text.
+fn report(case: &SurfaceCase, question: &str, contact: &SurfaceContact, maps: Maps) -> Report {
     let mut warnings: Vec<String> = contact.warnings.iter().map(ToString::to_string).collect();
     if warnings.is_empty() && beyond_border(case, contact) {
         warnings.push(SurfaceWarning::ReachesBorder.to_string());
@@ -215,17 +239,52 @@ fn report(case: &SurfaceCase, contact: &SurfaceContact, json: String, text: Stri
         ));
     }
     let field = |name, values| File::new(name, to_npy(&contact.grid, values));
+    let mut tables = vec![
+        field("pressure.npy", &contact.pressure),
+        field("gap.npy", &contact.gap),
+        field("heights.npy", case.system.surface().heights()),
+    ];
+    let provenance = provenance(case, question);
+    if maps != Maps::None {
+        match FieldMap::of_surface(&case.system, contact, case.floor) {
+            Some(map) => tables.extend(map.files(&provenance)),
+            None => warnings.push(format!(
+                "more cells than {MOST_POINTS} by {MOST_POINTS}: the fields are saved as .npy only"
+            )),
+        }
+    }
     Report {
-        json,
-        text,
-        tables: vec![
-            field("pressure.npy", &contact.pressure),
-            field("gap.npy", &contact.gap),
-            field("heights.npy", case.system.surface().heights()),
-        ],
+        json: String::new(),
+        text: String::new(),
+        provenance,
+        tables,
         warnings,
         converged: contact.converged(),
     }
+}
+
+/// What a surface makes use of.
+pub(crate) fn topic(case: &SurfaceCase) -> Topic {
+    let random = match &case.origin {
+        SurfaceOrigin::HeightMap(_) => false,
+        SurfaceOrigin::Pattern(pattern) => {
+            matches!(pattern.arrangement, Arrangement::Random { .. })
+        }
+    };
+    Topic::Surface {
+        periodic: case.system.boundary() == Boundary::Periodic,
+        random,
+    }
+}
+
+fn provenance(case: &SurfaceCase, question: &str) -> Provenance {
+    let grid = case.system.surface().grid();
+    Provenance::new(
+        question,
+        format!("Love elements, {} by {} cells", grid.columns(), grid.rows()),
+        &[topic(case)],
+        case.to_toml(),
+    )
 }
 
 /// Whether a lens touches points farther from its axis than the nearest border of a grid that

@@ -20,6 +20,9 @@ const SUBSTRATE: Colour = Colour([226, 214, 196]);
 /// Places along x at which the surfaces are drawn, besides pillar edges.
 const SAMPLES: usize = 600;
 
+/// Places beside a pillar, in pillar radii from its edge.
+const BESIDE: [f64; 8] = [1e-6, 3e-3, 0.01, 0.03, 0.06, 0.1, 0.2, 0.35];
+
 /// A state and its name in the figure.
 #[derive(Debug, Clone)]
 pub struct ProfileState<'a> {
@@ -53,7 +56,10 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
         });
     };
     let system = &widest.state.system;
-    let half_width = (1.3 * widest.state.contact_radius).max(1.6 * system.lattice().pitch);
+    let [x, y] = widest.state.smallest_gap_position;
+    let half_width = (1.3 * widest.state.contact_radius)
+        .max(3.0 * x.hypot(y))
+        .max(6.0 * system.pillar().diameter);
     let sections: Result<Vec<Section>, FigureError> = states
         .iter()
         .map(|state| Section::new(state.state, half_width, run))
@@ -126,8 +132,15 @@ impl Section {
             .map(|k| half_width * (2.0 * k as f64 / SAMPLES as f64 - 1.0))
             .collect();
         let inside = |x: &f64| x.abs() <= half_width;
-        let edges = stretches.iter().flat_map(|(edges, _)| edges);
-        across.extend(edges.copied().filter(inside));
+        let radius = 0.5 * system.pillar().diameter;
+        for ([start, end], _) in &stretches {
+            across.extend([*start, *end]);
+            // Beside a pillar the surfaces are steep.
+            for distance in BESIDE {
+                across.extend([start - distance * radius, end + distance * radius]);
+            }
+        }
+        across.retain(inside);
         across.sort_by(f64::total_cmp);
         across.dedup();
 
@@ -158,13 +171,7 @@ impl Section {
             match (was_on, on) {
                 (None, Some(k)) => substrate.extend([[*x, floor], [*x, top(k)]]),
                 (_, Some(k)) => substrate.push([*x, top(k)]),
-                (Some(_), None) => {
-                    if let Some([edge, _]) = substrate.last().copied() {
-                        substrate.push([edge, floor]);
-                    }
-                    substrate.push([*x, floor]);
-                }
-                (None, None) => substrate.push([*x, floor]),
+                (_, None) => substrate.push([*x, floor]),
             }
             was_on = on;
         }
@@ -295,8 +302,8 @@ fn title(page: &Page, state: &ProfileState<'_>, letter: Option<char>, items: &mu
         .followed_by(state.label.clone())
         .followed_by(format!(
             ": *F* = {}, *ζ* = {}",
-            force.text(state.state.force, 3),
-            length.text(state.state.indentation, 3)
+            or_zero(force, state.state.force),
+            or_zero(length, state.state.indentation)
         ));
     items.push(Item::Label(Label::new(
         name,
@@ -314,6 +321,14 @@ fn title(page: &Page, state: &ProfileState<'_>, letter: Option<char>, items: &mu
         NOTE_SIZE,
         Anchor::End,
     )));
+}
+
+fn or_zero(unit: Unit, value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        unit.text(value, 3)
+    }
 }
 
 /// Where the floor is touched, if the section does not show it.

@@ -138,8 +138,9 @@ impl FieldMap {
                 name: "pressure",
                 long_name: "contact pressure",
                 comment: format!(
-                    "Infinite at the rim of a covered pillar: points within {least_depth:e} m of it \
-                     have the pressure that far inside."
+                    "Infinite at the rim of a covered pillar: points within {least_depth:.1e} m of it \
+                     have the pressure that far inside, and a sum over points approaches the force \
+                     only as the square root of the spacing."
                 ),
                 values: Values::Numbers("Pa", samples.pressure),
             },

@@ -1,7 +1,7 @@
-//! A [`FieldMap`] as VTK image data: XML with base64 inside, which every VTK since 5.10 reads.
+//! A [`FieldMap`] as VTK image data: XML with base64 inside, which VTK 6 and later read.
 //!
-//! Each array is its length in bytes (64 bits) and its values, little-endian, in base64. Texts are
-//! arrays of characters in field data. The XML itself holds no text from outside.
+//! Each array is its length in bytes (64 bits) and its values, little-endian, as one piece of
+//! base64. Texts are arrays of characters in field data. The XML itself holds no text from outside.
 
 use super::{FieldMap, Values, Variable};
 use crate::provenance::Provenance;
@@ -63,8 +63,8 @@ fn array(text: &mut String, kind: &str, name: &str, tuples: &str, values: &[u8])
         text,
         r#"<DataArray type="{kind}" Name="{name}"{tuples} format="binary">"#
     );
-    STANDARD.encode_string((values.len() as u64).to_le_bytes(), text);
-    STANDARD.encode_string(values, text);
+    let length = (values.len() as u64).to_le_bytes();
+    STANDARD.encode_string([&length, values].concat(), text);
     text.push_str("\n</DataArray>\n");
 }
 
@@ -77,12 +77,13 @@ pub(super) mod tests {
         let text = std::str::from_utf8(contents).unwrap();
         let start = text.find(&format!("Name=\"{name}\"")).unwrap();
         let data = text[start..].lines().nth(1).unwrap();
-        // 8 bytes are 12 characters, the last of them padding.
-        let (length, values) = data.split_at(12);
-        let length = u64::from_le_bytes(STANDARD.decode(length).unwrap().try_into().unwrap());
-        let bytes = STANDARD.decode(values).unwrap();
-        assert_eq!(bytes.len() as u64, length);
-        bytes
+        let bytes = STANDARD.decode(data).unwrap();
+        let (length, values) = bytes.split_at(8);
+        assert_eq!(
+            values.len() as u64,
+            u64::from_le_bytes(length.try_into().unwrap())
+        );
+        values
             .chunks_exact(8)
             .map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap()))
             .collect()

@@ -1,0 +1,166 @@
+//! `fakir cite`: what to cite.
+
+use crate::arguments::{Cite, CitedMethod};
+use crate::failure::Failure;
+use crate::output::print;
+use crate::report::json;
+use crate::report::surface::topic;
+use fakir::contact::{Accuracy, Method, PunchForm, Run};
+use fakir::love::ElementMesh;
+use fakir_case::{CaseFile, Study, StudyFile, study::Axis};
+use fakir_study::citations::{Citation, Topic, citations};
+use fakir_study::provenance::{FILE_NAME, Provenance, method_words};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Characters in a line of text.
+const WIDTH: usize = 96;
+
+/// What is cited, and for what.
+#[derive(Debug, Serialize)]
+struct CiteJson {
+    #[serde(rename = "for")]
+    what: String,
+    citations: Vec<Citation>,
+}
+
+impl CiteJson {
+    fn new(what: impl Into<String>, topics: &[Topic]) -> Self {
+        Self {
+            what: what.into(),
+            citations: citations(topics),
+        }
+    }
+}
+
+pub(crate) fn run(options: &Cite) -> Result<ExitCode, Failure> {
+    let cited = match (&options.what, options.method) {
+        (Some(path), _) if path.is_dir() => of_folder(path)?,
+        (Some(path), _) => of_file(path)?,
+        (None, Some(method)) => of_method(method),
+        (None, None) => CiteJson::new("any use of fakir", &[]),
+    };
+    print(&if options.json {
+        json(&cited)
+    } else if options.bibtex {
+        let entries: Vec<String> = cited.citations.iter().map(Citation::bibtex).collect();
+        entries.join("\n")
+    } else {
+        text(&cited)
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the results of a folder say themselves.
+fn of_folder(folder: &Path) -> Result<CiteJson, Failure> {
+    let path = folder.join(FILE_NAME);
+    let text = std::fs::read_to_string(&path)
+        .map_err(|error| Failure::file("no results of fakir: cannot read", &path, error))?;
+    let provenance = Provenance::from_json(&text).map_err(|error| {
+        Failure::Argument(format!(
+            "{}: not as fakir writes it: {error}",
+            path.display()
+        ))
+    })?;
+    Ok(CiteJson {
+        what: format!("{}, {}", provenance.question, provenance.method),
+        citations: provenance.citations,
+    })
+}
+
+fn of_file(path: &Path) -> Result<CiteJson, Failure> {
+    if is_study(path) {
+        return Ok(of_study(&StudyFile::read(path)?.study()?));
+    }
+    let file = CaseFile::read(path)?;
+    if file.is_surface() {
+        let case = file.surface_case(Run::default().memory_limit())?;
+        return Ok(CiteJson::new("elements on a surface", &[topic(&case)]));
+    }
+    let method = file.case()?.method;
+    Ok(CiteJson::new(
+        method_words(method),
+        &[Topic::Method(method)],
+    ))
+}
+
+/// Whether a file can be read and has a table that only studies have.
+fn is_study(path: &Path) -> bool {
+    let has = |line: &str| {
+        ["[study]", "[axes]"]
+            .iter()
+            .any(|table| line.starts_with(table))
+    };
+    std::fs::read_to_string(path).is_ok_and(|text| text.lines().any(|line| has(line.trim_start())))
+}
+
+/// All methods that a study uses.
+fn of_study(study: &Study) -> CiteJson {
+    let mut methods: Vec<Method> = Vec::new();
+    for index in 0..study.cases() {
+        let method = study.case(index).case.method;
+        if !methods.contains(&method) {
+            methods.push(method);
+        }
+        if study.axes().all(Axis::is_numeric) {
+            break; // one method for all
+        }
+    }
+    let words: Vec<String> = methods.iter().copied().map(method_words).collect();
+    let topics: Vec<Topic> = methods.into_iter().map(Topic::Method).collect();
+    CiteJson::new(words.join("; "), &topics)
+}
+
+fn of_method(method: CitedMethod) -> CiteJson {
+    let (what, topics) = match method {
+        CitedMethod::Spectral => (
+            "spectral method",
+            vec![Topic::Method(Method::Spectral(Accuracy::Default))],
+        ),
+        CitedMethod::Love => (
+            "Love elements",
+            vec![Topic::Method(Method::Love(ElementMesh::default()))],
+        ),
+        CitedMethod::Punch => (
+            "punch lattice",
+            vec![Topic::Method(Method::Punch(PunchForm::default()))],
+        ),
+        CitedMethod::Homogenised => (
+            "homogenised lattice",
+            vec![Topic::Method(Method::Homogenised)],
+        ),
+        CitedMethod::Theory => (
+            "closed forms and homogenised lattice",
+            vec![Topic::ClosedForms, Topic::Method(Method::Homogenised)],
+        ),
+    };
+    CiteJson::new(what, &topics)
+}
+
+fn text(cited: &CiteJson) -> String {
+    let mut text = format!("To cite for {}:\n", cited.what);
+    for citation in &cited.citations {
+        text.push('\n');
+        wrap(&mut text, &citation.text(), "");
+        wrap(&mut text, &format!("for {}", citation.why), "    ");
+    }
+    text
+}
+
+/// Adds a paragraph in lines of at most [`WIDTH`] characters, as far as words allow.
+fn wrap(text: &mut String, paragraph: &str, indent: &str) {
+    let mut line = indent.to_owned();
+    for word in paragraph.split(' ') {
+        let begun = line.len() > indent.len();
+        if begun && line.chars().count() + 1 + word.chars().count() > WIDTH {
+            let _ = writeln!(text, "{line}");
+            line = indent.to_owned();
+        } else if begun {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    let _ = writeln!(text, "{line}");
+}

@@ -1,0 +1,34 @@
+//! Maps of the fields of a contact, saved with `--output`.
+
+use crate::failure::Failure;
+use crate::session::Session;
+use fakir::contact::ContactState;
+use fakir_study::fields::FieldMap;
+use fakir_study::output::File;
+use fakir_study::provenance::Provenance;
+
+/// Which maps are wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Maps {
+    /// Nothing is saved.
+    None,
+    /// Maps of so many points across, or as many as suit the pillars.
+    Points(Option<usize>),
+}
+
+impl Maps {
+    /// The files of a contact, stamped; none for methods without fields.
+    pub(crate) fn files(
+        self,
+        state: &ContactState,
+        provenance: &Provenance,
+        session: &Session,
+    ) -> Result<Vec<File>, Failure> {
+        let Self::Points(points) = self else {
+            return Ok(Vec::new());
+        };
+        session.part("fields");
+        let map = FieldMap::of_contact(state, points, &session.run())?;
+        Ok(map.map_or(Vec::new(), |map| map.files(provenance).into()))
+    }
+}

@@ -1,0 +1,90 @@
+//! The files that fakir saves, opened from Python: `tests/python`.
+//!
+//! The packages go into an environment of their own below the target folder, made anew when they
+//! change.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const TESTS: &str = "tests/python";
+
+/// The oldest Python that the packages run on.
+const OLDEST: (u32, u32) = (3, 11);
+
+/// Runs the tests on the program that was built for the other tests, or says why not.
+pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
+    let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
+    let target = executable
+        .ancestors()
+        .nth(2)
+        .ok_or("the target folder is not known")?;
+    let python = environment(target)?;
+    // Up to date after the tests.
+    run(Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]))?;
+    let program = executable.with_file_name(format!("fakir{}", std::env::consts::EXE_SUFFIX));
+    run(Command::new(python)
+        .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", TESTS])
+        .env("FAKIR", program)
+        .env("PYTHONDONTWRITEBYTECODE", "1"))
+}
+
+/// The Python of an environment with the packages that the tests need.
+fn environment(target: &Path) -> Result<PathBuf, String> {
+    let system = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let version = version(&system)?;
+    let list = Path::new(TESTS).join("requirements.txt");
+    let wanted = std::fs::read_to_string(&list)
+        .map(|packages| format!("# Python {version}\n{packages}"))
+        .map_err(|error| format!("cannot read {}: {error}", list.display()))?;
+    let folder = target.join("python");
+    let python = folder.join(if cfg!(windows) {
+        "Scripts/python.exe"
+    } else {
+        "bin/python"
+    });
+    let stamp = folder.join("installed.txt");
+    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
+        return Ok(python);
+    }
+    run(Command::new(&system)
+        .args(["-m", "venv", "--clear"])
+        .arg(&folder))?;
+    run(Command::new(&python)
+        .args(["-m", "pip", "install", "--quiet", "--no-deps"])
+        .args(["--disable-pip-version-check", "--requirement"])
+        .arg(&list))?;
+    std::fs::write(&stamp, wanted)
+        .map_err(|error| format!("cannot write {}: {error}", stamp.display()))?;
+    Ok(python)
+}
+
+/// The version of a Python, if it is new enough.
+fn version(python: &str) -> Result<String, String> {
+    let oldest = format!("{}.{}", OLDEST.0, OLDEST.1);
+    let wanted = format!(
+        "Python {oldest} or later is needed to open the files that fakir saves; name it in the \
+         environment variable PYTHON if it is not python3"
+    );
+    let output = Command::new(python)
+        .args(["-c", "import sys; print(*sys.version_info[:2], sep='.')"])
+        .output()
+        .map_err(|error| format!("{wanted} ({python}: {error})"))?;
+    let found = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+    let parsed = found
+        .split_once('.')
+        .and_then(|(major, minor)| Some((major.parse::<u32>().ok()?, minor.parse::<u32>().ok()?)));
+    match parsed {
+        Some(version) if version >= OLDEST => Ok(found),
+        _ => Err(format!("{wanted} ({python} is {found})")),
+    }
+}
+
+fn run(command: &mut Command) -> Result<(), String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("{name}: {status}")),
+        Err(error) => Err(format!("{name} could not be started: {error}")),
+    }
+}
