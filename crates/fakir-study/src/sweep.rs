@@ -2,7 +2,7 @@
 
 use crate::answer::{Answer, Critical, Pressed, Row};
 use crate::error::StudyError;
-use crate::plan::{Plan, Shard, longest_first};
+use crate::plan::{Costed, Plan, Shard, longest_first};
 use fakir::Question;
 use fakir::contact::{CancelToken, Run, SolveError, Termination};
 use fakir_case::Study;
@@ -10,7 +10,6 @@ use fakir_case::study::StudyCase;
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::num::NonZero;
-use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -36,7 +35,7 @@ pub struct Options<'a> {
 }
 
 /// How far a sweep is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Cases that have a row, with those found in the journal.
     pub done: usize,
@@ -46,6 +45,9 @@ pub struct Progress {
     pub failed: usize,
     /// Cases in all, of this shard.
     pub cases: usize,
+    /// Part of the work that is done, from 0 to 1, of what was not in the journal. Cases differ a
+    /// lot in what they take, and those that take most come first; this is a rough estimate.
+    pub work: f64,
 }
 
 /// Answers every case of a study, or of a shard of it, in memory: rows in the order of the study.
@@ -67,16 +69,24 @@ pub(crate) fn complete(
     options: &mut Options<'_>,
     mut keep: impl FnMut(&[Row]) -> Result<(), StudyError>,
 ) -> Result<BTreeMap<usize, Row>, StudyError> {
-    let mut chains: Vec<_> = Plan::new(study, options.shard).chains().collect();
+    let plan = Plan::new(study, options.shard);
     let mut progress = Progress {
         done: rows.len(),
         found: rows.len(),
         failed: rows.values().filter(|row| row.problem.is_some()).count(),
-        cases: chains.iter().map(Range::len).sum(),
+        cases: plan.chains().map(|chain| chain.len()).sum(),
+        work: 0.0,
     };
     let known = rows.clone();
-    chains.retain(|chain| chain.clone().any(|index| !known.contains_key(&index)));
-    longest_first(study, &mut chains);
+    let is_new = |index: &usize| !known.contains_key(index);
+    let open = plan
+        .chains()
+        .filter(|chain| chain.clone().any(|index| is_new(&index)));
+    let chains = longest_first(study, open);
+    let costs = chains
+        .iter()
+        .map(|chain| chain.cost * chain.cases.clone().filter(is_new).count() as f64);
+    let total: f64 = costs.sum();
     let work = Work {
         study,
         chains,
@@ -96,9 +106,9 @@ pub(crate) fn complete(
         }
         drop(sender);
         loop {
-            let new: Vec<Row> = match receiver.recv_timeout(TICK) {
-                Ok(row) => std::iter::once(row).chain(receiver.try_iter()).collect(),
-                Err(RecvTimeoutError::Timeout) => Vec::new(),
+            let (new, costs): (Vec<Row>, Vec<f64>) = match receiver.recv_timeout(TICK) {
+                Ok(row) => std::iter::once(row).chain(receiver.try_iter()).unzip(),
+                Err(RecvTimeoutError::Timeout) => (Vec::new(), Vec::new()),
                 Err(RecvTimeoutError::Disconnected) => break,
             };
             if !new.is_empty() && outcome.is_ok() {
@@ -108,6 +118,7 @@ pub(crate) fn complete(
                 work.stop.cancel();
             }
             progress.done += new.len();
+            progress.work += costs.iter().sum::<f64>() / total;
             progress.failed += new.iter().filter(|row| row.problem.is_some()).count();
             rows.extend(new.into_iter().map(|row| (row.index, row)));
             if let Some(listener) = &mut options.on_progress {
@@ -135,7 +146,7 @@ fn threads(asked: usize) -> usize {
 /// What the threads share.
 struct Work<'a> {
     study: &'a Study,
-    chains: Vec<Range<usize>>,
+    chains: Vec<Costed>,
     /// Rows that are there already.
     known: BTreeMap<usize, Row>,
     /// The first chain that no thread has taken.
@@ -146,16 +157,16 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// Computes chain after chain, until there is none left or the sweep is stopped.
-    fn run(&self, sender: &Sender<Row>) {
+    fn run(&self, sender: &Sender<(Row, f64)>) {
         while let Some(chain) = self.chains.get(self.next.fetch_add(1, Ordering::Relaxed)) {
-            for index in chain.clone() {
+            for index in chain.cases.clone() {
                 if self.known.contains_key(&index) {
                     continue;
                 }
                 let Some(row) = self.row(index) else {
                     return; // stopped
                 };
-                if sender.send(row).is_err() {
+                if sender.send((row, chain.cost)).is_err() {
                     return;
                 }
             }

@@ -11,7 +11,7 @@ use fakir::contact::CancelToken;
 use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};
 use fakir_study::{Options, Progress, Row, StudyError, Summary, Table, sweep, sweep_into};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write;
@@ -128,25 +128,32 @@ impl Bar {
         if !self.shown {
             self.begin(progress);
         }
-        if progress.failed > 0 {
-            self.bar
-                .set_message(format!(", {} failed", progress.failed));
-        }
+        self.bar.set_message(self.message(progress));
         self.bar.set_position(progress.done as u64);
     }
 
     fn begin(&mut self, progress: Progress) {
         self.shown = true;
-        self.bar = ProgressBar::with_draw_target(
-            Some(progress.cases as u64),
-            ProgressDrawTarget::stderr(),
-        )
-        .with_position(progress.found as u64)
-        .with_elapsed(self.start.elapsed());
-        let style = "{bar:30} {pos} of {len} cases, {per_sec}, {eta} left{msg}";
-        if let Ok(style) = ProgressStyle::with_template(style) {
+        let cases = Some(progress.cases as u64);
+        self.bar = ProgressBar::with_draw_target(cases, ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} cases{msg}") {
             self.bar.set_style(style);
         }
+    }
+
+    /// How fast it is, how long it will take, and how many cases failed.
+    fn message(&self, progress: Progress) -> String {
+        let elapsed = self.start.elapsed();
+        let rate = (progress.done - progress.found) as f64 / elapsed.as_secs_f64();
+        let mut message = format!(", {rate:.1} per second");
+        if progress.work > 0.0 {
+            let left = elapsed.mul_f64((1.0 / progress.work - 1.0).clamp(0.0, 1e6));
+            let _ = write!(message, ", about {} left", HumanDuration(left));
+        }
+        if progress.failed > 0 {
+            let _ = write!(message, ", {} failed", progress.failed);
+        }
+        message
     }
 
     fn clear(&self) {
