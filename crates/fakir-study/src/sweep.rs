@@ -10,6 +10,7 @@ use fakir_case::study::StudyCase;
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::num::NonZero;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -61,50 +62,33 @@ pub fn sweep(study: &Study, options: &mut Options<'_>) -> Result<Vec<Row>, Study
     Ok(rows.into_values().collect())
 }
 
-/// Answers the cases of a shard that are not among the `rows`, and returns all of them. New rows are
-/// given to `keep` first, in the order in which they come.
+/// Answers the cases of a shard that are not among the `known` rows, and returns all of them. New
+/// rows are given to `keep` first, in the order in which they come.
 pub(crate) fn complete(
     study: &Study,
-    mut rows: BTreeMap<usize, Row>,
+    known: BTreeMap<usize, Row>,
     options: &mut Options<'_>,
     mut keep: impl FnMut(&[Row]) -> Result<(), StudyError>,
 ) -> Result<BTreeMap<usize, Row>, StudyError> {
     let plan = Plan::new(study, options.shard);
     let mut progress = Progress {
-        done: rows.len(),
-        found: rows.len(),
-        failed: rows.values().filter(|row| row.problem.is_some()).count(),
+        done: known.len(),
+        found: known.len(),
+        failed: failed(known.values()),
         cases: plan.chains().map(|chain| chain.len()).sum(),
         work: 0.0,
     };
-    let known = rows.clone();
-    let is_new = |index: &usize| !known.contains_key(index);
-    let open = plan
-        .chains()
-        .filter(|chain| chain.clone().any(|index| is_new(&index)));
-    let chains = longest_first(study, open);
-    let costs = chains
-        .iter()
-        .map(|chain| chain.cost * chain.cases.clone().filter(is_new).count() as f64);
-    let total: f64 = costs.sum();
-    let work = Work {
-        study,
-        chains,
-        known,
-        next: AtomicUsize::new(0),
-        stop: CancelToken::default(),
-        memory_limit: options.memory_limit,
-    };
-    let threads = threads(options.threads).min(work.chains.len());
+    let work = Work::new(study, &plan, known, options.memory_limit);
+    let total = work.cost();
+    let mut rows = BTreeMap::new();
     let mut outcome = Ok(());
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
-        for _ in 0..threads {
-            let sender = sender.clone();
-            let work = &work;
+        for _ in 0..threads(options.threads).min(work.chains.len()) {
+            let (work, sender) = (&work, sender.clone());
             scope.spawn(move || work.run(&sender));
         }
-        drop(sender);
+        drop(sender); // the threads have theirs; when all are done the channel is closed
         loop {
             let (new, costs): (Vec<Row>, Vec<f64>) = match receiver.recv_timeout(TICK) {
                 Ok(row) => std::iter::once(row).chain(receiver.try_iter()).unzip(),
@@ -118,8 +102,8 @@ pub(crate) fn complete(
                 work.stop.cancel();
             }
             progress.done += new.len();
+            progress.failed += failed(&new);
             progress.work += costs.iter().sum::<f64>() / total;
-            progress.failed += new.iter().filter(|row| row.problem.is_some()).count();
             rows.extend(new.into_iter().map(|row| (row.index, row)));
             if let Some(listener) = &mut options.on_progress {
                 listener(progress);
@@ -133,7 +117,13 @@ pub(crate) fn complete(
             cases: progress.cases,
         });
     }
+    rows.extend(work.known);
     Ok(rows)
+}
+
+fn failed<'a>(rows: impl IntoIterator<Item = &'a Row>) -> usize {
+    let rows = rows.into_iter();
+    rows.filter(|row| row.problem.is_some()).count()
 }
 
 fn threads(asked: usize) -> usize {
@@ -155,7 +145,35 @@ struct Work<'a> {
     memory_limit: Option<usize>,
 }
 
-impl Work<'_> {
+impl<'a> Work<'a> {
+    fn new(
+        study: &'a Study,
+        plan: &Plan,
+        known: BTreeMap<usize, Row>,
+        memory_limit: Option<usize>,
+    ) -> Self {
+        let is_open = |chain: &Range<usize>| chain.clone().any(|case| !known.contains_key(&case));
+        let chains = longest_first(study, plan.chains().filter(is_open));
+        Self {
+            study,
+            chains,
+            known,
+            next: AtomicUsize::new(0),
+            stop: CancelToken::default(),
+            memory_limit,
+        }
+    }
+
+    /// What all of it takes, in the unit of chains.
+    fn cost(&self) -> f64 {
+        let cost = |chain: &Costed| {
+            let cases = chain.cases.clone();
+            let open = cases.filter(|case| !self.known.contains_key(case));
+            chain.cost * open.count() as f64
+        };
+        self.chains.iter().map(cost).sum()
+    }
+
     /// Computes chain after chain, until there is none left or the sweep is stopped.
     fn run(&self, sender: &Sender<(Row, f64)>) {
         while let Some(chain) = self.chains.get(self.next.fetch_add(1, Ordering::Relaxed)) {
