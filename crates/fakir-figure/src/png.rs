@@ -41,7 +41,7 @@ fn try_encode(
         ColorType::Rgb
     });
     encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Balanced);
+    encoder.set_compression(Compression::Fast);
     if let Some(dots_per_inch) = dots_per_inch {
         let per_metre = (dots_per_inch / 0.0254).round() as u32;
         encoder.set_pixel_dims(Some(PixelDimensions {
@@ -57,13 +57,14 @@ fn try_encode(
             encoder.add_itxt_chunk((*keyword).to_owned(), (*text).to_owned())?;
         }
     }
-    let channels = if grey { 1 } else { 3 };
-    let data: Vec<u8> = pixels
-        .colours
-        .iter()
-        .flat_map(|Colour(c)| &c[..channels])
-        .copied()
-        .collect();
+    let mut data = Vec::with_capacity(3 * pixels.colours.len());
+    for Colour([r, g, b]) in &pixels.colours {
+        if grey {
+            data.push(*r);
+        } else {
+            data.extend_from_slice(&[*r, *g, *b]);
+        }
+    }
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&data)?;
     writer.finish()

@@ -117,6 +117,9 @@ impl Default for Parser {
 
 impl Parser {
     fn push(&mut self, character: char) {
+        if character.is_control() {
+            return;
+        }
         let face = if self.italic {
             Face::Italic
         } else {

@@ -18,7 +18,7 @@ use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Cases that failed, of which the reason is printed.
 const REASONS: usize = 5;
@@ -104,31 +104,35 @@ fn read(arguments: &Sweep) -> Result<Study, Failure> {
 }
 
 /// Cases done, how fast, and how long it will take.
-struct Bar {
+pub(crate) struct Bar {
     bar: ProgressBar,
     start: Instant,
+    /// When the cases of this bar began.
+    began: Option<Instant>,
     watched: bool,
     shown: bool,
 }
 
 impl Bar {
-    fn new(quiet: bool) -> Self {
+    pub(crate) fn new(quiet: bool) -> Self {
         Self {
             bar: ProgressBar::hidden(),
             start: Instant::now(),
+            began: None,
             watched: !quiet && std::io::stderr().is_terminal(),
             shown: false,
         }
     }
 
-    fn show(&mut self, progress: Progress) {
+    pub(crate) fn show(&mut self, progress: Progress) {
+        let began = *self.began.get_or_insert_with(Instant::now);
         if !self.watched || self.start.elapsed() < PATIENCE {
             return;
         }
         if !self.shown {
             self.begin(progress);
         }
-        self.bar.set_message(self.message(progress));
+        self.bar.set_message(speed(progress, began.elapsed()));
         self.bar.set_position(progress.done as u64);
     }
 
@@ -141,24 +145,35 @@ impl Bar {
         }
     }
 
-    /// How fast it is, how long it will take, and how many cases failed.
-    fn message(&self, progress: Progress) -> String {
-        let elapsed = self.start.elapsed();
-        let rate = (progress.done - progress.found) as f64 / elapsed.as_secs_f64();
-        let mut message = format!(", {rate:.1} per second");
-        if progress.work > 0.0 {
-            let left = elapsed.mul_f64((1.0 / progress.work - 1.0).clamp(0.0, 1e6));
-            let _ = write!(message, ", about {} left", HumanDuration(left));
+    /// Work that has no number of cases.
+    pub(crate) fn part(&mut self, name: &'static str) {
+        if !self.watched || self.bar.message() == name {
+            return;
         }
-        if progress.failed > 0 {
-            let _ = write!(message, ", {} failed", progress.failed);
-        }
-        message
+        self.clear();
+        self.shown = false;
+        self.began = None;
+        self.bar = ProgressBar::new_spinner().with_message(name);
+        self.bar.enable_steady_tick(PATIENCE / 10);
     }
 
-    fn clear(&self) {
+    pub(crate) fn clear(&self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// How fast it is, how long it will take, and how many cases failed.
+fn speed(progress: Progress, elapsed: Duration) -> String {
+    let rate = (progress.done - progress.found) as f64 / elapsed.as_secs_f64().max(1e-3);
+    let mut text = format!(", {rate:.1} per second");
+    if progress.work > 0.0 {
+        let left = elapsed.mul_f64((1.0 / progress.work - 1.0).clamp(0.0, 1e6));
+        let _ = write!(text, ", about {} left", HumanDuration(left));
+    }
+    if progress.failed > 0 {
+        let _ = write!(text, ", {} failed", progress.failed);
+    }
+    text
 }
 
 /// A line for each of the first cases that failed, and one for the others.

@@ -82,7 +82,11 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
         left += width;
     }
     let end = top + SIDE + Frame::bottom_room(Lettering::All(&Text::default()));
-    let figure = Figure::new("pillar-pressure", [right + maps_width + MARGIN, end + MARGIN], items);
+    let figure = Figure::new(
+        "pillar-pressure",
+        [right + maps_width + MARGIN, end + MARGIN],
+        items,
+    );
     Ok(figure.with_description(
         "Pressure within pillar tops",
         "Pressure on the top of the central pillar and of one at the rim of the contact, along a \
