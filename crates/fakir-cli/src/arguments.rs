@@ -421,7 +421,7 @@ pub(crate) struct Sweep {
     /// Go on with the sweep in the folder, if one has begun there
     #[arg(long, requires = "output", conflicts_with = "overwrite")]
     resume: bool,
-    /// Begin anew, whatever is in the folder
+    /// Begin anew, and replace a sweep that is in the folder
     #[arg(long, requires = "output")]
     overwrite: bool,
     /// Compute only this part of the cases, for `fakir merge`: 1/4 to 4/4 of a sweep in four shards
@@ -520,7 +520,7 @@ pub(crate) struct Merge {
     /// Folders of all shards, in any order
     #[arg(required = true)]
     pub(crate) shards: Vec<PathBuf>,
-    /// Replace what is in the folder
+    /// Replace a sweep that is in the folder
     #[arg(long)]
     overwrite: bool,
     /// Print JSON, in SI units

@@ -97,7 +97,7 @@ pub fn sweep_into(
     let found = rows.len();
     let rows = complete(study, rows, options, |new| journal.append(new))?;
     let rows: Vec<Row> = rows.into_values().collect();
-    save(folder, &results(study, &rows))?;
+    save(folder, &results(study, &rows)).map_err(StudyError::Tables)?;
     Ok(Summary {
         study: study.clone(),
         rows,

@@ -2,7 +2,7 @@
 
 use crate::answer::{Answer, Critical, Pressed, Row};
 use crate::error::StudyError;
-use crate::plan::{Plan, Shard, longest_first};
+use crate::plan::{Costed, Plan, Shard, longest_first};
 use fakir::Question;
 use fakir::contact::{CancelToken, Run, SolveError, Termination};
 use fakir_case::Study;
@@ -36,7 +36,7 @@ pub struct Options<'a> {
 }
 
 /// How far a sweep is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Cases that have a row, with those found in the journal.
     pub done: usize,
@@ -46,6 +46,9 @@ pub struct Progress {
     pub failed: usize,
     /// Cases in all, of this shard.
     pub cases: usize,
+    /// Part of the work that is done, from 0 to 1, of what was not in the journal. Cases differ a
+    /// lot in what they take, and those that take most come first; this is a rough estimate.
+    pub work: f64,
 }
 
 /// Answers every case of a study, or of a shard of it, in memory: rows in the order of the study.
@@ -59,46 +62,37 @@ pub fn sweep(study: &Study, options: &mut Options<'_>) -> Result<Vec<Row>, Study
     Ok(rows.into_values().collect())
 }
 
-/// Answers the cases of a shard that are not among the `rows`, and returns all of them. New rows are
-/// given to `keep` first, in the order in which they come.
+/// Answers the cases of a shard that are not among the `known` rows, and returns all of them. New
+/// rows are given to `keep` first, in the order in which they come.
 pub(crate) fn complete(
     study: &Study,
-    mut rows: BTreeMap<usize, Row>,
+    known: BTreeMap<usize, Row>,
     options: &mut Options<'_>,
     mut keep: impl FnMut(&[Row]) -> Result<(), StudyError>,
 ) -> Result<BTreeMap<usize, Row>, StudyError> {
-    let mut chains: Vec<_> = Plan::new(study, options.shard).chains().collect();
+    let plan = Plan::new(study, options.shard);
     let mut progress = Progress {
-        done: rows.len(),
-        found: rows.len(),
-        failed: rows.values().filter(|row| row.problem.is_some()).count(),
-        cases: chains.iter().map(Range::len).sum(),
+        done: known.len(),
+        found: known.len(),
+        failed: failed(known.values()),
+        cases: plan.chains().map(|chain| chain.len()).sum(),
+        work: 0.0,
     };
-    let known = rows.clone();
-    chains.retain(|chain| chain.clone().any(|index| !known.contains_key(&index)));
-    longest_first(study, &mut chains);
-    let work = Work {
-        study,
-        chains,
-        known,
-        next: AtomicUsize::new(0),
-        stop: CancelToken::default(),
-        memory_limit: options.memory_limit,
-    };
-    let threads = threads(options.threads).min(work.chains.len());
+    let work = Work::new(study, &plan, known, options.memory_limit);
+    let total = work.cost();
+    let mut rows = BTreeMap::new();
     let mut outcome = Ok(());
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
-        for _ in 0..threads {
-            let sender = sender.clone();
-            let work = &work;
+        for _ in 0..threads(options.threads).min(work.chains.len()) {
+            let (work, sender) = (&work, sender.clone());
             scope.spawn(move || work.run(&sender));
         }
-        drop(sender);
+        drop(sender); // the threads have theirs; when all are done the channel is closed
         loop {
-            let new: Vec<Row> = match receiver.recv_timeout(TICK) {
-                Ok(row) => std::iter::once(row).chain(receiver.try_iter()).collect(),
-                Err(RecvTimeoutError::Timeout) => Vec::new(),
+            let (new, costs): (Vec<Row>, Vec<f64>) = match receiver.recv_timeout(TICK) {
+                Ok(row) => std::iter::once(row).chain(receiver.try_iter()).unzip(),
+                Err(RecvTimeoutError::Timeout) => (Vec::new(), Vec::new()),
                 Err(RecvTimeoutError::Disconnected) => break,
             };
             if !new.is_empty() && outcome.is_ok() {
@@ -108,7 +102,8 @@ pub(crate) fn complete(
                 work.stop.cancel();
             }
             progress.done += new.len();
-            progress.failed += new.iter().filter(|row| row.problem.is_some()).count();
+            progress.failed += failed(&new);
+            progress.work += costs.iter().sum::<f64>() / total;
             rows.extend(new.into_iter().map(|row| (row.index, row)));
             if let Some(listener) = &mut options.on_progress {
                 listener(progress);
@@ -122,7 +117,13 @@ pub(crate) fn complete(
             cases: progress.cases,
         });
     }
+    rows.extend(work.known);
     Ok(rows)
+}
+
+fn failed<'a>(rows: impl IntoIterator<Item = &'a Row>) -> usize {
+    let rows = rows.into_iter();
+    rows.filter(|row| row.problem.is_some()).count()
 }
 
 fn threads(asked: usize) -> usize {
@@ -135,7 +136,7 @@ fn threads(asked: usize) -> usize {
 /// What the threads share.
 struct Work<'a> {
     study: &'a Study,
-    chains: Vec<Range<usize>>,
+    chains: Vec<Costed>,
     /// Rows that are there already.
     known: BTreeMap<usize, Row>,
     /// The first chain that no thread has taken.
@@ -144,18 +145,46 @@ struct Work<'a> {
     memory_limit: Option<usize>,
 }
 
-impl Work<'_> {
+impl<'a> Work<'a> {
+    fn new(
+        study: &'a Study,
+        plan: &Plan,
+        known: BTreeMap<usize, Row>,
+        memory_limit: Option<usize>,
+    ) -> Self {
+        let is_open = |chain: &Range<usize>| chain.clone().any(|case| !known.contains_key(&case));
+        let chains = longest_first(study, plan.chains().filter(is_open));
+        Self {
+            study,
+            chains,
+            known,
+            next: AtomicUsize::new(0),
+            stop: CancelToken::default(),
+            memory_limit,
+        }
+    }
+
+    /// What all of it takes, in the unit of chains.
+    fn cost(&self) -> f64 {
+        let cost = |chain: &Costed| {
+            let cases = chain.cases.clone();
+            let open = cases.filter(|case| !self.known.contains_key(case));
+            chain.cost * open.count() as f64
+        };
+        self.chains.iter().map(cost).sum()
+    }
+
     /// Computes chain after chain, until there is none left or the sweep is stopped.
-    fn run(&self, sender: &Sender<Row>) {
+    fn run(&self, sender: &Sender<(Row, f64)>) {
         while let Some(chain) = self.chains.get(self.next.fetch_add(1, Ordering::Relaxed)) {
-            for index in chain.clone() {
+            for index in chain.cases.clone() {
                 if self.known.contains_key(&index) {
                     continue;
                 }
                 let Some(row) = self.row(index) else {
                     return; // stopped
                 };
-                if sender.send(row).is_err() {
+                if sender.send((row, chain.cost)).is_err() {
                     return;
                 }
             }
