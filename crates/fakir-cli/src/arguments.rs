@@ -80,6 +80,12 @@ pub(crate) enum Command {
     /// What to cite for a result, a case, a study or a method
     #[command(after_help = "Example: fakir cite results --bibtex")]
     Cite(Cite),
+    /// Every result of the paper anew: tables, figures, and a report of its claims
+    ///
+    /// 6 places to land, 60 surface fractions and 3 substrates, in half a minute; with report.html,
+    /// one page of claims, figures and numbers that needs nothing else.
+    #[command(after_help = "Example: fakir reproduce paper --output paper")]
+    Reproduce(Reproduce),
     /// The inverse question: the pitch, size or modulus that gives a wanted critical state; and how
     /// far real samples scatter about it
     ///
@@ -116,6 +122,7 @@ impl Command {
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
             Self::Cite(_) => "cite",
+            Self::Reproduce(_) => "reproduce",
             Self::Design(_) => "design",
             Self::Sweep(_) => "sweep",
             Self::Merge(_) => "merge",
@@ -436,12 +443,74 @@ pub(crate) struct Sweep {
 
 impl Sweep {
     pub(crate) fn existing(&self) -> Existing {
-        match (self.resume, self.overwrite) {
-            (true, _) => Existing::Resume,
-            (_, true) => Existing::Overwrite,
-            _ => Existing::Refuse,
-        }
+        existing(self.resume, self.overwrite)
     }
+}
+
+/// What can be reproduced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Publication {
+    /// Phys. Rev. E 104, 055007 (2021)
+    Paper,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Reproduce {
+    /// What to reproduce
+    #[arg(value_enum)]
+    publication: Publication,
+    /// Where to; a folder that is empty or to be made
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) output: PathBuf,
+    /// Go on to a surface fraction of 0.29, beyond where the experiments reached the transition; it
+    /// takes several times as long
+    #[arg(long)]
+    pub(crate) dense: bool,
+    /// Surface fractions from 0.0003 to 0.21
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = points)]
+    pub(crate) points: usize,
+    /// Measured points to draw on the curves: a CSV file with a column surface_fraction, any of
+    /// critical_force_N, critical_contact_radius_m and critical_indentation_m, the same with _error
+    /// before the unit, and substrate (rigid, intermediate or soft)
+    #[arg(long, value_name = "CSV")]
+    pub(crate) measured: Option<PathBuf>,
+    /// Go on with one that was interrupted
+    #[arg(long, conflicts_with = "overwrite")]
+    resume: bool,
+    /// Begin anew, whatever is in the folder
+    #[arg(long)]
+    overwrite: bool,
+    /// Threads to share the work between; 0 for as many as there are processors
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) threads: usize,
+    /// Memory a single case may take (kB, MB, GB)
+    #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
+    pub(crate) memory_limit: usize,
+    /// No progress and no warnings
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+impl Reproduce {
+    pub(crate) fn existing(&self) -> Existing {
+        existing(self.resume, self.overwrite)
+    }
+}
+
+fn existing(resume: bool, overwrite: bool) -> Existing {
+    match (resume, overwrite) {
+        (true, _) => Existing::Resume,
+        (_, true) => Existing::Overwrite,
+        _ => Existing::Refuse,
+    }
+}
+
+/// Surface fractions that make a curve.
+fn points(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|points| (5..=1000).contains(points))
+        .ok_or_else(|| "give a number from 5 to 1000".to_owned())
 }
 
 #[derive(Debug, Args)]
@@ -461,11 +530,7 @@ pub(crate) struct Merge {
 
 impl Merge {
     pub(crate) fn existing(&self) -> Existing {
-        if self.overwrite {
-            Existing::Overwrite
-        } else {
-            Existing::Refuse
-        }
+        existing(false, self.overwrite)
     }
 }
 

@@ -3,6 +3,8 @@
 use fakir::contact::SolveError;
 use fakir::love::SurfaceError;
 use fakir_case::CaseError;
+use fakir_figure::FigureError;
+use fakir_paper::PaperError;
 use fakir_study::StudyError;
 use fakir_study::design::DesignError;
 use fakir_study::output::OutputError;
@@ -28,6 +30,8 @@ pub(crate) enum Failure {
     Spread(#[from] SpreadError),
     #[error(transparent)]
     Study(#[from] StudyError),
+    #[error(transparent)]
+    Figure(FigureError),
     #[error("{0}")]
     Argument(String),
     #[error("{action} {path}: {error}")]
@@ -41,6 +45,20 @@ pub(crate) enum Failure {
     /// Nobody reads the output any more, as with `fakir ... | head`.
     #[error("the output was closed")]
     OutputClosed,
+}
+
+impl From<PaperError> for Failure {
+    fn from(error: PaperError) -> Self {
+        match error {
+            PaperError::Study(error) => error.into(),
+            PaperError::Case(error) => error.into(),
+            PaperError::Output(error) => error.into(),
+            PaperError::Solve(error) | PaperError::Figure(FigureError::Solve(error)) => {
+                error.into()
+            }
+            PaperError::Figure(error) => Self::Figure(error),
+        }
+    }
 }
 
 impl Failure {
@@ -97,6 +115,7 @@ impl Failure {
             | Self::Threads(_) => 2,
             Self::Design(DesignError::NotConverged { .. }) => 1,
             Self::Solve(_)
+            | Self::Figure(_)
             | Self::Surface(_)
             | Self::Design(DesignError::Solve(_))
             | Self::Spread(SpreadError::Solve(_)) => NO_ANSWER,

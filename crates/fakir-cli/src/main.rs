@@ -36,6 +36,7 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
     match command {
         Command::Init(options) => commands::init::run(options),
         Command::Cite(options) => commands::cite::run(options),
+        Command::Reproduce(options) => commands::reproduce::run(options),
         Command::Transition(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;

@@ -11,7 +11,7 @@ use tempfile::NamedTempFile;
 /// A file to be saved.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File {
-    /// Its name in the folder it is saved in.
+    /// Its name in the folder it is saved in; with a `/`, in a folder in there.
     pub name: Cow<'static, str>,
     /// All of it.
     pub contents: Vec<u8>,
@@ -89,12 +89,18 @@ pub fn check_folder(folder: &Path) -> Result<(), OutputError> {
 /// # Errors
 /// [`OutputError::System`] if a file cannot be written or renamed.
 pub fn save(folder: &Path, files: &[File]) -> Result<(), OutputError> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| OutputError::system("cannot make the folder", folder, error))?;
+    let make = |folder: &Path| {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| OutputError::system("cannot make the folder", folder, error))
+    };
+    make(folder)?;
     let written: Result<Vec<_>, OutputError> = files
         .iter()
         .map(|file| {
             let path = folder.join(file.name.as_ref());
+            if let Some(inner) = path.parent() {
+                make(inner)?;
+            }
             Ok((write_beside(&path, &file.contents)?, path))
         })
         .collect();

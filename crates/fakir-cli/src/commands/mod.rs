@@ -7,6 +7,7 @@ pub(crate) mod compare;
 pub(crate) mod design;
 pub(crate) mod init;
 pub(crate) mod press;
+pub(crate) mod reproduce;
 pub(crate) mod surface;
 pub(crate) mod sweep;
 pub(crate) mod theory;

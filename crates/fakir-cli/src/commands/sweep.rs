@@ -104,7 +104,7 @@ fn read(arguments: &Sweep) -> Result<Study, Failure> {
 }
 
 /// Cases done, how fast, and how long it will take.
-struct Bar {
+pub(crate) struct Bar {
     bar: ProgressBar,
     start: Instant,
     watched: bool,
@@ -112,7 +112,7 @@ struct Bar {
 }
 
 impl Bar {
-    fn new(quiet: bool) -> Self {
+    pub(crate) fn new(quiet: bool) -> Self {
         Self {
             bar: ProgressBar::hidden(),
             start: Instant::now(),
@@ -121,7 +121,7 @@ impl Bar {
         }
     }
 
-    fn show(&mut self, progress: Progress) {
+    pub(crate) fn show(&mut self, progress: Progress) {
         if !self.watched || self.start.elapsed() < PATIENCE {
             return;
         }
@@ -149,7 +149,18 @@ impl Bar {
         }
     }
 
-    fn clear(&self) {
+    /// Work that has no number of cases.
+    pub(crate) fn part(&mut self, name: &'static str) {
+        if !self.watched || self.bar.message() == name {
+            return;
+        }
+        self.clear();
+        self.shown = false;
+        self.bar = ProgressBar::new_spinner().with_message(name);
+        self.bar.enable_steady_tick(PATIENCE / 10);
+    }
+
+    pub(crate) fn clear(&self) {
         self.bar.finish_and_clear();
     }
 }
