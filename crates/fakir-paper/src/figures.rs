@@ -292,7 +292,7 @@ fn power_laws(material: Material<'_>) -> Plate {
         };
         let ends = law.range.map(|phi| [phi, 1e6 * law.at(phi)]);
         let label = format!(
-            "*F*_{{c}} ∝ *φ*^{{{:.2} ± {:.2}}}",
+            "*F*_{{c}} ~ *φ*^{{{:.2} ± {:.2}}}",
             law.exponent, law.uncertainty
         );
         series.push(Series::new(label, ends.to_vec(), Style::line(k + 1)));
@@ -310,6 +310,20 @@ fn power_laws(material: Material<'_>) -> Plate {
          by least squares over two ranges of the surface fraction: there is not one exponent.",
     )
 }
+
+/// Lines of loading paths, which neither the transition curve nor the markers use.
+const PATHS: [Style; 2] = [
+    Style {
+        tint: Tint::Vermillion,
+        line: Some(Dash::Solid),
+        marker: None,
+    },
+    Style {
+        tint: Tint::Green,
+        line: Some(Dash::Dashed),
+        marker: None,
+    },
+];
 
 fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
     let critical = material
@@ -336,7 +350,7 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
                 .map(|s| Normalized::new(&s.system, s.force, s.contact_radius, s.indentation))
                 .collect();
             let label = format!("loading, *φ* = {}", loading.surface_fraction);
-            let style = Style::line(k + 5).with_line(Dash::Solid);
+            let style = PATHS[k % PATHS.len()];
             Series::new(label, phase_points(&states), style)
         })
         .collect();

@@ -78,10 +78,10 @@ impl From<DrawingError> for PaperError {
 }
 
 /// What is reproduced.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Scope {
-    /// Fewer or more surface fractions than the paper's 60; `None` for these.
-    pub points: Option<usize>,
+    /// Surface fractions of the sweep.
+    pub fractions: Fractions,
     /// Go on to a surface fraction of 0.29, which takes longer than all the rest.
     pub dense: bool,
     /// Measured points to draw on the curves.
@@ -110,8 +110,8 @@ pub struct Reproduction {
     pub cases: usize,
     /// Those without an answer.
     pub failed: usize,
-    /// Figures.
-    pub figures: usize,
+    /// The figures.
+    pub plates: Vec<Plate>,
 }
 
 /// Folder of the sweep.
@@ -138,8 +138,6 @@ pub fn reproduce(
     if existing == Existing::Refuse && !folder.read_dir().map_or(true, is_empty) {
         return Err(StudyError::NotEmpty(folder.to_owned()).into());
     }
-    let mut fractions = Fractions::OBSERVED;
-    fractions.points = scope.points.unwrap_or(fractions.points);
     let sweep = |fractions, name, tell: fn(fakir_study::Progress) -> Progress| {
         let study = grid::study(fractions)?;
         let mut listener = |progress| on_progress(tell(progress));
@@ -154,7 +152,7 @@ pub fn reproduce(
         Ok::<_, PaperError>((study, summary.rows))
     };
     let mut parts: Vec<(Study, Vec<Row>)> =
-        vec![sweep(fractions, CRITICAL_STATES, Progress::Sweep)?];
+        vec![sweep(scope.fractions, CRITICAL_STATES, Progress::Sweep)?];
     if scope.dense {
         parts.push(sweep(Fractions::DENSE, DENSE_STATES, Progress::Dense)?);
     }
@@ -200,7 +198,7 @@ pub fn reproduce(
     Ok(Reproduction {
         cases: rows().count(),
         failed,
-        figures: plates.len(),
+        plates,
         claims,
     })
 }

@@ -85,10 +85,10 @@ impl Report<'_> {
                 ", against the exact solution of the same equations by fakir " (VERSION) "."
             }
             p {
-                "Of " (self.claims.len()) " claims " (count(Verdict::Agrees)) " agree, "
+                (self.claims.len()) " claims: " (count(Verdict::Agrees)) " agree, "
                 (count(Verdict::Partly)) " agree within limits given here, "
-                (count(Verdict::Differs)) " differ, for reasons given, and "
-                (count(Verdict::Beyond)) " go beyond what was measured. "
+                (count(Verdict::Differs)) " differ for reasons given, "
+                (count(Verdict::Beyond)) " beyond what was measured. "
                 @if self.failed > 0 {
                     strong { (self.failed) " cases of the sweep have no solution: see the table." }
                 }

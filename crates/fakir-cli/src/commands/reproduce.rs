@@ -8,6 +8,7 @@ use crate::output;
 use crate::session::stop_on_interrupt;
 use fakir::contact::{CancelToken, Run};
 use fakir_paper::claims::{Claim, Verdict};
+use fakir_paper::grid::Fractions;
 use fakir_paper::{Progress, Scope, measured, reproduce};
 use fakir_study::StudyError;
 use rayon::ThreadPoolBuilder;
@@ -19,7 +20,10 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<ExitCode, Failure> {
     let cancel = CancelToken::default();
     stop_on_interrupt(cancel.clone());
     let scope = Scope {
-        points: Some(arguments.points),
+        fractions: Fractions {
+            points: arguments.points,
+            ..Fractions::OBSERVED
+        },
         dense: arguments.dense,
         measured: match &arguments.measured {
             Some(path) => {
@@ -72,7 +76,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<ExitCode, Failure> {
         count(Verdict::Beyond),
         made.cases,
         made.failed,
-        made.figures,
+        made.plates.len(),
         seconds(start.elapsed().as_secs_f64()),
         folder.join("report.html").display(),
     ));

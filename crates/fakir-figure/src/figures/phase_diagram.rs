@@ -151,10 +151,10 @@ fn region_names(system: &System, frame: &Frame, data: &[Item]) -> Vec<Item> {
     let pillar = system.pillar();
     let reduce = system.internal_compliance() / (pillar.height * pillar.diameter);
     let names = [
-        (Region::Top, true, "top"),
-        (Region::Mixed, true, "mixed"),
-        (Region::Top, false, "top, discrete"),
-        (Region::Mixed, false, "mixed, discrete"),
+        (Region::Top, false, "top"),
+        (Region::Mixed, false, "mixed"),
+        (Region::Top, true, "deterministic, top"),
+        (Region::Mixed, true, "deterministic, mixed"),
     ];
     let mut labels: Vec<Item> = Vec::new();
     for (region, deterministic, name) in names {
