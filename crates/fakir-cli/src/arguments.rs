@@ -548,8 +548,8 @@ pub(crate) struct CaseArguments {
     /// Print JSON instead of tables, in SI units
     #[arg(long)]
     pub(crate) json: bool,
-    /// Save the result there: summary.json, tables as CSV, fields, the case as it was solved, and
-    /// where it is from
+    /// Save the result there: summary.json, tables as CSV, fields, figures, the case as it was
+    /// solved, and where it is from
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
     /// No progress and no warnings

@@ -440,10 +440,8 @@ mod tests {
         let span = Axis::logarithmic("x").span(data());
         assert!(span.holds(0.5) && span.holds(3.0) && !span.holds(-1.0));
         // Without data, and with a single value, there still is a range.
-        assert_eq!(
-            Axis::linear("x").span(std::iter::empty()).range,
-            [1.0, 10.0]
-        );
+        let bare = Axis::linear("x").span(std::iter::empty()).range;
+        assert!(bare[0] < bare[1]);
         let single = Axis::linear("x").span(std::iter::once(5.0)).range;
         assert!(single[0] < 5.0 && single[1] > 5.0);
         // An impossible range asked for is as none.

@@ -111,7 +111,7 @@ impl Window {
     /// Below the window, a bar with its length.
     pub(crate) fn draw_scale_bar(&self, items: &mut Vec<Item>) {
         let bounds = &self.frame.bounds;
-        let length = round_down(0.3 * 2.0 * self.half_width);
+        let length = round_down(0.2 * 2.0 * self.half_width);
         let [left, y] = [bounds.left, bounds.bottom + SCALE_BAR_DROP];
         let right = left + self.length(length);
         let stroke = Stroke::solid(Colour::BLACK, 1.6);
@@ -236,16 +236,30 @@ impl ColourBar {
     }
 }
 
+/// Half width of a cross.
+const ARM: f64 = 2.2;
+
+/// Crosses at places, smaller where they would touch.
+pub(crate) fn crosses(places: &[Place], items: &mut Vec<Item>) {
+    let distances = places.iter().enumerate().flat_map(|(k, a)| {
+        let others = places[k + 1..].iter();
+        others.map(move |b| (a[0] - b[0]).hypot(a[1] - b[1]))
+    });
+    let arm = (0.35 * distances.fold(f64::INFINITY, f64::min)).clamp(0.8, ARM);
+    for place in places {
+        cross(*place, arm, items);
+    }
+}
+
 /// A mark that is seen on any ground: a red cross with a white rim.
-pub(crate) fn cross([x, y]: Place, items: &mut Vec<Item>) {
-    let arm = 2.2;
+fn cross([x, y]: Place, arm: f64, items: &mut Vec<Item>) {
     let mut path = Path::line([[x - arm, y - arm], [x + arm, y + arm]]);
     path.push_line([[x - arm, y + arm], [x + arm, y - arm]]);
     items.push(Item::stroked(
         path.clone(),
-        Stroke::solid(Colour::WHITE, 2.2),
+        Stroke::solid(Colour::WHITE, arm),
     ));
-    items.push(Item::stroked(path, Stroke::solid(RED, 1.0)));
+    items.push(Item::stroked(path, Stroke::solid(RED, 0.45 * arm)));
 }
 
 /// A sign in the key of a map.
@@ -268,7 +282,7 @@ pub(crate) fn key(entries: &[(KeySign, &str)], [right, middle]: Place, items: &m
         x -= NOTE_SIZE * text.width() + 4.0;
         items.push(Item::Label(Label::new(text, at, NOTE_SIZE, Anchor::End)));
         match sign {
-            KeySign::Cross => cross([x - 2.5, middle], items),
+            KeySign::Cross => cross([x - 2.5, middle], ARM, items),
             KeySign::Edge => items.push(Item::stroked(
                 Path::line([[x - SIGN, middle], [x, middle]]),
                 edge_stroke(),

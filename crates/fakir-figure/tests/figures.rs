@@ -1,6 +1,8 @@
 //! Every figure, checked as a reader would: text on the page and apart, SVG that another program
 //! reads and draws the same, PNG of the right size.
 
+#![allow(clippy::unwrap_used)]
+
 use fakir::contact::{ContactState, CriticalState, Load, Method, Normalized, Run};
 use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 use fakir::theory::closed_forms::{self, Form};
@@ -366,6 +368,12 @@ fn methods_without_pillars_are_refused() {
         method: "homogenised",
     };
     assert_eq!(pressure_map(state, None).unwrap_err(), refused);
+    let section = ProfileState {
+        label: Text::default(),
+        state,
+        floor_contact: None,
+    };
+    assert_eq!(profiles(&[section], &run).unwrap_err(), refused);
     assert_eq!(floor_gap_map(state, &run).unwrap_err(), refused);
     assert_eq!(pillar_pressure(state, &run).unwrap_err(), refused);
     assert_eq!(top_view(state, View::Contact, &run).unwrap_err(), refused);

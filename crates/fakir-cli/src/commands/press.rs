@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
+use crate::report::figures;
 use crate::report::maps::Maps;
 use crate::report::state::{
     ErrorJson, QuantityList, RADIUS_DIGITS, VERSION, load_words, pillar_table, texture_line,
@@ -58,6 +59,8 @@ pub(crate) fn run(
     );
     let mut tables = pillar_table(&state);
     tables.extend(maps.files(&state, &provenance, session)?);
+    let figures = figures::files(&state, None, maps, &provenance, session)?;
+    tables.extend(figures);
     Ok(Report {
         json: json(&summary(&state, wall_time)),
         text: text(&state, wall_time),

@@ -5,7 +5,7 @@ use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::{COLUMN, Figure};
 use crate::frame::{Frame, Lettering};
-use crate::map::{ARROW, ColourBar, KeySign, Window, cross, key, symmetric_copies};
+use crate::map::{ARROW, ColourBar, KeySign, Window, crosses, key, symmetric_copies};
 use crate::scene::{Colour, Item, Stroke};
 use crate::text::Text;
 use crate::unit::Unit;
@@ -88,9 +88,9 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
             stroke: Some(Stroke::solid(Colour::BLACK, 0.4)),
         });
     }
-    for point in symmetric_copies(lattice, state.smallest_gap_position) {
-        cross(window.place(point), &mut inside);
-    }
+    let copies = symmetric_copies(lattice, state.smallest_gap_position);
+    let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
+    crosses(&places, &mut inside);
     let mut items = vec![window.clipped(inside)];
     let across_name = Text::from(format!("*x* ({})", window.unit.name));
     let below = Lettering::All(&across_name);

@@ -9,7 +9,7 @@ use crate::font::Bounds;
 use crate::frame::{Frame, Lettering};
 use crate::legend::Legend;
 use crate::map::{
-    ColourBar, KeySign, SCALE_BAR_ROOM, Window, cross, edge_stroke, key, symmetric_copies,
+    ColourBar, KeySign, SCALE_BAR_ROOM, Window, crosses, edge_stroke, key, symmetric_copies,
 };
 use crate::scene::{Colour, Item, Stroke};
 use crate::series::{Marker, Series, Style};
@@ -122,11 +122,10 @@ fn draw_map(
         fill: None,
         stroke: Some(edge_stroke()),
     });
-    for point in floor_contact
-        .map(|point| symmetric_copies(lattice, point))
-        .unwrap_or_default()
-    {
-        cross(window.place(point), &mut inside);
+    if let Some(point) = floor_contact {
+        let copies = symmetric_copies(lattice, point);
+        let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
+        crosses(&places, &mut inside);
     }
     items.push(window.clipped(inside));
     window.draw_border(items);

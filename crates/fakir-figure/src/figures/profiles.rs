@@ -10,7 +10,7 @@ use crate::map::RED;
 use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Stroke};
 use crate::text::Text;
 use crate::unit::{Unit, significant};
-use fakir::contact::{ContactState, Fields, Run};
+use fakir::contact::{ContactState, Run};
 use fakir::system::Point;
 use std::collections::HashMap;
 
@@ -43,8 +43,8 @@ pub struct ProfileState<'a> {
 /// the floor contact if it is in the section or a symmetric copy of it is.
 ///
 /// # Errors
-/// [`FigureError::TooFewData`] without states, interruption. States without fields are drawn as not
-/// deformed, which they are before contact.
+/// [`FigureError::TooFewData`] without states, [`FigureError::NoPillars`] if one carries a force but
+/// has no fields, interruption.
 pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, FigureError> {
     let Some(widest) = states
         .iter()
@@ -99,7 +99,8 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
         };
         page.draw(section, state, &mut items);
         frame.draw(&mut items, across, Lettering::All(&names[1]));
-        title(&page, state, ('a'..='z').nth(k), &mut items);
+        let letter = ('a'..='z').nth(k).filter(|_| last > 0);
+        title(&page, state, letter, &mut items);
         top += height + Frame::bottom_room(across) + 3.0;
     }
     let figure = Figure::new("profiles", [PAGE, top + MARGIN - 3.0], items);
@@ -145,7 +146,12 @@ impl Section {
         across.dedup();
 
         let displacement = match state.fields.as_deref() {
-            Some(fields) => displacements(fields, &across, run)?,
+            Some(fields) => fields.on_grid(&across, &[0.0], run)?.displacement,
+            None if state.force > 0.0 => {
+                return Err(FigureError::NoPillars {
+                    method: state.method.name(),
+                });
+            }
             None => vec![0.0; across.len()],
         };
         let lens_share =
@@ -177,10 +183,6 @@ impl Section {
         }
         Ok(Self { lens, substrate })
     }
-}
-
-fn displacements(fields: &Fields, across: &[f64], run: &Run<'_>) -> Result<Vec<f64>, FigureError> {
-    Ok(fields.on_grid(across, &[0.0], run)?.displacement)
 }
 
 /// Where pillars are cut by the section, and by how much each is shortened.

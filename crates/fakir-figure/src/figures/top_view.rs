@@ -36,8 +36,9 @@ const TOUCHED: Colour = Colour::grey(25);
 /// Pixels along a side, of interference.
 const PIXELS: usize = 640;
 
-/// Cells across a partially touched pillar.
-const CELLS: i32 = 32;
+/// Cells across a partially touched pillar: at most so many, and of this size on the page, points.
+const MOST_CELLS: i32 = 32;
+const CELL: f64 = 0.35;
 
 /// The contact as a reflection microscope shows it: dark where lens and pillar touch.
 ///
@@ -119,7 +120,8 @@ fn partial_contacts(
 ) -> Result<Option<Item>, FigureError> {
     let fields = state.fields.as_deref().ok_or_else(|| no_fields(state))?;
     let radius = 0.5 * state.system.pillar().diameter;
-    let cell = 2.0 * radius / f64::from(CELLS);
+    let cells = ((2.0 * window.length(radius) / CELL).ceil() as i32).clamp(8, MOST_CELLS);
+    let cell = 2.0 * radius / f64::from(cells);
     let rows: Vec<(&PillarState, f64, Vec<Point>)> = state
         .pillars
         .iter()
@@ -127,11 +129,11 @@ fn partial_contacts(
         .flat_map(|pillar| {
             let along = move |k: i32| (f64::from(k) + 0.5) * cell - radius;
             let [x, y] = pillar.centre;
-            (0..CELLS).map(move |row| {
+            (0..cells).map(move |row| {
                 let up = along(row);
-                let cells = (0..CELLS).map(along).filter(|x| x.hypot(up) < radius);
-                let cells = cells.map(|across| [x + across, y + up]);
-                (pillar, y + up, cells.collect())
+                let inside = (0..cells).map(along).filter(|x| x.hypot(up) < radius);
+                let row = inside.map(|across| [x + across, y + up]).collect();
+                (pillar, y + up, row)
             })
         })
         .collect();
