@@ -49,7 +49,8 @@ pub(crate) fn files(
     Ok(files)
 }
 
-fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
+/// A figure as files.
+pub(crate) fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
     let Provenance {
         fakir_version,
         question,
