@@ -25,7 +25,7 @@ pub struct Report<'a> {
 }
 
 const STYLE: &str = "
-body{font:16px/1.5 FakirSans,system-ui,sans-serif;color:#1a1a1a;background:#fff;margin:0 auto;
+body{font:16px/1.5 system-ui,sans-serif;color:#1a1a1a;background:#fff;margin:0 auto;
 max-width:74rem;padding:1.5rem}
 h1{font-size:1.7rem;line-height:1.2;margin:.5rem 0}
 h2{font-size:1.25rem;margin:2.2rem 0 .6rem;border-bottom:1px solid #ccc;padding-bottom:.2rem}
@@ -104,14 +104,14 @@ impl Report<'_> {
                 tbody {
                     @for claim in self.claims {
                         tr id=(claim.name) {
-                            td { (claim.claim) }
-                            td { (claim.finding) }
+                            td { (formatted(&claim.claim)) }
+                            td { (formatted(&claim.finding)) }
                             td {
                                 span class=(format!("verdict {}", class(claim.verdict))) {
                                     (claim.verdict.words())
                                 }
                             }
-                            td { (claim.reason) }
+                            td { (formatted(&claim.reason)) }
                         }
                     }
                 }
@@ -212,6 +212,32 @@ impl Report<'_> {
     }
 }
 
+/// Text with subscripts (`γ_int`), superscripts (`x^2`, `x^(1/3)`) and code (between backticks).
+fn formatted(text: &str) -> Markup {
+    let mut rest = text;
+    let mut parts: Vec<Markup> = Vec::new();
+    while let Some(start) = rest.find(['_', '^', '`']) {
+        parts.push(html! { (&rest[..start]) });
+        let mark = rest.as_bytes()[start];
+        let after = &rest[start + 1..];
+        let (inner, left) = match (mark, after.strip_prefix('(')) {
+            (b'`', _) => after.split_once('`').unwrap_or((after, "")),
+            (b'^', Some(bracketed)) => bracketed.split_once(')').unwrap_or((bracketed, "")),
+            _ => {
+                let joined = |c: char| c.is_alphanumeric() || (mark == b'^' && c == '.');
+                after.split_at(after.find(|c| !joined(c)).unwrap_or(after.len()))
+            }
+        };
+        parts.push(match mark {
+            b'_' => html! { sub { (inner) } },
+            b'^' => html! { sup { (inner) } },
+            _ => html! { code { (inner) } },
+        });
+        rest = left;
+    }
+    html! { @for part in &parts { (part) } (rest) }
+}
+
 fn class(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Agrees => "agrees",
@@ -225,4 +251,17 @@ fn law(grid: &Grid, substrate: Substrate, quantity: Quantity, range: [f64; 2]) -
     PowerLaw::of(grid.on_pillar(substrate), quantity, range).map_or("-".to_owned(), |law| {
         format!("{:.3} ± {:.3}", law.exponent, law.uncertainty)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::formatted;
+
+    #[test]
+    fn scripts_and_code() {
+        let page = |text| formatted(text).into_string();
+        assert_eq!(page("F_c = x^(1/3)"), "F<sub>c</sub> = x<sup>1/3</sup>");
+        assert_eq!(page("φ^2.5, γ_int/2"), "φ<sup>2.5</sup>, γ<sub>int</sub>/2");
+        assert_eq!(page("`a b` < c"), "<code>a b</code> &lt; c");
+    }
 }
