@@ -93,7 +93,7 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
         let caption = format!(
             "Mean pressure on every pillar top in the critical state, intermediate substrate, \
              {}: dashed the edge of the contact, crosses the floor contact in all its symmetric \
-             places. Below, pressure at the centre of every pillar against its distance from the \
+             places. Beside it, pressure at the centre of every pillar against its distance from the \
              axis, with a semi-ellipse as in a Hertz contact.",
             of(&dense.contact)
         );

@@ -41,7 +41,8 @@ td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 .differs{color:#7c2d00;background:#fbe4d8}
 .beyond{color:#003c61;background:#e1eff8}
 figure{margin:1.6rem 0}
-figure svg{max-width:100%;height:auto;display:block}
+figure svg{width:min(100%,30rem);height:auto;display:block}
+figure.wide svg{width:min(100%,56rem)}
 figcaption{font-size:.9rem;max-width:48rem;margin-top:.4rem}
 code{font-family:ui-monospace,monospace;font-size:.92em;background:#f3f3f3;padding:0 .25em}
 @media print{body{max-width:none;padding:0}figure{break-inside:avoid}}
@@ -189,7 +190,7 @@ impl Report<'_> {
         html! {
             h2 { "Figures" }
             @for (number, plate) in (1..).zip(self.plates) {
-                figure id=(plate.figure.name()) {
+                figure.wide[plate.figure.size()[0] > 0.1] id=(plate.figure.name()) {
                     (PreEscaped(plate.figure.svg_for_page()))
                     figcaption { strong { "Figure " (number) ". " } (plate.caption) }
                 }
@@ -224,7 +225,7 @@ fn formatted(text: &str) -> Markup {
             (b'`', _) => after.split_once('`').unwrap_or((after, "")),
             (b'^', Some(bracketed)) => bracketed.split_once(')').unwrap_or((bracketed, "")),
             _ => {
-                let joined = |c: char| c.is_alphanumeric() || (mark == b'^' && c == '.');
+                let joined = |c: char| c.is_ascii_alphanumeric() || (mark == b'^' && c == '.');
                 after.split_at(after.find(|c| !joined(c)).unwrap_or(after.len()))
             }
         };
@@ -262,6 +263,7 @@ mod tests {
         let page = |text| formatted(text).into_string();
         assert_eq!(page("F_c = x^(1/3)"), "F<sub>c</sub> = x<sup>1/3</sup>");
         assert_eq!(page("φ^2.5, γ_int/2"), "φ<sup>2.5</sup>, γ<sub>int</sub>/2");
+        assert_eq!(page("r_c²"), "r<sub>c</sub>²");
         assert_eq!(page("`a b` < c"), "<code>a b</code> &lt; c");
     }
 }
