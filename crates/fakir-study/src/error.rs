@@ -134,7 +134,7 @@ fn advice(line: usize) -> &'static str {
 /// So many bytes, exactly: `8 GB`.
 pub(crate) fn memory(bytes: usize) -> String {
     let units = [(1_000_000_000, "GB"), (1_000_000, "MB"), (1000, "kB")];
-    match units.iter().find(|(size, _)| bytes % size == 0) {
+    match units.iter().find(|(size, _)| bytes.is_multiple_of(*size)) {
         Some((size, unit)) => format!("{} {unit}", bytes / size),
         None => format!("{bytes} bytes"),
     }

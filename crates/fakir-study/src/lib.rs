@@ -27,6 +27,7 @@
 //! * [`design`](mod@design) turns the question round: which value gives a wanted critical force;
 //!   [`spread`](mod@spread) draws samples about a case.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
+//! * [`summary`] is what a single answer is as JSON.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
 //!   files that are there whole or not at all.
 
@@ -41,6 +42,7 @@ pub mod output;
 mod plan;
 pub mod provenance;
 pub mod spread;
+pub mod summary;
 mod sweep;
 mod table;
 
