@@ -21,6 +21,8 @@
 //! * [`sweep`] answers every case of a [`Study`](fakir_case::Study) in memory; [`sweep_into`] does so
 //!   in a folder, with a journal from which an interrupted sweep goes on; [`merge`] puts the shards
 //!   of a sweep together.
+//! * [`Ledger`] keeps the answers of cases that are computed elsewhere, as by [`solve`] in other
+//!   processes.
 //! * What a case answers depends on the study alone: not on threads, shards or interruptions. So
 //!   the table of a sweep that was killed and resumed is the same, byte for byte.
 //! * A case without an answer keeps its row in the [`Table`], with the reason.
@@ -48,9 +50,9 @@ mod table;
 
 pub use answer::{Answer, Critical, Pressed, Row};
 pub use error::StudyError;
-pub use folder::{Existing, Summary, merge, sweep_into};
+pub use folder::{Existing, Ledger, Summary, merge, sweep_into};
 pub use plan::{InvalidShard, Shard};
-pub use sweep::{Options, Progress, sweep};
+pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};
 
 /// The version of fakir, stamped on every result.

@@ -55,18 +55,49 @@ pub struct Progress {
 /// # Errors
 /// [`StudyError::Interrupted`].
 pub fn sweep(study: &Study, options: &mut Options<'_>) -> Result<Vec<Row>, StudyError> {
-    let rows = complete(study, BTreeMap::new(), options, |_| Ok(()))?;
+    let mut rows = BTreeMap::new();
+    complete(study, &mut rows, options, |_| Ok(()))?;
     Ok(rows.into_values().collect())
 }
 
-/// Answers the cases of a shard that are not among the `rows`, and returns all of them. New rows are
+/// Answers some cases of a study one after the other on the calling thread, in their order,
+/// each within so many bytes (8 GB if not set).
+///
+/// # Errors
+/// [`StudyError::Interrupted`] if it is cancelled.
+pub fn solve(
+    study: &Study,
+    cases: &[usize],
+    memory_limit: Option<usize>,
+    cancel: &CancelToken,
+) -> Result<Vec<Row>, StudyError> {
+    let work = Work {
+        study,
+        chains: Vec::new(),
+        known: BTreeMap::new(),
+        next: AtomicUsize::new(0),
+        stop: cancel.clone(),
+        memory_limit,
+    };
+    let mut rows = Vec::with_capacity(cases.len());
+    for index in cases {
+        let row = work.row(*index).ok_or(StudyError::Interrupted {
+            done: rows.len(),
+            cases: cases.len(),
+        })?;
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+/// Answers the cases of a shard that are not among the `rows`, and adds them. New rows are
 /// given to `keep` first, in the order in which they come.
 pub(crate) fn complete(
     study: &Study,
-    mut rows: BTreeMap<usize, Row>,
+    rows: &mut BTreeMap<usize, Row>,
     options: &mut Options<'_>,
     mut keep: impl FnMut(&[Row]) -> Result<(), StudyError>,
-) -> Result<BTreeMap<usize, Row>, StudyError> {
+) -> Result<(), StudyError> {
     let mut chains: Vec<_> = Plan::new(study, options.shard).chains().collect();
     let mut progress = Progress {
         done: rows.len(),
@@ -122,7 +153,7 @@ pub(crate) fn complete(
             cases: progress.cases,
         });
     }
-    Ok(rows)
+    Ok(())
 }
 
 fn threads(asked: usize) -> usize {
