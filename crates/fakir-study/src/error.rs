@@ -121,6 +121,17 @@ pub enum StudyError {
         /// The limit now, bytes.
         here: usize,
     },
+    /// An answer from elsewhere that is none to a case of the study.
+    #[error("not an answer to a case of this study: {0}")]
+    Answer(String),
+    /// A sweep that is to be finished before all cases have an answer.
+    #[error("{missing} of {cases} cases have no answer yet")]
+    Incomplete {
+        /// Cases without a row.
+        missing: usize,
+        /// Cases in all.
+        cases: usize,
+    },
     /// Shards that are not one sweep.
     #[error("{0}")]
     Shards(String),

@@ -11,7 +11,7 @@ use crate::answer::Row;
 use crate::error::{StudyError, memory};
 use crate::journal::{Contents, Header, JOURNAL, Journal, first_difference, whole};
 use crate::output::{File, save};
-use crate::plan::{Plan, Shard};
+use crate::plan::{Plan, Shard, longest_first};
 use crate::provenance::Provenance;
 use crate::sweep::{Options, complete};
 use crate::table::Table;
@@ -73,36 +73,185 @@ pub fn sweep_into(
     existing: Existing,
     options: &mut Options<'_>,
 ) -> Result<Summary, StudyError> {
-    check_contents(folder, existing)?;
-    make(folder)?;
-    let mut journal = Journal::open(folder)?;
-    let header = Header::new(study, options);
-    let rows = match existing {
-        Existing::Refuse if journal.is_empty()? => None,
-        Existing::Refuse => return Err(StudyError::NotEmpty(folder.to_owned())),
-        Existing::Resume => go_on(&mut journal, &header, study)?,
-        Existing::Overwrite => {
-            remove_results(folder)?;
-            None
+    let mut ledger = Ledger::open(study, folder, existing, options)?;
+    ledger.complete(options)?;
+    ledger.finish()
+}
+
+/// The answers of a sweep as they come, wherever they are computed, in a folder or in memory.
+///
+/// Rows that are [appended](Self::append) are in the journal when that returns.
+///
+/// ```
+/// # use fakir_case::{Case, StudyFile};
+/// # let text = format!("[axes]\nsurface_fraction = [1e-3, 3e-3]\n{}", Case::example().to_toml());
+/// # let study = StudyFile::parse("study.toml", &text)?.study()?;
+/// let mut ledger = fakir_study::Ledger::in_memory(&study);
+/// for cases in ledger.remaining() {
+///     // Here, or in another process:
+///     let rows = fakir_study::solve(&study, &cases, None, &fakir::contact::CancelToken::default())?;
+///     let lines: Vec<String> = rows.iter().map(fakir_study::Row::to_json).collect();
+///     ledger.append(&lines)?;
+/// }
+/// assert_eq!(ledger.finish()?.rows.len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Ledger {
+    study: Study,
+    shard: Shard,
+    folder: Option<(PathBuf, Journal)>,
+    rows: BTreeMap<usize, Row>,
+    found: usize,
+}
+
+impl Ledger {
+    /// A sweep that is nowhere but in memory.
+    #[must_use]
+    pub fn in_memory(study: &Study) -> Self {
+        Self {
+            study: study.clone(),
+            shard: Shard::WHOLE,
+            folder: None,
+            rows: BTreeMap::new(),
+            found: 0,
         }
-    };
-    let rows = match rows {
-        Some(rows) => rows,
-        None => {
-            journal.begin(&header)?;
-            BTreeMap::new()
+    }
+
+    /// Begins or resumes a sweep in a folder, which belongs to it until it is dropped.
+    ///
+    /// # Errors
+    /// [`StudyError`]: for a folder that is not empty, in use or not to be written in, and a
+    /// journal that does not fit.
+    pub fn open(
+        study: &Study,
+        folder: &Path,
+        existing: Existing,
+        options: &Options<'_>,
+    ) -> Result<Self, StudyError> {
+        check_contents(folder, existing)?;
+        make(folder)?;
+        let mut journal = Journal::open(folder)?;
+        let header = Header::new(study, options);
+        let rows = match existing {
+            Existing::Refuse if journal.is_empty()? => None,
+            Existing::Refuse => return Err(StudyError::NotEmpty(folder.to_owned())),
+            Existing::Resume => go_on(&mut journal, &header, study)?,
+            Existing::Overwrite => {
+                remove_results(folder)?;
+                None
+            }
+        };
+        let rows = match rows {
+            Some(rows) => rows,
+            None => {
+                journal.begin(&header)?;
+                BTreeMap::new()
+            }
+        };
+        save(folder, &[File::new("study.toml", study.to_toml())])?;
+        Ok(Self {
+            study: study.clone(),
+            shard: options.shard,
+            folder: Some((folder.to_owned(), journal)),
+            found: rows.len(),
+            rows,
+        })
+    }
+
+    /// The rows so far, by the number of their case.
+    #[must_use]
+    pub fn rows(&self) -> &BTreeMap<usize, Row> {
+        &self.rows
+    }
+
+    /// How many of them were in the journal before.
+    #[must_use]
+    pub fn found(&self) -> usize {
+        self.found
+    }
+
+    /// How many of them have no answer to be relied on.
+    #[must_use]
+    pub fn failed(&self) -> usize {
+        self.rows
+            .values()
+            .filter(|row| row.problem.is_some())
+            .count()
+    }
+
+    /// The cases without a row, in groups to be computed together and in order, those first that
+    /// probably take longest.
+    #[must_use]
+    pub fn remaining(&self) -> Vec<Vec<usize>> {
+        let plan = Plan::new(&self.study, self.shard);
+        longest_first(&self.study, plan.chains())
+            .into_iter()
+            .map(|chain| {
+                chain
+                    .cases
+                    .filter(|case| !self.rows.contains_key(case))
+                    .collect()
+            })
+            .filter(|cases: &Vec<usize>| !cases.is_empty())
+            .collect()
+    }
+
+    /// Adds rows that were computed elsewhere, as [`Row::to_json`] wrote them. A case that has a row
+    /// keeps it: the same case may have been computed twice.
+    ///
+    /// # Errors
+    /// [`StudyError::Answer`] for a line that is no answer to a case, of which nothing is added; and
+    /// a journal that cannot be written.
+    pub fn append(&mut self, lines: &[String]) -> Result<(), StudyError> {
+        let rows: Result<BTreeMap<usize, Row>, StudyError> = lines
+            .iter()
+            .map(|line| Row::from_json(&self.study, line).map(|row| (row.index, row)))
+            .collect();
+        let mut rows = rows?;
+        rows.retain(|index, _| !self.rows.contains_key(index));
+        if let Some((_, journal)) = &mut self.folder {
+            let new: Vec<Row> = rows.values().cloned().collect();
+            journal.append(&new)?;
         }
-    };
-    save(folder, &[File::new("study.toml", study.to_toml())])?;
-    let found = rows.len();
-    let rows = complete(study, rows, options, |new| journal.append(new))?;
-    let rows: Vec<Row> = rows.into_values().collect();
-    save(folder, &results(study, &rows)).map_err(StudyError::Tables)?;
-    Ok(Summary {
-        study: study.clone(),
-        rows,
-        found,
-    })
+        self.rows.append(&mut rows);
+        Ok(())
+    }
+
+    /// Computes the cases that remain.
+    ///
+    /// # Errors
+    /// [`StudyError::Interrupted`], and a journal that cannot be written.
+    pub fn complete(&mut self, options: &mut Options<'_>) -> Result<(), StudyError> {
+        let folder = &mut self.folder;
+        complete(&self.study, &mut self.rows, options, |new| match folder {
+            Some((_, journal)) => journal.append(new),
+            None => Ok(()),
+        })
+    }
+
+    /// Writes the tables, and gives the rows.
+    ///
+    /// # Errors
+    /// [`StudyError::Incomplete`] if there is a case without a row, and files that cannot be
+    /// written.
+    pub fn finish(self) -> Result<Summary, StudyError> {
+        let missing: usize = self.remaining().iter().map(Vec::len).sum();
+        if missing > 0 {
+            return Err(StudyError::Incomplete {
+                missing,
+                cases: self.rows.len() + missing,
+            });
+        }
+        let rows: Vec<Row> = self.rows.into_values().collect();
+        if let Some((folder, _)) = &self.folder {
+            save(folder, &results(&self.study, &rows)).map_err(StudyError::Tables)?;
+        }
+        Ok(Summary {
+            study: self.study,
+            rows,
+            found: self.found,
+        })
+    }
 }
 
 /// The rows in a journal; `None` if it has not begun.

@@ -207,15 +207,33 @@ pub(crate) fn whole(header: &Header, rows: &[Row]) -> String {
 }
 
 fn lines(rows: &[Row]) -> String {
-    let lines = rows.iter().map(|row| {
+    rows.iter().map(|row| row.to_json() + "\n").collect()
+}
+
+impl Row {
+    /// As a line of a journal, without its end: the answer to the bit. The values of the axes
+    /// are not in it, they follow from the number of the case.
+    #[must_use]
+    pub fn to_json(&self) -> String {
         to_json(&Line {
-            case: row.index,
-            wall_time_s: row.wall_time,
-            problem: row.problem.clone(),
-            answer: row.answer.clone(),
-        }) + "\n"
-    });
-    lines.collect()
+            case: self.index,
+            wall_time_s: self.wall_time,
+            problem: self.problem.clone(),
+            answer: self.answer.clone(),
+        })
+    }
+
+    /// Reads what [`to_json`](Self::to_json) wrote of a case of this study.
+    ///
+    /// # Errors
+    /// [`StudyError::Answer`] for what is no such line.
+    pub fn from_json(study: &Study, text: &str) -> Result<Self, StudyError> {
+        let line: Line = serde_json::from_str(text)
+            .map_err(|error| StudyError::Answer(without_place(&error)))?;
+        Plan::new(study, Shard::WHOLE)
+            .row(study, line)
+            .map_err(StudyError::Answer)
+    }
 }
 
 fn to_json(value: &impl Serialize) -> String {
@@ -295,24 +313,32 @@ impl Contents {
                 problem,
             };
             let index = line.case;
-            if !plan.has(index) {
-                return Err(damaged(format!("there is no case {index} in this sweep")));
-            }
-            if !is_complete(study, &line) {
-                return Err(damaged(format!("case {index} has no answer that fits")));
-            }
-            let row = Row {
-                index,
-                coordinates: study.coordinates(index),
-                answer: line.answer,
-                problem: line.problem,
-                wall_time: line.wall_time_s,
-            };
+            let row = plan.row(study, line).map_err(&damaged)?;
             if rows.insert(index, row).is_some() {
                 return Err(damaged(format!("case {index} is there twice")));
             }
         }
         Ok(rows)
+    }
+}
+
+impl Plan {
+    /// The row of a line; or what is wrong with it.
+    fn row(&self, study: &Study, line: Line) -> Result<Row, String> {
+        let index = line.case;
+        if !self.has(index) {
+            return Err(format!("there is no case {index} in this sweep"));
+        }
+        if !is_complete(study, &line) {
+            return Err(format!("case {index} has no answer that fits"));
+        }
+        Ok(Row {
+            index,
+            coordinates: study.coordinates(index),
+            answer: line.answer,
+            problem: line.problem,
+            wall_time: line.wall_time_s,
+        })
     }
 }
 

@@ -21,12 +21,15 @@
 //! * [`sweep`] answers every case of a [`Study`](fakir_case::Study) in memory; [`sweep_into`] does so
 //!   in a folder, with a journal from which an interrupted sweep goes on; [`merge`] puts the shards
 //!   of a sweep together.
+//! * [`Ledger`] keeps the answers of cases that are computed elsewhere, as by [`solve`] in other
+//!   processes.
 //! * What a case answers depends on the study alone: not on threads, shards or interruptions. So
 //!   the table of a sweep that was killed and resumed is the same, byte for byte.
 //! * A case without an answer keeps its row in the [`Table`], with the reason.
 //! * [`design`](mod@design) turns the question round: which value gives a wanted critical force;
 //!   [`spread`](mod@spread) draws samples about a case.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
+//! * [`summary`] is what a single answer is as JSON.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
 //!   files that are there whole or not at all.
 
@@ -41,14 +44,15 @@ pub mod output;
 mod plan;
 pub mod provenance;
 pub mod spread;
+pub mod summary;
 mod sweep;
 mod table;
 
 pub use answer::{Answer, Critical, Pressed, Row};
 pub use error::StudyError;
-pub use folder::{Existing, Summary, merge, sweep_into};
+pub use folder::{Existing, Ledger, Summary, merge, sweep_into};
 pub use plan::{InvalidShard, Shard};
-pub use sweep::{Options, Progress, sweep};
+pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};
 
 /// The version of fakir, stamped on every result.

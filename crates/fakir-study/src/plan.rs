@@ -1,8 +1,7 @@
 //! How the cases of a study are grouped: into chains, and these into shards.
 //!
-//! A chain is a block of consecutive cases along the last axis. Within a chain a case may be
-//! started from the answer of the one before, so a chain is computed in order and as a whole by
-//! one thread; chains know nothing of each other.
+//! A chain is a block of consecutive cases along the last axis: what a shard or a thread takes at
+//! once.
 
 use fakir::contact::Method;
 use fakir::system::System;
@@ -13,8 +12,7 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// Cases of a chain, at most. It is part of what a study means: with another length cases would
-/// be started from others.
+/// Cases of a chain, at most. With another length shards would have other cases.
 const CHAIN: usize = 8;
 
 /// A part of a sweep, to be computed apart from the others.

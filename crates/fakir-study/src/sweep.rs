@@ -8,7 +8,7 @@ use fakir::contact::{CancelToken, Run, SolveError, Termination};
 use fakir_case::Study;
 use fakir_case::study::StudyCase;
 use std::any::Any;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZero;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -58,29 +58,60 @@ pub struct Progress {
 /// # Errors
 /// [`StudyError::Interrupted`].
 pub fn sweep(study: &Study, options: &mut Options<'_>) -> Result<Vec<Row>, StudyError> {
-    let rows = complete(study, BTreeMap::new(), options, |_| Ok(()))?;
+    let mut rows = BTreeMap::new();
+    complete(study, &mut rows, options, |_| Ok(()))?;
     Ok(rows.into_values().collect())
 }
 
-/// Answers the cases of a shard that are not among the `known` rows, and returns all of them. New
-/// rows are given to `keep` first, in the order in which they come.
+/// Answers some cases of a study one after the other on the calling thread, in their order,
+/// each within so many bytes (8 GB if not set).
+///
+/// # Errors
+/// [`StudyError::Interrupted`] if it is cancelled.
+pub fn solve(
+    study: &Study,
+    cases: &[usize],
+    memory_limit: Option<usize>,
+    cancel: &CancelToken,
+) -> Result<Vec<Row>, StudyError> {
+    let work = Work {
+        study,
+        chains: Vec::new(),
+        known: BTreeSet::new(),
+        next: AtomicUsize::new(0),
+        stop: cancel.clone(),
+        memory_limit,
+    };
+    let mut rows = Vec::with_capacity(cases.len());
+    for index in cases {
+        let row = work.row(*index).ok_or(StudyError::Interrupted {
+            done: rows.len(),
+            cases: cases.len(),
+        })?;
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+/// Answers the cases of a shard that are not among the `rows`, and adds them. New rows are
+/// given to `keep` first, in the order in which they come.
 pub(crate) fn complete(
     study: &Study,
-    known: BTreeMap<usize, Row>,
+    rows: &mut BTreeMap<usize, Row>,
     options: &mut Options<'_>,
     mut keep: impl FnMut(&[Row]) -> Result<(), StudyError>,
-) -> Result<BTreeMap<usize, Row>, StudyError> {
+) -> Result<(), StudyError> {
     let plan = Plan::new(study, options.shard);
     let mut progress = Progress {
-        done: known.len(),
-        found: known.len(),
-        failed: failed(known.values()),
+        done: rows.len(),
+        found: rows.len(),
+        failed: failed(rows.values()),
         cases: plan.chains().map(|chain| chain.len()).sum(),
         work: 0.0,
     };
+    let known = rows.keys().copied().collect();
     let work = Work::new(study, &plan, known, options.memory_limit);
     let total = work.cost();
-    let mut rows = BTreeMap::new();
     let mut outcome = Ok(());
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
@@ -117,8 +148,7 @@ pub(crate) fn complete(
             cases: progress.cases,
         });
     }
-    rows.extend(work.known);
-    Ok(rows)
+    Ok(())
 }
 
 fn failed<'a>(rows: impl IntoIterator<Item = &'a Row>) -> usize {
@@ -137,8 +167,8 @@ fn threads(asked: usize) -> usize {
 struct Work<'a> {
     study: &'a Study,
     chains: Vec<Costed>,
-    /// Rows that are there already.
-    known: BTreeMap<usize, Row>,
+    /// Cases that have a row already.
+    known: BTreeSet<usize>,
     /// The first chain that no thread has taken.
     next: AtomicUsize,
     stop: CancelToken,
@@ -149,10 +179,10 @@ impl<'a> Work<'a> {
     fn new(
         study: &'a Study,
         plan: &Plan,
-        known: BTreeMap<usize, Row>,
+        known: BTreeSet<usize>,
         memory_limit: Option<usize>,
     ) -> Self {
-        let is_open = |chain: &Range<usize>| chain.clone().any(|case| !known.contains_key(&case));
+        let is_open = |chain: &Range<usize>| chain.clone().any(|case| !known.contains(&case));
         let chains = longest_first(study, plan.chains().filter(is_open));
         Self {
             study,
@@ -168,7 +198,7 @@ impl<'a> Work<'a> {
     fn cost(&self) -> f64 {
         let cost = |chain: &Costed| {
             let cases = chain.cases.clone();
-            let open = cases.filter(|case| !self.known.contains_key(case));
+            let open = cases.filter(|case| !self.known.contains(case));
             chain.cost * open.count() as f64
         };
         self.chains.iter().map(cost).sum()
@@ -178,7 +208,7 @@ impl<'a> Work<'a> {
     fn run(&self, sender: &Sender<(Row, f64)>) {
         while let Some(chain) = self.chains.get(self.next.fetch_add(1, Ordering::Relaxed)) {
             for index in chain.cases.clone() {
-                if self.known.contains_key(&index) {
+                if self.known.contains(&index) {
                     continue;
                 }
                 let Some(row) = self.row(index) else {

@@ -8,7 +8,7 @@ mod squares;
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::contact::{
     Accuracy, CancelToken, ContactState, CriticalState, Fields, Load, Method, PillarStatus,
-    PunchForm, Regime, Run, SolveError, Warning,
+    PunchForm, Regime, Run, SolveError, Stage, Warning,
 };
 use fakir::system::{
     HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, Quantity, System, Texture,
@@ -690,23 +690,30 @@ fn cancelled_computations_stop() {
     }
 }
 
-/// From within: the listener to progress stops the computation it hears of.
+/// From within: the listener to progress stops the computation it hears of, at every stage.
 #[test]
 fn running_computations_stop() {
     let system = intermediate(0.1, 0.2, 0.0);
-    let cancel = CancelToken::default();
-    let stop_at_third = |progress: fakir::contact::Progress| {
-        if progress.step == 3 {
-            cancel.cancel();
-        }
-    };
-    let run = Run {
-        cancel: cancel.clone(),
-        progress: Some(&stop_at_third),
-        ..Run::default()
-    };
-    let stopped = fakir::transition(&system, Method::default(), &run).err();
-    assert_eq!(stopped, Some(SolveError::Interrupted));
+    for stage in [
+        Stage::Coupling,
+        Stage::Punch,
+        Stage::Spectral,
+        Stage::ErrorEstimate,
+    ] {
+        let cancel = CancelToken::default();
+        let stop = |progress: fakir::contact::Progress| {
+            if progress.stage == stage {
+                cancel.cancel();
+            }
+        };
+        let run = Run {
+            cancel: cancel.clone(),
+            progress: Some(&stop),
+            ..Run::default()
+        };
+        let stopped = fakir::transition(&system, Method::default(), &run).err();
+        assert_eq!(stopped, Some(SolveError::Interrupted), "{stage:?}");
+    }
 }
 
 #[test]

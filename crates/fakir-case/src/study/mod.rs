@@ -20,7 +20,7 @@
 //!
 //! * The case is in the same file, or `[study]` names its file: `case = "paper-soft.toml"`, sought
 //!   next to the study. An axis takes the place of what the case gives.
-//! * An axis is named by a [`Key`](crate::Key), in full or by its last name where that says which, or
+//! * An axis is named by a [`Key`], in full or by its last name where that says which, or
 //!   by `indentation` or `force`. Cases are in the order of the file, the last axis varying fastest.
 //! * Where `method.name` is an axis, other keys of `[method]` count for the methods that have them.
 

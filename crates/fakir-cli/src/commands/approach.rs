@@ -3,7 +3,7 @@
 use crate::arguments::LoadingPath;
 use crate::failure::Failure;
 use crate::numbers::{digits, with_unit};
-use crate::report::state::{CriticalJson, VERSION, texture_line, warnings};
+use crate::report::state::{VERSION, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;
@@ -12,6 +12,7 @@ use fakir_case::Case;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::summary::TransitionSummary;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -37,7 +38,7 @@ struct StateRow {
 #[derive(Debug, Serialize)]
 struct ApproachJson<'a> {
     method: &'static str,
-    critical: CriticalJson,
+    critical: TransitionSummary,
     states: &'a [StateRow],
     converged: bool,
     wall_time_s: f64,
@@ -73,7 +74,7 @@ pub(crate) fn run(case: &Case, path: &LoadingPath, session: &Session) -> Result<
     Ok(Report {
         json: json(&ApproachJson {
             method: case.method.name(),
-            critical: CriticalJson::new(&critical, critical_time),
+            critical: TransitionSummary::new(&critical, critical_time),
             states: &rows,
             converged,
             wall_time_s: wall_time,

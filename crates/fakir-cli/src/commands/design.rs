@@ -5,7 +5,7 @@ use crate::arguments::Design as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, column_unit, significant, with_unit};
 use crate::report::figures::saved;
-use crate::report::state::{CriticalJson, RADIUS_DIGITS, VERSION, texture_line, warnings};
+use crate::report::state::{RADIUS_DIGITS, VERSION, texture_line, warnings};
 use crate::report::table::{Column, list, table};
 use crate::report::{Report, json};
 use crate::session::Session;
@@ -17,6 +17,7 @@ use fakir_study::design::{Candidate, Design, Limit, Wanted, design};
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::spread::{Critical, Landing, Sampling, Spread, Summary, spread};
+use fakir_study::summary::TransitionSummary;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::time::Instant;
@@ -291,7 +292,7 @@ impl Answer {
             value: named(format!("value{}", self.dimension().suffix()), nearest.value),
             sensitivity,
             statement: self.headline(),
-            critical_state: CriticalJson::new(&nearest.critical, wall_time),
+            critical_state: TransitionSummary::new(&nearest.critical, wall_time),
         }
     }
 }
@@ -318,7 +319,7 @@ struct AnswerJson {
     /// `d ln(wanted)/d ln(value)`
     sensitivity: Option<f64>,
     statement: String,
-    critical_state: CriticalJson,
+    critical_state: TransitionSummary,
 }
 
 #[derive(Serialize)]

@@ -5,8 +5,7 @@ use crate::numbers::{significant, with_unit};
 use crate::report::figures;
 use crate::report::maps::Maps;
 use crate::report::state::{
-    ErrorJson, QuantityList, RADIUS_DIGITS, VERSION, load_words, pillar_table, texture_line,
-    warnings,
+    QuantityList, RADIUS_DIGITS, load_words, pillar_table, texture_line, warnings,
 };
 use crate::report::{Report, json};
 use crate::session::Session;
@@ -15,27 +14,8 @@ use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use serde::Serialize;
+use fakir_study::summary::PressSummary;
 use std::time::Instant;
-
-/// The contract of `fakir press --json`.
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct PressJson {
-    method: &'static str,
-    force_N: f64,
-    indentation_m: f64,
-    contact_radius_m: f64,
-    pillars_in_contact: usize,
-    pillars_partially_in_contact: usize,
-    smallest_floor_gap_m: f64,
-    beyond_transition: bool,
-    relative_error_estimate: ErrorJson,
-    converged: bool,
-    iterations: usize,
-    wall_time_s: f64,
-    fakir_version: &'static str,
-}
 
 pub(crate) fn run(
     case: &Case,
@@ -62,7 +42,7 @@ pub(crate) fn run(
     let figures = figures::files(&state, None, maps, &provenance, session)?;
     tables.extend(figures);
     Ok(Report {
-        json: json(&summary(&state, wall_time)),
+        json: json(&PressSummary::new(&state, wall_time)),
         text: text(&state, wall_time),
         provenance,
         tables,
@@ -90,24 +70,6 @@ fn critical_load(critical: &CriticalState) -> String {
         with_unit(critical.contact.force, Dimension::Force, 6),
         with_unit(critical.contact.indentation, Dimension::Length, 6)
     )
-}
-
-fn summary(state: &ContactState, wall_time: f64) -> PressJson {
-    PressJson {
-        method: state.method.name(),
-        force_N: state.force,
-        indentation_m: state.indentation,
-        contact_radius_m: state.contact_radius,
-        pillars_in_contact: state.pillars_in_contact,
-        pillars_partially_in_contact: state.pillars_partially_in_contact,
-        smallest_floor_gap_m: state.smallest_floor_gap,
-        beyond_transition: state.beyond_transition(),
-        relative_error_estimate: state.error.into(),
-        converged: state.converged(),
-        iterations: state.iterations,
-        wall_time_s: wall_time,
-        fakir_version: VERSION,
-    }
 }
 
 fn text(state: &ContactState, wall_time: f64) -> String {

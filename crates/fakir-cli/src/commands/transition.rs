@@ -4,9 +4,7 @@ use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{
-    CriticalJson, QuantityList, RADIUS_DIGITS, pillar_table, texture_line, warnings,
-};
+use crate::report::state::{QuantityList, RADIUS_DIGITS, pillar_table, texture_line, warnings};
 use crate::report::{Report, json};
 use crate::session::Session;
 use fakir::contact::{CriticalState, Regime};
@@ -14,6 +12,7 @@ use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::summary::TransitionSummary;
 use std::time::Instant;
 
 pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, Failure> {
@@ -33,7 +32,7 @@ pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, 
     let figures = figures::files(state, floor_contact, maps, &provenance, session)?;
     tables.extend(figures);
     Ok(Report {
-        json: json(&CriticalJson::new(&critical, wall_time)),
+        json: json(&TransitionSummary::new(&critical, wall_time)),
         text: text(&critical, wall_time),
         provenance,
         tables,

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::numbers::{seconds, significant};
-use crate::report::state::{ErrorJson, VERSION, load_words, texture_line, warnings};
+use crate::report::state::{VERSION, load_words, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;
@@ -13,6 +13,7 @@ use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::summary::RelativeErrors;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -40,9 +41,9 @@ struct VerifyJson<'a> {
     question: &'static str,
     agree: bool,
     /// Elements on all cells from the spectral method.
-    relative_difference: ErrorJson,
+    relative_difference: RelativeErrors,
     /// Sum of both error estimates.
-    allowed_difference: ErrorJson,
+    allowed_difference: RelativeErrors,
     answers: &'a [AnswerRow],
     wall_time_s: f64,
     fakir_version: &'static str,
@@ -78,11 +79,11 @@ pub(crate) fn run(
                 Question::Press(Load::Force(_)) => "press under a force",
             },
             agree: verification.agrees(),
-            relative_difference: ErrorJson {
+            relative_difference: RelativeErrors {
                 force: force.relative,
                 indentation: indentation.relative,
             },
-            allowed_difference: ErrorJson {
+            allowed_difference: RelativeErrors {
                 force: force.allowed,
                 indentation: indentation.allowed,
             },

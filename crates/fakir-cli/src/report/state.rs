@@ -3,8 +3,8 @@
 use super::csv;
 use super::table::list;
 use crate::numbers::{DIGITS, digits, scaled, seconds, significant, with_unit};
-use fakir::contact::{ContactState, CriticalState, ErrorEstimate, Load, Method, Normalized};
-use fakir::system::{Point, System};
+use fakir::contact::{ContactState, ErrorEstimate, Load, Method, Normalized};
+use fakir::system::System;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_study::output::File;
 use serde::Serialize;
@@ -18,88 +18,6 @@ const MODEL_DIGITS: usize = 4;
 
 /// The version stamped into every result.
 pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// Estimated relative errors, in JSON.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct ErrorJson {
-    pub(crate) force: f64,
-    pub(crate) indentation: f64,
-}
-
-impl From<ErrorEstimate> for ErrorJson {
-    fn from(error: ErrorEstimate) -> Self {
-        Self {
-            force: error.force,
-            indentation: error.indentation,
-        }
-    }
-}
-
-/// The paper's reduced variables, in JSON.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct NormalizedJson {
-    pub(crate) force: f64,
-    pub(crate) contact_radius: f64,
-    pub(crate) indentation: f64,
-}
-
-impl From<Normalized> for NormalizedJson {
-    fn from(normalized: Normalized) -> Self {
-        Self {
-            force: normalized.force,
-            contact_radius: normalized.contact_radius,
-            indentation: normalized.indentation,
-        }
-    }
-}
-
-/// A critical state in JSON: the contract of `fakir transition --json`.
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-pub(crate) struct CriticalJson {
-    method: &'static str,
-    regime: &'static str,
-    surface_fraction: f64,
-    pitch_m: f64,
-    critical_force_N: f64,
-    critical_indentation_m: f64,
-    critical_contact_radius_m: f64,
-    top_contact_radius_m: f64,
-    bottom_contact_m: Point,
-    pillars_in_contact: usize,
-    pillars_partially_in_contact: usize,
-    normalized: NormalizedJson,
-    relative_error_estimate: ErrorJson,
-    converged: bool,
-    iterations: usize,
-    wall_time_s: f64,
-    fakir_version: &'static str,
-}
-
-impl CriticalJson {
-    pub(crate) fn new(critical: &CriticalState, wall_time: f64) -> Self {
-        let state = &critical.contact;
-        Self {
-            method: state.method.name(),
-            regime: critical.regime.name(),
-            surface_fraction: state.system.texture().surface_fraction(),
-            pitch_m: state.system.lattice().pitch,
-            critical_force_N: state.force,
-            critical_indentation_m: state.indentation,
-            critical_contact_radius_m: critical.contact_radius(),
-            top_contact_radius_m: state.contact_radius,
-            bottom_contact_m: critical.floor_contact,
-            pillars_in_contact: state.pillars_in_contact,
-            pillars_partially_in_contact: state.pillars_partially_in_contact,
-            normalized: critical.normalized().into(),
-            relative_error_estimate: state.error.into(),
-            converged: state.converged(),
-            iterations: state.iterations,
-            wall_time_s: wall_time,
-            fakir_version: VERSION,
-        }
-    }
-}
 
 /// A pillar in `pillars.csv`.
 #[derive(Debug, Serialize)]

@@ -1,7 +1,7 @@
 //! Reports of contacts with general surfaces.
 
 use super::maps::Maps;
-use super::state::{ErrorJson, QuantityList, RADIUS_DIGITS, VERSION, load_words};
+use super::state::{QuantityList, RADIUS_DIGITS, VERSION, load_words};
 use super::{Report, json};
 use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
 use fakir::contact::{Load, Regime};
@@ -18,6 +18,7 @@ use fakir_study::citations::Topic;
 use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
+use fakir_study::summary::RelativeErrors;
 use serde::Serialize;
 
 /// Digits shown of contact areas, which change by whole cells.
@@ -85,7 +86,7 @@ struct CommonJson {
     boundary: &'static str,
     grid: GridJson,
     certificate: CertificateJson,
-    relative_error_estimate: Option<ErrorJson>,
+    relative_error_estimate: Option<RelativeErrors>,
     converged: bool,
     iterations: usize,
     wall_time_s: f64,
@@ -99,7 +100,7 @@ impl CommonJson {
             boundary: boundary_name(case),
             grid: (&contact.grid).into(),
             certificate: contact.certificate.into(),
-            relative_error_estimate: contact.error.map(ErrorJson::from),
+            relative_error_estimate: contact.error.map(RelativeErrors::from),
             converged: contact.converged(),
             iterations: contact.products,
             wall_time_s: wall_time,

@@ -5,7 +5,7 @@ use super::fields::{Disc, Fields, degree_with};
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
 use super::newton::{Degrees, MISMATCH_TOLERANCE, Newton, Outcome, Target};
 use super::problem::Problem;
-use super::run::{Progress, Run, Stage, Termination};
+use super::run::{CancelToken, Progress, Run, Stage, Termination};
 use super::spectral::{
     LARGEST_CONTACT, Solution, degrees, rough_contact_radius, solve_punch, solve_spectral,
 };
@@ -258,7 +258,7 @@ fn without_contact(
         radius: 1.0,
         coefficients: [&[], &[]],
     };
-    let lowest = FloorSearch::default().lowest(problem, &discs);
+    let lowest = FloorSearch::default().lowest(problem, &discs, &CancelToken::default());
     let fields = Fields::new(problem.clone(), indentation, Vec::new(), 0, 0);
     ContactState {
         fields: Some(Arc::new(fields)),
@@ -342,7 +342,7 @@ fn patch_floor(problem: &Problem, exterior: &Exterior, patch: &Patch) -> Option<
         radius: patch.radius,
         coefficients: [&zeros, &patch.coefficients],
     };
-    FloorSearch::default().lowest(problem, &discs)
+    FloorSearch::default().lowest(problem, &discs, &CancelToken::default())
 }
 
 fn patch_state(
@@ -417,6 +417,7 @@ fn assemble(
         Target::Floor => outcome.floor,
         Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(indentation),
     };
+    newton.run.check_cancelled()?;
     let mut touched = touched_pillars(problem, &newton, &outcome);
     let force = share_force(&mut touched, target, problem);
     let contact_radius = touched

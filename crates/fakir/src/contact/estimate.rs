@@ -62,8 +62,8 @@ pub(crate) fn estimate(
     let total = newton.total_coefficients(outcome.indentation);
     let [of_force, of_indentation] = adjoints(newton, outcome, target)?;
     let adjoints = [&of_force, &of_indentation];
-    let nodes = node_changes(newton, outcome, check_nodes, &total, adjoints);
-    let degree = degree_changes(newton, outcome, &total, adjoints);
+    let nodes = node_changes(newton, outcome, check_nodes, &total, adjoints)?;
+    let degree = degree_changes(newton, outcome, &total, adjoints)?;
     let floor = floor_changes(newton, outcome, adjoints);
     let relative = |k: usize, value: f64| {
         let changes = nodes[k] + degree[k] + floor[k];
@@ -164,13 +164,13 @@ fn node_changes(
     check_nodes: usize,
     total: &[f64],
     adjoints: [&Adjoint; 2],
-) -> [f64; 2] {
+) -> Result<[f64; 2], SolveError> {
     let modes = newton.modes;
     let partial: Vec<usize> = (0..newton.window.len())
         .filter(|&p| newton.status[p] == PillarStatus::Partial)
         .collect();
     if partial.is_empty() {
-        return [0.0; 2];
+        return Ok([0.0; 2]);
     }
     let top = PillarTop::new(
         check_nodes,
@@ -183,6 +183,7 @@ fn node_changes(
     let mut squares = [0.0; 2];
     let mut refined = vec![0.0; modes];
     for pillar in partial {
+        newton.run.check_cancelled()?;
         let load = newton.full_load(pillar, outcome.indentation);
         let load = &load[..load.len().min(top.count())];
         let mut active = solver.first_guess(&top, load);
@@ -199,7 +200,7 @@ fn node_changes(
             squares[k] += change * change;
         }
     }
-    [0, 1].map(|k| f64::max(f64::abs(sums[k]), f64::sqrt(squares[k])))
+    Ok([0, 1].map(|k| f64::max(f64::abs(sums[k]), f64::sqrt(squares[k]))))
 }
 
 /// Changes of the two results when the coupling takes in the next degrees.
@@ -208,7 +209,7 @@ fn degree_changes(
     outcome: &Outcome,
     total: &[f64],
     adjoints: [&Adjoint; 2],
-) -> [f64; 2] {
+) -> Result<[f64; 2], SolveError> {
     let (modes, extended) = (newton.modes, newton.degree() + EXTRA_DEGREES);
     let count = mode_count(extended);
     let neighbours = Neighbours::new(newton, extended);
@@ -226,6 +227,7 @@ fn degree_changes(
         if newton.status[pillar] != PillarStatus::Full {
             continue;
         }
+        newton.run.check_cancelled()?;
         for (load, field) in loads.iter_mut().zip(fields) {
             neighbours.load(newton, pillar, field, load);
         }
@@ -246,7 +248,7 @@ fn degree_changes(
                 .sum::<f64>();
         }
     }
-    sums.map(f64::abs)
+    Ok(sums.map(f64::abs))
 }
 
 /// Coupling blocks to the extra modes from the neighbours of a pillar.

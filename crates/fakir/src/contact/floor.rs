@@ -6,6 +6,7 @@
 //! indentation for frozen contact. With `c1 = 0` the same function is the gap plus `zeta`.
 
 use super::problem::Problem;
+use super::run::CancelToken;
 use crate::disc::exterior::{Exterior, FieldJet};
 use crate::system::Point;
 
@@ -83,7 +84,7 @@ pub(crate) struct FloorSearch {
 
 impl FloorSearch {
     /// The lowest point of `zeta(x)`. `None` if the floor cannot be reached anywhere (nothing
-    /// of it has `w1 < 1`).
+    /// of it has `w1 < 1`), or if it is cancelled.
     ///
     /// The first call looks everywhere near the lens axis, the following ones start from the
     /// lowest points found before.
@@ -91,13 +92,14 @@ impl FloorSearch {
         &mut self,
         problem: &Problem,
         loaded: &impl FloorDisplacement,
+        cancel: &CancelToken,
     ) -> Option<FloorPoint> {
         if self.starts.is_empty() {
-            self.starts = first_starts(problem, loaded);
+            self.starts = first_starts(problem, loaded, cancel);
         }
         let mut minima: Vec<FloorPoint> = Vec::with_capacity(self.starts.len());
         for start in &self.starts {
-            let Some(minimum) = descend(problem, loaded, *start) else {
+            let Some(minimum) = descend(problem, loaded, *start, cancel) else {
                 continue;
             };
             let known = minima
@@ -176,10 +178,18 @@ fn sag_jet(problem: &Problem, [x, y]: Point) -> Option<FieldJet> {
 }
 
 /// Newton's method with the Hessian made positive, halving steps that do not descend.
-fn descend(problem: &Problem, loaded: &impl FloorDisplacement, start: Point) -> Option<FloorPoint> {
+fn descend(
+    problem: &Problem,
+    loaded: &impl FloorDisplacement,
+    start: Point,
+    cancel: &CancelToken,
+) -> Option<FloorPoint> {
     let mut position = start;
     let mut jet = indentation_of_contact(problem, loaded, position)?;
     for _ in 0..STEP_LIMIT {
+        if cancel.is_cancelled() {
+            return None;
+        }
         let step = newton_step(&jet);
         let length = step[0].hypot(step[1]);
         // Half-way to the nearest edge at the most: beyond it lies a pillar.
@@ -231,7 +241,11 @@ fn newton_step(jet: &FieldJet) -> [f64; 2] {
 
 /// Where to start: holes and bridges near the lens axis, the lens axis itself, and in wide
 /// textures rings around the nearest pillars, as far as they promise a low gap.
-fn first_starts(problem: &Problem, loaded: &impl FloorDisplacement) -> Vec<Point> {
+fn first_starts(
+    problem: &Problem,
+    loaded: &impl FloorDisplacement,
+    cancel: &CancelToken,
+) -> Vec<Point> {
     let lattice = &problem.lattice;
     let pitch = lattice.pitch;
     let (i0, j0) = lattice.nearest_pillar([0.0, 0.0]);
@@ -270,6 +284,7 @@ fn first_starts(problem: &Problem, loaded: &impl FloorDisplacement) -> Vec<Point
     }
     let mut rated: Vec<(f64, Point)> = others
         .into_iter()
+        .take_while(|_| !cancel.is_cancelled())
         .filter_map(|point| Some((indentation_of_contact(problem, loaded, point)?.value, point)))
         .collect();
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -97,7 +97,7 @@ pub(crate) struct Degrees {
 /// All pillars of a window with their statuses and responses.
 pub(crate) struct Newton<'a> {
     pub(crate) problem: &'a Problem,
-    run: &'a Run<'a>,
+    pub(crate) run: &'a Run<'a>,
     stage: Stage,
     pub(crate) window: Window,
     coupling: LatticeCoupling,
@@ -547,7 +547,7 @@ impl<'a> Newton<'a> {
     /// response, its gap plus the indentation.
     pub(crate) fn lowest_floor_point(&mut self) -> Option<FloorPoint> {
         let mut search = std::mem::take(&mut self.floor);
-        let lowest = self.with_discs(|discs| search.lowest(self.problem, discs));
+        let lowest = self.with_discs(|discs| search.lowest(self.problem, discs, &self.run.cancel));
         self.floor = search;
         lowest
     }

@@ -11,6 +11,7 @@
 
 use super::pair::PairCoupling;
 use super::window::Window;
+use crate::contact::{CancelToken, Run};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -70,7 +71,8 @@ pub(crate) fn smooth_size(least: usize) -> usize {
 }
 
 impl LatticeConvolution {
-    pub(crate) fn new(window: &Window, pair: &PairCoupling, pool: Option<&ThreadPool>) -> Self {
+    /// If it is cancelled the kernels are nothing; solvers look before they ask for a product.
+    pub(crate) fn new(window: &Window, pair: &PairCoupling, run: &Run<'_>) -> Self {
         let modes = pair.modes().len();
         let shape = window.shape();
         let padded = (smooth_size(2 * shape.0 - 1), smooth_size(2 * shape.1 - 1));
@@ -100,7 +102,7 @@ impl LatticeConvolution {
             spectrum: vec![Complex64::default(); half * modes * shape.0],
             transforms,
         };
-        convolution.fill_kernels(pair, pool);
+        convolution.fill_kernels(pair, run);
         convolution
     }
 
@@ -111,17 +113,20 @@ impl LatticeConvolution {
     }
 
     /// Kernels of all pairs of modes, transformed one after the other.
-    fn fill_kernels(&mut self, pair: &PairCoupling, pool: Option<&ThreadPool>) {
+    fn fill_kernels(&mut self, pair: &PairCoupling, run: &Run<'_>) {
         let (rows, columns) = self.padded;
         let entries = pair.entry_count();
         let mut grids = vec![0.0; entries * rows * columns];
-        fill_grids(pair, self.shape, self.padded, &mut grids);
+        fill_grids(pair, self.shape, self.padded, &mut grids, &run.cancel);
         let scale = 1.0 / (rows * columns) as f64;
         let (half, transforms, odd) = (self.half, &self.transforms, &self.odd);
         let transformed = |(entry, grid): (usize, &mut [f64])| -> Vec<f64> {
+            if run.cancel.is_cancelled() {
+                return Vec::new();
+            }
             transform_kernel(transforms, grid, rows, columns, odd[entry], scale)
         };
-        let transformed: Vec<Vec<f64>> = match self.shared(pool) {
+        let transformed: Vec<Vec<f64>> = match self.shared(run.pool) {
             Some(pool) => pool.install(|| {
                 grids
                     .par_chunks_mut(rows * columns)
@@ -135,6 +140,9 @@ impl LatticeConvolution {
                 .map(transformed)
                 .collect(),
         };
+        if run.cancel.is_cancelled() {
+            return;
+        }
         for column in 0..half {
             for (entry, values) in transformed.iter().enumerate() {
                 let start = (column * entries + entry) * rows;
@@ -356,6 +364,7 @@ fn fill_grids(
     shape: (usize, usize),
     padded: (usize, usize),
     grids: &mut [f64],
+    cancel: &CancelToken,
 ) {
     let entries = pair.entry_count();
     let (rows, columns) = padded;
@@ -364,6 +373,9 @@ fn fill_grids(
     let mut radial = vec![0.0; pair.radial_count()];
     let mut block = vec![0.0; entries];
     for i in 1..=most {
+        if cancel.is_cancelled() {
+            return;
+        }
         for j in 0..=i {
             let norm = ((i * i + i * j + j * j) as f64).sqrt();
             pair.radial(norm * pair.pitch(), &mut radial);

@@ -32,7 +32,7 @@ impl LatticeCoupling {
         if window.len() <= DIRECT_LIMIT {
             Self::Direct(DirectCoupling::new(window, pair))
         } else {
-            Self::Convolution(LatticeConvolution::new(window, pair, run.pool))
+            Self::Convolution(LatticeConvolution::new(window, pair, run))
         }
     }
 
@@ -92,8 +92,12 @@ mod tests {
                 .build()
                 .unwrap();
             for pool in [None, Some(&pool)] {
+                let run = Run {
+                    pool,
+                    ..Run::default()
+                };
                 let mut transformed = vec![f64::NAN; c.len()];
-                LatticeConvolution::new(&window, &pair, pool).apply(&c, &mut transformed, pool);
+                LatticeConvolution::new(&window, &pair, &run).apply(&c, &mut transformed, pool);
                 let scale = direct.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
                 for (a, b) in direct.iter().zip(&transformed) {
                     assert!((a - b).abs() < 1e-13 * scale, "degree {degree}: {a} {b}");

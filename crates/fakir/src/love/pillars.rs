@@ -281,9 +281,11 @@ impl<'a> Level<'a> {
             .fold(0.0, f64::max)
     }
 
-    fn lowest(&mut self, contact: &ElementContact) -> Option<FloorPoint> {
+    fn lowest(&mut self, contact: &ElementContact) -> Result<Option<FloorPoint>, SolveError> {
         let cells = FloorUnderCells::new(&self.elements, &contact.pressure);
-        self.floor.lowest(self.problem, &cells)
+        let lowest = self.floor.lowest(self.problem, &cells, &self.run.cancel);
+        self.run.check_cancelled()?;
+        Ok(lowest)
     }
 }
 
@@ -681,7 +683,7 @@ impl Level<'_> {
             Target::Floor => return self.close_floor(search),
         };
         let contact = self.press(load)?;
-        let floor = self.lowest(&contact);
+        let floor = self.lowest(&contact)?;
         Ok((contact, floor))
     }
 
@@ -698,7 +700,7 @@ impl Level<'_> {
         for _ in 0..SEARCH_LIMIT {
             let contact = self.press(Load::Indentation(indentation))?;
             check_contact(self.problem, self.reach(&contact))?;
-            let floor = self.lowest(&contact);
+            let floor = self.lowest(&contact)?;
             let gap = floor.map_or(f64::INFINITY, |point| point.indentation - indentation);
             if let Some([other, other_gap]) = previous
                 && (indentation - other).abs() > 1e-13 * indentation
@@ -716,7 +718,7 @@ impl Level<'_> {
         search.indentation = indentation;
         let mut contact = self.press(Load::Indentation(indentation))?;
         contact.termination = Termination::IterationLimit;
-        let floor = self.lowest(&contact);
+        let floor = self.lowest(&contact)?;
         Ok((contact, floor))
     }
 }

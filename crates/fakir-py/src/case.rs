@@ -1,0 +1,137 @@
+//! A system and a method: what a case file describes.
+
+use crate::error::{PYTHON, case_error, value_error};
+use fakir::system::{HexagonalLattice, PillarCompliance};
+use fakir_case::unit::{Dimension, parse_argument};
+use fakir_case::{CaseFile, Key};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+
+/// A case, checked.
+#[pyclass(frozen, module = "fakir._fakir")]
+pub(crate) struct Case {
+    pub(crate) case: fakir_case::Case,
+}
+
+#[pymethods]
+impl Case {
+    /// Reads a case file.
+    #[staticmethod]
+    fn read(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+        Self::of(
+            CaseFile::read(&path).map_err(|error| case_error(&error))?,
+            &overrides,
+        )
+    }
+
+    /// Reads the text of a case file; `name` is what errors call it.
+    #[staticmethod]
+    fn parse(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Self> {
+        Self::of(
+            CaseFile::parse(name, text).map_err(|error| case_error(&error))?,
+            &overrides,
+        )
+    }
+
+    /// A case of numbers in SI units, and words, by their keys.
+    #[staticmethod]
+    fn build(numbers: Vec<(String, f64)>, words: Vec<(String, String)>) -> PyResult<Self> {
+        let text = "# numbers that were set one by one";
+        let mut file = CaseFile::parse(PYTHON, text).map_err(|error| case_error(&error))?;
+        for (path, number) in numbers {
+            file.set_number(key(&path)?, number);
+        }
+        let words = words.iter().map(|(path, word)| format!("{path}={word}"));
+        Self::of(file, &words.collect::<Vec<_>>())
+    }
+
+    /// The case with other settings, such as `method.name=love`.
+    fn with_settings(&self, settings: Vec<String>) -> PyResult<Self> {
+        Self::of(self.file()?, &settings)
+    }
+
+    /// The case as a case file.
+    fn to_toml(&self) -> String {
+        self.case.to_toml()
+    }
+
+    /// Numbers in SI units and words, by their keys. Pitch and surface fraction are both there.
+    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let system = &self.case.system;
+        let HexagonalLattice {
+            pitch,
+            offset,
+            offset_angle,
+        } = *system.lattice();
+        let values = PyDict::new(py);
+        for (key, number) in [
+            (Key::LensRadius, system.lens().radius),
+            (Key::LensYoungModulus, system.lens().material.young_modulus),
+            (Key::LensPoissonRatio, system.lens().material.poisson_ratio),
+            (Key::SubstrateYoungModulus, system.substrate().young_modulus),
+            (Key::SubstratePoissonRatio, system.substrate().poisson_ratio),
+            (Key::PillarDiameter, system.pillar().diameter),
+            (Key::PillarHeight, system.pillar().height),
+            (Key::Pitch, pitch),
+            (Key::SurfaceFraction, system.texture().surface_fraction()),
+            (Key::Offset, offset),
+            (Key::OffsetAngle, offset_angle),
+        ] {
+            values.set_item(key.path(), number)?;
+        }
+        let compliance = match system.pillar().compliance {
+            PillarCompliance::Column => "column",
+            PillarCompliance::None => "none",
+        };
+        values.set_item(Key::PillarCompliance.path(), compliance)?;
+        values.set_item(Key::MethodName.path(), self.case.method.name())?;
+        Ok(values)
+    }
+
+    /// Centre of a pillar, m from the lens axis.
+    fn centre(&self, i: i64, j: i64) -> [f64; 2] {
+        self.case.system.lattice().centre(i, j)
+    }
+}
+
+impl Case {
+    fn of(mut file: CaseFile, overrides: &[String]) -> PyResult<Self> {
+        for setting in overrides {
+            file.set(setting).map_err(|error| case_error(&error))?;
+        }
+        let case = file.case().map_err(|error| case_error(&error))?;
+        Ok(Self { case })
+    }
+
+    /// The case as a file that has been read.
+    pub(crate) fn file(&self) -> PyResult<CaseFile> {
+        CaseFile::parse(PYTHON, &self.case.to_toml()).map_err(|error| case_error(&error))
+    }
+}
+
+impl From<fakir_case::Case> for Case {
+    fn from(case: fakir_case::Case) -> Self {
+        Self { case }
+    }
+}
+
+/// The key of that path.
+pub(crate) fn key(path: &str) -> PyResult<Key> {
+    Key::at(path).ok_or_else(|| value_error(format!("a case has no key \"{path}\"")))
+}
+
+/// A number with a unit, such as `2200 um`, or a bare number, in SI units.
+#[pyfunction]
+pub(crate) fn parse_quantity(text: &str, dimension: &str) -> PyResult<f64> {
+    let dimension = match dimension {
+        "length" => Dimension::Length,
+        "pressure" => Dimension::Pressure,
+        "force" => Dimension::Force,
+        "angle" => Dimension::Angle,
+        "number" => Dimension::Number,
+        _ => return Err(value_error(format!("no dimension \"{dimension}\""))),
+    };
+    parse_argument(text, dimension)
+        .map_err(|error| value_error(format!("{error}; {}", dimension.accepted())))
+}

@@ -1,0 +1,83 @@
+//! Errors of the libraries as exceptions of `fakir.errors`, with the same words.
+
+use fakir::contact::SolveError;
+use fakir::love::SurfaceError;
+use fakir_study::StudyError;
+use fakir_study::design::DesignError;
+use fakir_study::spread::SpreadError;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
+use pyo3::prelude::*;
+
+mod exceptions {
+    pyo3::import_exception!(fakir.errors, CaseError);
+    pyo3::import_exception!(fakir.errors, DesignError);
+    pyo3::import_exception!(fakir.errors, SolveError);
+    pyo3::import_exception!(fakir.errors, StudyError);
+}
+
+/// What a case that was made in Python is called.
+pub(crate) const PYTHON: &str = "fakir.System";
+
+/// A problem with a case; those with what was given in Python have no file to point into.
+pub(crate) fn case_error(error: &fakir_case::CaseError) -> PyErr {
+    let in_python = [PYTHON, "a number that was set", "--set"].contains(&error.file());
+    let text = match error.what_is_accepted() {
+        _ if !in_python => error.one_line(),
+        Some(accepted) => format!("{error}; {accepted}"),
+        None => error.to_string(),
+    };
+    let place = error.position().filter(|_| !in_python);
+    exceptions::CaseError::new_err((
+        text,
+        (!in_python).then(|| error.file().to_owned()),
+        place.map(|(line, _)| line),
+        place.map(|(_, column)| column),
+        error.key_path().map(str::to_owned),
+    ))
+}
+
+/// Something given in Python that cannot be.
+pub(crate) fn value_error(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+// An interruption is one by Ctrl-C, or by an exception that is raised in its place.
+
+pub(crate) fn solve_error(error: &SolveError) -> PyErr {
+    match error {
+        SolveError::Interrupted => PyKeyboardInterrupt::new_err(()),
+        SolveError::InvalidQuantity(_) => value_error(error),
+        _ => exceptions::SolveError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn surface_error(error: &SurfaceError) -> PyErr {
+    match error {
+        SurfaceError::Interrupted => PyKeyboardInterrupt::new_err(()),
+        SurfaceError::InvalidQuantity(_) => value_error(error),
+        _ => exceptions::SolveError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn design_error(error: &DesignError) -> PyErr {
+    match error {
+        DesignError::Case(error) => case_error(error),
+        DesignError::Solve(error) => solve_error(error),
+        _ => exceptions::DesignError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn spread_error(error: &SpreadError) -> PyErr {
+    match error {
+        SpreadError::Case(error) => case_error(error),
+        SpreadError::Solve(error) => solve_error(error),
+        _ => exceptions::DesignError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn study_error(error: &StudyError) -> PyErr {
+    match error {
+        StudyError::Case(error) => case_error(error),
+        _ => exceptions::StudyError::new_err(error.to_string()),
+    }
+}

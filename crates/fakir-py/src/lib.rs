@@ -1,0 +1,48 @@
+//! The extension module `fakir._fakir`: what the Python package `fakir` calls.
+//!
+//! Numbers come in SI units and names are those of case files; units, documentation and the classes
+//! that users see are in Python. Computations run without the interpreter, on a thread that can
+//! be stopped ([`watched`]).
+
+// Python hands values over, and calls by name.
+#![allow(clippy::needless_pass_by_value, clippy::too_many_arguments)]
+
+mod case;
+mod design;
+mod error;
+mod state;
+mod study;
+mod surface;
+mod theory;
+mod watched;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _fakir {
+    #[pymodule_export]
+    use super::case::{Case, parse_quantity};
+    #[pymodule_export]
+    use super::design::{cite, design, spread};
+    #[pymodule_export]
+    use super::state::{Critical, State, press, transition, verify};
+    #[pymodule_export]
+    use super::study::{Ledger, Study, solve_cases};
+    #[pymodule_export]
+    use super::surface::{
+        Surface, SurfaceContact, SurfaceTransition, press_surface, surface_transition,
+    };
+    #[pymodule_export]
+    use super::theory::{
+        closed_forms, constants, exact_lattice_sums, fitted_lattice_sums, hertz_contact_radius,
+        hollow_potential, homogenised, inverse_power_sum, lattice_potential, phase, site_potential,
+        sum_coefficients, transition_force,
+    };
+
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", fakir_study::VERSION)
+    }
+}

@@ -1,0 +1,244 @@
+//! Contact states, and the computations that give them.
+
+use crate::case::Case;
+use crate::error::{solve_error, value_error};
+use crate::watched::{Options, watched};
+use fakir::Question;
+use fakir::contact::{ContactState, CriticalState, FieldSamples, Load, Method, PillarState};
+use fakir::love::ElementMesh;
+use fakir::system::Point;
+use fakir_study::summary::{PressSummary, TransitionSummary};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::time::Instant;
+
+/// A contact under a load.
+#[pyclass(frozen, module = "fakir._fakir")]
+pub(crate) struct State {
+    state: ContactState,
+    wall_time: f64,
+}
+
+type Field<'py> = Bound<'py, PyArray1<f64>>;
+
+#[pymethods]
+impl State {
+    /// The object that `fakir press --json` prints.
+    fn json(&self) -> PyResult<String> {
+        json(&PressSummary::new(&self.state, self.wall_time))
+    }
+
+    #[getter]
+    fn case(&self) -> Case {
+        fakir_case::Case::new(self.state.system, self.state.method).into()
+    }
+
+    #[getter]
+    fn smallest_gap_position(&self) -> Point {
+        self.state.smallest_gap_position
+    }
+
+    #[getter]
+    fn termination(&self) -> &'static str {
+        self.state.termination.description()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.state
+            .warnings
+            .iter()
+            .map(ToString::to_string)
+            .collect()
+    }
+
+    /// The touched pillars: the names of `pillars.csv`, each with a column.
+    fn pillars<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let columns = PyDict::new(py);
+        let pillars = &self.state.pillars;
+        let numbers =
+            |of: &dyn Fn(&PillarState) -> f64| PyArray1::from_iter(py, pillars.iter().map(of));
+        let whole = |of: fn(&PillarState) -> i64| PyArray1::from_iter(py, pillars.iter().map(of));
+        let edge = |end: usize| {
+            numbers(&move |pillar| pillar.edge_coefficient.map_or(f64::NAN, |range| range[end]))
+        };
+        columns.set_item("i", whole(|pillar| pillar.index.0))?;
+        columns.set_item("j", whole(|pillar| pillar.index.1))?;
+        columns.set_item("x_m", numbers(&|pillar| pillar.centre[0]))?;
+        columns.set_item("y_m", numbers(&|pillar| pillar.centre[1]))?;
+        let status: Vec<_> = pillars.iter().map(|pillar| pillar.status.name()).collect();
+        columns.set_item("status", status)?;
+        columns.set_item("force_N", numbers(&|pillar| pillar.force))?;
+        columns.set_item(
+            "centre_pressure_Pa",
+            numbers(&|pillar| pillar.centre_pressure),
+        )?;
+        columns.set_item("smallest_edge_coefficient_Pa", edge(0))?;
+        columns.set_item("largest_edge_coefficient_Pa", edge(1))?;
+        Ok(columns)
+    }
+
+    /// Displacement, gap and pressure at points; none from methods that do not resolve pillars.
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'py, f64>,
+        y: PyReadonlyArray1<'py, f64>,
+        options: Options,
+    ) -> PyResult<Option<[Field<'py>; 3]>> {
+        let Some(fields) = &self.state.fields else {
+            return Ok(None);
+        };
+        let points: Vec<Point> = x
+            .as_slice()?
+            .iter()
+            .zip(y.as_slice()?)
+            .map(|(x, y)| [*x, *y])
+            .collect();
+        let samples = watched(py, &options, |run| fields.sample(&points, run))?;
+        let FieldSamples {
+            displacement,
+            gap,
+            pressure,
+        } = samples.map_err(|error| solve_error(&error))?;
+        Ok(Some(
+            [displacement, gap, pressure].map(|field| PyArray1::from_vec(py, field)),
+        ))
+    }
+
+    /// Which points are on a pillar top.
+    fn on_pillar<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'py, f64>,
+        y: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let lattice = self.state.system.lattice();
+        let radius = 0.5 * self.state.system.pillar().diameter;
+        let on_pillar = |(x, y): (&f64, &f64)| {
+            let (i, j) = lattice.nearest_pillar([*x, *y]);
+            let centre = lattice.centre(i, j);
+            (x - centre[0]).hypot(y - centre[1]) <= radius
+        };
+        let points = x.as_slice()?.iter().zip(y.as_slice()?);
+        Ok(PyArray1::from_iter(py, points.map(on_pillar)))
+    }
+}
+
+/// A critical state.
+#[pyclass(frozen, module = "fakir._fakir")]
+pub(crate) struct Critical {
+    critical: CriticalState,
+    wall_time: f64,
+}
+
+#[pymethods]
+impl Critical {
+    /// The object that `fakir transition --json` prints.
+    fn json(&self) -> PyResult<String> {
+        json(&TransitionSummary::new(&self.critical, self.wall_time))
+    }
+
+    /// The contact at the transition.
+    #[getter]
+    fn state(&self) -> State {
+        State {
+            state: self.critical.contact.clone(),
+            wall_time: self.wall_time,
+        }
+    }
+}
+
+impl Critical {
+    pub(crate) fn new(critical: CriticalState, wall_time: f64) -> Self {
+        Self {
+            critical,
+            wall_time,
+        }
+    }
+}
+
+fn json(value: &impl serde::Serialize) -> PyResult<String> {
+    serde_json::to_string(value).map_err(value_error)
+}
+
+/// The critical state.
+#[pyfunction]
+pub(crate) fn transition(py: Python<'_>, case: &Case, options: Options) -> PyResult<Critical> {
+    let (system, method) = (case.case.system, case.case.method);
+    let start = Instant::now();
+    let critical = watched(py, &options, |run| fakir::transition(&system, method, run))?;
+    Ok(Critical {
+        critical: critical.map_err(|error| solve_error(&error))?,
+        wall_time: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// The contact at an indentation (m) or under a force (N).
+#[pyfunction]
+pub(crate) fn press(
+    py: Python<'_>,
+    case: &Case,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    options: Options,
+) -> PyResult<State> {
+    let load = load(indentation, force)?;
+    let (system, method) = (case.case.system, case.case.method);
+    let start = Instant::now();
+    let state = watched(py, &options, |run| fakir::press(&system, load, method, run))?;
+    Ok(State {
+        state: state.map_err(|error| solve_error(&error))?,
+        wall_time: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// The one of both that is given.
+pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Load> {
+    match (indentation, force) {
+        (Some(indentation), None) => Ok(Load::Indentation(indentation)),
+        (None, Some(force)) => Ok(Load::Force(force)),
+        _ => Err(value_error("give an indentation or a force, one of them")),
+    }
+}
+
+/// Whether both methods agree; relative and allowed differences of force and of indentation; and
+/// the states, the spectral one first.
+type Verified = (bool, [[f64; 2]; 2], Vec<State>);
+
+/// A second opinion on the critical state, or on a contact under a load.
+#[pyfunction]
+pub(crate) fn verify(
+    py: Python<'_>,
+    case: &Case,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    cells_per_diameter: usize,
+    options: Options,
+) -> PyResult<Verified> {
+    let question = match (indentation, force) {
+        (None, None) => Question::Transition,
+        _ => Question::Press(load(indentation, force)?),
+    };
+    let mesh = match case.case.method {
+        Method::Love(mesh) => mesh,
+        _ => ElementMesh::default(),
+    };
+    let mesh = ElementMesh {
+        cells_per_diameter,
+        ..mesh
+    };
+    let system = case.case.system;
+    let start = Instant::now();
+    let answer = watched(py, &options, |run| {
+        fakir::verify(&system, question, mesh, run)
+    })?;
+    let answer = answer.map_err(|error| solve_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let agrees = answer.agrees();
+    let differences = [answer.force, answer.indentation].map(|both| [both.relative, both.allowed]);
+    let [coarse, fine] = answer.elements;
+    let states = [answer.spectral, coarse, fine].map(|state| State { state, wall_time });
+    Ok((agrees, differences, states.into()))
+}

@@ -1,0 +1,130 @@
+//! Computations that run without the interpreter and can be stopped.
+//!
+//! The work is done on a thread of its own, while the thread that was called looks up every
+//! [`TICK`]: for signals, of which Ctrl-C raises `KeyboardInterrupt`, and for progress to be told. An
+//! exception in either stops the work and is raised as soon as it has stopped.
+
+use fakir::contact::{CancelToken, Progress, Run};
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::Mutex;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// Between two looks.
+const TICK: Duration = Duration::from_millis(50);
+
+/// How a computation is run.
+#[derive(FromPyObject)]
+pub(crate) struct Options {
+    /// 0 for as many as there are processors.
+    #[pyo3(item)]
+    threads: usize,
+    /// Bytes.
+    #[pyo3(item)]
+    memory_limit: Option<usize>,
+    /// Called with stage, step, pillars and touched pillars.
+    #[pyo3(item)]
+    progress: Option<Py<PyAny>>,
+}
+
+impl Options {
+    fn pool(&self) -> PyResult<Option<ThreadPool>> {
+        if self.threads == 1 {
+            return Ok(None);
+        }
+        let pool = ThreadPoolBuilder::new().num_threads(self.threads).build();
+        pool.map(Some).map_err(|error| {
+            pyo3::exceptions::PyRuntimeError::new_err(format!("no threads: {error}"))
+        })
+    }
+}
+
+/// Runs a computation.
+pub(crate) fn watched<T: Send>(
+    py: Python<'_>,
+    options: &Options,
+    work: impl FnOnce(&Run<'_>) -> T + Send,
+) -> PyResult<T> {
+    let pool = options.pool()?;
+    let latest = Mutex::new(None);
+    let cancel = CancelToken::default();
+    let listener = |progress| {
+        if let Ok(mut latest) = latest.lock() {
+            *latest = Some(progress);
+        }
+    };
+    let run = Run {
+        cancel: cancel.clone(),
+        progress: options.progress.as_ref().map(|_| &listener as _),
+        pool: pool.as_ref(),
+        memory_limit: options.memory_limit,
+    };
+    let look = || {
+        Python::attach(|py| {
+            py.check_signals()?;
+            let news = latest.lock().ok().and_then(|mut latest| latest.take());
+            tell(py, options.progress.as_ref(), news)
+        })
+    };
+    py.detach(|| stoppable(&cancel, || work(&run), look))
+}
+
+/// Raises what a signal asks for, on the main thread.
+pub(crate) fn check_signals() -> PyResult<()> {
+    Python::attach(|py| {
+        py.check_signals()?;
+        Ok(())
+    })
+}
+
+/// Does the work on another thread, and looks up now and then and at its end; if a look fails, the
+/// work is to stop.
+pub(crate) fn stoppable<T: Send, E>(
+    cancel: &CancelToken,
+    work: impl FnOnce() -> T + Send,
+    mut look: impl FnMut() -> Result<(), E>,
+) -> Result<T, E> {
+    std::thread::scope(|scope| {
+        let (sender, receiver) = channel();
+        let worker = scope.spawn(move || {
+            let _ = sender.send(work());
+        });
+        let answer = wait(&receiver, &mut look);
+        if answer.is_err() {
+            cancel.cancel();
+        }
+        if let Err(panic) = worker.join() {
+            std::panic::resume_unwind(panic);
+        }
+        answer.map(|answer| answer.expect("a thread that does not panic has sent its answer"))
+    })
+}
+
+/// The answer; none if there will be none.
+fn wait<T, E>(
+    receiver: &Receiver<T>,
+    look: &mut impl FnMut() -> Result<(), E>,
+) -> Result<Option<T>, E> {
+    loop {
+        match receiver.recv_timeout(TICK) {
+            Ok(answer) => {
+                look()?;
+                return Ok(Some(answer));
+            }
+            Err(RecvTimeoutError::Timeout) => look()?,
+            Err(RecvTimeoutError::Disconnected) => return Ok(None),
+        }
+    }
+}
+
+fn tell(py: Python<'_>, listener: Option<&Py<PyAny>>, news: Option<Progress>) -> PyResult<()> {
+    if let (Some(listener), Some(progress)) = (listener, news) {
+        let stage = progress.stage.description();
+        listener.call1(
+            py,
+            (stage, progress.step, progress.pillars, progress.touched),
+        )?;
+    }
+    Ok(())
+}

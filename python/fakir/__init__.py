@@ -1,0 +1,77 @@
+"""How does a soft lens rest on a bed of pillars, and when does it touch the floor between them?
+
+>>> import fakir
+>>> system = fakir.System(
+...     fakir.Lens(radius="2.2 mm", young_modulus="2 MPa", poisson_ratio=0.5),
+...     fakir.Substrate(young_modulus="2 MPa", poisson_ratio=0.5),
+...     fakir.HexagonalTexture(diameter="6 um", height="2.2 um", surface_fraction=0.1),
+... )
+>>> critical = system.transition()
+>>> critical.pillars_in_contact
+451
+
+Numbers are in SI units; quantities are given as numbers in SI units, as texts with a unit, or as
+pint quantities. Names are those of case files and of the command line. `fakir.theory` has what is
+known in closed form, `fakir.love` contacts on height maps, `fakir.plot` figures.
+"""
+
+from . import errors, love, plot, theory
+from ._comparison import Comparison
+from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
+from ._fakir import __version__
+from ._homogenised import HomogenisedLattice, homogenised
+from ._loading import Approach
+from ._state import ContactState, CriticalState, ErrorEstimate, Normalized
+from ._sweep import Sweep, sweep
+from ._system import HexagonalTexture, Lens, Substrate, System
+from ._verification import Difference, Verification
+from .errors import (
+    CaseError,
+    DesignError,
+    FakirError,
+    FakirWarning,
+    NotConverged,
+    SolveError,
+    StudyError,
+    WorkersLost,
+)
+
+__all__ = [
+    "Approach",
+    "Candidate",
+    "CaseError",
+    "Citation",
+    "Comparison",
+    "ContactState",
+    "CriticalState",
+    "Design",
+    "DesignError",
+    "Difference",
+    "ErrorEstimate",
+    "FakirError",
+    "FakirWarning",
+    "HexagonalTexture",
+    "HomogenisedLattice",
+    "Lens",
+    "Normalized",
+    "NotConverged",
+    "OutOfReach",
+    "SolveError",
+    "Spread",
+    "StudyError",
+    "Substrate",
+    "Sweep",
+    "System",
+    "Verification",
+    "WorkersLost",
+    "__version__",
+    "cite",
+    "design",
+    "errors",
+    "homogenised",
+    "love",
+    "plot",
+    "spread",
+    "sweep",
+    "theory",
+]

@@ -1,0 +1,261 @@
+"""The inverse question, the scatter about an answer, and what to cite for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import _fakir
+from ._format import Row, engineering, html_table, text_table
+from ._quantity import FloatArray, Quantity, si
+from ._run import Progress, options
+from ._state import CriticalState
+from ._system import System
+from .errors import DesignError
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class Candidate(NamedTuple):
+    """A value of the free quantity, and what it gives."""
+
+    value: float
+    """Of the free key, in SI units."""
+    system: System
+    """The system with it."""
+    critical: CriticalState
+    """Its critical state."""
+
+
+class Design:
+    """The value that gives what is wanted."""
+
+    free: str
+    """The key that was sought."""
+    value: float
+    """Its value, in SI units."""
+    system: System
+    """The system with it."""
+    critical: CriticalState
+    """Its critical state."""
+    sensitivity: float
+    """Relative change of the answer over that of the value: how exactly it must be made."""
+
+    def __init__(self, free: str, found: Candidate, sensitivity: float) -> None:
+        self.free, self.sensitivity = free, sensitivity
+        self.value, self.system, self.critical = found
+
+    def _rows(self) -> list[Row]:
+        length = not self.free.endswith(("fraction", "modulus"))
+        unit = "m" if length else "Pa" if self.free.endswith("modulus") else ""
+        return [
+            (self.free, engineering(self.value, unit)),
+            ("critical force", engineering(self.critical.force, "N")),
+            ("critical contact radius", engineering(self.critical.contact_radius, "m", 4)),
+            ("sensitivity", f"{self.sensitivity:.3g} % of the answer for 1 % of the value"),
+        ]
+
+    def __repr__(self) -> str:
+        return text_table("fakir.Design", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Design", self._rows())
+
+
+class OutOfReach(DesignError):
+    """No value gives what is wanted; ``nearest`` are the candidates that come nearest."""
+
+    nearest: list[Candidate]
+
+    def __init__(self, message: str, nearest: list[Candidate]) -> None:
+        super().__init__(message)
+        self.nearest = nearest
+
+
+def design(
+    system: System,
+    free: str,
+    *,
+    force: Quantity | None = None,
+    contact_radius: Quantity | None = None,
+    threads: int = 1,
+    progress: Progress | None = None,
+    memory_limit: int | None = None,
+) -> Design:
+    """The value of one quantity that gives a wanted critical force or contact radius.
+
+    Parameters
+    ----------
+    system
+        Everything else is as in it, and its own value of ``free`` is where the search begins.
+    free
+        Key of the quantity: ``"texture.pitch"``, ``"texture.surface_fraction"``,
+        ``"texture.pillar.height"``, ``"texture.pillar.diameter"``, ``"lens.radius"``,
+        ``"lens.young_modulus"`` or ``"substrate.young_modulus"``.
+    force, contact_radius
+        What is wanted of the critical state (N, m): exactly one of them.
+
+    Raises
+    ------
+    OutOfReach
+        If no value gives it; it says what comes nearest, and why there is nothing nearer.
+    """
+    if (force is None) == (contact_radius is None):
+        raise TypeError("give exactly one of force and contact_radius")
+    wanted_force = None if force is None else si(force, "force", "force")
+    wanted_radius = (
+        None if contact_radius is None else si(contact_radius, "length", "contact_radius")
+    )
+    run = options(threads, progress, memory_limit)
+    outcome, why, sensitivity, found = _fakir.design(
+        system._case, free, wanted_force, wanted_radius, run
+    )
+    candidates = [
+        Candidate(value, System._of(case), CriticalState(critical))
+        for value, case, critical in found
+    ]
+    if outcome == "found" and sensitivity is not None:
+        return Design(free, candidates[0], sensitivity)
+    name = "critical force" if force is not None else "critical contact radius"
+    values = " and ".join(f"{free} = {candidate.value:.9g}" for candidate in candidates)
+    if outcome == "jump":
+        problem = f"the {name} jumps over what is wanted between {values} (SI units)"
+    else:
+        problem = f"no {free} gives the wanted {name}; nearest is {values} (SI units): {why}"
+    raise OutOfReach(problem, candidates)
+
+
+class Spread:
+    """Critical states of samples about a system. Arrays have one value for every sample."""
+
+    def __init__(self, columns: dict[str, Any]) -> None:
+        self._columns = columns
+
+    @property
+    def force(self) -> FloatArray:
+        """Critical forces, N; NaN where there is none."""
+        return self._column("critical_force_N")
+
+    @property
+    def indentation(self) -> FloatArray:
+        """Critical indentations, m."""
+        return self._column("critical_indentation_m")
+
+    @property
+    def contact_radius(self) -> FloatArray:
+        """Critical contact radii, m."""
+        return self._column("critical_contact_radius_m")
+
+    @property
+    def problems(self) -> list[str]:
+        """Why a sample has no critical state; empty for the others."""
+        return list(self._columns["problem"])
+
+    def percentile(self, percentage: float, of: str = "critical_force_N") -> float:
+        """A percentile of the samples with a critical state."""
+        return float(np.nanpercentile(self._column(of), percentage))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table, one row for every sample."""
+        import pandas
+
+        return pandas.DataFrame(self._columns)
+
+    def _column(self, name: str) -> FloatArray:
+        return np.asarray(self._columns[name], dtype=np.float64)
+
+    def __len__(self) -> int:
+        return len(self._columns["problem"])
+
+    def _rows(self) -> list[Row]:
+        rows = []
+        for name, values, unit in [
+            ("critical force", self.force, "N"),
+            ("critical indentation", self.indentation, "m"),
+            ("critical contact radius", self.contact_radius, "m"),
+        ]:
+            mean, deviation = float(np.nanmean(values)), float(np.nanstd(values, ddof=1))
+            low, high = np.nanpercentile(values, [2.5, 97.5])
+            text = f"{engineering(mean, unit, 4)} ± {engineering(deviation, unit, 2)}"
+            limits = f"{engineering(float(low), unit, 4)} to {engineering(float(high), unit, 4)}"
+            rows.append((name, f"{text}, 95 % in {limits}"))
+        failed = sum(bool(problem) for problem in self.problems)
+        return [*rows, ("samples", f"{len(self)}, {failed} without a critical state")]
+
+    def __repr__(self) -> str:
+        return text_table("fakir.Spread", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Spread of the critical state", self._rows())
+
+
+def spread(
+    system: System,
+    tolerances: Mapping[str, Quantity],
+    *,
+    samples: int = 1000,
+    seed: int = 0,
+    landing: str = "anywhere",
+    threads: int = 0,
+    progress: Progress | None = None,
+    memory_limit: int | None = None,
+) -> Spread:
+    """How far the critical state scatters from sample to sample.
+
+    Parameters
+    ----------
+    tolerances
+        Standard deviations by key: ``{"texture.pillar.height": "5 %", "texture.pitch": "0.1 um"}``,
+        as a part of the value with ``%``, otherwise in SI units or with a unit.
+    samples, seed
+        Number of samples, and what decides all that is random.
+    landing
+        Where the lens lands on the lattice: ``"anywhere"`` or ``"as_given"``.
+    """
+    if landing not in {"anywhere", "as_given"}:
+        raise ValueError(f'landing is {landing!r}: give "anywhere" or "as_given"')
+    deviations = [_tolerance(key, value) for key, value in tolerances.items()]
+    run = options(threads, progress, memory_limit)
+    columns = _fakir.spread(system._case, deviations, landing == "anywhere", samples, seed, run)
+    return Spread(columns)
+
+
+def _tolerance(key: str, value: Quantity) -> tuple[str, float, bool]:
+    if isinstance(value, str) and value.strip().endswith("%"):
+        return key, si(value.strip()[:-1].strip(), "number", key) / 100.0, True
+    if key.endswith("modulus"):
+        return key, si(value, "pressure", key), False
+    if key.endswith(("ratio", "fraction", "offset")):
+        return key, si(value, "number", key), False
+    return key, si(value, "angle" if key.endswith("angle") else "length", key), False
+
+
+class Citation(NamedTuple):
+    """A work to be cited."""
+
+    text: str
+    bibtex: str
+    why: str
+
+
+def cite(*what: object, theory: bool = False) -> list[Citation]:
+    """What to cite for systems and results; with ``theory`` also for closed forms.
+
+    ``print("\\n".join(entry.bibtex for entry in fakir.cite(critical)))`` is a bibliography.
+    """
+    cases: list[_fakir.Case] = []
+    surface: bool | None = None
+    for item in what:
+        system = getattr(item, "system", item)
+        if isinstance(system, System):
+            state = getattr(item, "state", item)
+            inner = getattr(state, "_state", None)
+            cases.append(system._case if inner is None else inner.case)
+        elif hasattr(item, "periodic"):
+            surface = bool(item.periodic)
+        else:
+            raise TypeError(f"nothing to cite for {type(item).__name__}: give a system or a result")
+    return [Citation(*entry) for entry in _fakir.cite(cases, theory, surface)]

@@ -1,0 +1,39 @@
+"""Numbers and tables for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from html import escape
+
+PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n"}
+
+
+def engineering(value: float, unit: str, digits: int = 6) -> str:
+    """A value with the prefix that suits it: ``4.44813 mN``."""
+    if value == 0.0 or not math.isfinite(value) or not unit:
+        return f"{value:.{digits}g} {unit}".strip()
+    step = math.floor(math.log10(abs(value)) / 3 + 1e-9)
+    highest = 0 if unit in {"m", "N"} else 3
+    step = min(max(step, -3), highest)
+    return f"{value / 10.0 ** (3 * step):.{digits}g} {PREFIXES[step]}{unit}"
+
+
+Row = tuple[str, str]
+
+
+def text_table(title: str, rows: Iterable[Row]) -> str:
+    """A list of names and values."""
+    pairs = list(rows)
+    width = max((len(name) for name, _ in pairs), default=0)
+    return "\n".join([title, *(f"  {name:<{width}}  {value}" for name, value in pairs)])
+
+
+def html_table(title: str, rows: Iterable[Row]) -> str:
+    """The same for a notebook."""
+    cells = "".join(
+        f"<tr><th style='text-align:left'>{escape(name)}</th>"
+        f"<td style='text-align:left'>{escape(value)}</td></tr>"
+        for name, value in rows
+    )
+    return f"<table><caption><b>{escape(title)}</b></caption><tbody>{cells}</tbody></table>"

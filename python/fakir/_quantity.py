@@ -1,0 +1,106 @@
+"""Quantities as they are given: numbers in SI units, texts with a unit, pint quantities."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from typing import Any, Literal, Protocol, TypeAlias, Union, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _fakir
+
+Dimension: TypeAlias = Literal["length", "pressure", "force", "angle", "number"]
+
+UNITS: dict[Dimension, str] = {
+    "length": "m",
+    "pressure": "Pa",
+    "force": "N",
+    "angle": "rad",
+    "number": "dimensionless",
+}
+
+
+@runtime_checkable
+class WithUnit(Protocol):
+    """A quantity that knows its unit, as those of pint do."""
+
+    @property
+    def magnitude(self) -> Any: ...
+
+    def to(self, unit: str, /) -> Any: ...
+
+
+Quantity: TypeAlias = Union[float, str, np.floating[Any], np.integer[Any], WithUnit]
+"""A number in SI units, a text such as ``"2 MPa"``, or a pint quantity."""
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+
+
+def si(value: Quantity, dimension: Dimension, name: str) -> float:
+    """The number in SI units; ``name`` is what errors call it."""
+    if isinstance(value, str):
+        try:
+            return _fakir.parse_quantity(value, dimension)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+    if isinstance(value, bool):
+        raise TypeError(f"{name} is {value}: {_accepted(dimension)}")
+    if isinstance(value, WithUnit):
+        return float(_without_unit(value, dimension, name))
+    if isinstance(value, numbers.Real) or (isinstance(value, np.ndarray) and value.ndim == 0):
+        return float(value)
+    raise TypeError(f"{name} is of type {type(value).__name__}: {_accepted(dimension)}")
+
+
+def finite(value: Quantity, dimension: Dimension, name: str) -> float:
+    """As ``si``, but never infinite and never NaN."""
+    number = si(value, dimension, name)
+    if not math.isfinite(number):
+        raise ValueError(f"{name} is {number}: it must be a finite number")
+    return number
+
+
+def array(values: object, dimension: Dimension, name: str) -> FloatArray:
+    """An array of float64 in SI units: of float64 without a copy, of float32, of whole numbers."""
+    if isinstance(values, WithUnit):
+        values = _without_unit(values, dimension, name)
+    if isinstance(values, str):
+        values = si(values, dimension, name)
+    found = np.asarray(values)
+    if found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
+        raise TypeError(
+            f"{name} is an array of {found.dtype}: give float64 or float32 in {UNITS[dimension]}, "
+            "or a quantity with a unit"
+        )
+    result = np.ascontiguousarray(found, dtype=np.float64).reshape(found.shape)
+    bad = np.flatnonzero(~np.isfinite(result))
+    if bad.size:
+        at = tuple(int(k) for k in np.unravel_index(int(bad[0]), result.shape))
+        where = f"[{', '.join(map(str, at))}]" if at else ""
+        number = result.reshape(-1)[bad[0]]
+        raise ValueError(f"{name}{where} is {number}: every value must be a finite number")
+    return result
+
+
+def _without_unit(value: WithUnit, dimension: Dimension, name: str) -> Any:
+    try:
+        return value.to(UNITS[dimension]).magnitude
+    except Exception as error:
+        raise ValueError(f"{name}: {error}; {_accepted(dimension)}") from error
+
+
+def _accepted(dimension: Dimension) -> str:
+    examples = {
+        "length": '"6 um"',
+        "pressure": '"2 MPa"',
+        "force": '"20 uN"',
+        "angle": '"30 deg"',
+    }
+    if dimension == "number":
+        return "give a plain number"
+    return (
+        f"give a number in {UNITS[dimension]}, a text with a unit such as {examples[dimension]}, "
+        "or a pint quantity"
+    )

@@ -1,0 +1,460 @@
+"""What a computation gives: the contact under a load, and the critical state."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _fakir
+from ._format import Row, engineering, html_table, text_table
+from ._quantity import FloatArray, array
+from ._run import options, warn
+from .errors import FakirError, NotConverged
+
+if TYPE_CHECKING:
+    import xarray
+
+    from ._system import System
+
+PILLAR = np.dtype(
+    [
+        ("i", np.int64),
+        ("j", np.int64),
+        ("x_m", np.float64),
+        ("y_m", np.float64),
+        ("status", "U9"),
+        ("force_N", np.float64),
+        ("centre_pressure_Pa", np.float64),
+        ("smallest_edge_coefficient_Pa", np.float64),
+        ("largest_edge_coefficient_Pa", np.float64),
+    ]
+)
+"""A pillar of a contact; the columns are those of ``pillars.csv``."""
+
+FIELDS = {
+    "pressure": ("Pa", "contact pressure"),
+    "gap": ("m", "gap between the lens and the surface below it"),
+    "displacement": ("m", "distance by which the pressure has moved the two surfaces apart"),
+}
+
+
+class ErrorEstimate(NamedTuple):
+    """Estimated relative errors of the numerical solution (not of the model)."""
+
+    force: float
+    indentation: float
+
+
+class Normalized(NamedTuple):
+    """The paper's reduced variables: F gamma_int/(h d), a/e and zeta/h."""
+
+    force: float
+    contact_radius: float
+    indentation: float
+
+
+class ContactState:
+    """The contact under a load. Numbers are in SI units."""
+
+    __slots__ = ("_pillars", "_state", "_summary")
+
+    def __init__(self, state: _fakir.State) -> None:
+        self._state = state
+        self._summary: dict[str, Any] = json.loads(state.json())
+        self._pillars: npt.NDArray[np.void] | None = None
+
+    @property
+    def system(self) -> System:
+        """What was solved."""
+        from ._system import System
+
+        return System._of(self._state.case)
+
+    @property
+    def method(self) -> str:
+        """How it was solved."""
+        return str(self._summary["method"])
+
+    @property
+    def force(self) -> float:
+        """Normal force, N."""
+        return float(self._summary["force_N"])
+
+    @property
+    def indentation(self) -> float:
+        """How far the lens has come down since it was level with the pillar tops, m."""
+        return float(self._summary["indentation_m"])
+
+    @property
+    def contact_radius(self) -> float:
+        """Distance from the lens axis of the farthest point of a pillar top in contact, m."""
+        return float(self._summary["contact_radius_m"])
+
+    @property
+    def pillars_in_contact(self) -> int:
+        """Number of pillars touched, fully or partially."""
+        return int(self._summary["pillars_in_contact"])
+
+    @property
+    def pillars_partially_in_contact(self) -> int:
+        """Number of pillars crossed by the edge of the contact."""
+        return int(self._summary["pillars_partially_in_contact"])
+
+    @property
+    def smallest_floor_gap(self) -> float:
+        """Smallest gap between lens and floor, m; negative past the transition."""
+        return float(self._summary["smallest_floor_gap_m"])
+
+    @property
+    def smallest_gap_position(self) -> tuple[float, float]:
+        """Where the floor gap is smallest, m from the lens axis."""
+        x, y = self._state.smallest_gap_position
+        return x, y
+
+    @property
+    def beyond_transition(self) -> bool:
+        """Whether the floor would have been touched already: the state ignores it."""
+        return bool(self._summary["beyond_transition"])
+
+    @property
+    def error(self) -> ErrorEstimate:
+        """Estimated relative errors of force and indentation."""
+        return ErrorEstimate(**self._summary["relative_error_estimate"])
+
+    @property
+    def converged(self) -> bool:
+        """Whether the numbers are the solution."""
+        return bool(self._summary["converged"])
+
+    @property
+    def termination(self) -> str:
+        """Why the solver stopped."""
+        return self._state.termination
+
+    @property
+    def iterations(self) -> int:
+        """Steps taken."""
+        return int(self._summary["iterations"])
+
+    @property
+    def wall_time(self) -> float:
+        """How long it took, s."""
+        return float(self._summary["wall_time_s"])
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to be careful about."""
+        return self._state.warnings
+
+    @property
+    def pillars(self) -> npt.NDArray[np.void]:
+        """The touched pillars, nearest to the lens axis first: a structured array.
+
+        ``state.pillars["force_N"]`` is a column, ``pandas.DataFrame(state.pillars)`` a table. Empty
+        for methods that do not resolve pillars.
+        """
+        if self._pillars is None:
+            columns = self._state.pillars()
+            pillars = np.zeros(len(columns["i"]), dtype=PILLAR)
+            for name, values in columns.items():
+                pillars[name] = values
+            pillars.flags.writeable = False
+            self._pillars = pillars
+        return self._pillars
+
+    def pressure(self, x: object, y: object, *, threads: int = 1) -> Any:
+        """Contact pressure (Pa) at points (m from the lens axis), which are broadcast.
+
+        At the rim of a pillar that is fully in contact it is infinite.
+        """
+        return self._field(2, x, y, threads)
+
+    def gap(self, x: object, y: object, *, threads: int = 1) -> Any:
+        """Gap (m) between the lens and what is below it: pillar top or floor."""
+        return self._field(1, x, y, threads)
+
+    def displacement(self, x: object, y: object, *, threads: int = 1) -> Any:
+        """How far the pressure has moved the two surfaces apart (m), pillars not shortened."""
+        return self._field(0, x, y, threads)
+
+    def on_pillar(self, x: object, y: object) -> Any:
+        """Whether points are on a pillar top rather than above the floor."""
+        points = np.broadcast_arrays(array(x, "length", "x"), array(y, "length", "y"))
+        found = self._state.on_pillar(*(np.ascontiguousarray(p).reshape(-1) for p in points))
+        return found.reshape(points[0].shape)[()]
+
+    def on_grid(self, x: object, y: object, *, threads: int = 1) -> xarray.Dataset:
+        """All fields on the grid of coordinates ``x`` and ``y`` (m), with units.
+
+        Needs xarray: ``pip install fakir[xarray]``.
+        """
+        across, along = _axis(x, "x"), _axis(y, "y")
+        points = np.meshgrid(across, along)
+        samples = self._samples(points[0], points[1], threads)
+        on_pillar = self.on_pillar(points[0], points[1])
+        return self._dataset(across, along, samples, on_pillar)
+
+    def to_xarray(self, points: int = 201, *, threads: int = 1) -> xarray.Dataset:
+        """All fields on a square grid around the contact, with so many points along a side."""
+        reach = max(self.contact_radius, 0.5 * self.system.pitch) + self.system.pitch
+        axis = np.linspace(-reach, reach, points)
+        return self.on_grid(axis, axis, threads=threads)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir press --json`` prints: same names, same numbers."""
+        return json.loads(self._state.json())  # type: ignore[no-any-return]
+
+    def _field(self, number: int, x: object, y: object, threads: int) -> Any:
+        across, along = array(x, "length", "x"), array(y, "length", "y")
+        try:
+            points = np.broadcast_arrays(across, along)
+        except ValueError:
+            raise ValueError(
+                f"x of shape {across.shape} and y of shape {along.shape} cannot be broadcast together"
+            ) from None
+        return self._samples(points[0], points[1], threads)[number][()]
+
+    def _samples(self, x: FloatArray, y: FloatArray, threads: int) -> list[FloatArray]:
+        flat = (np.ascontiguousarray(x).reshape(-1), np.ascontiguousarray(y).reshape(-1))
+        samples = self._state.sample(*flat, options(threads))
+        if samples is None and self.pillars_in_contact == 0:
+            return [field.reshape(x.shape) for field in self._untouched(*flat)]
+        if samples is None:
+            raise FakirError(f'the method "{self.method}" does not resolve pillars: it has no fields')
+        return [field.reshape(x.shape) for field in samples]
+
+    def _untouched(self, x: FloatArray, y: FloatArray) -> list[FloatArray]:
+        """Fields of a lens that touches nothing."""
+        system = self.system
+        distance = np.hypot(x, y)
+        radius = system.lens.radius
+        with np.errstate(invalid="ignore"):
+            below = np.sqrt((radius - distance) * (radius + distance))
+            sag = np.where(distance <= radius, distance * distance / (radius + below), np.inf)
+        height = np.where(self._state.on_pillar(x, y), 0.0, system.texture.height)
+        zero = np.zeros_like(x)
+        return [zero, sag + height - self.indentation, zero]
+
+    def _dataset(
+        self,
+        x: FloatArray,
+        y: FloatArray,
+        samples: list[FloatArray],
+        on_pillar: npt.NDArray[np.bool_],
+    ) -> xarray.Dataset:
+        import xarray
+
+        displacement, gap, pressure = samples
+        values = {"pressure": pressure, "gap": gap, "displacement": displacement}
+        variables: dict[str, Any] = {
+            name: (("y", "x"), values[name], {"units": unit, "long_name": text})
+            for name, (unit, text) in FIELDS.items()
+        }
+        top = {"long_name": "whether a pillar top is there"}
+        variables["on_pillar"] = (("y", "x"), on_pillar, top)
+        coordinates = {
+            name: (name, axis, {"units": "m", "long_name": f"distance from the lens axis along {name}"})
+            for name, axis in [("x", x), ("y", y)]
+        }
+        attributes = {
+            "title": "Lens on a surface",
+            "source": f"fakir {_fakir.__version__}",
+            "method": self.method,
+            "case": self._state.case.to_toml(),
+            "force_N": self.force,
+            "indentation_m": self.indentation,
+        }
+        return xarray.Dataset(variables, coordinates, attributes)
+
+    def _rows(self) -> list[Row]:
+        error = self.error
+        partial = self.pillars_partially_in_contact
+        rows = [
+            ("force", engineering(self.force, "N") + _about(error.force)),
+            ("indentation", engineering(self.indentation, "m") + _about(error.indentation)),
+            ("contact radius", engineering(self.contact_radius, "m", 4)),
+            ("pillars in contact", f"{self.pillars_in_contact}, {partial} of them partially"),
+            ("smallest floor gap", engineering(self.smallest_floor_gap, "m", 4)),
+        ]
+        if self.beyond_transition:
+            rows.append(("", "past the transition: computed as if the floor were not there"))
+        rows.append(("solution", f"{self.method}, {self.termination}"))
+        return rows
+
+    def __repr__(self) -> str:
+        return text_table("fakir.ContactState", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Contact under load", self._rows())
+
+
+class CriticalState:
+    """The state in which the lens just reaches the floor. Numbers are in SI units."""
+
+    __slots__ = ("_critical", "_summary", "state")
+
+    state: ContactState
+    """The contact at the transition, with its pillars and fields."""
+
+    def __init__(self, critical: _fakir.Critical) -> None:
+        self._critical = critical
+        self._summary: dict[str, Any] = json.loads(critical.json())
+        self.state = ContactState(critical.state)
+
+    @property
+    def system(self) -> System:
+        """What was solved."""
+        return self.state.system
+
+    @property
+    def method(self) -> str:
+        """How it was solved."""
+        return str(self._summary["method"])
+
+    @property
+    def regime(self) -> str:
+        """What the lens meets first: ``"top_first"`` or ``"bottom_first"``."""
+        return str(self._summary["regime"])
+
+    @property
+    def force(self) -> float:
+        """Critical force, N."""
+        return float(self._summary["critical_force_N"])
+
+    @property
+    def indentation(self) -> float:
+        """Critical indentation, m."""
+        return float(self._summary["critical_indentation_m"])
+
+    @property
+    def contact_radius(self) -> float:
+        """The larger of top contact radius and distance of the floor contact, m."""
+        return float(self._summary["critical_contact_radius_m"])
+
+    @property
+    def top_contact_radius(self) -> float:
+        """Distance from the lens axis of the farthest point of a pillar top in contact, m."""
+        return float(self._summary["top_contact_radius_m"])
+
+    @property
+    def floor_contact(self) -> tuple[float, float]:
+        """Where the floor is touched, m from the lens axis (one of its symmetric copies)."""
+        x, y = self._summary["bottom_contact_m"]
+        return float(x), float(y)
+
+    @property
+    def pillars_in_contact(self) -> int:
+        """Number of pillars touched, fully or partially."""
+        return self.state.pillars_in_contact
+
+    @property
+    def pillars_partially_in_contact(self) -> int:
+        """Number of pillars crossed by the edge of the contact."""
+        return self.state.pillars_partially_in_contact
+
+    @property
+    def pillars(self) -> npt.NDArray[np.void]:
+        """The touched pillars: see `ContactState.pillars`."""
+        return self.state.pillars
+
+    @property
+    def normalized(self) -> Normalized:
+        """Force, contact radius and indentation in the paper's reduced variables."""
+        return Normalized(**self._summary["normalized"])
+
+    @property
+    def error(self) -> ErrorEstimate:
+        """Estimated relative errors of force and indentation."""
+        return self.state.error
+
+    @property
+    def converged(self) -> bool:
+        """Whether the numbers are the solution."""
+        return self.state.converged
+
+    @property
+    def iterations(self) -> int:
+        """Steps taken."""
+        return self.state.iterations
+
+    @property
+    def wall_time(self) -> float:
+        """How long it took, s."""
+        return float(self._summary["wall_time_s"])
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to be careful about."""
+        return self.state.warnings
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir transition --json`` prints: same names, same numbers."""
+        return json.loads(self._critical.json())  # type: ignore[no-any-return]
+
+    def _rows(self) -> list[Row]:
+        x, y = self.floor_contact
+        reduced = self.normalized
+        first = "pillar tops" if self.regime == "top_first" else "the floor, without force"
+        partial = self.pillars_partially_in_contact
+        force = f"{engineering(self.force, 'N')}, F gamma_int/(h d) = {reduced.force:.6g}"
+        depth = f"{engineering(self.indentation, 'm')}, zeta/h = {reduced.indentation:.6g}"
+        radius = f"{engineering(self.contact_radius, 'm', 4)}, a/e = {reduced.contact_radius:.4g}"
+        return [
+            ("the lens meets first", first),
+            ("force", force + _about(self.error.force)),
+            ("indentation", depth + _about(self.error.indentation)),
+            ("contact radius", radius),
+            ("floor contact at", f"({engineering(x, 'm', 4)}, {engineering(y, 'm', 4)})"),
+            ("pillars in contact", f"{self.pillars_in_contact}, {partial} of them partially"),
+            ("solution", f"{self.method}, {self.state.termination}"),
+        ]
+
+    def __repr__(self) -> str:
+        return text_table("fakir.CriticalState", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Critical state", self._rows())
+
+
+def contact_state(state: _fakir.State) -> ContactState:
+    """The state for the user: with its warnings, and only if it is a solution."""
+    contact = ContactState(state)
+    warn(contact.warnings)
+    if contact.beyond_transition:
+        warn(
+            [
+                "past the transition: this contact is computed as if the floor were not there "
+                "(System.transition gives the critical load)"
+            ]
+        )
+    if not contact.converged:
+        raise NotConverged(f"the solution {contact.termination}", contact)
+    return contact
+
+
+def critical_state(critical: _fakir.Critical) -> CriticalState:
+    """The critical state for the user."""
+    result = CriticalState(critical)
+    warn(result.warnings)
+    if not result.converged:
+        raise NotConverged(f"the solution {result.state.termination}", result)
+    return result
+
+
+
+
+def _axis(values: object, name: str) -> FloatArray:
+    axis = array(values, "length", name)
+    if axis.ndim != 1 or axis.size == 0:
+        raise ValueError(
+            f"{name} has the shape {axis.shape}: give the coordinates of the grid along {name}, "
+            "an array of one dimension"
+        )
+    return axis
+
+
+def _about(error: float) -> str:
+    return f" (estimated error {error:.0e})" if error > 0.0 else ""

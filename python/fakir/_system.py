@@ -1,0 +1,451 @@
+"""What is pressed onto what: lens, substrate, texture, and the questions one can ask of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike, fspath
+from typing import Any, Literal
+
+from . import _fakir
+from ._comparison import Comparison, compare
+from ._format import Row, engineering, html_table, text_table
+from ._loading import Approach, approach
+from ._quantity import Quantity, WithUnit, si
+from ._run import Progress, options
+from ._state import ContactState, CriticalState, critical_state, contact_state
+from ._verification import Verification, verify
+
+Method = Literal["spectral", "love", "punch", "homogenised"]
+Overrides = Mapping[str, Quantity]
+
+
+@dataclass(frozen=True, init=False)
+class Lens:
+    """A spherical lens.
+
+    Parameters
+    ----------
+    radius
+        Radius of curvature: a number in m, a text such as ``"2.2 mm"``, or a pint quantity.
+    young_modulus
+        Young's modulus (Pa).
+    poisson_ratio
+        Poisson's ratio, from 0 to 0.5.
+    """
+
+    radius: float
+    young_modulus: float
+    poisson_ratio: float
+
+    def __init__(
+        self, radius: Quantity, young_modulus: Quantity, poisson_ratio: Quantity
+    ) -> None:
+        object.__setattr__(self, "radius", si(radius, "length", "lens.radius"))
+        modulus = si(young_modulus, "pressure", "lens.young_modulus")
+        object.__setattr__(self, "young_modulus", modulus)
+        ratio = si(poisson_ratio, "number", "lens.poisson_ratio")
+        object.__setattr__(self, "poisson_ratio", ratio)
+
+
+@dataclass(frozen=True, init=False)
+class Substrate:
+    """The elastic half-space under the pillars, and what they are made of."""
+
+    young_modulus: float
+    poisson_ratio: float
+
+    def __init__(self, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
+        modulus = si(young_modulus, "pressure", "substrate.young_modulus")
+        object.__setattr__(self, "young_modulus", modulus)
+        ratio = si(poisson_ratio, "number", "substrate.poisson_ratio")
+        object.__setattr__(self, "poisson_ratio", ratio)
+
+
+@dataclass(frozen=True, init=False)
+class HexagonalTexture:
+    """Cylindrical pillars on a hexagonal lattice.
+
+    Parameters
+    ----------
+    diameter, height
+        Of the pillars (m).
+    pitch, surface_fraction
+        Distance of neighbouring pillars (m), or the fraction of the surface that is pillar top:
+        exactly one of them.
+    offset
+        Distance of the lens axis from a pillar centre, in pitches ...
+    offset_angle
+        ... in this direction from x (rad, or a text such as ``"30 deg"``).
+    compliance
+        ``"column"`` if pillars shorten under load, ``"none"`` if not.
+    """
+
+    diameter: float
+    height: float
+    pitch: float | None
+    surface_fraction: float | None
+    offset: float
+    offset_angle: float
+    compliance: Literal["column", "none"]
+
+    def __init__(
+        self,
+        diameter: Quantity,
+        height: Quantity,
+        *,
+        pitch: Quantity | None = None,
+        surface_fraction: Quantity | None = None,
+        offset: Quantity = 0.0,
+        offset_angle: Quantity = 0.0,
+        compliance: Literal["column", "none"] = "column",
+    ) -> None:
+        if (pitch is None) == (surface_fraction is None):
+            raise TypeError("give exactly one of pitch and surface_fraction")
+
+        def put(name: str, value: object) -> None:
+            object.__setattr__(self, name, value)
+
+        put("diameter", si(diameter, "length", "texture.pillar.diameter"))
+        put("height", si(height, "length", "texture.pillar.height"))
+        put("pitch", None if pitch is None else si(pitch, "length", "texture.pitch"))
+        fraction = surface_fraction
+        put(
+            "surface_fraction",
+            None if fraction is None else si(fraction, "number", "texture.surface_fraction"),
+        )
+        put("offset", si(offset, "number", "texture.offset"))
+        put("offset_angle", si(offset_angle, "angle", "texture.offset_angle"))
+        put("compliance", compliance)
+
+
+class System:
+    """A lens above a texture: the complete problem, checked.
+
+    Examples
+    --------
+    >>> system = System(
+    ...     Lens("2.2 mm", "2 MPa", 0.5),
+    ...     Substrate("2 MPa", 0.5),
+    ...     HexagonalTexture("6 um", "2.2 um", surface_fraction=0.1),
+    ... )
+    >>> round(1e3 * system.transition().force, 3)
+    4.448
+    """
+
+    __slots__ = ("_case",)
+    _case: _fakir.Case
+
+    def __init__(self, lens: Lens, substrate: Substrate, texture: HexagonalTexture) -> None:
+        for part, kind in [(lens, Lens), (substrate, Substrate), (texture, HexagonalTexture)]:
+            if not isinstance(part, kind):
+                raise TypeError(
+                    f"a system takes a Lens, a Substrate and a HexagonalTexture, in this order: "
+                    f"found {type(part).__name__} for {kind.__name__}"
+                )
+        spacing = (
+            ("texture.pitch", texture.pitch)
+            if texture.surface_fraction is None
+            else ("texture.surface_fraction", texture.surface_fraction)
+        )
+        numbers: list[tuple[str, float | None]] = [
+            ("lens.radius", lens.radius),
+            ("lens.young_modulus", lens.young_modulus),
+            ("lens.poisson_ratio", lens.poisson_ratio),
+            ("substrate.young_modulus", substrate.young_modulus),
+            ("substrate.poisson_ratio", substrate.poisson_ratio),
+            ("texture.pillar.diameter", texture.diameter),
+            ("texture.pillar.height", texture.height),
+            spacing,
+            ("texture.offset", texture.offset),
+            ("texture.offset_angle", texture.offset_angle),
+        ]
+        words = [("texture.pillar.compliance", texture.compliance)]
+        given = [(key, number) for key, number in numbers if number is not None]
+        self._case = _fakir.Case.build(given, words)
+
+    @classmethod
+    def _of(cls, case: _fakir.Case) -> System:
+        system = cls.__new__(cls)
+        system._case = case
+        return system
+
+    @classmethod
+    def from_file(cls, path: str | PathLike[str], set: Overrides | None = None) -> System:
+        """Reads a case file; ``set`` overrides keys, as ``--set`` of the command line.
+
+        The method of the file is the one that is used where none is asked for.
+        """
+        return cls._of(_fakir.Case.read(fspath(path), _settings(set)))
+
+    @classmethod
+    def from_toml(cls, text: str, set: Overrides | None = None) -> System:
+        """As `from_file`, from the text of a case file."""
+        return cls._of(_fakir.Case.parse("case.toml", text, _settings(set)))
+
+    def to_toml(self) -> str:
+        """The case as a commented file, which gives the same system to the bit."""
+        return self._case.to_toml()
+
+    def replace(self, set: Overrides) -> System:
+        """The same system with other values: ``system.replace({"texture.pitch": "25 um"})``."""
+        return self._of(self._case.with_settings(_settings(set)))
+
+    @property
+    def lens(self) -> Lens:
+        """The lens."""
+        values = self._case.values()
+        return Lens(
+            values["lens.radius"], values["lens.young_modulus"], values["lens.poisson_ratio"]
+        )
+
+    @property
+    def substrate(self) -> Substrate:
+        """The substrate."""
+        values = self._case.values()
+        return Substrate(values["substrate.young_modulus"], values["substrate.poisson_ratio"])
+
+    @property
+    def texture(self) -> HexagonalTexture:
+        """The texture, by its pitch."""
+        values = self._case.values()
+        return HexagonalTexture(
+            values["texture.pillar.diameter"],
+            values["texture.pillar.height"],
+            pitch=values["texture.pitch"],
+            offset=values["texture.offset"],
+            offset_angle=values["texture.offset_angle"],
+            compliance=values["texture.pillar.compliance"],
+        )
+
+    @property
+    def pitch(self) -> float:
+        """Distance of neighbouring pillars, m."""
+        return float(self._case.values()["texture.pitch"])
+
+    @property
+    def surface_fraction(self) -> float:
+        """Fraction of the surface that is pillar top."""
+        return float(self._case.values()["texture.surface_fraction"])
+
+    @property
+    def method(self) -> str:
+        """The method that is used where none is asked for."""
+        return str(self._case.values()["method.name"])
+
+    def pillar_centre(self, i: int, j: int) -> tuple[float, float]:
+        """Centre of a pillar by its lattice indices, m from the lens axis."""
+        x, y = self._case.centre(i, j)
+        return x, y
+
+    def transition(
+        self,
+        method: Method | None = None,
+        *,
+        accuracy: Literal["default", "accurate"] | None = None,
+        form: Literal["corrected", "plain"] | None = None,
+        cells_per_diameter: int | None = None,
+        mesh: Literal["pillars", "pattern"] | None = None,
+        cells: Literal["matched", "plain"] | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> CriticalState:
+        """The critical state, in which the lens just reaches the floor between the pillars.
+
+        Parameters
+        ----------
+        method
+            ``"spectral"`` (what there is unless a case file says otherwise), ``"love"``,
+            ``"punch"`` or ``"homogenised"``.
+        accuracy
+            Of the spectral method: ``"default"`` or ``"accurate"``.
+        form
+            Of the punch lattice: ``"corrected"`` or ``"plain"``.
+        cells_per_diameter, mesh, cells
+            Of Love elements, as in a case file.
+        threads
+            To share the work between; 0 for all processors.
+        progress
+            Called now and then with the stage, the step, and the numbers of pillars solved and
+            touched. An exception in it stops the computation.
+        memory_limit
+            Bytes; 8 GB if not given.
+
+        Raises
+        ------
+        SolveError
+            If there is no such contact, or it takes too much memory.
+        NotConverged
+            If the solution is none; what was reached is in its ``result``.
+        KeyboardInterrupt
+            Within a fraction of a second of Ctrl-C.
+        """
+        case = self._with_method(method, accuracy, form, cells_per_diameter, mesh, cells)
+        run = options(threads, progress, memory_limit)
+        return critical_state(_fakir.transition(case, run))
+
+    def press(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        method: Method | None = None,
+        accuracy: Literal["default", "accurate"] | None = None,
+        form: Literal["corrected", "plain"] | None = None,
+        cells_per_diameter: int | None = None,
+        mesh: Literal["pillars", "pattern"] | None = None,
+        cells: Literal["matched", "plain"] | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> ContactState:
+        """The contact at an indentation (m) or under a force (N): exactly one of them.
+
+        A load past the transition is answered as if the floor were not there, with a warning.
+        Everything else is as in `transition`.
+        """
+        case = self._with_method(method, accuracy, form, cells_per_diameter, mesh, cells)
+        run = options(threads, progress, memory_limit)
+        return contact_state(_fakir.press(case, *load(indentation, force), run))
+
+    def approach(
+        self,
+        step: Quantity = "1 um",
+        until: Quantity | None = None,
+        past_transition: bool = False,
+        *,
+        method: Method | None = None,
+        accuracy: Literal["default", "accurate"] | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> Approach:
+        """Loading step by step from first touch, ending exactly at the critical state.
+
+        Parameters
+        ----------
+        step
+            Of the indentation (m).
+        until
+            The last indentation (m), if it is to end before the critical state; or past it, with
+            ``past_transition``.
+        """
+        case = self._with_method(method, accuracy, None, None, None, None)
+        end = None if until is None else si(until, "length", "until")
+        run = options(threads, progress, memory_limit)
+        return approach(case, si(step, "length", "step"), end, past_transition, run)
+
+    def compare(
+        self,
+        *,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> Comparison:
+        """The critical state by every method, coarse to exact."""
+        return compare(self._case, options(threads, progress, memory_limit))
+
+    def verify(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        cells_per_diameter: int = 16,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> Verification:
+        """A second opinion: the spectral method and Love elements on the same question.
+
+        The question is the critical state, or the contact under a load if one is given.
+        """
+        question = (None, None) if indentation is None and force is None else load(indentation, force)
+        run = options(threads, progress, memory_limit)
+        return verify(self._case, question, cells_per_diameter, run)
+
+    def _with_method(
+        self,
+        method: str | None,
+        accuracy: str | None,
+        form: str | None,
+        cells_per_diameter: int | None,
+        mesh: str | None,
+        cells: str | None,
+    ) -> _fakir.Case:
+        asked = {
+            "method.name": method,
+            "method.accuracy": accuracy,
+            "method.form": form,
+            "method.cells_per_diameter": cells_per_diameter,
+            "method.mesh": mesh,
+            "method.cells": cells,
+        }
+        settings = [f"{key}={value}" for key, value in asked.items() if value is not None]
+        return self._case.with_settings(settings) if settings else self._case
+
+    def _rows(self) -> list[Row]:
+        values = self._case.values()
+
+        def length(key: str) -> str:
+            return engineering(values[key], "m")
+
+        def material(part: str) -> str:
+            modulus = engineering(values[f"{part}.young_modulus"], "Pa")
+            return f"{modulus}, Poisson's ratio {values[f'{part}.poisson_ratio']:g}"
+
+        return [
+            ("lens", f"radius {length('lens.radius')}, {material('lens')}"),
+            ("substrate", material("substrate")),
+            (
+                "pillars",
+                f"diameter {length('texture.pillar.diameter')}, "
+                f"height {length('texture.pillar.height')}",
+            ),
+            (
+                "lattice",
+                f"pitch {length('texture.pitch')}, "
+                f"surface fraction {values['texture.surface_fraction']:.6g}, "
+                f"lens axis {values['texture.offset']:g} pitches from a pillar",
+            ),
+        ]
+
+    def __repr__(self) -> str:
+        return text_table("fakir.System", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("System", self._rows())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, System) and self.to_toml() == other.to_toml()
+
+    def __hash__(self) -> int:
+        return hash(self.to_toml())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return System.from_toml, (self.to_toml(),)
+
+
+def load(
+    indentation: Quantity | None, force: Quantity | None
+) -> tuple[float | None, float | None]:
+    """The one of both that is given, in SI units."""
+    if (indentation is None) == (force is None):
+        raise TypeError("give exactly one of indentation and force")
+    if indentation is not None:
+        return si(indentation, "length", "indentation"), None
+    assert force is not None
+    return None, si(force, "force", "force")
+
+
+def _settings(overrides: Overrides | None) -> list[str]:
+    """Overrides as arguments of ``--set``."""
+    return [f"{key}={_written(value)}" for key, value in (overrides or {}).items()]
+
+
+def _written(value: Quantity) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, WithUnit):
+        return repr(float(value.to_base_units().magnitude))  # type: ignore[attr-defined]
+    return repr(value.item() if hasattr(value, "item") else value)

@@ -1,0 +1,68 @@
+"""A second opinion: two independent methods on the same question."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from . import _fakir
+from ._format import Row, engineering, html_table, text_table
+from ._state import ContactState
+
+
+class Difference(NamedTuple):
+    """A relative difference, and what the error estimates allow."""
+
+    relative: float
+    allowed: float
+
+
+class Verification:
+    """The answers of both methods, and what they differ by."""
+
+    agrees: bool
+    """Whether both converged and agree within their error estimates."""
+    spectral: ContactState
+    """By the accurate spectral method."""
+    elements: tuple[ContactState, ContactState]
+    """By Love elements, on half as many cells across a pillar and on all."""
+    force: Difference
+    """Of the elements from the spectral method."""
+    indentation: Difference
+    """The same of the indentation."""
+
+    def __init__(
+        self, agrees: bool, differences: list[Difference], states: list[ContactState]
+    ) -> None:
+        self.agrees = agrees
+        self.force, self.indentation = differences
+        self.spectral, coarse, fine = states
+        self.elements = coarse, fine
+
+    def _rows(self) -> list[Row]:
+        coarse, fine = self.elements
+        states = [("spectral", self.spectral), ("elements, coarse", coarse), ("elements", fine)]
+        rows = [(name, f"{engineering(s.force, 'N')}, {engineering(s.indentation, 'm')}") for name, s in states]
+        for name, (relative, allowed) in [("force", self.force), ("indentation", self.indentation)]:
+            rows.append((f"difference in {name}", f"{relative:.1e}, allowed {allowed:.1e}"))
+        return [*rows, ("", "the methods agree" if self.agrees else "THE METHODS DISAGREE")]
+
+    def __repr__(self) -> str:
+        return text_table("fakir.Verification", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Verification by an independent method", self._rows())
+
+
+def verify(
+    case: _fakir.Case,
+    load: tuple[float | None, float | None],
+    cells_per_diameter: int,
+    options: _fakir.Options,
+) -> Verification:
+    """Asks both methods."""
+    if not 16 <= cells_per_diameter <= 1024:
+        raise ValueError(f"cells_per_diameter is {cells_per_diameter}: give 16 to 1024")
+    answer = _fakir.verify(case, *load, cells_per_diameter, options)
+    agrees, differences, states = answer
+    pairs = [Difference(relative, allowed) for relative, allowed in differences]
+    return Verification(agrees, pairs, [ContactState(state) for state in states])

@@ -1,0 +1,351 @@
+"""Contact on any surface, by elements of constant pressure (A. E. H. Love, 1929).
+
+A lens or a plate on a height map: measured, computed, or a ``SurfaceTopography`` object. The floor
+is a part of the surface, so that the contact goes on past the transition.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from . import _fakir
+from ._format import Row, engineering, html_table, text_table
+from ._quantity import FloatArray, Quantity, array, finite, si
+from ._run import Progress, options, warn
+from ._state import FIELDS, ErrorEstimate
+from ._system import Lens, Substrate, load
+from .errors import NotConverged
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Plate", "Surface", "SurfaceContact", "SurfaceTransition"]
+
+
+@dataclass(frozen=True, init=False)
+class Plate:
+    """A flat plate, larger than the surface and kept from tilting; rigid without a material."""
+
+    young_modulus: float | None
+    poisson_ratio: float | None
+
+    def __init__(
+        self, young_modulus: Quantity | None = None, poisson_ratio: Quantity | None = None
+    ) -> None:
+        if (young_modulus is None) != (poisson_ratio is None):
+            raise TypeError("give young_modulus and poisson_ratio, or neither for a rigid plate")
+        modulus = None if young_modulus is None else si(young_modulus, "pressure", "young_modulus")
+        ratio = None if poisson_ratio is None else si(poisson_ratio, "number", "poisson_ratio")
+        object.__setattr__(self, "young_modulus", modulus)
+        object.__setattr__(self, "poisson_ratio", ratio)
+
+
+class Surface:
+    """An indenter above a height map.
+
+    Parameters
+    ----------
+    heights
+        Heights (m), a row for every y: ``heights[y, x]``, float64 or float32; or an object with
+        ``heights()`` and ``physical_sizes``, as of SurfaceTopography, whose arrays are
+        ``[x, y]`` and whose ``unit`` is taken into account.
+    indenter
+        A `Lens` or a `Plate`.
+    substrate
+        The elastic half-space under the surface.
+    cell_size, width
+        Side of a cell, or extent along x (m): exactly one of them, none for an object that knows.
+    floor
+        Cells at this height (m) or below are floor; needed for `transition` and for the shares of
+        tops and floor.
+    axis
+        Where the lens axis is, in m from the centre of the map.
+    periodic
+        Whether the map repeats itself; as an object says, otherwise not.
+    """
+
+    indenter: Lens | Plate
+    substrate: Substrate
+    periodic: bool
+    x: FloatArray
+    """Centres of the cells along x, m from the lens axis."""
+    y: FloatArray
+    """The same along y."""
+    heights: FloatArray
+    """Heights, m, a row for every y."""
+
+    def __init__(
+        self,
+        heights: object,
+        indenter: Lens | Plate,
+        substrate: Substrate,
+        *,
+        cell_size: Quantity | None = None,
+        width: Quantity | None = None,
+        floor: Quantity | None = None,
+        axis: tuple[Quantity, Quantity] = (0.0, 0.0),
+        periodic: bool | None = None,
+    ) -> None:
+        if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
+            if cell_size is not None or width is not None:
+                raise TypeError("the topography has its size: leave out cell_size and width")
+            if periodic is None:
+                periodic = bool(getattr(heights, "is_periodic", False))
+            values, cell = _of_topography(heights)
+        else:
+            values, cell = _of_array(heights, cell_size, width)
+        rows, columns = values.shape
+        centre = [finite(place, "length", "axis") for place in axis]
+        origin = [-0.5 * columns * cell[0] - centre[0], -0.5 * rows * cell[1] - centre[1]]
+        if not isinstance(indenter, (Lens, Plate)):
+            raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
+        lens = plate = None
+        if isinstance(indenter, Lens):
+            lens = [indenter.radius, indenter.young_modulus, indenter.poisson_ratio]
+        elif indenter.young_modulus is not None and indenter.poisson_ratio is not None:
+            plate = [indenter.young_modulus, indenter.poisson_ratio]
+        self._surface = _fakir.Surface(
+            values,
+            cell,
+            origin,
+            lens,
+            plate,
+            [substrate.young_modulus, substrate.poisson_ratio],
+            bool(periodic),
+            None if floor is None else finite(floor, "length", "floor"),
+        )
+        self.indenter, self.substrate, self.periodic = indenter, substrate, bool(periodic)
+        self.heights = values
+        self.x = origin[0] + cell[0] * (np.arange(columns) + 0.5)
+        self.y = origin[1] + cell[1] * (np.arange(rows) + 0.5)
+
+    def press(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> SurfaceContact:
+        """The contact at an indentation (m) or under a force (N): exactly one of them.
+
+        The indentation counts from where the indenter is level with the highest point of the
+        surface; on a periodic surface from the mean displacement.
+        """
+        run = options(threads, progress, memory_limit)
+        contact = _fakir.press_surface(self._surface, *load(indentation, force), run)
+        return _checked(SurfaceContact(self, contact))
+
+    def transition(
+        self,
+        *,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> SurfaceTransition:
+        """The state in which the floor is just reached."""
+        run = options(threads, progress, memory_limit)
+        found = _fakir.surface_transition(self._surface, run)
+        contact = _checked(SurfaceContact(self, found.contact))
+        x, y = found.floor_contact
+        return SurfaceTransition(contact, found.regime, (x, y))
+
+    def __repr__(self) -> str:
+        rows, columns = self.heights.shape
+        around = "periodic" if self.periodic else "free"
+        return f"fakir.love.Surface: {columns} by {rows} cells, {around}, under a {self.indenter}"
+
+
+class SurfaceContact:
+    """The contact of an indenter with a height map. Numbers are in SI units."""
+
+    surface: Surface
+    """What was solved."""
+
+    def __init__(self, surface: Surface, contact: _fakir.SurfaceContact) -> None:
+        self.surface, self._contact = surface, contact
+        self._summary = contact.summary()
+        self.pressure_map, self.gap_map, self.displacement_map = contact.fields()
+
+    pressure_map: FloatArray
+    """Pressure of every cell, Pa, a row for every y."""
+    gap_map: FloatArray
+    """Gap above every cell, m; infinite beyond the equator of a lens."""
+    displacement_map: FloatArray
+    """How far the pressure has moved the two surfaces apart, m."""
+
+    @property
+    def periodic(self) -> bool:
+        """Whether the surface repeats itself."""
+        return self.surface.periodic
+
+    @property
+    def force(self) -> float:
+        """Normal force, N; on a periodic surface that on one period."""
+        return float(self._summary["force_N"])
+
+    @property
+    def indentation(self) -> float:
+        """Indentation, m."""
+        return float(self._summary["indentation_m"])
+
+    @property
+    def contact_area(self) -> float:
+        """Area of the cells in contact, m^2."""
+        return float(self._summary["contact_area_m2"])
+
+    @property
+    def contact_radius(self) -> float | None:
+        """Distance from the lens axis of the farthest cell in contact, m; none under a plate."""
+        return self._summary["contact_radius_m"]  # type: ignore[no-any-return]
+
+    @property
+    def mean_pressure(self) -> float:
+        """Force over the area of the map, Pa."""
+        return self._contact.mean_pressure
+
+    @property
+    def error(self) -> ErrorEstimate | None:
+        """Estimated relative errors from the size of the cells, if there are enough of them."""
+        estimate = self._summary["relative_error_estimate"]
+        return None if estimate is None else ErrorEstimate(**estimate)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the numbers are the solution."""
+        return bool(self._summary["converged"])
+
+    @property
+    def termination(self) -> str:
+        """Why the solver stopped."""
+        return self._contact.termination
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to be careful about."""
+        return self._contact.warnings
+
+    def to_dict(self) -> dict[str, Any]:
+        """The numbers, by the names of ``fakir press --json``."""
+        return dict(self._summary)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Pressure, gap, displacement and heights on the cells, with units."""
+        import xarray
+
+        fields = {
+            "pressure": self.pressure_map,
+            "gap": self.gap_map,
+            "displacement": self.displacement_map,
+        }
+        variables: dict[str, Any] = {
+            name: (("y", "x"), fields[name], {"units": unit, "long_name": text})
+            for name, (unit, text) in FIELDS.items()
+        }
+        height = {"units": "m", "long_name": "height of the surface"}
+        variables["height"] = (("y", "x"), self.surface.heights, height)
+        coordinates = {
+            "x": ("x", self.surface.x, {"units": "m"}),
+            "y": ("y", self.surface.y, {"units": "m"}),
+        }
+        attributes = {
+            "source": f"fakir {_fakir.__version__}",
+            "method": "Love elements",
+            "force_N": self.force,
+            "indentation_m": self.indentation,
+        }
+        return xarray.Dataset(variables, coordinates, attributes)
+
+    def _rows(self) -> list[Row]:
+        rows = [
+            ("force", engineering(self.force, "N")),
+            ("indentation", engineering(self.indentation, "m")),
+            ("contact area", f"{self.contact_area * 1e12:.5g} µm²"),
+            ("mean pressure", engineering(self.mean_pressure, "Pa", 5)),
+        ]
+        for name in ["tops", "floor"]:
+            share = self._summary[name]
+            if share is not None:
+                force, area = engineering(share["force_N"], "N"), share["area_m2"] * 1e12
+                rows.append((f"  on the {name}", f"{force} on {area:.5g} µm²"))
+        error = self.error
+        if error is not None:
+            rows.append(("estimated error", f"{max(error):.0e}"))
+        return [*rows, ("solution", f"Love elements, {self.termination}")]
+
+    def __repr__(self) -> str:
+        return text_table("fakir.love.SurfaceContact", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Contact on a height map", self._rows())
+
+
+@dataclass(frozen=True)
+class SurfaceTransition:
+    """The state in which the indenter just reaches the floor."""
+
+    contact: SurfaceContact
+    """The contact."""
+    regime: str
+    """What is met first: ``"top_first"`` or ``"bottom_first"``."""
+    floor_contact: tuple[float, float]
+    """Centre of the floor cell that is touched, m from the lens axis."""
+
+    @property
+    def force(self) -> float:
+        """Critical force, N."""
+        return self.contact.force
+
+    @property
+    def indentation(self) -> float:
+        """Critical indentation, m."""
+        return self.contact.indentation
+
+
+def _checked(contact: SurfaceContact) -> SurfaceContact:
+    warn(contact.warnings)
+    if not contact.converged:
+        raise NotConverged(f"the solution {contact.termination}", contact)
+    return contact
+
+
+def _of_array(
+    heights: object, cell_size: Quantity | None, width: Quantity | None
+) -> tuple[FloatArray, list[float]]:
+    values = array(heights, "length", "heights")
+    if values.ndim != 2 or values.size == 0:
+        raise ValueError(
+            f"heights has the shape {values.shape}: give a map, an array with a row for every y"
+        )
+    if (cell_size is None) == (width is None):
+        raise TypeError("give exactly one of cell_size and width")
+    if cell_size is not None:
+        size = finite(cell_size, "length", "cell_size")
+    else:
+        assert width is not None
+        size = finite(width, "length", "width") / values.shape[1]
+    if size <= 0.0:
+        raise ValueError(f"cells of {size} m: their side must be greater than 0")
+    return values, [size, size]
+
+
+def _of_topography(topography: Any) -> tuple[FloatArray, list[float]]:
+    """Heights and cells of an object as of SurfaceTopography."""
+    unit = getattr(topography, "unit", None)
+    scale = 1.0 if unit is None else _fakir.parse_quantity(f"1 {unit}", "length")
+    raw = topography.heights()
+    if np.ma.is_masked(raw):
+        raise ValueError("heights are missing in places: fill them in first")
+    values = array(raw, "length", "heights")
+    sizes = [float(size) * scale for size in topography.physical_sizes]
+    if values.ndim != 2 or len(sizes) != 2:
+        raise ValueError(
+            f"a topography of shape {values.shape}: give a map, of two dimensions"
+        )
+    across, along = values.shape
+    turned = np.ascontiguousarray(values.T) * scale
+    return turned, [sizes[0] / across, sizes[1] / along]

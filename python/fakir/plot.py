@@ -1,0 +1,349 @@
+"""Figures on matplotlib: axes in, axes out.
+
+Every function draws on ``ax`` (or on the axes of a new figure of its own) and returns it; two
+panels take and give a pair of axes, and so on. Needs matplotlib: ``pip install fakir[plot]``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from . import theory
+from ._loading import Approach
+from ._state import ContactState, CriticalState
+from ._sweep import Sweep
+from ._system import System
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = [
+    "critical_curves",
+    "floor_gap_map",
+    "lattice_sums",
+    "phase_diagram",
+    "pillar_pressure",
+    "pressure_map",
+    "profiles",
+    "top_view",
+]
+
+State: TypeAlias = ContactState | CriticalState
+
+MICRO = 1e6
+"""Lengths are shown in µm."""
+
+CUT = 3.0
+"""Pressures are cut at this multiple of that at the centre of the central pillar: they are infinite
+at the edge of a pillar top that is fully in contact."""
+
+
+
+def critical_curves(
+    curves: Mapping[str, Iterable[CriticalState]] | Iterable[CriticalState] | Sweep,
+    ax: Sequence[Axes] | None = None,
+) -> Sequence[Axes]:
+    """Reduced critical force, contact radius and indentation against the surface fraction.
+
+    ``curves`` are critical states by name, or those of one curve, or a sweep of critical states;
+    ``ax`` are three axes.
+    """
+    axes = _axes(ax, 3, 1, (3.4, 6.4), sharex=True)
+    for name, (fraction, values) in _curves(curves).items():
+        order = np.argsort(fraction)
+        for axis, value in zip(axes, values):
+            with np.errstate(invalid="ignore"):
+                shown = np.where(value > 0.0, value, np.nan)
+            axis.plot(fraction[order], shown[order], ".-", label=name or None)
+    labels = [r"$F_c\,\gamma_{int}/(h\,d)$", r"$a_c/e$", r"$\zeta_c/h$"]
+    for axis, label in zip(axes, labels):
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.set_ylabel(label)
+    axes[-1].set_xlabel(r"surface fraction $\phi$")
+    _legend(axes[0])
+    return axes
+
+
+def profiles(
+    states: State | Sequence[State], ax: Axes | Sequence[Axes] | None = None
+) -> Sequence[Axes]:
+    """Section through lens and substrate along x, through the lens axis: axes for every state.
+
+    Heights are over the undeformed floor. The displacement belongs to both bodies, to each in
+    proportion to its compliance; pillars also shorten under their force.
+    """
+    several = [states] if isinstance(states, (ContactState, CriticalState)) else list(states)
+    given = [ax] if ax is not None and not isinstance(ax, Sequence | np.ndarray) else ax
+    axes = _axes(given, len(several), 1, (6.4, 1.8 * len(several)), sharex=True)
+    for axis, item in zip(axes, several):
+        _profile(axis, _contact(item))
+    axes[-1].set_xlabel("x (µm)")
+    return axes
+
+
+def _profile(axis: Axes, state: ContactState) -> None:
+    system = state.system
+    lens, substrate, texture = system.lens, system.substrate, system.texture
+    reach = max(1.3 * state.contact_radius, 1.6 * system.pitch)
+    x = np.linspace(-reach, reach, 1201)
+    top = state.on_pillar(x, 0.0)
+    displacement, gap = state.displacement(x, 0.0), state.gap(x, 0.0)
+    of_lens = (1.0 - lens.poisson_ratio**2) / lens.young_modulus
+    of_substrate = (1.0 - substrate.poisson_ratio**2) / substrate.young_modulus
+    share = of_lens / (of_lens + of_substrate)
+    sag = x**2 / (lens.radius + np.sqrt(lens.radius**2 - x**2))
+    under = texture.height + sag - state.indentation + share * displacement
+    ground = under - gap
+    axis.fill_between(MICRO * x, MICRO * under, MICRO * under.max(), color="#c6ddf0", lw=0)
+    floor = min(float(ground.min()), 0.0) - 0.25 * texture.height
+    axis.fill_between(MICRO * x, MICRO * floor, MICRO * ground, color="#e2d6c4", lw=0)
+    axis.plot(MICRO * x, MICRO * under, lw=0.9, color="#1f5f99")
+    # Tops and floor are drawn apart: their edges are not slopes.
+    for part in [top, ~top]:
+        axis.plot(MICRO * x, MICRO * np.where(part, ground, np.nan), lw=0.9, color="#7a5c2e")
+    axis.set_ylabel("height (µm)")
+    axis.set_xlim(-MICRO * reach, MICRO * reach)
+
+
+def pressure_map(state: State, ax: Axes | None = None) -> Axes:
+    """Mean pressure on every pillar top; partially touched ones are outlined."""
+    from matplotlib.collections import PatchCollection
+    from matplotlib.patches import Circle
+
+    contact = _contact(state)
+    axis = _axis(ax)
+    pillars = contact.pillars
+    if len(pillars) == 0:
+        raise ValueError(f'there are no pillars to show (method "{contact.method}")')
+    radius = 0.5 * contact.system.texture.diameter
+    circles = [Circle((MICRO * x, MICRO * y), MICRO * radius) for x, y in _centres(pillars)]
+    partial = pillars["status"] == "partial"
+    collection = PatchCollection(
+        circles, cmap="viridis", edgecolors=np.where(partial, "#c0392b", "none").tolist(), lw=0.8
+    )
+    collection.set_array(pillars["force_N"] / (np.pi * radius**2) / 1e3)
+    axis.add_collection(collection)
+    edge = Circle((0, 0), MICRO * contact.contact_radius, fill=False, ls="--", lw=0.8, color="grey")
+    axis.add_patch(edge)
+    if isinstance(state, CriticalState):
+        x, y = state.floor_contact
+        axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b")
+    _square(axis, 1.08 * contact.contact_radius + radius)
+    axis.figure.colorbar(collection, ax=axis, label="mean pressure on pillar top (kPa)")
+    return axis
+
+
+def pillar_pressure(state: State, ax: Axes | None = None, points: int = 401) -> Axes:
+    """Pressure across the central pillar and the one at the rim, along the line from the lens axis.
+
+    Cut at three times the pressure at the centre of the central pillar: at the edge of a pillar
+    top that is fully in contact it is infinite.
+    """
+    contact = _contact(state)
+    axis = _axis(ax)
+    pillars = contact.pillars
+    if len(pillars) == 0:
+        raise ValueError(f'there are no pillars to show (method "{contact.method}")')
+    radius = 0.5 * contact.system.texture.diameter
+    distance = np.hypot(pillars["x_m"], pillars["y_m"])
+    partial = pillars["status"] == "partial"
+    rim = int(np.argmax(np.where(partial, distance, -1.0) if partial.any() else distance))
+    reference = max(pillars["centre_pressure_Pa"][0], pillars["centre_pressure_Pa"][rim])
+    if reference <= 0.0:
+        reference = pillars["force_N"][0] / (np.pi * radius**2)
+    along = radius * np.linspace(-1.0, 1.0, points)
+    shown = {"central pillar": 0} if rim == 0 else {"central pillar": 0, "rim pillar": rim}
+    for name, number in shown.items():
+        x, y = pillars["x_m"][number], pillars["y_m"][number]
+        far = np.hypot(x, y)
+        ux, uy = (x / far, y / far) if far > 1e-9 * radius else (1.0, 0.0)
+        # Just inside, so that rounding does not take the ends off the pillar.
+        inside = (1.0 - 1e-9) * along
+        pressure = contact.pressure(x + inside * ux, y + inside * uy)
+        axis.plot(along / radius, np.minimum(pressure, CUT * reference) / 1e3, label=name)
+    axis.set_xlabel("distance from the centre of the pillar, in pillar radii")
+    axis.set_ylabel("pressure (kPa)")
+    axis.set_ylim(0.0, 1.02 * CUT * reference / 1e3)
+    _legend(axis)
+    return axis
+
+
+def phase_diagram(
+    system: System,
+    critical: Iterable[CriticalState] = (),
+    paths: Iterable[Approach] = (),
+    ax: Axes | None = None,
+) -> Axes:
+    """Reduced force against reduced contact radius: where the lens rests on pillar tops only.
+
+    Below the transition curve of the paper the lens is on tops alone, above it also on the floor;
+    left of one pitch it depends on the place where the lens lands.
+    """
+    axis = _axis(ax)
+    texture = system.texture
+    unit = texture.height * texture.diameter / theory.constants(system).internal_compliance
+    radii = np.geomspace(0.3, 40.0, 300)
+    curve = theory.transition_force(system, radii * system.pitch) / unit
+    axis.fill_between(radii, 1e-3, curve, color="#ddebf7", lw=0)
+    axis.fill_between(radii, curve, 1e6, color="#fae4d0", lw=0)
+    axis.plot(radii, curve, "k", lw=1.0, label="transition, formula of the paper")
+    axis.axvline(1.0, color="k", ls=":", lw=0.8)
+    for path in paths:
+        loaded = [state for state in path if state.force > 0.0]
+        across = [state.contact_radius / state.system.pitch for state in loaded]
+        axis.plot(across, [state.force / unit for state in loaded], ".-", ms=3, lw=0.8)
+    points = [state.normalized for state in critical if state.force > 0.0]
+    if points:
+        across = [point.contact_radius for point in points]
+        axis.plot(across, [point.force for point in points], "o", ms=4, label="critical states")
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    axis.set_xlim(0.3, 40.0)
+    axis.set_ylim(0.3, 1e4)
+    axis.set_xlabel(r"$a/e$")
+    axis.set_ylabel(r"$F\,\gamma_{int}/(h\,d)$")
+    axis.text(0.97, 0.05, "on pillar tops", ha="right", transform=axis.transAxes)
+    axis.text(0.03, 0.95, "on tops and floor", va="top", transform=axis.transAxes)
+    _legend(axis, loc="lower left", bbox_to_anchor=(0.0, 0.12))
+    return axis
+
+
+def floor_gap_map(state: State, ax: Axes | None = None, points: int = 221) -> Axes:
+    """Gap between lens and floor around the lens axis, with the pillars on it: dark if touched."""
+    contact = _contact(state)
+    axis = _axis(ax)
+    pitch = contact.system.pitch
+    x, y = contact.smallest_gap_position
+    reach = max(1.7 * pitch, float(np.hypot(x, y)) + 0.6 * pitch)
+    line = np.linspace(-reach, reach, points)
+    grid = np.meshgrid(line, line)
+    gap = contact.gap(*grid)
+    top = contact.on_pillar(*grid)
+    image = axis.pcolormesh(
+        MICRO * line, MICRO * line, np.where(top, np.nan, MICRO * gap), cmap="viridis", shading="nearest"
+    )
+    touched = contact.pressure(*grid) > 0.0
+    shade = np.where(top, np.where(touched, 0.45, 0.88), np.nan)
+    axis.pcolormesh(
+        MICRO * line, MICRO * line, shade, cmap="gray", vmin=0.0, vmax=1.0, shading="nearest"
+    )
+    axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b")
+    _square(axis, reach)
+    axis.figure.colorbar(image, ax=axis, label="gap to the floor (µm)")
+    return axis
+
+
+def lattice_sums(
+    largest_radius: float = 32.0, ax: Sequence[Axes] | None = None
+) -> Sequence[Axes]:
+    """The lattice sums G0, G and G1 against the contact radius, with the fits of the paper."""
+    axes = _axes(ax, 1, 3, (9.0, 3.0))
+    radii = np.geomspace(1.01, max(largest_radius, 1.1), 300)
+    exact, fitted = theory.lattice_sums(radii), theory.fitted_lattice_sums(radii)
+    for axis, name, sums, fit in zip(axes, ["$G_0$", "$G$", "$G_1$"], exact, fitted):
+        axis.plot(radii, np.where(sums > 0.0, sums, np.nan), "k", lw=1.0, label="sums")
+        axis.plot(radii, fit, ":", label="fit of the paper")
+        axis.set_xscale("log")
+        axis.set_xlabel(r"$a/e$")
+        axis.set_ylabel(name)
+    for axis in axes[:2]:
+        axis.set_yscale("log")
+    _legend(axes[0])
+    return axes
+
+
+def top_view(
+    state: State,
+    ax: Axes | None = None,
+    wavelength: float | None = None,
+    points: int = 501,
+) -> Axes:
+    """The contact from above: dark where lens and pillar touch.
+
+    With a ``wavelength`` (m; ``550e-9`` is green) the interference of light reflected at the lens and
+    at what is below it: dark in contact.
+    """
+    contact = _contact(state)
+    axis = _axis(ax)
+    margin = 1.1 if wavelength is None else 1.4
+    reach = max(margin * contact.contact_radius, 1.4 * contact.system.pitch)
+    line = np.linspace(-reach, reach, points)
+    grid = np.meshgrid(line, line)
+    if wavelength is None:
+        shade = np.where(contact.on_pillar(*grid), 0.92, 0.80)
+        shade = np.where(contact.pressure(*grid) > 0.0, 0.10, shade)
+    else:
+        shade = 0.5 * (1.0 - np.cos(4.0 * np.pi * contact.gap(*grid) / wavelength))
+    axis.pcolormesh(
+        MICRO * line, MICRO * line, shade, cmap="gray", vmin=0.0, vmax=1.0, shading="nearest"
+    )
+    _square(axis, reach)
+    return axis
+
+
+def _curves(
+    curves: Mapping[str, Iterable[CriticalState]] | Iterable[CriticalState] | Sweep,
+) -> dict[str, tuple[Any, list[Any]]]:
+    """Surface fractions and the three reduced variables, by name."""
+    if isinstance(curves, Sweep):
+        rows = [row for row in curves.rows if not row["problem"]]
+        if rows and "normalized_force" not in rows[0]:
+            raise ValueError("these are no critical states: sweep the question transition")
+        names = ["normalized_force", "normalized_contact_radius", "normalized_indentation"]
+        values = [np.array([row[name] for row in rows], dtype=float) for name in names]
+        return {"": (np.array([row["surface_fraction"] for row in rows]), values)}
+    named = curves if isinstance(curves, Mapping) else {"": curves}
+    found = {}
+    for name, states in named.items():
+        listed = list(states)
+        reduced = np.array([state.normalized for state in listed], dtype=float).reshape(-1, 3)
+        fraction = np.array([state.system.surface_fraction for state in listed])
+        found[name] = (fraction, list(reduced.T))
+    return found
+
+
+def _contact(state: State) -> ContactState:
+    return state.state if isinstance(state, CriticalState) else state
+
+
+def _centres(pillars: Any) -> Iterable[tuple[float, float]]:
+    return zip(pillars["x_m"], pillars["y_m"])
+
+
+def _square(axis: Axes, reach: float) -> None:
+    axis.set_xlim(-MICRO * reach, MICRO * reach)
+    axis.set_ylim(-MICRO * reach, MICRO * reach)
+    axis.set_aspect("equal")
+    axis.set_xlabel("x (µm)")
+    axis.set_ylabel("y (µm)")
+
+
+def _legend(axis: Axes, **where: Any) -> None:
+    if axis.get_legend_handles_labels()[0]:
+        axis.legend(frameon=False, fontsize="small", **where)
+
+
+def _axis(ax: Axes | None) -> Axes:
+    if ax is not None:
+        return ax
+    import matplotlib.pyplot as plt
+
+    return plt.subplots(figsize=(4.2, 3.6), layout="constrained")[1]
+
+
+def _axes(
+    ax: Sequence[Axes] | None, rows: int, columns: int, size: tuple[float, float], **options: Any
+) -> Sequence[Axes]:
+    if ax is None:
+        import matplotlib.pyplot as plt
+
+        figure = plt.figure(figsize=size, layout="constrained")
+        ax = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
+    wanted = rows * columns
+    if len(ax) != wanted:
+        raise ValueError(f"{len(ax)} axes were given: this figure has {wanted}")
+    return ax

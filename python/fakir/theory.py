@@ -1,0 +1,213 @@
+"""What is known in closed form: formulas for the critical state, lattice sums, the phase diagram.
+
+The formulas are those of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104,
+055007 (2021), as printed and as corrected. They are for a lens axis on a pillar. Numbers are in SI
+units, and radii in lattice sums in pitches.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _fakir
+from ._quantity import Quantity, array, si
+from ._system import System
+
+__all__ = [
+    "Constants",
+    "LatticeSums",
+    "Phase",
+    "TransitionEstimate",
+    "closed_forms",
+    "constants",
+    "fit_sum_coefficients",
+    "fitted_lattice_sums",
+    "hertz_contact_radius",
+    "hollow_potential",
+    "inverse_power_sum",
+    "large_contact",
+    "lattice_potential",
+    "lattice_sums",
+    "one_pillar",
+    "phase",
+    "site_potential",
+    "small_contact",
+    "sum_coefficients",
+    "transition_force",
+    "transition_from_exact_sums",
+]
+
+
+class TransitionEstimate(NamedTuple):
+    """A critical state from a formula."""
+
+    force: float
+    """Critical force, N."""
+    indentation: float
+    """Critical indentation, m."""
+    top_contact_radius: float
+    """Radius of the contact on the pillar tops, m."""
+    floor_contact_distance: float
+    """Distance of the floor contact from the lens axis, m."""
+
+    @property
+    def contact_radius(self) -> float:
+        """Critical contact radius: the larger of the two radii, m."""
+        return max(self.top_contact_radius, self.floor_contact_distance)
+
+
+class Constants(NamedTuple):
+    """Constants of a system."""
+
+    reduced_modulus: float
+    """1/c, Pa."""
+    internal_compliance: float
+    """gamma_int, 1/Pa."""
+    external_compliance: float
+    """gamma_ext, 1/Pa."""
+    column_compliance_ratio: float
+    """4 h/(pi E_s d c)."""
+    small_contact_limit: float
+    """Surface fraction below which the lens touches one pillar only, by the paper's criterion."""
+    homogenised_limit: float
+    """Surface fraction below which the homogenised lattice applies."""
+    central_force_amplification: float
+    """S, the reduced force on the central pillar at the transition."""
+
+
+class LatticeSums(NamedTuple):
+    """The sums over all pillars but the central one, or their fitted coefficients."""
+
+    displacement: Any
+    """G0."""
+    force: Any
+    """G."""
+    curvature: Any
+    """G1."""
+
+
+class Phase(NamedTuple):
+    """A point of the phase diagram."""
+
+    region: str
+    """``"top"``: on pillar tops only; ``"mixed"``: on the floor too."""
+    deterministic: bool
+    """Whether force and radius decide it; within a pitch the place of the lens does."""
+
+
+def closed_forms(system: System) -> dict[str, TransitionEstimate]:
+    """The critical state by every formula."""
+    forms = _fakir.closed_forms(system._case, None)
+    return {name: TransitionEstimate(*estimate) for name, estimate in forms}
+
+
+def small_contact(system: System) -> TransitionEstimate:
+    """The paper's formulas for one pillar in contact."""
+    return closed_forms(system)["small_contact"]
+
+
+def one_pillar(system: System) -> TransitionEstimate:
+    """One pillar in contact, with the distance of the floor contact found exactly."""
+    return closed_forms(system)["one_pillar"]
+
+
+def large_contact(system: System, form: str = "corrected") -> TransitionEstimate:
+    """The paper's formulas for many pillars in contact, ``"corrected"`` or ``"as_printed"``."""
+    if form not in {"corrected", "as_printed"}:
+        raise ValueError(f'form is {form!r}: give "corrected" or "as_printed"')
+    return closed_forms(system)[f"large_contact_{form}"]
+
+
+def transition_from_exact_sums(
+    system: System, contact_radius: Quantity | None = None
+) -> TransitionEstimate:
+    """From lattice sums over a contact radius (m), that of the large-contact formula if not given."""
+    radius = None if contact_radius is None else si(contact_radius, "length", "contact_radius")
+    forms = dict(_fakir.closed_forms(system._case, radius))
+    return TransitionEstimate(*forms["exact_lattice_sums"])
+
+
+def constants(system: System) -> Constants:
+    """Compliances and limits."""
+    return Constants(*_fakir.constants(system._case).values())
+
+
+def transition_force(system: System, contact_radius: object) -> Any:
+    """The transition curve: the force (N) at contact radii (m) at which the floor is touched."""
+    radii = array(contact_radius, "length", "contact_radius")
+    return _each(lambda radius: _fakir.transition_force(system._case, radius), radii)
+
+
+def hertz_contact_radius(system: System, force: object) -> Any:
+    """Contact radius (m) on a smooth surface under forces (N)."""
+    forces = array(force, "force", "force")
+    return _each(lambda force: _fakir.hertz_contact_radius(system._case, force), forces)
+
+
+def phase(system: System, force: Quantity, contact_radius: Quantity) -> Phase:
+    """The region of the phase diagram."""
+    radius = si(contact_radius, "length", "contact_radius")
+    return Phase(*_fakir.phase(system._case, si(force, "force", "force"), radius))
+
+
+def lattice_sums(contact_radius: object) -> LatticeSums:
+    """The sums themselves over contact radii in pitches."""
+    return _sums(_fakir.exact_lattice_sums, contact_radius)
+
+
+def fitted_lattice_sums(contact_radius: object) -> LatticeSums:
+    """The paper's fits to them."""
+    return _sums(_fakir.fitted_lattice_sums, contact_radius)
+
+
+def sum_coefficients(origin: str = "paper") -> LatticeSums:
+    """C01, C1 and C11: the paper's, or the exact ``"limit"`` of a wide contact."""
+    if origin not in {"paper", "limit"}:
+        raise ValueError(f'origin is {origin!r}: give "paper" or "limit"')
+    found = _fakir.sum_coefficients(origin, (1.0, 32.0), 2)
+    assert found is not None
+    return LatticeSums(*found)
+
+
+def fit_sum_coefficients(
+    range: tuple[float, float] = (1.0, 32.0), samples: int = 497
+) -> LatticeSums:
+    """C01, C1 and C11 by least squares over a range of contact radii in pitches."""
+    found = _fakir.sum_coefficients("least squares", range, samples)
+    if found is None:
+        raise ValueError(f"nothing to fit in the range {range} with {samples} samples")
+    return LatticeSums(*found)
+
+
+def inverse_power_sum(exponent: float) -> float:
+    """Sum of r^-exponent over a unit hexagonal lattice without the origin, continued analytically."""
+    return _fakir.inverse_power_sum(exponent)
+
+
+def lattice_potential(x: object, y: object) -> Any:
+    """Potential of a unit hexagonal lattice of unit charges in a neutralising background."""
+    across, along = np.broadcast_arrays(array(x, "number", "x"), array(y, "number", "y"))
+    values = [_fakir.lattice_potential(*point) for point in zip(across.flat, along.flat)]
+    return np.array(values).reshape(across.shape)[()]
+
+
+def site_potential() -> float:
+    """The same at a lattice site, without that site: v_s."""
+    return _fakir.site_potential()
+
+
+def hollow_potential() -> float:
+    """The same at a hollow site: v_h."""
+    return _fakir.hollow_potential()
+
+
+def _each(function: Any, values: Any) -> Any:
+    return np.array([function(float(value)) for value in values.flat]).reshape(values.shape)[()]
+
+
+def _sums(function: Any, contact_radius: object) -> LatticeSums:
+    radii = array(contact_radius, "number", "contact_radius")
+    rows = np.array([function(float(radius)) for radius in radii.flat]).reshape(*radii.shape, 3)
+    return LatticeSums(rows[..., 0][()], rows[..., 1][()], rows[..., 2][()])
