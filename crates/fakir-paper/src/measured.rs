@@ -99,3 +99,51 @@ fn point(record: &Record) -> Result<(Substrate, Measured), String> {
         },
     ))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(text: &str) -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        std::fs::write(&path, text).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn points_are_reduced_with_their_errors() {
+        let (_folder, path) = file(
+            "surface_fraction, substrate, critical_force_N, critical_force_error_N\n\
+             0.01, soft, 1.5e-7, 1e-8\n0.05, , ,\n",
+        );
+        let points = read(&path).unwrap();
+        let (substrate, first) = points[0];
+        assert_eq!(substrate, Substrate::Soft);
+        // gamma_int/(h d) from its definition, gamma_int = 3/(4 E_l) + 3/(4 E_s) + 4h/(pi E_s d).
+        let compliance = 0.75 / 2e6 + 0.75 / 2e3 + 4.0 * 2.2 / (6.0 * std::f64::consts::PI * 2e3);
+        let unit = compliance / (2.2e-6 * 6e-6);
+        let [force, error] = first.force.unwrap();
+        assert!((force / (1.5e-7 * unit) - 1.0).abs() < 1e-12);
+        assert!((error / (1e-8 * unit) - 1.0).abs() < 1e-12);
+        assert_eq!(points[1].0, Substrate::Intermediate);
+        assert!(points[1].1.force.is_none());
+    }
+
+    #[test]
+    fn what_cannot_be_read_names_the_line() {
+        for (text, told) in [
+            ("surface_fraction\n0.01\nmuch\n", "points.csv:3: "),
+            (
+                "surface_fraction,substrate\n0.01,rubber\n",
+                "points.csv:2: the substrate",
+            ),
+            ("surface_fraction\n1.5\n", "points.csv:2: "),
+            ("fraction\n0.1\n", "points.csv:2: "),
+        ] {
+            let (_folder, path) = file(text);
+            let error = read(&path).unwrap_err().to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}
