@@ -159,8 +159,8 @@ impl Figure {
         labels
     }
 
-    /// What is wrong with its text: off the page, over other text or over data, or too small to
-    /// read. An empty list for a figure that is in order.
+    /// What is wrong with its text: off the page, over other text or over data, too small to
+    /// read, or in characters that the font does not have. An empty list for a figure that is in order.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let page = Bounds::new(0.0, 0.0, self.size[0], self.size[1]);
@@ -179,6 +179,11 @@ impl Figure {
                     "\"{}\" is too small: {} pt",
                     label.text, label.size
                 ));
+            }
+            for run in label.text.runs() {
+                if let Some(missing) = run.text.chars().find(|c| !run.face.has(*c)) {
+                    faults.push(format!("\"{}\": the font has no {missing}", label.text));
+                }
             }
             let drawn = self
                 .items
