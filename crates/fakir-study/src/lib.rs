@@ -25,7 +25,8 @@
 //!   the table of a sweep that was killed and resumed is the same, byte for byte.
 //! * A case without an answer keeps its row in the [`Table`], with the reason.
 //! * [`design`](mod@design) turns the question round: which value gives a wanted critical force;
-//!   [`spread`](mod@spread) draws samples about a case.
+//!   [`spread`](mod@spread) draws samples about a case; [`fit`](mod@fit) finds moduli and instrument
+//!   parameters from measured loading curves.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
 //!   files that are there whole or not at all.
@@ -35,6 +36,7 @@ pub mod citations;
 pub mod design;
 mod error;
 pub mod fields;
+pub mod fit;
 mod folder;
 mod journal;
 pub mod output;
