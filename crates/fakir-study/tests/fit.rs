@@ -98,7 +98,7 @@ fn far_starting_values_do() {
         machine_compliance: COMPLIANCE,
         ..FitOptions::default()
     };
-    for start in ["20MPa", "0.1MPa"] {
+    for start in ["20MPa", "0.3MPa"] {
         let file = case_file(&[&format!("substrate.young_modulus={start}")]);
         let fitted = fit(&file, &data, &free, &options, &Run::default()).unwrap();
         assert_eq!(fitted.termination, Termination::Converged, "{start}");

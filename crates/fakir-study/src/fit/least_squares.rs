@@ -3,8 +3,8 @@
 use faer::Mat;
 
 /// Singular values below this part of the largest, with the columns scaled to the same length,
-/// count as zero: derivatives are known to about 1e-6.
-const RANK: f64 = 1e-5;
+/// count as zero: derivatives are differences, good to about 1e-4.
+const RANK: f64 = 1e-4;
 
 /// Weighted derivatives of the model at a point, decomposed.
 pub(super) struct Linear {

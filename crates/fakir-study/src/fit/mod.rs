@@ -319,11 +319,19 @@ impl Fit {
 /// Steps of a search.
 const MOST_ITERATIONS: usize = 100;
 
-/// A step that is so small a part of the standard error ends the search. Later, so large a part does
-/// where jumps of the contact radius move the best fit to and fro.
+/// A step that is so small a part of the standard error ends the search.
 const SMALL: f64 = 1e-3;
-const SMALL_AMONG_JUMPS: f64 = 0.1;
-const PATIENCE: usize = 20;
+
+/// The sum of squares has kinks where pillars are touched first, and a minimum may be at one. There no
+/// step lowers it by more than this ...
+const NO_GAIN: f64 = 1e-4;
+
+/// ... and derivatives that held would not lower it by more than this, a third of a standard error.
+const LITTLE_PROMISED: f64 = 0.1;
+
+/// After so many steps the latter alone does: jumps of the contact radius move the best fit to and
+/// fro. And rows at the transition no longer come back.
+const PATIENCE: usize = 30;
 
 /// A step in the unknowns that is as small as the solver is exact ends it too.
 const EXACT: f64 = 1e-8;
@@ -640,23 +648,15 @@ impl<'a> Search<'a> {
         step.into_iter().map(|step| step / excess).collect()
     }
 
-    /// Whether the best fit is nearer than matters.
-    fn is_at_end(&self) -> bool {
-        let jumps = self
-            .data
-            .iter()
-            .any(|d| d.quantity == Quantity::ContactRadius);
-        let small = if jumps && self.iterations > PATIENCE {
-            SMALL_AMONG_JUMPS
-        } else {
-            SMALL
-        };
+    /// Whether this is the best fit, after a step that lowered the sum of squares by `gain`.
+    fn is_at_end(&self, gain: f64) -> bool {
         let covariance = self.covariance();
         let step = self.step(0.0);
         let near = |(j, step): (usize, &f64)| {
-            step.abs() <= EXACT.max(small * covariance[j][j].max(0.0).sqrt())
+            step.abs() <= EXACT.max(SMALL * covariance[j][j].max(0.0).sqrt())
         };
-        step.iter().enumerate().all(near)
+        let at_kink = gain < NO_GAIN || self.iterations > PATIENCE;
+        step.iter().enumerate().all(near) || at_kink && self.promised(&step) < LITTLE_PROMISED
     }
 
     fn run(&mut self, run: &Run<'_>) -> Result<Termination, FitError> {
@@ -666,32 +666,24 @@ impl<'a> Search<'a> {
                 return Err(SolveError::Interrupted.into());
             }
             self.iterations += 1;
-            let states_changed = self.iterations > 1 && self.select();
-            if states_changed {
-                self.check_enough()?;
-                self.linearise()?;
-            } else if self.iterations > 1 && self.is_at_end() {
+            let Some(gain) = self.advance(&mut damping)? else {
+                return Ok(match self.is_at_end(0.0) {
+                    true => Termination::Converged,
+                    false => Termination::Stagnated,
+                });
+            };
+            let rows_changed = self.select();
+            self.check_enough()?;
+            self.linearise()?;
+            if !rows_changed && self.is_at_end(gain) {
                 return Ok(Termination::Converged);
-            }
-            match self.advance(&mut damping)? {
-                true => self.linearise()?,
-                false if self.is_at_end_among_jumps() => return Ok(Termination::Converged),
-                false => return Ok(Termination::Stagnated),
             }
         }
         Ok(Termination::IterationLimit)
     }
 
-    /// No smaller sum of squares was found, but a jump of the contact radius may be in the way.
-    fn is_at_end_among_jumps(&mut self) -> bool {
-        self.iterations += PATIENCE;
-        let end = self.is_at_end();
-        self.iterations -= PATIENCE;
-        end
-    }
-
-    /// Goes to unknowns that fit better; `false` if there are none to be found.
-    fn advance(&mut self, damping: &mut f64) -> Result<bool, FitError> {
+    /// Goes to unknowns that fit better, and says by how much; `None` if there are none to be found.
+    fn advance(&mut self, damping: &mut f64) -> Result<Option<f64>, FitError> {
         let now = self.chi_square();
         while *damping <= MOST_DAMPING {
             let step = self.bounded(self.step(*damping));
@@ -705,10 +697,16 @@ impl<'a> Search<'a> {
                 Ok(states) => {
                     let squares = self.trial_chi_square(&states);
                     if squares <= now {
+                        // Of what the derivatives promise; where they do not hold far, slow down.
+                        let kept = (now - squares) / self.promised(&step);
                         self.states = states;
                         self.unknowns = trial;
-                        *damping = (*damping * 0.1).max(1e-12);
-                        return Ok(true);
+                        *damping = match kept {
+                            kept if kept > 0.75 => (*damping * 0.1).max(1e-12),
+                            kept if kept > 0.25 => *damping,
+                            _ => *damping * 10.0,
+                        };
+                        return Ok(Some(now - squares));
                     }
                 }
                 Err(FitError::Solve(SolveError::Interrupted)) => {
@@ -719,8 +717,28 @@ impl<'a> Search<'a> {
             }
             *damping *= 10.0;
         }
-        *damping = 1e-3;
-        Ok(false)
+        Ok(None)
+    }
+
+    /// By how much the sum of squares would fall if the derivatives held all the way.
+    fn promised(&self, step: &[f64]) -> f64 {
+        let residuals = self.residuals();
+        let terms = self.data.iter().zip(residuals).zip(&self.errors);
+        terms
+            .map(|((datum, residual), error)| {
+                let row = &self.derivatives[datum.row];
+                let slopes = match datum.quantity {
+                    Quantity::Force => &row.force,
+                    Quantity::ContactRadius => &row.contact_radius,
+                };
+                let change: f64 = slopes
+                    .iter()
+                    .zip(step)
+                    .map(|(slope, step)| slope * step)
+                    .sum();
+                (residual / error).powi(2) - ((residual - change) / error).powi(2)
+            })
+            .sum()
     }
 
     /// Sum of squares at other states, with jumps of the contact radius held back: it changes
