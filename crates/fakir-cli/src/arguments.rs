@@ -8,6 +8,7 @@ use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
 use fakir_study::design::{FREE, Wanted};
 use fakir_study::fields::MOST_POINTS;
+use fakir_study::fit::{FitOptions, Measurements, Parameter};
 use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::{Existing, Shard};
 use std::path::PathBuf;
@@ -98,6 +99,22 @@ pub(crate) enum Command {
       --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --samples 1000")]
     Design(Design),
+    /// Moduli and instrument parameters from a measured loading curve, by least squares
+    ///
+    /// DATA.csv has a heading and a row for every state, in SI units, with two or more of the columns
+    /// displacement_m (reading of the instrument, larger is deeper) or indentation_m, force_N and
+    /// contact_radius_m. Standard errors are in columns of the same names with _error before the
+    /// unit, as in force_error_N; a force or contact radius without errors has its scatter
+    /// estimated from the residuals. Cells may be empty; lines that begin with # are passed over.
+    ///
+    /// With a displacement or indentation that is the load, otherwise the force. The indentation is
+    /// displacement - contact_point - machine_compliance * force. States past the transition are left
+    /// out. A parameter that the data do not determine gets no confidence interval.
+    #[command(after_help = "Examples:
+  fakir fit data.csv --case case.toml --free substrate.young_modulus,contact_point
+  fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\
+      --machine-compliance 2e-3 --force-error 0.5uN --output fitted")]
+    Fit(Fit),
     /// Many cases: a study file with axes along which a case is varied
     ///
     /// Every case is one row of a table, also if it fails: then with the reason. With --output a
@@ -124,6 +141,7 @@ impl Command {
             Self::Cite(_) => "cite",
             Self::Reproduce(_) => "reproduce",
             Self::Design(_) => "design",
+            Self::Fit(_) => "fit",
             Self::Sweep(_) => "sweep",
             Self::Merge(_) => "merge",
         }
@@ -363,6 +381,107 @@ impl Design {
             seed: self.seed,
         })
     }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Fit {
+    /// Measured loading curve (CSV)
+    data: PathBuf,
+    /// Case file (TOML) with everything that is known, and where to begin; `-` for standard input
+    #[arg(long)]
+    case: PathBuf,
+    /// What is fitted: substrate.young_modulus, lens.young_modulus, lens.radius,
+    /// texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
+    /// texture.offset_angle, contact_point, machine_compliance; with commas, or repeated
+    #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
+    pub(crate) free: Vec<Parameter>,
+    /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or where to
+    /// begin; 0, or found in the data, unless given
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    contact_point: Option<f64>,
+    /// How far the instrument gives way, in m/N, or where to begin
+    #[arg(
+        long,
+        value_name = "M/N",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    machine_compliance: f64,
+    /// Standard error of forces that have none in the file (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    force_error: Option<f64>,
+    /// Standard error of contact radii that have none in the file (m, mm, um, nm)
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    contact_radius_error: Option<f64>,
+    /// Standard error of displacements or indentations that have none in the file (m, mm, um, nm)
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    position_error: Option<f64>,
+    /// Override a key of the case file, as in texture.pitch=20um; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Print JSON instead of tables, in SI units
+    #[arg(long)]
+    json: bool,
+    /// Save the result there: summary.json, fitted.csv with the model beside the data, the figure
+    /// fit.svg and fit.png, the case with the fitted values, and where it is from
+    #[arg(long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// No progress and no warnings
+    #[arg(long, short)]
+    quiet: bool,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+impl Fit {
+    pub(crate) fn case(&self) -> CaseArguments {
+        CaseArguments {
+            case: self.case.clone(),
+            set: self.set.clone(),
+            json: self.json,
+            output: self.output.clone(),
+            quiet: self.quiet,
+        }
+    }
+
+    /// The data, with the errors of the arguments where they have none.
+    pub(crate) fn measurements(&self) -> Result<Measurements, Failure> {
+        let mut data = Measurements::read(&self.data)?;
+        for (name, error) in [
+            ("--force-error", self.force_error),
+            ("--contact-radius-error", self.contact_radius_error),
+            ("--position-error", self.position_error),
+        ] {
+            if error.is_some_and(|error| !(error > 0.0 && error.is_finite())) {
+                return Err(Failure::Argument(format!("{name} must be greater than 0")));
+            }
+        }
+        if let Some(error) = self.force_error {
+            data = data.with_force_error(error);
+        }
+        if let Some(error) = self.contact_radius_error {
+            data = data.with_contact_radius_error(error);
+        }
+        if let Some(error) = self.position_error {
+            data = data.with_position_error(error);
+        }
+        Ok(data)
+    }
+
+    pub(crate) fn known(&self) -> FitOptions {
+        FitOptions {
+            contact_point: self.contact_point,
+            machine_compliance: self.machine_compliance,
+        }
+    }
+}
+
+/// A parameter that can be fitted.
+fn fitted(text: &str) -> Result<Parameter, String> {
+    Parameter::named(text.trim()).ok_or_else(|| {
+        let names = Parameter::ALL.map(Parameter::name);
+        format!("give one of {}", names.join(", "))
+    })
 }
 
 /// A key that can be sought, by its path or by its last name.

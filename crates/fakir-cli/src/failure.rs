@@ -7,6 +7,7 @@ use fakir_figure::FigureError;
 use fakir_paper::PaperError;
 use fakir_study::StudyError;
 use fakir_study::design::DesignError;
+use fakir_study::fit::{DataError, FitError};
 use fakir_study::output::OutputError;
 use fakir_study::spread::SpreadError;
 use std::io::Write;
@@ -28,6 +29,8 @@ pub(crate) enum Failure {
     Design(#[from] DesignError),
     #[error(transparent)]
     Spread(#[from] SpreadError),
+    #[error(transparent)]
+    Fit(#[from] FitError),
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error(transparent)]
@@ -61,6 +64,12 @@ impl From<PaperError> for Failure {
     }
 }
 
+impl From<DataError> for Failure {
+    fn from(error: DataError) -> Self {
+        Self::Fit(error.into())
+    }
+}
+
 impl Failure {
     pub(crate) fn file(action: &'static str, path: &Path, error: std::io::Error) -> Self {
         Self::File {
@@ -77,6 +86,7 @@ impl Failure {
                 | Self::Surface(SurfaceError::Interrupted)
                 | Self::Design(DesignError::Solve(SolveError::Interrupted))
                 | Self::Spread(SpreadError::Solve(SolveError::Interrupted))
+                | Self::Fit(FitError::Solve(SolveError::Interrupted))
                 | Self::Study(StudyError::Interrupted { .. })
         )
     }
@@ -91,7 +101,9 @@ impl Failure {
             interrupted if interrupted.is_interruption() => {
                 tell("interrupted: no result");
             }
-            Self::Design(DesignError::Case(error)) | Self::Spread(SpreadError::Case(error)) => {
+            Self::Design(DesignError::Case(error))
+            | Self::Spread(SpreadError::Case(error))
+            | Self::Fit(FitError::Case(error)) => {
                 tell(&format!("{:?}", miette::Report::new(error.clone())));
             }
             Self::Study(StudyError::Case(error)) => {
@@ -118,8 +130,11 @@ impl Failure {
             | Self::Figure(_)
             | Self::Surface(_)
             | Self::Design(DesignError::Solve(_))
-            | Self::Spread(SpreadError::Solve(_)) => NO_ANSWER,
-            Self::Design(_) | Self::Spread(_) => 2,
+            | Self::Spread(SpreadError::Solve(_))
+            | Self::Fit(
+                FitError::Solve(_) | FitError::NoBalance { .. } | FitError::NoDerivatives,
+            ) => NO_ANSWER,
+            Self::Design(_) | Self::Spread(_) | Self::Fit(_) => 2,
         })
     }
 }

@@ -95,6 +95,7 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
             )
         }
         Command::Design(options) => design(command, options),
+        Command::Fit(options) => fit(command, options),
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Merge(options) => commands::sweep::merge(options),
     }
@@ -114,6 +115,17 @@ fn design(command: &Command, options: &arguments::Design) -> Result<ExitCode, Fa
         status
     } else {
         ExitCode::from(failure::NO_ANSWER)
+    })
+}
+
+/// Fits; the case that is saved is the one with the fitted values.
+fn fit(command: &Command, options: &arguments::Fit) -> Result<ExitCode, Failure> {
+    let case = options.case();
+    let session = Session::start(&options.run, case.quiet)?;
+    let data = options.measurements()?;
+    let file = read_case(&case)?;
+    deliver(command, &case, move || {
+        commands::fit::run(&file, &data, options, &session)
     })
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod cite;
 mod closed_forms;
 pub(crate) mod compare;
 pub(crate) mod design;
+pub(crate) mod fit;
 pub(crate) mod init;
 pub(crate) mod press;
 pub(crate) mod reproduce;
