@@ -208,7 +208,7 @@ def phase_diagram(
     axis.set_ylabel(r"$F\,\gamma_{int}/(h\,d)$")
     axis.text(0.97, 0.05, "on pillar tops", ha="right", transform=axis.transAxes)
     axis.text(0.03, 0.95, "on tops and floor", va="top", transform=axis.transAxes)
-    _legend(axis, loc="lower left", bbox_to_anchor=(0.0, 0.12))
+    _legend(axis, loc="upper left", bbox_to_anchor=(0.0, 0.92))
     return axis
 
 

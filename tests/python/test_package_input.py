@@ -1,0 +1,134 @@
+"""What the package takes, and what it says about what it does not take."""
+
+import numpy as np
+import pint
+import pytest
+
+import fakir
+
+UNITS = pint.UnitRegistry()
+
+
+def system(**changes):
+    values = {"radius": 2.2e-3, "young_modulus": 2e6, "poisson_ratio": 0.5, **changes}
+    texture = fakir.HexagonalTexture(6e-6, 2.2e-6, surface_fraction=0.01)
+    return fakir.System(fakir.Lens(**values), fakir.Substrate(2e6, 0.5), texture)
+
+
+def test_quantities_with_and_without_units():
+    for radius in [
+        2.2e-3,
+        "2200 um",
+        "2.2 mm",
+        "2200 \u00b5m",
+        np.float64(2.2e-3),
+        np.array(2.2e-3),
+        UNITS.Quantity("2.2 mm"),
+        UNITS.Quantity(2.2e-3, "m"),
+    ]:
+        assert fakir.Lens(radius, 1, 0.5).radius == pytest.approx(2.2e-3, rel=1e-15), radius
+    assert fakir.Lens("2200 um", 1, 0.5).radius == 2.2e-3
+    assert fakir.Lens(np.float32(0.5), 1, 0.5).radius == 0.5
+    assert fakir.Substrate(UNITS.Quantity(2, "MPa"), 0.5).young_modulus == 2e6
+    texture = fakir.HexagonalTexture("6 um", "2 um", pitch="20 um", offset_angle="30 deg")
+    assert texture.offset_angle == pytest.approx(np.pi / 6)
+    state = system().press(force=UNITS.Quantity(20, "micronewton"))
+    assert state.force == pytest.approx(20e-6, rel=1e-14)
+    assert state.gap(UNITS.Quantity([0.0, 20.0], "um"), 0.0)[1] == state.gap(20e-6, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("radius", "error", "words"),
+    [
+        ("2 MPa", ValueError, "lens.radius: MPa is a unit of pressure, not of length"),
+        ("wide", ValueError, 'lens.radius: "wide" does not start with a number'),
+        ("2 UM", ValueError, r"did you mean um\?"),
+        ([1, 2], TypeError, "lens.radius is of type list: give a number in m"),
+        (None, TypeError, "lens.radius is of type NoneType"),
+        (True, TypeError, "lens.radius is True"),
+        (1j, TypeError, "lens.radius is of type complex"),
+        (UNITS.Quantity(1, "Pa"), ValueError, "lens.radius: Cannot convert"),
+        (-1.0, fakir.CaseError, "lens.radius: cannot be -1 m; it must be a finite number greater"),
+        (float("nan"), fakir.CaseError, "lens.radius: cannot be NaN m"),
+        (np.inf, fakir.CaseError, "lens.radius: cannot be inf m"),
+    ],
+)
+def test_what_is_no_radius(radius, error, words):
+    with pytest.raises(error, match=words):
+        system(radius=radius)
+
+
+def test_errors_know_the_key_and_the_place(tmp_path):
+    with pytest.raises(fakir.CaseError) as error:
+        system(poisson_ratio=0.6)
+    assert isinstance(error.value, ValueError)
+    assert isinstance(error.value, fakir.FakirError)
+    assert error.value.key == "lens.poisson_ratio"
+    path = tmp_path / "case.toml"
+    path.write_text(system().to_toml().replace('"2.2 mm"', '"2.2 furlong"'))
+    with pytest.raises(fakir.CaseError) as error:
+        fakir.System.from_file(path)
+    assert (error.value.key, error.value.file) == ("lens.radius", str(path))
+    assert error.value.line is not None
+    with pytest.raises(fakir.CaseError, match="did you mean texture.pitch"):
+        system().replace({"texture.pich": 1})
+
+
+def test_exactly_one_of_each_pair():
+    with pytest.raises(TypeError, match="exactly one of pitch and surface_fraction"):
+        fakir.HexagonalTexture("6 um", "2 um")
+    for load in [{}, {"force": 1e-6, "indentation": 1e-6}]:
+        with pytest.raises(TypeError, match="exactly one of indentation and force"):
+            system().press(**load)
+    with pytest.raises(TypeError, match="a system takes a Lens"):
+        fakir.System(fakir.Substrate(1, 0.5), fakir.Lens(1, 1, 0.5), None)
+
+
+def test_methods_and_their_settings():
+    with pytest.raises(fakir.CaseError, match='method.name: "spectrum" is not known; give "spectral"'):
+        system().transition("spectrum")
+    with pytest.raises(fakir.CaseError, match='only the method "spectral" has this key'):
+        system().transition("love", accuracy="accurate")
+    with pytest.raises(ValueError, match="threads is -1"):
+        system().transition(threads=-1)
+    with pytest.raises(TypeError, match="progress must be a function"):
+        system().transition(progress=3)
+
+
+def test_loads_that_cannot_be():
+    with pytest.raises(ValueError, match="force cannot be -1"):
+        system().press(force="-1 N")
+    with pytest.raises(ValueError, match="indentation cannot be NaN"):
+        system().press(indentation=float("nan"))
+    with pytest.raises(fakir.SolveError, match="more than half the lens radius"):
+        system().press(indentation="3 mm")
+    dense = system().replace({"texture.surface_fraction": 0.2})
+    with pytest.raises(fakir.SolveError, match="the limit is 1.0 MB"):
+        dense.transition(memory_limit=1_000_000)
+    with pytest.raises(ValueError, match="at most 10000"):
+        system().approach("1 nm".replace("1 ", "0.0001 "))
+    with pytest.warns(fakir.FakirWarning, match="past the transition"):
+        assert system().press(indentation="5 um").beyond_transition
+
+
+def test_arrays_of_points():
+    state = system().press(force="20 uN")
+    points = np.linspace(0, 30e-6, 5)
+    double = state.gap(points.astype(np.float32).astype(float), 0.0)
+    assert np.array_equal(state.gap(points.astype(np.float32), np.float32(0)), double)
+    assert state.gap(points[::-2], 0.0).shape == (3,)  # not contiguous
+    for bad, words in [
+        (points * 1j, "x is an array of complex128"),
+        (points > 0, "x is an array of bool"),
+        (np.array(["a"]), "x is an array of <U1"),
+        (points.astype(np.longdouble), "x is an array of (float128|longdouble|float96)"),
+        (np.array([None]), "x is an array of object"),
+    ]:
+        with pytest.raises(TypeError, match=words):
+            state.gap(bad, 0.0)
+    with pytest.raises(ValueError, match=r"y\[1, 0\] is nan"):
+        state.pressure(0.0, [[0.0], [np.nan]])
+    with pytest.raises(ValueError, match=r"x of shape \(3,\) and y of shape \(2,\) cannot"):
+        state.pressure(np.zeros(3), np.zeros(2))
+    with pytest.raises(ValueError, match=r"x has the shape \(2, 2\)"):
+        state.on_grid(np.zeros((2, 2)), [0.0])

@@ -1,0 +1,64 @@
+"""Figures: axes in, axes out."""
+
+import matplotlib
+import pytest
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+from conftest import EXAMPLES  # noqa: E402
+
+import fakir  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def system():
+    return fakir.System.from_file(
+        EXAMPLES / "paper-intermediate.toml", set={"texture.surface_fraction": 0.03}
+    )
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    yield
+    plt.close("all")
+
+
+@pytest.mark.parametrize("name", ["pressure_map", "pillar_pressure", "floor_gap_map", "top_view"])
+def test_a_state_on_axes(system, name):
+    critical = system.transition()
+    draw = getattr(fakir.plot, name)
+    axes = plt.figure().subplots()
+    assert draw(critical, axes) is axes
+    assert axes.has_data()
+    assert draw(critical.state) is not axes
+
+
+def test_newton_rings(system):
+    assert fakir.plot.top_view(system.transition(), wavelength=550e-9, points=51).has_data()
+
+
+def test_several_panels(system):
+    critical = system.transition()
+    axes = fakir.plot.profiles([system.press(indentation="1 um"), critical])
+    assert len(axes) == 2
+    assert len(fakir.plot.profiles(critical, plt.figure().subplots())) == 1
+    assert all(axis.has_data() for axis in fakir.plot.lattice_sums(8.0))
+    with pytest.raises(ValueError, match="2 axes were given: this figure has 3"):
+        fakir.plot.critical_curves([critical], axes)
+
+
+def test_critical_curves_and_phase_diagram(system):
+    study = {"system": system, "axes": {"surface_fraction": [0.01, 0.03]}}
+    done = fakir.sweep(study)
+    axes = fakir.plot.critical_curves(done)
+    forces = axes[0].lines[0].get_ydata()
+    assert forces[1] == system.transition().normalized.force
+    assert fakir.plot.critical_curves({"offset 0": [system.transition()]})[0].get_legend()
+    diagram = fakir.plot.phase_diagram(system, [system.transition()], [system.approach("2 um")])
+    assert diagram.has_data()
+
+
+def test_states_without_pillars(system):
+    with pytest.raises(ValueError, match="no pillars to show"):
+        fakir.plot.pressure_map(system.transition("homogenised"))
