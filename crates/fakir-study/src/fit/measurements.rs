@@ -297,6 +297,9 @@ impl Measurements {
     }
 }
 
+/// Columns, and for every row its line in the file and its cells.
+type Table = (Vec<Column>, Vec<(u64, Cells)>);
+
 struct Reader<'a> {
     name: &'a str,
 }
@@ -316,7 +319,7 @@ impl Reader<'_> {
         }
     }
 
-    fn table(&self, bytes: &[u8]) -> Result<(Vec<Column>, Vec<(u64, Cells)>), DataError> {
+    fn table(&self, bytes: &[u8]) -> Result<Table, DataError> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
