@@ -209,8 +209,9 @@ fn states_past_the_transition_are_left_out() {
 #[test]
 fn intervals_hold_the_truth_as_often_as_they_say() {
     const DRAWS: u64 = 100;
-    const NOISE: f64 = 0.5e-6; // N, where the largest force is 100 uN
-    let file = case_file(&[]);
+    const NOISE: f64 = 0.3e-6; // N, where the largest force is 100 uN
+    // The fit is the same by any method, and this one fast.
+    let file = case_file(&["method.name=punch"]);
     let [displacement, force, _] = loading(&file, &indentations(12));
     let free = [
         SUBSTRATE,
