@@ -326,8 +326,8 @@ const SMALL: f64 = 1e-3;
 /// step lowers it by more than this ...
 const NO_GAIN: f64 = 1e-4;
 
-/// ... and derivatives that held would not lower it by more than this, a third of a standard error.
-const LITTLE_PROMISED: f64 = 0.1;
+/// ... and derivatives that held would not lower it by more than this, less than a standard error.
+const LITTLE_PROMISED: f64 = 0.5;
 
 /// After so many steps the latter alone does: jumps of the contact radius move the best fit to and
 /// fro. And rows at the transition no longer come back.

@@ -1,0 +1,89 @@
+//! `fakir fit`, as a user runs it.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{Bench, example, keys};
+use serde_json::Value;
+
+/// The example of the README, by a fast method: the values are those of the spectral method to a
+/// standard error.
+fn arguments<'a>(data: &'a str, case: &'a str) -> Vec<&'a str> {
+    vec![
+        "fit",
+        data,
+        "--case",
+        case,
+        "--free",
+        "substrate.young_modulus,contact_point,machine_compliance",
+        "--set",
+        "method.name=punch",
+        "--quiet",
+    ]
+}
+
+#[test]
+fn the_example_gives_its_truth() {
+    let bench = Bench::new();
+    let (data, case) = (example("fit/loading.csv"), example("fit/case.toml"));
+    let mut arguments = arguments(&data, &case);
+    arguments.extend(["--output", "results"]);
+    let result = bench.json(&arguments);
+    for (estimate, suffix, truth) in [
+        (&result["parameters"][0], "_Pa", 1.4e6),
+        (&result["parameters"][1], "_m", 3e-6),
+        (&result["parameters"][2], "_m_per_N", 2e-3),
+    ] {
+        let ends = &estimate[format!("confidence_interval_95{suffix}")];
+        let [low, high] = [0, 1].map(|end| ends[end].as_f64().unwrap());
+        assert!(low < truth && truth < high, "{estimate}");
+    }
+    assert_eq!(
+        bench.files("results"),
+        [
+            "case.toml",
+            "fit.png",
+            "fit.svg",
+            "fitted.csv",
+            "provenance.json",
+            "summary.json"
+        ]
+    );
+    let saved: Value = serde_json::from_str(&bench.read("results/summary.json")).unwrap();
+    assert_eq!(keys(&saved), keys(&result));
+    assert_eq!(bench.read("results/fitted.csv").lines().count(), 37);
+    let fitted = result["parameters"][0]["value_Pa"].as_f64().unwrap() / 1e6;
+    let case = bench.read("results/case.toml");
+    assert!(
+        case.contains(&format!("young_modulus = \"{fitted} MPa\"")),
+        "{case}"
+    );
+}
+
+#[test]
+fn bad_input_ends_with_status_2() {
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    bench.write("data.csv", "displacement_m,force_N\n1e-6,2 uN\n");
+    let outcome = bench.run(&arguments("data.csv", &case));
+    assert_eq!(outcome.status, Some(2));
+    assert_eq!(
+        outcome.stderr,
+        "error: data.csv:2: force_N: \"2 uN\" is no number: give one like 1.2e-5, without unit\n"
+    );
+    let outcome = bench.run(&arguments("missing.csv", &case));
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .starts_with("error: missing.csv: cannot read: ")
+    );
+    let outcome = bench.run(&["fit", "data.csv", "--case", &case, "--free", "lens.mass"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .contains("give one of substrate.young_modulus")
+    );
+}
