@@ -4,6 +4,7 @@
 
 use fakir::Question;
 use fakir::contact::{Accuracy, Load, Method, PunchForm};
+use fakir::love::ElementMesh;
 use fakir_case::study::{Asked, Axis, Coordinate, Variable};
 use fakir_case::{Case, CaseFile, Key, Study, StudyFile};
 
@@ -144,7 +145,8 @@ fn keys_of_methods_count_for_the_methods_that_have_them() {
     let idle = methods(axis, &["method.accuracy=accurate"]).unwrap_err();
     assert!(idle.contains("only the method \"spectral\""), "{idle}");
     let known = study("[axes]\noffset = [0, 0.5]\n\"method.name\" = [\"punch\", \"love\"]");
-    assert_eq!(known.methods(), ["punch", "love"]);
+    let love = Method::Love(ElementMesh::default());
+    assert_eq!(known.methods(), [corrected, love]);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
 use fakir_study::design::{FREE, Wanted};
 use fakir_study::fields::MOST_POINTS;
+use fakir_study::fit::{FitOptions, Measurements, Parameter};
 use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::{Existing, Shard};
 use std::path::PathBuf;
@@ -80,6 +81,12 @@ pub(crate) enum Command {
     /// What to cite for a result, a case, a study or a method
     #[command(after_help = "Example: fakir cite results --bibtex")]
     Cite(Cite),
+    /// Every result of the paper anew: tables, figures, and a report of its claims
+    ///
+    /// 6 places to land, 60 surface fractions and 3 substrates, in half a minute; with report.html,
+    /// one page of claims, figures and numbers that needs nothing else.
+    #[command(after_help = "Example: fakir reproduce paper --output paper")]
+    Reproduce(Reproduce),
     /// The inverse question: the pitch, size or modulus that gives a wanted critical state; and how
     /// far real samples scatter about it
     ///
@@ -92,6 +99,22 @@ pub(crate) enum Command {
       --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --samples 1000")]
     Design(Design),
+    /// Moduli and instrument parameters from a measured loading curve, by least squares
+    ///
+    /// DATA.csv has a heading and a row for every state, in SI units, with two or more of the columns
+    /// displacement_m (reading of the instrument, larger is deeper) or indentation_m, force_N and
+    /// contact_radius_m. Standard errors are in columns of the same names with _error before the
+    /// unit, as in force_error_N; a force or contact radius without errors has its scatter
+    /// estimated from the residuals. Cells may be empty; lines that begin with # are passed over.
+    ///
+    /// With a displacement or indentation that is the load, otherwise the force. The indentation is
+    /// displacement - contact_point - machine_compliance * force. States past the transition are left
+    /// out. A parameter that the data do not determine gets no confidence interval.
+    #[command(after_help = "Examples:
+  fakir fit data.csv --case case.toml --free substrate.young_modulus,contact_point
+  fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\
+      --machine-compliance 2e-3 --force-error 0.5uN --output fitted")]
+    Fit(Fit),
     /// Many cases: a study file with axes along which a case is varied
     ///
     /// Every case is one row of a table, also if it fails: then with the reason. With --output a
@@ -116,7 +139,9 @@ impl Command {
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
             Self::Cite(_) => "cite",
+            Self::Reproduce(_) => "reproduce",
             Self::Design(_) => "design",
+            Self::Fit(_) => "fit",
             Self::Sweep(_) => "sweep",
             Self::Merge(_) => "merge",
         }
@@ -358,6 +383,107 @@ impl Design {
     }
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct Fit {
+    /// Measured loading curve (CSV)
+    data: PathBuf,
+    /// Case file (TOML) with everything that is known, and where to begin; `-` for standard input
+    #[arg(long)]
+    case: PathBuf,
+    /// What is fitted: substrate.young_modulus, lens.young_modulus, lens.radius,
+    /// texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
+    /// texture.offset_angle, contact_point, machine_compliance; with commas, or repeated
+    #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
+    pub(crate) free: Vec<Parameter>,
+    /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or where to
+    /// begin; 0, or found in the data, unless given
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    contact_point: Option<f64>,
+    /// How far the instrument gives way, in m/N, or where to begin
+    #[arg(
+        long,
+        value_name = "M/N",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    machine_compliance: f64,
+    /// Standard error of forces that have none in the file (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    force_error: Option<f64>,
+    /// Standard error of contact radii that have none in the file (m, mm, um, nm)
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    contact_radius_error: Option<f64>,
+    /// Standard error of displacements or indentations that have none in the file (m, mm, um, nm)
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    position_error: Option<f64>,
+    /// Override a key of the case file, as in texture.pitch=20um; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Print JSON instead of tables, in SI units
+    #[arg(long)]
+    json: bool,
+    /// Save the result there: summary.json, fitted.csv with the model beside the data, the figure
+    /// fit.svg and fit.png, the case with the fitted values, and where it is from
+    #[arg(long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// No progress and no warnings
+    #[arg(long, short)]
+    quiet: bool,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+impl Fit {
+    pub(crate) fn case(&self) -> CaseArguments {
+        CaseArguments {
+            case: self.case.clone(),
+            set: self.set.clone(),
+            json: self.json,
+            output: self.output.clone(),
+            quiet: self.quiet,
+        }
+    }
+
+    /// The data, with the errors of the arguments where they have none.
+    pub(crate) fn measurements(&self) -> Result<Measurements, Failure> {
+        let mut data = Measurements::read(&self.data)?;
+        for (name, error) in [
+            ("--force-error", self.force_error),
+            ("--contact-radius-error", self.contact_radius_error),
+            ("--position-error", self.position_error),
+        ] {
+            if error.is_some_and(|error| !(error > 0.0 && error.is_finite())) {
+                return Err(Failure::Argument(format!("{name} must be greater than 0")));
+            }
+        }
+        if let Some(error) = self.force_error {
+            data = data.with_force_error(error);
+        }
+        if let Some(error) = self.contact_radius_error {
+            data = data.with_contact_radius_error(error);
+        }
+        if let Some(error) = self.position_error {
+            data = data.with_position_error(error);
+        }
+        Ok(data)
+    }
+
+    pub(crate) fn known(&self) -> FitOptions {
+        FitOptions {
+            contact_point: self.contact_point,
+            machine_compliance: self.machine_compliance,
+        }
+    }
+}
+
+/// A parameter that can be fitted.
+fn fitted(text: &str) -> Result<Parameter, String> {
+    Parameter::named(text.trim()).ok_or_else(|| {
+        let names = Parameter::ALL.map(Parameter::name);
+        format!("give one of {}", names.join(", "))
+    })
+}
+
 /// A key that can be sought, by its path or by its last name.
 fn free_key(text: &str) -> Result<Key, String> {
     let named: Vec<Key> = FREE
@@ -414,7 +540,7 @@ pub(crate) struct Sweep {
     /// Go on with the sweep in the folder, if one has begun there
     #[arg(long, requires = "output", conflicts_with = "overwrite")]
     resume: bool,
-    /// Begin anew, whatever is in the folder
+    /// Begin anew, and replace a sweep that is in the folder
     #[arg(long, requires = "output")]
     overwrite: bool,
     /// Compute only this part of the cases, for `fakir merge`: 1/4 to 4/4 of a sweep in four shards
@@ -436,12 +562,74 @@ pub(crate) struct Sweep {
 
 impl Sweep {
     pub(crate) fn existing(&self) -> Existing {
-        match (self.resume, self.overwrite) {
-            (true, _) => Existing::Resume,
-            (_, true) => Existing::Overwrite,
-            _ => Existing::Refuse,
-        }
+        existing(self.resume, self.overwrite)
     }
+}
+
+/// What can be reproduced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Publication {
+    /// Phys. Rev. E 104, 055007 (2021)
+    Paper,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Reproduce {
+    /// What to reproduce
+    #[arg(value_enum)]
+    publication: Publication,
+    /// Where to; a folder that is empty or to be made
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) output: PathBuf,
+    /// Go on to a surface fraction of 0.29, beyond where the experiments reached the transition; it
+    /// takes several times as long
+    #[arg(long)]
+    pub(crate) dense: bool,
+    /// Surface fractions from 0.0003 to 0.21
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = points)]
+    pub(crate) points: usize,
+    /// Measured points to draw on the curves: a CSV file with a column surface_fraction, any of
+    /// critical_force_N, critical_contact_radius_m and critical_indentation_m, the same with _error
+    /// before the unit, and substrate (rigid, intermediate or soft)
+    #[arg(long, value_name = "CSV")]
+    pub(crate) measured: Option<PathBuf>,
+    /// Go on with one that was interrupted
+    #[arg(long, conflicts_with = "overwrite")]
+    resume: bool,
+    /// Begin anew, whatever is in the folder
+    #[arg(long)]
+    overwrite: bool,
+    /// Threads to share the work between; 0 for as many as there are processors
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) threads: usize,
+    /// Memory a single case may take (kB, MB, GB)
+    #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
+    pub(crate) memory_limit: usize,
+    /// No progress and no warnings
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+impl Reproduce {
+    pub(crate) fn existing(&self) -> Existing {
+        existing(self.resume, self.overwrite)
+    }
+}
+
+fn existing(resume: bool, overwrite: bool) -> Existing {
+    match (resume, overwrite) {
+        (true, _) => Existing::Resume,
+        (_, true) => Existing::Overwrite,
+        _ => Existing::Refuse,
+    }
+}
+
+/// Surface fractions that make a curve.
+fn points(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|points| (5..=1000).contains(points))
+        .ok_or_else(|| "give a number from 5 to 1000".to_owned())
 }
 
 #[derive(Debug, Args)]
@@ -451,7 +639,7 @@ pub(crate) struct Merge {
     /// Folders of all shards, in any order
     #[arg(required = true)]
     pub(crate) shards: Vec<PathBuf>,
-    /// Replace what is in the folder
+    /// Replace a sweep that is in the folder
     #[arg(long)]
     overwrite: bool,
     /// Print JSON, in SI units
@@ -461,11 +649,7 @@ pub(crate) struct Merge {
 
 impl Merge {
     pub(crate) fn existing(&self) -> Existing {
-        if self.overwrite {
-            Existing::Overwrite
-        } else {
-            Existing::Refuse
-        }
+        existing(false, self.overwrite)
     }
 }
 
@@ -483,8 +667,8 @@ pub(crate) struct CaseArguments {
     /// Print JSON instead of tables, in SI units
     #[arg(long)]
     pub(crate) json: bool,
-    /// Save the result there: summary.json, tables as CSV, fields, the case as it was solved, and
-    /// where it is from
+    /// Save the result there: summary.json, tables as CSV, fields, figures, the case as it was
+    /// solved, and where it is from
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
     /// No progress and no warnings

@@ -3,8 +3,11 @@
 use fakir::contact::SolveError;
 use fakir::love::SurfaceError;
 use fakir_case::CaseError;
+use fakir_figure::FigureError;
+use fakir_paper::PaperError;
 use fakir_study::StudyError;
 use fakir_study::design::DesignError;
+use fakir_study::fit::{DataError, FitError};
 use fakir_study::output::OutputError;
 use fakir_study::spread::SpreadError;
 use std::io::Write;
@@ -27,7 +30,11 @@ pub(crate) enum Failure {
     #[error(transparent)]
     Spread(#[from] SpreadError),
     #[error(transparent)]
+    Fit(#[from] FitError),
+    #[error(transparent)]
     Study(#[from] StudyError),
+    #[error(transparent)]
+    Figure(FigureError),
     #[error("{0}")]
     Argument(String),
     #[error("{action} {path}: {error}")]
@@ -41,6 +48,26 @@ pub(crate) enum Failure {
     /// Nobody reads the output any more, as with `fakir ... | head`.
     #[error("the output was closed")]
     OutputClosed,
+}
+
+impl From<PaperError> for Failure {
+    fn from(error: PaperError) -> Self {
+        match error {
+            PaperError::Study(error) => error.into(),
+            PaperError::Case(error) => error.into(),
+            PaperError::Output(error) => error.into(),
+            PaperError::Solve(error) | PaperError::Figure(FigureError::Solve(error)) => {
+                error.into()
+            }
+            PaperError::Figure(error) => Self::Figure(error),
+        }
+    }
+}
+
+impl From<DataError> for Failure {
+    fn from(error: DataError) -> Self {
+        Self::Fit(error.into())
+    }
 }
 
 impl Failure {
@@ -59,6 +86,7 @@ impl Failure {
                 | Self::Surface(SurfaceError::Interrupted)
                 | Self::Design(DesignError::Solve(SolveError::Interrupted))
                 | Self::Spread(SpreadError::Solve(SolveError::Interrupted))
+                | Self::Fit(FitError::Solve(SolveError::Interrupted))
                 | Self::Study(StudyError::Interrupted { .. })
         )
     }
@@ -73,7 +101,9 @@ impl Failure {
             interrupted if interrupted.is_interruption() => {
                 tell("interrupted: no result");
             }
-            Self::Design(DesignError::Case(error)) | Self::Spread(SpreadError::Case(error)) => {
+            Self::Design(DesignError::Case(error))
+            | Self::Spread(SpreadError::Case(error))
+            | Self::Fit(FitError::Case(error)) => {
                 tell(&format!("{:?}", miette::Report::new(error.clone())));
             }
             Self::Study(StudyError::Case(error)) => {
@@ -97,10 +127,14 @@ impl Failure {
             | Self::Threads(_) => 2,
             Self::Design(DesignError::NotConverged { .. }) => 1,
             Self::Solve(_)
+            | Self::Figure(_)
             | Self::Surface(_)
             | Self::Design(DesignError::Solve(_))
-            | Self::Spread(SpreadError::Solve(_)) => NO_ANSWER,
-            Self::Design(_) | Self::Spread(_) => 2,
+            | Self::Spread(SpreadError::Solve(_))
+            | Self::Fit(
+                FitError::Solve(_) | FitError::NoBalance { .. } | FitError::NoDerivatives,
+            ) => NO_ANSWER,
+            Self::Design(_) | Self::Spread(_) | Self::Fit(_) => 2,
         })
     }
 }

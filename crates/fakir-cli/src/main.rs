@@ -36,6 +36,7 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
     match command {
         Command::Init(options) => commands::init::run(options),
         Command::Cite(options) => commands::cite::run(options),
+        Command::Reproduce(options) => commands::reproduce::run(options),
         Command::Transition(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
@@ -94,6 +95,7 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
             )
         }
         Command::Design(options) => design(command, options),
+        Command::Fit(options) => fit(command, options),
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Merge(options) => commands::sweep::merge(options),
     }
@@ -113,6 +115,17 @@ fn design(command: &Command, options: &arguments::Design) -> Result<ExitCode, Fa
         status
     } else {
         ExitCode::from(failure::NO_ANSWER)
+    })
+}
+
+/// Fits; the case that is saved is the one with the fitted values.
+fn fit(command: &Command, options: &arguments::Fit) -> Result<ExitCode, Failure> {
+    let case = options.case();
+    let session = Session::start(&options.run, case.quiet)?;
+    let data = options.measurements()?;
+    let file = read_case(&case)?;
+    deliver(command, &case, move || {
+        commands::fit::run(&file, &data, options, &session)
     })
 }
 

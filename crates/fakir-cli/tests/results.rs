@@ -299,9 +299,19 @@ fn output_holds_the_result_and_the_case() {
             "case.toml",
             "fields.nc",
             "fields.vti",
+            "floor-gap-map.png",
+            "floor-gap-map.svg",
+            "pillar-pressure.png",
+            "pillar-pressure.svg",
             "pillars.csv",
+            "pressure-map.png",
+            "pressure-map.svg",
+            "profiles.png",
+            "profiles.svg",
             "provenance.json",
-            "summary.json"
+            "summary.json",
+            "top-view.png",
+            "top-view.svg"
         ]
     );
     let summary: Value = serde_json::from_str(&bench.read("results/first/summary.json")).unwrap();
@@ -321,6 +331,11 @@ fn output_holds_the_result_and_the_case() {
         .map(|row| row.split(',').nth(5).unwrap().parse::<f64>().unwrap())
         .sum();
     assert_close(&summary["critical_force_N"], total, 1e-9);
+
+    // Figures say where they are from.
+    let figure = bench.read("results/first/pressure-map.svg");
+    assert!(figure.contains("https://doi.org/10.1103/PhysRevE.104.055007"));
+    assert!(figure.contains("surface_fraction = 0.01"));
 
     // The saved case gives the same result.
     let again = bench.json(&["transition", "results/first/case.toml"]);

@@ -5,10 +5,10 @@ use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, 
 use fakir::theory::closed_forms::{self, Form};
 use fakir::theory::lattice_sums::SumFit;
 use fakir_figure::{
-    Axis, CriticalColumn, CriticalCurve, CriticalPoint, Dash, Figure, Histogram, LineChart,
-    Measured, PhaseDiagram, ProfileState, Series, Style, Text, Tint, View, critical_curves,
-    floor_gap_map, histogram, lattice_sums, lines, phase_diagram, phase_points, pillar_pressure,
-    pressure_map, profiles, top_view,
+    Axis, CriticalColumn, CriticalCurve, CriticalPoint, Dash, Figure, FigureError, Histogram,
+    LineChart, Measured, PhaseDiagram, ProfileState, Series, Style, Text, Tint, View,
+    critical_curves, floor_gap_map, histogram, lattice_sums, lines, phase_diagram, phase_points,
+    pillar_pressure, pressure_map, profiles, top_view,
 };
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -77,21 +77,25 @@ fn states(folder: &Path, surface_fraction: f64, offset: f64) -> Result<(), Box<d
         ],
         &run,
     )?;
-    let start = Instant::now();
     let contact = &critical.contact;
-    let figures = [
-        section,
-        pressure_map(contact, Some(critical.floor_contact))?,
-        pillar_pressure(contact, &run)?,
-        floor_gap_map(contact, &run)?,
-        top_view(contact, View::Contact, &run)?,
-        top_view(contact, View::GREEN, &run)?,
+    println!("surface fraction {surface_fraction}, offset {offset:.3}");
+    type Draw<'a> = Box<dyn Fn() -> Result<Figure, FigureError> + 'a>;
+    let figures: [Draw<'_>; 5] = [
+        Box::new(|| pressure_map(contact, Some(critical.floor_contact))),
+        Box::new(|| pillar_pressure(contact, &run)),
+        Box::new(|| floor_gap_map(contact, &run)),
+        Box::new(|| top_view(contact, View::Contact, &run)),
+        Box::new(|| top_view(contact, View::GREEN, &run)),
     ];
-    let drawn = start.elapsed().as_secs_f64();
-    println!(
-        "surface fraction {surface_fraction}, offset {offset:.3}: sampled and laid out in {drawn:.2} s"
-    );
-    for figure in figures {
+    let mut drawn = vec![section];
+    for draw in figures {
+        let start = Instant::now();
+        let figure = draw()?;
+        let time = 1e3 * start.elapsed().as_secs_f64();
+        println!("{:32} {time:6.1} ms to compute", figure.name());
+        drawn.push(figure);
+    }
+    for figure in drawn {
         let name = format!("{}-{surface_fraction}", figure.name()).replace('.', "_");
         save(folder, &figure.named(&name))?;
     }
@@ -116,7 +120,8 @@ fn phases() -> Result<Figure, Box<dyn Error>> {
                 state.indentation,
             ));
         }
-        let style = Style::line(k + 3).with_line(Dash::Solid);
+        let dash = [Dash::LongDashed, Dash::Dashed, Dash::DashDotted][k];
+        let style = Style::line(0).in_tint(Tint::Grey).with_line(dash);
         let label = format!("loading, *φ* = {phi}");
         paths.push(Series::new(label, phase_points(&points), style));
     }
@@ -125,8 +130,7 @@ fn phases() -> Result<Figure, Box<dyn Error>> {
         .enumerate()
         .map(|(k, curve)| {
             let points: Vec<Normalized> = curve.points.iter().map(|p| p.reduced).collect();
-            let label = Text::from("critical, ").followed_by(curve.label);
-            Series::new(label, phase_points(&points), Style::marks(k))
+            Series::new(curve.label, phase_points(&points), Style::marks(k))
         })
         .collect();
     Ok(phase_diagram(&PhaseDiagram {

@@ -252,7 +252,7 @@ impl Grid {
                 .zip(&contents)
                 .any(|(frame, data)| legend.draw_inside(&frame.bounds, data, &mut items));
             if !inside {
-                end += 2.0 * MARGIN;
+                end += MARGIN;
                 let at = [0.5 * self.width, end];
                 end += legend.draw_below(at, self.width - 2.0 * MARGIN, &mut items);
             }

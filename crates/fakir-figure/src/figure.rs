@@ -159,8 +159,8 @@ impl Figure {
         labels
     }
 
-    /// What is wrong with its text: off the page, over other text, or too small to read. An empty
-    /// list for a figure that is in order.
+    /// What is wrong with its text: off the page, over other text or over data, too small to
+    /// read, or in characters that the font does not have. An empty list for a figure that is in order.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let page = Bounds::new(0.0, 0.0, self.size[0], self.size[1]);
@@ -179,6 +179,18 @@ impl Figure {
                     "\"{}\" is too small: {} pt",
                     label.text, label.size
                 ));
+            }
+            for run in label.text.runs() {
+                if let Some(missing) = run.text.chars().find(|c| !run.face.has(*c)) {
+                    faults.push(format!("\"{}\": the font has no {missing}", label.text));
+                }
+            }
+            let drawn = self
+                .items
+                .iter()
+                .filter(|item| !matches!(item, Item::Label(_)));
+            if drawn.into_iter().any(|item| item.comes_into(ink)) {
+                faults.push(format!("\"{}\" is crossed by what is drawn", label.text));
             }
             for (other, other_ink) in &inked[k + 1..] {
                 if ink.overlaps(other_ink) {
@@ -199,6 +211,34 @@ fn collect_labels<'a>(items: &'a [Item], labels: &mut Vec<&'a Label>) {
             Item::Label(label) => labels.push(label),
             Item::Clipped { items, .. } => collect_labels(items, labels),
             Item::Path { .. } | Item::Disc { .. } | Item::Image { .. } => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Anchor, Colour, Path, Stroke};
+
+    #[test]
+    fn every_fault_is_found() {
+        let label = |x, size| Item::Label(Label::new("text", [x, 30.0], size, Anchor::Start));
+        let line = |y| {
+            Item::stroked(
+                Path::line([[0.0, y], [100.0, y]]),
+                Stroke::solid(Colour::BLACK, 1.0),
+            )
+        };
+        let faults = |items: Vec<Item>| Figure::new("test", [100.0, 50.0], items).faults();
+        assert!(faults(vec![label(10.0, 8.0), label(50.0, 8.0), line(40.0)]).is_empty());
+        for (items, fault) in [
+            (vec![label(90.0, 8.0)], "leaves the page"),
+            (vec![label(10.0, 5.0)], "is too small"),
+            (vec![label(10.0, 8.0), label(18.0, 8.0)], "is over"),
+            (vec![line(28.0), label(10.0, 8.0)], "is crossed"),
+        ] {
+            let found = faults(items);
+            assert!(found.len() == 1 && found[0].contains(fault), "{found:?}");
         }
     }
 }

@@ -127,7 +127,6 @@ impl Face {
     }
 
     /// Whether the face has the character.
-    #[cfg(test)]
     pub(crate) fn has(self, character: char) -> bool {
         self.font().glyph_index(character).is_some()
     }

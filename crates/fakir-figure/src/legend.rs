@@ -33,33 +33,36 @@ impl Legend {
         self.entries.is_empty()
     }
 
-    fn column_width(&self) -> f64 {
-        let widths = self.entries.iter().map(|(text, _)| text.width());
-        SAMPLE + GAP + NOTE_SIZE * widths.fold(0.0, f64::max)
+    /// The entries of every column, filled one after the other, and its width.
+    fn columns(&self, columns: usize) -> impl Iterator<Item = (&[(Text, Style)], f64)> {
+        let rows = self.entries.len().div_ceil(columns).max(1);
+        self.entries.chunks(rows).map(|entries| {
+            let widths = entries.iter().map(|(text, _)| text.width());
+            let widest = widths.fold(0.0, f64::max);
+            (entries, SAMPLE + GAP + NOTE_SIZE * widest)
+        })
     }
 
     fn size(&self, columns: usize) -> [f64; 2] {
+        let widths = self.columns(columns).map(|(_, width)| width);
         let rows = self.entries.len().div_ceil(columns);
         [
-            columns as f64 * self.column_width() + (columns - 1) as f64 * BETWEEN_COLUMNS,
+            widths.map(|w| w + BETWEEN_COLUMNS).sum::<f64>() - BETWEEN_COLUMNS,
             rows as f64 * LINE,
         ]
     }
 
     fn draw(&self, [left, top]: Place, columns: usize, items: &mut Vec<Item>) {
-        let rows = self.entries.len().div_ceil(columns);
-        let step = self.column_width() + BETWEEN_COLUMNS;
-        for (k, (text, style)) in self.entries.iter().enumerate() {
-            let x = left + (k / rows) as f64 * step;
-            let middle = top + ((k % rows) as f64 + 0.5) * LINE;
-            style.sample([x, middle], SAMPLE, items);
-            let at = [x + SAMPLE + GAP, middle + 0.5 * CAP_HEIGHT * NOTE_SIZE];
-            items.push(Item::Label(Label::new(
-                text.clone(),
-                at,
-                NOTE_SIZE,
-                Anchor::Start,
-            )));
+        let mut x = left;
+        for (entries, width) in self.columns(columns) {
+            for (row, (text, style)) in entries.iter().enumerate() {
+                let middle = top + (row as f64 + 0.5) * LINE;
+                style.sample([x, middle], SAMPLE, items);
+                let at = [x + SAMPLE + GAP, middle + 0.5 * CAP_HEIGHT * NOTE_SIZE];
+                let label = Label::new(text.clone(), at, NOTE_SIZE, Anchor::Start);
+                items.push(Item::Label(label));
+            }
+            x += width + BETWEEN_COLUMNS;
         }
     }
 
@@ -84,11 +87,10 @@ impl Legend {
         width: f64,
         items: &mut Vec<Item>,
     ) -> f64 {
-        let fit = (width + BETWEEN_COLUMNS) / (self.column_width() + BETWEEN_COLUMNS);
-        let most = (fit as usize).clamp(1, self.entries.len().max(1));
-        // As many rows as needed, as few columns as these rows need.
-        let rows = self.entries.len().div_ceil(most);
-        let columns = self.entries.len().div_ceil(rows.max(1)).max(1);
+        let columns = (1..=self.entries.len())
+            .rev()
+            .find(|columns| self.size(*columns)[0] <= width)
+            .unwrap_or(1);
         let size = self.size(columns);
         self.draw([centre - 0.5 * size[0], top], columns, items);
         size[1]

@@ -47,6 +47,7 @@ pub use figure::{Figure, RESOLUTION};
 pub use figures::critical_curves::{
     CriticalColumn, CriticalCurve, CriticalPoint, Measured, critical_curves,
 };
+pub use figures::fit_curves::{FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 pub use figures::floor_gap_map::floor_gap_map;
 pub use figures::histogram::{Histogram, histogram};
 pub use figures::lattice_sums::lattice_sums;

@@ -4,7 +4,8 @@ use crate::axis::{Direction, Span};
 use crate::colour::ColourMap;
 use crate::font::{Bounds, CAP_HEIGHT};
 use crate::frame::{ASCENT, DESCENT, FRAME_WIDTH, Frame, LABEL_SIZE, NOTE_SIZE, TICK_SIZE};
-use crate::scene::{Anchor, Colour, Item, Label, Path, Pixels, Place, Stroke};
+use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Pixels, Place, Stroke};
+use crate::series::Dash;
 use crate::text::Text;
 use crate::unit::{Unit, significant};
 use fakir::system::{HexagonalLattice, Point};
@@ -99,14 +100,18 @@ impl Window {
         }
     }
 
-    /// Border without ticks, and below it a bar with its length.
-    pub(crate) fn draw_with_scale_bar(&self, items: &mut Vec<Item>) {
-        let bounds = &self.frame.bounds;
+    /// Border without ticks.
+    pub(crate) fn draw_border(&self, items: &mut Vec<Item>) {
         items.push(Item::stroked(
-            Path::rectangle(bounds),
+            Path::rectangle(&self.frame.bounds),
             Stroke::solid(Colour::BLACK, FRAME_WIDTH),
         ));
-        let length = round_down(0.3 * 2.0 * self.half_width);
+    }
+
+    /// Below the window, a bar with its length.
+    pub(crate) fn draw_scale_bar(&self, items: &mut Vec<Item>) {
+        let bounds = &self.frame.bounds;
+        let length = round_down(0.2 * 2.0 * self.half_width);
         let [left, y] = [bounds.left, bounds.bottom + SCALE_BAR_DROP];
         let right = left + self.length(length);
         let stroke = Stroke::solid(Colour::BLACK, 1.6);
@@ -152,20 +157,26 @@ pub(crate) struct ColourBar {
     /// Values of the first and last colour.
     pub(crate) span: Span,
     pub(crate) label: Text,
+    /// Whether larger values than the last have the last colour: shown as an arrow.
+    pub(crate) open: bool,
 }
 
 const BAR_WIDTH: f64 = 8.0;
 const NUMBER_GAP: f64 = 3.0;
 const NAME_GAP: f64 = 4.0;
 
+/// Height of the arrow on an open bar.
+pub(crate) const ARROW: f64 = 7.0;
+
 impl ColourBar {
-    /// Colours from the smallest to the largest of some values; from 0 if they are not negative.
+    /// Colours from one value to another.
     pub(crate) fn over(map: ColourMap, low: f64, high: f64, label: impl Into<Text>) -> Self {
         let high = if high > low { high } else { low + 1.0 };
         Self {
             map,
             span: Span::linear(low, high),
             label: label.into(),
+            open: false,
         }
     }
 
@@ -195,6 +206,17 @@ impl ColourBar {
             fill: Some(self.map.fill()),
             stroke: Some(Stroke::solid(Colour::BLACK, FRAME_WIDTH)),
         });
+        if self.open {
+            items.push(Item::Path {
+                path: Path::polygon([
+                    [bounds.left, top],
+                    [bounds.right, top],
+                    [bounds.centre()[0], top - ARROW],
+                ]),
+                fill: Some(Fill::Colour(self.map.at(1.0))),
+                stroke: Some(Stroke::solid(Colour::BLACK, FRAME_WIDTH)),
+            });
+        }
         let mut marks = Path::default();
         for tick in self.span.ticks(height, TICK_SIZE, Direction::Upwards) {
             let Some(text) = tick.label else { continue };
@@ -214,16 +236,75 @@ impl ColourBar {
     }
 }
 
-/// A mark that is seen on any ground: a white cross with a black core.
-pub(crate) fn cross([x, y]: Place, items: &mut Vec<Item>) {
-    let arm = 2.8;
+/// Half width of a cross.
+const ARM: f64 = 2.2;
+
+/// Crosses at places, smaller where they would touch.
+pub(crate) fn crosses(places: &[Place], items: &mut Vec<Item>) {
+    let distances = places.iter().enumerate().flat_map(|(k, a)| {
+        let others = places[k + 1..].iter();
+        others.map(move |b| (a[0] - b[0]).hypot(a[1] - b[1]))
+    });
+    let arm = (0.35 * distances.fold(f64::INFINITY, f64::min)).clamp(0.8, ARM);
+    for place in places {
+        cross(*place, arm, items);
+    }
+}
+
+/// A mark that is seen on any ground: a red cross with a white rim.
+fn cross([x, y]: Place, arm: f64, items: &mut Vec<Item>) {
     let mut path = Path::line([[x - arm, y - arm], [x + arm, y + arm]]);
     path.push_line([[x - arm, y + arm], [x + arm, y - arm]]);
     items.push(Item::stroked(
         path.clone(),
-        Stroke::solid(Colour::WHITE, 2.4),
+        Stroke::solid(Colour::WHITE, arm),
     ));
-    items.push(Item::stroked(path, Stroke::solid(RED, 1.1)));
+    items.push(Item::stroked(path, Stroke::solid(RED, 0.45 * arm)));
+}
+
+/// A sign in the key of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum KeySign {
+    Cross,
+    /// The circle around the contact.
+    Edge,
+    /// A disc with an outline.
+    Outline,
+}
+
+/// Signs and what they mean, in a line that ends at a place.
+pub(crate) fn key(entries: &[(KeySign, &str)], [right, middle]: Place, items: &mut Vec<Item>) {
+    const SIGN: f64 = 12.0;
+    let mut x = right;
+    for (sign, meaning) in entries.iter().rev() {
+        let text = Text::from(*meaning);
+        let at = [x, middle + 0.5 * CAP_HEIGHT * NOTE_SIZE];
+        x -= NOTE_SIZE * text.width() + 4.0;
+        items.push(Item::Label(Label::new(text, at, NOTE_SIZE, Anchor::End)));
+        match sign {
+            KeySign::Cross => cross([x - 2.5, middle], ARM, items),
+            KeySign::Edge => items.push(Item::stroked(
+                Path::line([[x - SIGN, middle], [x, middle]]),
+                edge_stroke(),
+            )),
+            KeySign::Outline => items.push(Item::Disc {
+                centre: [x - 2.5, middle],
+                radius: 2.3,
+                fill: Some(Colour::grey(160)),
+                stroke: Some(Stroke::solid(Colour::BLACK, 0.7)),
+            }),
+        }
+        x -= SIGN + 6.0;
+    }
+}
+
+/// Of the circle around the contact.
+pub(crate) fn edge_stroke() -> Stroke {
+    Stroke {
+        colour: RED,
+        width: 0.7,
+        dashes: Dash::Dashed.lengths(),
+    }
 }
 
 /// Of marks on maps: in no map of this crate, and dark enough for a white ground.

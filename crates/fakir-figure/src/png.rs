@@ -31,9 +31,17 @@ fn try_encode(
     remarks: &[Remark<'_>],
 ) -> Result<(), png::EncodingError> {
     let mut encoder = Encoder::new(bytes, pixels.width as u32, pixels.height as u32);
-    encoder.set_color(ColorType::Rgb);
+    let grey = pixels
+        .colours
+        .iter()
+        .all(|Colour([r, g, b])| r == g && g == b);
+    encoder.set_color(if grey {
+        ColorType::Grayscale
+    } else {
+        ColorType::Rgb
+    });
     encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Balanced);
+    encoder.set_compression(Compression::Fast);
     if let Some(dots_per_inch) = dots_per_inch {
         let per_metre = (dots_per_inch / 0.0254).round() as u32;
         encoder.set_pixel_dims(Some(PixelDimensions {
@@ -49,7 +57,14 @@ fn try_encode(
             encoder.add_itxt_chunk((*keyword).to_owned(), (*text).to_owned())?;
         }
     }
-    let data: Vec<u8> = pixels.colours.iter().flat_map(|Colour(c)| *c).collect();
+    let mut data = Vec::with_capacity(3 * pixels.colours.len());
+    for Colour([r, g, b]) in &pixels.colours {
+        if grey {
+            data.push(*r);
+        } else {
+            data.extend_from_slice(&[*r, *g, *b]);
+        }
+    }
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&data)?;
     writer.finish()

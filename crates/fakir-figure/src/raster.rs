@@ -89,7 +89,7 @@ impl Painter<'_> {
                 Fill::Gradient(steps) => gradient(steps, outline.bounds()),
             };
             self.pixmap
-                .fill_path(outline, &paint, FillRule::EvenOdd, transform, mask);
+                .fill_path(outline, &paint, FillRule::Winding, transform, mask);
         }
         if let Some(stroke) = stroke {
             let pen = tiny_skia::Stroke {
@@ -124,7 +124,6 @@ impl Painter<'_> {
             let rim = Stroke::solid(Colour::WHITE, label.rim_width());
             self.shape(&outline, None, Some(&rim));
         }
-        // Glyphs are filled by winding: their outlines may overlap.
         let (transform, mask) = (self.transform, self.mask.as_ref());
         self.pixmap.fill_path(
             &outline,

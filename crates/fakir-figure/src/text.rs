@@ -117,6 +117,9 @@ impl Default for Parser {
 
 impl Parser {
     fn push(&mut self, character: char) {
+        if character.is_control() {
+            return;
+        }
         let face = if self.italic {
             Face::Italic
         } else {
@@ -228,7 +231,7 @@ mod tests {
     fn signs_that_are_no_markup_stay() {
         let text = Text::from(r"5\*3 a_b x^2 } -5 2021-10");
         assert_eq!(text.to_string(), "5*3 a_b x^2 } −5 2021-10");
-        assert_eq!(Text::from("").width(), 0.0);
+        assert!(Text::from("").width().abs() < 1e-12);
         assert!(Text::from("  ").ink().is_none());
     }
 

@@ -95,8 +95,22 @@ fn short(value: f64) -> String {
         let decimals = (2.0 - exponent).max(0.0) as usize;
         format!("{value:.decimals$}")
     } else {
-        format!("{value:.2e}")
+        let scientific = format!("{value:.2e}");
+        let (digits, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+        format!("{digits} × 10{}", raised(exponent))
     }
+}
+
+/// Digits and minus as superscripts.
+fn raised(number: &str) -> String {
+    let digits = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    number
+        .chars()
+        .map(|c| match c.to_digit(10) {
+            Some(digit) => digits[digit as usize],
+            None => '⁻',
+        })
+        .collect()
 }
 
 fn percent(value: f64) -> String {
@@ -143,8 +157,8 @@ fn one_pillar_forces(grid: &Grid) -> Option<Claim> {
         each(|s| state_near(grid.on_pillar(s), ALONE).map(|state| state.force))?;
     Some(Claim {
         name: "one-pillar-forces",
-        claim: "With one pillar in contact the critical force is of the order of 1e-5 N on the \
-                rigid substrate and 1e-8 N on the soft one."
+        claim: "With one pillar in contact the critical force is of the order of 10⁻⁵ N on the \
+                rigid substrate and 10⁻⁸ N on the soft one."
             .to_owned(),
         finding: format!(
             "{} N, {} N and {} N on the rigid, intermediate and soft substrate, at a surface \
@@ -292,8 +306,8 @@ fn one_pillar_formulas(grid: &Grid) -> Result<Option<Claim>, CaseError> {
     }))
 }
 
-/// Curves closer than this cannot be told apart on the paper's logarithmic plots, whose decades
-/// are about a centimetre: half a millimetre is 12 %, the width of a line 5 %.
+/// Curves closer than this cannot be told apart on a logarithmic plot: where a decade takes a
+/// centimetre, 5 % are 0.2 mm, the width of a line.
 const LINE_WIDTH: f64 = 0.05;
 
 fn offsets_merge(grid: &Grid, quantity: Quantity) -> Option<Claim> {
@@ -577,10 +591,10 @@ fn force_distribution(state: &ContactState) -> Option<Claim> {
     let deviations: Vec<f64> = state
         .pillars
         .iter()
-        .filter_map(|pillar| {
+        .map(|pillar| {
             let ratio = pillar.centre[0].hypot(pillar.centre[1]) / state.contact_radius;
             let hertz = (1.0 - ratio * ratio).max(0.0).sqrt();
-            Some(pillar.force / central.force - hertz)
+            pillar.force / central.force - hertz
         })
         .collect();
     let squares: f64 = deviations.iter().map(|d| d * d).sum();
@@ -588,7 +602,8 @@ fn force_distribution(state: &ContactState) -> Option<Claim> {
     let largest = deviations.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     Some(Claim {
         name: "force-distribution",
-        claim: "The pillars share the load like a Hertz contact: F_n = F_0 √(1 − r_n²/a²)."
+        claim: "The formulas rest on pillars that share the load like a Hertz contact, \
+                F_n = F_0 √(1 − r_n²/a²)."
             .to_owned(),
         finding: format!(
             "Intermediate substrate, φ = {}: {} of F_0 off in the root mean square of {} pillars, \
@@ -645,7 +660,7 @@ fn hertz(loading: &[ContactState]) -> Option<Claim> {
 /// How far critical states are from the paper's transition curve, at contact radii of more than
 /// two pitches.
 fn transition_curve(grid: &Grid) -> Result<Option<Claim>, CaseError> {
-    let (mut low, mut high) = (f64::INFINITY, 0.0f64);
+    let mut ratios: Vec<(f64, &Critical, Substrate)> = Vec::new();
     for curve in grid.curves() {
         for state in &curve.states {
             if state.normalized_contact_radius < 2.0 {
@@ -654,11 +669,22 @@ fn transition_curve(grid: &Grid) -> Result<Option<Claim>, CaseError> {
             let system = system(curve.substrate, 0.0, state.surface_fraction)?;
             let force = closed_forms::transition_force(&system, state.contact_radius);
             let reduced = Normalized::new(&system, force, 0.0, 0.0).force;
-            let ratio = state.normalized_force / reduced;
-            (low, high) = (low.min(ratio), high.max(ratio));
+            ratios.push((state.normalized_force / reduced, state, curve.substrate));
         }
     }
-    Ok((high > 0.0).then(|| Claim {
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (Some(low), Some(high)) = (ratios.first(), ratios.last()) else {
+        return Ok(None);
+    };
+    let place = |(ratio, state, substrate): &(f64, &Critical, Substrate)| {
+        format!(
+            "{} ({}, φ = {})",
+            short(*ratio),
+            substrate.name(),
+            short(state.surface_fraction)
+        )
+    };
+    Ok(Some(Claim {
         name: "transition-curve",
         claim: "In the phase diagram one curve, F γ_int/(hd) = (1 + 3 μ_c)(1 + C1 ((a/e)² − 1)), \
                 separates top from mixed contact."
@@ -666,16 +692,17 @@ fn transition_curve(grid: &Grid) -> Result<Option<Claim>, CaseError> {
         finding: format!(
             "Computed critical forces, of all substrates and offsets with a_c of two pitches or \
              more, are {} to {} times those of the curve at the same a_c.",
-            short(low),
-            short(high)
+            place(low),
+            place(high)
         ),
         verdict: Verdict::Partly,
-        reason: "The curve separates the regions on logarithmic axes. Contacts of partly touched \
-                 pillars lie below it, as their contact radius counts the last pillar in full."
+        reason: "On logarithmic axes the curve separates the regions. It takes Hertz-like forces \
+                 and leaves out that neighbours lift the central pillar the more the closer they \
+                 stand."
             .to_owned(),
         numbers: vec![
-            ("transition_curve_ratio_low".to_owned(), low),
-            ("transition_curve_ratio_high".to_owned(), high),
+            ("transition_curve_ratio_low".to_owned(), low.0),
+            ("transition_curve_ratio_high".to_owned(), high.0),
         ],
     }))
 }
@@ -727,8 +754,8 @@ fn power_law(grid: &Grid, quantity: Quantity) -> Option<Claim> {
             Verdict::Differs
         },
         reason: format!(
-            "There is no power law: the local exponent rises with φ, towards {limit} of a lens on \
-             a bare half-space that the layer of pillars approaches."
+            "There is no power law: the local exponent rises with φ. In the limit of a lens on a bare \
+             half-space {symbol} ∝ (φS)^{limit}, with a factor S that rises with φ too."
         ),
         numbers: LAW_RANGES
             .iter()

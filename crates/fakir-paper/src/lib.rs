@@ -1,6 +1,235 @@
 //! The results of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104, 055007
 //! (2021), computed anew: tables, figures, and a report that holds every claim against them.
+//!
+//! [`reproduce`] makes all of it in a folder:
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `critical-states/` | a [sweep](fakir_study::sweep_into) over substrates, offsets and surface fractions |
+//! | `dense-states/` | the same up to a surface fraction of 0.29, if asked for |
+//! | `tables/` | the numbers of claims, power laws, loading paths and pillars |
+//! | `figures/` | every figure as SVG and PNG |
+//! | `report.html` | claims, figures and numbers on one page |
+//! | `provenance.json` | version, study, what to cite |
 
 pub mod analysis;
 pub mod claims;
+pub mod figures;
 pub mod grid;
+pub mod measured;
+pub mod report;
+pub mod states;
+pub mod tables;
+
+use claims::{Claim, Evidence, claims};
+use fakir::contact::{Run, SolveError};
+use fakir::theory::lattice_sums::SumFit;
+use fakir_case::{CaseError, Study};
+use fakir_figure::Measured;
+use fakir_study::citations::Topic;
+use fakir_study::output::{File, OutputError, save};
+use fakir_study::provenance::Provenance;
+use fakir_study::{Existing, Row, StudyError, sweep_into};
+use figures::{DrawingError, Material, Plate, plates};
+use grid::{Fractions, Grid, Substrate};
+use rayon::prelude::*;
+use report::Report;
+use states::{StateError, States};
+use std::fs::ReadDir;
+use std::path::Path;
+
+/// Why the paper could not be reproduced.
+#[derive(Debug, thiserror::Error)]
+pub enum PaperError {
+    /// The sweep.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// A case that cannot be.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// A contact that could not be computed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// A figure that could not be drawn.
+    #[error(transparent)]
+    Figure(#[from] fakir_figure::FigureError),
+    /// Files that could not be saved.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+impl From<StateError> for PaperError {
+    fn from(error: StateError) -> Self {
+        match error {
+            StateError::Case(error) => error.into(),
+            StateError::Solve(error) => error.into(),
+        }
+    }
+}
+
+impl From<DrawingError> for PaperError {
+    fn from(error: DrawingError) -> Self {
+        match error {
+            DrawingError::Case(error) => error.into(),
+            DrawingError::Solve(error) => error.into(),
+            DrawingError::Figure(error) => error.into(),
+        }
+    }
+}
+
+/// What is reproduced.
+#[derive(Debug, Clone)]
+pub struct Scope {
+    /// Surface fractions of the sweep.
+    pub fractions: Fractions,
+    /// Go on to a surface fraction of 0.29, which takes longer than all the rest.
+    pub dense: bool,
+    /// Measured points to draw on the curves.
+    pub measured: Vec<(Substrate, Measured)>,
+}
+
+/// How far it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Progress {
+    /// The sweep.
+    Sweep(fakir_study::Progress),
+    /// The sweep of dense textures.
+    Dense(fakir_study::Progress),
+    /// Single states, with the part that is done.
+    States(f64),
+    /// The figures.
+    Figures,
+}
+
+/// What was made.
+#[derive(Debug)]
+pub struct Reproduction {
+    /// The claims.
+    pub claims: Vec<Claim>,
+    /// Cases of the sweeps.
+    pub cases: usize,
+    /// Those without an answer.
+    pub failed: usize,
+    /// The figures.
+    pub plates: Vec<Plate>,
+}
+
+/// Folder of the sweep.
+pub const CRITICAL_STATES: &str = "critical-states";
+
+/// Folder of the sweep of dense textures.
+pub const DENSE_STATES: &str = "dense-states";
+
+/// Contact radii, in pitches, of the fits of the lattice sums, as in the paper.
+const FIT: ([f64; 2], usize) = ([1.0, 32.0], 1000);
+
+/// Makes everything in a folder. An interrupted one goes on with [`Existing::Resume`].
+///
+/// # Errors
+/// [`PaperError`]
+pub fn reproduce(
+    scope: &Scope,
+    folder: &Path,
+    existing: Existing,
+    run: &Run<'_>,
+    on_progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Reproduction, PaperError> {
+    let is_empty = |mut entries: ReadDir| entries.next().is_none();
+    if existing == Existing::Refuse && !folder.read_dir().map_or(true, is_empty) {
+        return Err(StudyError::NotEmpty(folder.to_owned()).into());
+    }
+    let sweep = |fractions, name, tell: fn(fakir_study::Progress) -> Progress| {
+        let study = grid::study(fractions)?;
+        let mut listener = |progress| on_progress(tell(progress));
+        let mut options = fakir_study::Options {
+            threads: run.pool.map_or(1, rayon::ThreadPool::current_num_threads),
+            cancel: run.cancel.clone(),
+            memory_limit: run.memory_limit,
+            on_progress: Some(&mut listener),
+            ..fakir_study::Options::default()
+        };
+        let summary = sweep_into(&study, &folder.join(name), existing, &mut options)?;
+        Ok::<_, PaperError>((study, summary.rows))
+    };
+    let mut parts: Vec<(Study, Vec<Row>)> =
+        vec![sweep(scope.fractions, CRITICAL_STATES, Progress::Sweep)?];
+    if scope.dense {
+        parts.push(sweep(Fractions::DENSE, DENSE_STATES, Progress::Dense)?);
+    }
+    let by_study: Vec<(&Study, &[Row])> = parts.iter().map(|(s, r)| (s, &r[..])).collect();
+    let grid = Grid::new(&by_study);
+    let states = States::compute(run, &|part| on_progress(Progress::States(part)))?;
+    let Some(fit) = SumFit::least_squares(FIT.0, FIT.1) else {
+        unreachable!("the range of the fit is a valid one");
+    };
+    on_progress(Progress::Figures);
+    let material = Material {
+        grid: &grid,
+        states: &states,
+        fit: &fit,
+        measured: &scope.measured,
+    };
+    let plates = plates(&material, run)?;
+    let evidence = Evidence {
+        grid: &grid,
+        dense: &states.dense.contact,
+        fit: &fit,
+        loading: states
+            .loadings
+            .last()
+            .map_or(&[], |loading| &loading.states),
+    };
+    let claims = claims(&evidence)?;
+    let rows = || parts.iter().flat_map(|(_, rows)| rows);
+    let failed = rows().filter(|row| row.problem.is_some()).count();
+    let provenance = provenance(&parts[0].0);
+    let report = Report {
+        claims: &claims,
+        plates: &plates,
+        grid: &grid,
+        citations: &provenance.citations,
+        failed,
+    };
+    let mut files = tables::tables(&grid, &states, &claims);
+    files.extend(pictures(&plates, &provenance, run));
+    files.push(File::new("report.html", report.html()));
+    files.push(provenance.file());
+    save(folder, &files)?;
+    Ok(Reproduction {
+        cases: rows().count(),
+        failed,
+        plates,
+        claims,
+    })
+}
+
+fn provenance(study: &Study) -> Provenance {
+    let sweep = Provenance::of_study(study);
+    let method = study.case(0).case.method;
+    Provenance::new(
+        "the results of the paper",
+        sweep.method,
+        &[Topic::Method(method), Topic::ClosedForms],
+        study.to_toml(),
+    )
+}
+
+/// Every figure as SVG and PNG.
+fn pictures(plates: &[Plate], provenance: &Provenance, run: &Run<'_>) -> Vec<File> {
+    let source = format!(
+        "fakir {}, {}, https://doi.org/{}",
+        provenance.fakir_version, provenance.method, provenance.reference_doi
+    );
+    let draw = |plate: &Plate| {
+        let figure = plate.figure.clone().with_provenance(&source);
+        let name = |extension: &str| format!("figures/{}.{extension}", figure.name());
+        [
+            File::new(name("svg"), figure.svg()),
+            File::new(name("png"), figure.png()),
+        ]
+    };
+    match run.pool {
+        Some(pool) => pool.install(|| plates.par_iter().flat_map_iter(draw).collect()),
+        None => plates.iter().flat_map(draw).collect(),
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! Numbers come in SI units and names are those of case files; units, documentation and the classes
 //! that users see are in Python. Computations run without the interpreter, on a thread that can
-//! be stopped ([`watched`]).
+//! be stopped (`watched`).
 
 // Python hands values over, and calls by name.
 #![allow(clippy::needless_pass_by_value, clippy::too_many_arguments)]

@@ -20,6 +20,8 @@ pub enum Topic {
     Method(Method),
     /// The closed forms of the paper, with their lattice sums.
     ClosedForms,
+    /// Fits of measured curves.
+    LeastSquares,
     /// Elements of constant pressure on a height map.
     Surface {
         /// Whether the surface repeats itself; it stands free otherwise.
@@ -201,6 +203,11 @@ impl Topic {
                 (&LEDESMA_ALONSO_2021, "the closed forms"),
                 (&HERTZ_1882, "the lens on the bare substrate"),
                 (&BORWEIN_2013, "lattice sums in closed form"),
+            ],
+            Self::LeastSquares => vec![
+                (&LEVENBERG_1944, "the best fit"),
+                (&MARQUARDT_1963, "the best fit"),
+                (&OREAR_1982, "errors of the load in a fit"),
             ],
             Self::Surface { periodic, random } => {
                 let mut sources = ELEMENTS.to_vec();
@@ -395,6 +402,30 @@ static HERTZ_1882: Work = article(
     ["J. reine angew. Math.", "92", "156-171"],
     1882,
     "10.1515/crll.1882.92.156",
+);
+static LEVENBERG_1944: Work = article(
+    "Levenberg1944",
+    &["K. Levenberg"],
+    "A method for the solution of certain non-linear problems in least squares",
+    ["Q. Appl. Math.", "2", "164-168"],
+    1944,
+    "10.1090/qam/10666",
+);
+static MARQUARDT_1963: Work = article(
+    "Marquardt1963",
+    &["D. W. Marquardt"],
+    "An algorithm for least-squares estimation of nonlinear parameters",
+    ["J. Soc. Ind. Appl. Math.", "11", "431-441"],
+    1963,
+    "10.1137/0111030",
+);
+static OREAR_1982: Work = article(
+    "Orear1982",
+    &["J. Orear"],
+    "Least squares when both variables have uncertainties",
+    ["Am. J. Phys.", "50", "912-916"],
+    1982,
+    "10.1119/1.12972",
 );
 static LOVE_1929: Work = article(
     "Love1929",

@@ -31,9 +31,12 @@ pub enum StudyError {
         /// What the system says.
         error: io::Error,
     },
-    /// Results that cannot be saved.
+    /// Files that cannot be saved.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// Tables that cannot be saved at the end of a sweep.
+    #[error("{0}; all cases are safe in the journal, and --resume writes the tables")]
+    Tables(OutputError),
     /// A journal that cannot be written any more.
     #[error(
         "cannot write {}: {error}; the cases before are safe in it, and --resume goes on from there",

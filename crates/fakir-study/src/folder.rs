@@ -183,11 +183,15 @@ impl Ledger {
     /// probably take longest.
     #[must_use]
     pub fn remaining(&self) -> Vec<Vec<usize>> {
-        let mut chains: Vec<_> = Plan::new(&self.study, self.shard).chains().collect();
-        longest_first(&self.study, &mut chains);
-        chains
+        let plan = Plan::new(&self.study, self.shard);
+        longest_first(&self.study, plan.chains())
             .into_iter()
-            .map(|chain| chain.filter(|case| !self.rows.contains_key(case)).collect())
+            .map(|chain| {
+                chain
+                    .cases
+                    .filter(|case| !self.rows.contains_key(case))
+                    .collect()
+            })
             .filter(|cases: &Vec<usize>| !cases.is_empty())
             .collect()
     }
@@ -240,7 +244,7 @@ impl Ledger {
         }
         let rows: Vec<Row> = self.rows.into_values().collect();
         if let Some((folder, _)) = &self.folder {
-            save(folder, &results(&self.study, &rows))?;
+            save(folder, &results(&self.study, &rows)).map_err(StudyError::Tables)?;
         }
         Ok(Summary {
             study: self.study,

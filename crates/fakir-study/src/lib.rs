@@ -27,7 +27,8 @@
 //!   the table of a sweep that was killed and resumed is the same, byte for byte.
 //! * A case without an answer keeps its row in the [`Table`], with the reason.
 //! * [`design`](mod@design) turns the question round: which value gives a wanted critical force;
-//!   [`spread`](mod@spread) draws samples about a case.
+//!   [`spread`](mod@spread) draws samples about a case; [`fit`](mod@fit) finds moduli and instrument
+//!   parameters from measured loading curves.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
 //! * [`summary`] is what a single answer is as JSON.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
@@ -38,6 +39,7 @@ pub mod citations;
 pub mod design;
 mod error;
 pub mod fields;
+pub mod fit;
 mod folder;
 mod journal;
 pub mod output;

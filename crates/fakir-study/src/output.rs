@@ -11,7 +11,7 @@ use tempfile::NamedTempFile;
 /// A file to be saved.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File {
-    /// Its name in the folder it is saved in.
+    /// Its name in the folder it is saved in; with a `/`, in a folder in there.
     pub name: Cow<'static, str>,
     /// All of it.
     pub contents: Vec<u8>,
@@ -89,12 +89,18 @@ pub fn check_folder(folder: &Path) -> Result<(), OutputError> {
 /// # Errors
 /// [`OutputError::System`] if a file cannot be written or renamed.
 pub fn save(folder: &Path, files: &[File]) -> Result<(), OutputError> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| OutputError::system("cannot make the folder", folder, error))?;
+    let make = |folder: &Path| {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| OutputError::system("cannot make the folder", folder, error))
+    };
+    make(folder)?;
     let written: Result<Vec<_>, OutputError> = files
         .iter()
         .map(|file| {
             let path = folder.join(file.name.as_ref());
+            if let Some(inner) = path.parent() {
+                make(inner)?;
+            }
             Ok((write_beside(&path, &file.contents)?, path))
         })
         .collect();
@@ -171,11 +177,12 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let folder = root.path().join("new/results");
         let good = File::new("a.txt", "a");
-        let bad = File::new("missing/b.txt", "b");
+        let bad = File::new(format!("{}/b.txt", "long".repeat(100)), "b");
         assert!(check_folder(&folder).is_ok());
         assert!(names(root.path()).is_empty());
         let error = save(&folder, &[good.clone(), bad]).unwrap_err();
-        assert!(error.to_string().starts_with("cannot write "), "{error}");
+        let told = error.to_string();
+        assert!(told.starts_with("cannot make the folder "), "{told}");
         assert!(names(&folder).is_empty());
         save(&folder, &[good, File::new(format!("{}.txt", "b"), "b")]).unwrap();
         assert_eq!(names(&folder), ["a.txt", "b.txt"]);

@@ -1,8 +1,7 @@
 //! How the cases of a study are grouped: into chains, and these into shards.
 //!
-//! A chain is a block of consecutive cases along the last axis. Within a chain a case may be
-//! started from the answer of the one before, so a chain is computed in order and as a whole by
-//! one thread; chains know nothing of each other.
+//! A chain is a block of consecutive cases along the last axis: what a shard or a thread takes at
+//! once.
 
 use fakir::contact::Method;
 use fakir::system::System;
@@ -13,8 +12,7 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// Cases of a chain, at most. It is part of what a study means: with another length cases would
-/// be started from others.
+/// Cases of a chain, at most. With another length shards would have other cases.
 const CHAIN: usize = 8;
 
 /// A part of a sweep, to be computed apart from the others.
@@ -152,28 +150,44 @@ fn run_length(study: &Study) -> usize {
     }
 }
 
-/// Puts the chains first that probably take longest, so that none of them is left over at the
-/// end. What they answer does not depend on it.
-pub(crate) fn longest_first(study: &Study, chains: &mut [Range<usize>]) {
-    chains.sort_by_cached_key(|chain| {
-        let middle = study.case(usize::midpoint(chain.start, chain.end)).case;
-        let cost = cost(&middle.system, middle.method) * chain.len() as f64;
-        (std::cmp::Reverse(cost as u64), chain.start)
-    });
+/// A chain, and what a case of it probably takes, in some unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Costed {
+    pub(crate) cases: Range<usize>,
+    pub(crate) cost: f64,
 }
 
-/// What the critical state of a case takes, very roughly: the number of pillars touched, times
-/// what a pillar costs. The contact radius is the paper's for large contacts,
-/// `e sqrt(1 + (k phi)^2)`, `k = 4 eta^2 R h/d^2` with `eta^2 = sqrt(3)/(2 pi)...1` taken as 1.
+/// The chains with those first that probably take longest, so that none of them is left over at
+/// the end. What they answer does not depend on it.
+pub(crate) fn longest_first(
+    study: &Study,
+    chains: impl IntoIterator<Item = Range<usize>>,
+) -> Vec<Costed> {
+    let costed = |cases: Range<usize>| {
+        let middle = study.case(usize::midpoint(cases.start, cases.end)).case;
+        let cost = cost(&middle.system, middle.method);
+        Costed { cases, cost }
+    };
+    let mut chains: Vec<Costed> = chains.into_iter().map(costed).collect();
+    let total = |chain: &Costed| chain.cost * chain.cases.len() as f64;
+    chains.sort_by(|a, b| total(b).total_cmp(&total(a))); // equal ones stay in order
+    chains
+}
+
+/// What the critical state of a case takes, very roughly: the number of pillars touched and what
+/// any case takes, in pillars. The contact radius is the paper's for large contacts,
+/// `e sqrt(1 + (k phi)^2)`, with `k = 4 R h/d^2`, but half the lens radius at most.
 fn cost(system: &System, method: Method) -> f64 {
+    const OVERHEAD: f64 = 20.0;
     let pillar = system.pillar();
     let growth = 4.0 * system.lens().radius * pillar.height / pillar.diameter.powi(2);
     let radius = (growth * system.texture().surface_fraction()).hypot(1.0); // in pitches
+    let radius = radius.min(0.5 * system.lens().radius / system.lattice().pitch);
     let pillars = radius * radius;
     match method {
-        Method::Love(mesh) => pillars * (mesh.cells_per_diameter as f64).powi(2),
-        Method::Homogenised => 1.0,
-        _ => pillars,
+        Method::Love(mesh) => OVERHEAD + pillars * (mesh.cells_per_diameter as f64).powi(2),
+        Method::Homogenised => OVERHEAD,
+        _ => OVERHEAD + pillars,
     }
 }
 
@@ -231,9 +245,9 @@ mod tests {
         );
         let chains = Plan::new(&study, Shard::WHOLE).chains();
         assert_eq!(chains.collect::<Vec<_>>(), [0..8, 8..10, 10..18, 18..20]);
-        let mut chains: Vec<_> = Plan::new(&study, Shard::WHOLE).chains().collect();
-        longest_first(&study, &mut chains);
-        assert_eq!(chains, [10..18, 18..20, 0..8, 8..10]);
+        let chains = longest_first(&study, Plan::new(&study, Shard::WHOLE).chains());
+        let order: Vec<_> = chains.into_iter().map(|chain| chain.cases).collect();
+        assert_eq!(order, [10..18, 18..20, 0..8, 8..10]);
     }
 
     #[test]

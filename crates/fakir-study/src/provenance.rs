@@ -54,13 +54,7 @@ impl Provenance {
     /// The stamp on a study.
     #[must_use]
     pub fn of_study(study: &Study) -> Self {
-        let mut methods: Vec<Method> = Vec::new();
-        for index in 0..study.cases() {
-            let method = study.case(index).case.method;
-            if !methods.contains(&method) {
-                methods.push(method);
-            }
-        }
+        let methods = study.methods();
         let asked = match study.asked() {
             Asked::Transition => "critical state",
             Asked::Press => "contact under a load",

@@ -2,13 +2,13 @@
 
 use crate::answer::{Answer, Critical, Pressed, Row};
 use crate::error::StudyError;
-use crate::plan::{Plan, Shard, longest_first};
+use crate::plan::{Costed, Plan, Shard, longest_first};
 use fakir::Question;
 use fakir::contact::{CancelToken, Run, SolveError, Termination};
 use fakir_case::Study;
 use fakir_case::study::StudyCase;
 use std::any::Any;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZero;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -36,7 +36,7 @@ pub struct Options<'a> {
 }
 
 /// How far a sweep is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Cases that have a row, with those found in the journal.
     pub done: usize,
@@ -46,6 +46,9 @@ pub struct Progress {
     pub failed: usize,
     /// Cases in all, of this shard.
     pub cases: usize,
+    /// Part of the work that is done, from 0 to 1, of what was not in the journal. Cases differ a
+    /// lot in what they take, and those that take most come first; this is a rough estimate.
+    pub work: f64,
 }
 
 /// Answers every case of a study, or of a shard of it, in memory: rows in the order of the study.
@@ -74,7 +77,7 @@ pub fn solve(
     let work = Work {
         study,
         chains: Vec::new(),
-        known: BTreeMap::new(),
+        known: BTreeSet::new(),
         next: AtomicUsize::new(0),
         stop: cancel.clone(),
         memory_limit,
@@ -98,38 +101,29 @@ pub(crate) fn complete(
     options: &mut Options<'_>,
     mut keep: impl FnMut(&[Row]) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
-    let mut chains: Vec<_> = Plan::new(study, options.shard).chains().collect();
+    let plan = Plan::new(study, options.shard);
     let mut progress = Progress {
         done: rows.len(),
         found: rows.len(),
-        failed: rows.values().filter(|row| row.problem.is_some()).count(),
-        cases: chains.iter().map(Range::len).sum(),
+        failed: failed(rows.values()),
+        cases: plan.chains().map(|chain| chain.len()).sum(),
+        work: 0.0,
     };
-    let known = rows.clone();
-    chains.retain(|chain| chain.clone().any(|index| !known.contains_key(&index)));
-    longest_first(study, &mut chains);
-    let work = Work {
-        study,
-        chains,
-        known,
-        next: AtomicUsize::new(0),
-        stop: CancelToken::default(),
-        memory_limit: options.memory_limit,
-    };
-    let threads = threads(options.threads).min(work.chains.len());
+    let known = rows.keys().copied().collect();
+    let work = Work::new(study, &plan, known, options.memory_limit);
+    let total = work.cost();
     let mut outcome = Ok(());
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
-        for _ in 0..threads {
-            let sender = sender.clone();
-            let work = &work;
+        for _ in 0..threads(options.threads).min(work.chains.len()) {
+            let (work, sender) = (&work, sender.clone());
             scope.spawn(move || work.run(&sender));
         }
-        drop(sender);
+        drop(sender); // the threads have theirs; when all are done the channel is closed
         loop {
-            let new: Vec<Row> = match receiver.recv_timeout(TICK) {
-                Ok(row) => std::iter::once(row).chain(receiver.try_iter()).collect(),
-                Err(RecvTimeoutError::Timeout) => Vec::new(),
+            let (new, costs): (Vec<Row>, Vec<f64>) = match receiver.recv_timeout(TICK) {
+                Ok(row) => std::iter::once(row).chain(receiver.try_iter()).unzip(),
+                Err(RecvTimeoutError::Timeout) => (Vec::new(), Vec::new()),
                 Err(RecvTimeoutError::Disconnected) => break,
             };
             if !new.is_empty() && outcome.is_ok() {
@@ -139,7 +133,8 @@ pub(crate) fn complete(
                 work.stop.cancel();
             }
             progress.done += new.len();
-            progress.failed += new.iter().filter(|row| row.problem.is_some()).count();
+            progress.failed += failed(&new);
+            progress.work += costs.iter().sum::<f64>() / total;
             rows.extend(new.into_iter().map(|row| (row.index, row)));
             if let Some(listener) = &mut options.on_progress {
                 listener(progress);
@@ -156,6 +151,11 @@ pub(crate) fn complete(
     Ok(())
 }
 
+fn failed<'a>(rows: impl IntoIterator<Item = &'a Row>) -> usize {
+    let rows = rows.into_iter();
+    rows.filter(|row| row.problem.is_some()).count()
+}
+
 fn threads(asked: usize) -> usize {
     match asked {
         0 => std::thread::available_parallelism().map_or(1, NonZero::get),
@@ -166,27 +166,55 @@ fn threads(asked: usize) -> usize {
 /// What the threads share.
 struct Work<'a> {
     study: &'a Study,
-    chains: Vec<Range<usize>>,
-    /// Rows that are there already.
-    known: BTreeMap<usize, Row>,
+    chains: Vec<Costed>,
+    /// Cases that have a row already.
+    known: BTreeSet<usize>,
     /// The first chain that no thread has taken.
     next: AtomicUsize,
     stop: CancelToken,
     memory_limit: Option<usize>,
 }
 
-impl Work<'_> {
+impl<'a> Work<'a> {
+    fn new(
+        study: &'a Study,
+        plan: &Plan,
+        known: BTreeSet<usize>,
+        memory_limit: Option<usize>,
+    ) -> Self {
+        let is_open = |chain: &Range<usize>| chain.clone().any(|case| !known.contains(&case));
+        let chains = longest_first(study, plan.chains().filter(is_open));
+        Self {
+            study,
+            chains,
+            known,
+            next: AtomicUsize::new(0),
+            stop: CancelToken::default(),
+            memory_limit,
+        }
+    }
+
+    /// What all of it takes, in the unit of chains.
+    fn cost(&self) -> f64 {
+        let cost = |chain: &Costed| {
+            let cases = chain.cases.clone();
+            let open = cases.filter(|case| !self.known.contains(case));
+            chain.cost * open.count() as f64
+        };
+        self.chains.iter().map(cost).sum()
+    }
+
     /// Computes chain after chain, until there is none left or the sweep is stopped.
-    fn run(&self, sender: &Sender<Row>) {
+    fn run(&self, sender: &Sender<(Row, f64)>) {
         while let Some(chain) = self.chains.get(self.next.fetch_add(1, Ordering::Relaxed)) {
-            for index in chain.clone() {
-                if self.known.contains_key(&index) {
+            for index in chain.cases.clone() {
+                if self.known.contains(&index) {
                     continue;
                 }
                 let Some(row) = self.row(index) else {
                     return; // stopped
                 };
-                if sender.send(row).is_err() {
+                if sender.send((row, chain.cost)).is_err() {
                     return;
                 }
             }

@@ -242,13 +242,15 @@ fn what_does_not_fit_is_refused_with_the_reason() {
         lines[number - 1] = line;
         lines.join("\n") + "\n"
     };
-    let version = with_line(1, &lines[0].replace("\"0.1.0\"", "\"0.0.9\""));
-    insta::assert_snapshot!("other_version", damage(version));
+    let version = format!("\"{}\"", fakir_study::VERSION);
+    let other_version = damage(with_line(1, &lines[0].replace(&version, "\"0.0.9\"")));
+    assert!(other_version.contains("is by fakir 0.0.9, and this is"));
     let format = with_line(1, &lines[0].replace("\"format\":1", "\"format\":7"));
     insta::assert_snapshot!("other_format", damage(format));
-    insta::assert_snapshot!("damaged_line", damage(with_line(5, &lines[4][..40])));
+    insta::assert_snapshot!("damaged_line", damage(with_line(5, &lines[4][..12])));
     insta::assert_snapshot!("damaged_last_line", damage(with_line(31, "{}")));
-    insta::assert_snapshot!("twice", damage(with_line(6, lines[4])));
+    let twice = damage(with_line(6, lines[4]));
+    assert!(twice.contains("sweep/journal.jsonl:6:") && twice.contains("is there twice"));
     let beyond = lines[8].replacen("\"case\":", "\"case\":9", 1);
     assert!(
         damage(with_line(9, &beyond)).contains(":9: the journal is damaged: there is no case 9")

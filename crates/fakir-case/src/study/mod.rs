@@ -20,7 +20,7 @@
 //!
 //! * The case is in the same file, or `[study]` names its file: `case = "paper-soft.toml"`, sought
 //!   next to the study. An axis takes the place of what the case gives.
-//! * An axis is named by a [`Key`](crate::Key), in full or by its last name where that says which, or
+//! * An axis is named by a [`Key`], in full or by its last name where that says which, or
 //!   by `indentation` or `force`. Cases are in the order of the file, the last axis varying fastest.
 //! * Where `method.name` is an axis, other keys of `[method]` count for the methods that have them.
 
@@ -37,7 +37,7 @@ use crate::key::{Key, root};
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
 use fakir::Question;
-use fakir::contact::Load;
+use fakir::contact::{Load, Method};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -215,23 +215,20 @@ impl StudyFile {
             error.accepted("a study varies a case with a [texture]; a [surface] has none as yet")
         })?;
         let cases = self.number_of_cases()?;
-        if let Err(error) = self.resolve(0) {
-            // What is wrong with or without axes is the fault of the case.
-            let alone = self.case.case().err();
-            return Err(
-                match alone.filter(|alone| alone.one_line() == error.one_line()) {
-                    Some(alone) => alone,
-                    None => self.blame(error, 0),
-                },
-            );
-        }
-        for index in 1..cases {
-            self.resolve(index)
+        let mut examples: Vec<Case> = Vec::new();
+        for index in 0..cases {
+            let case = self
+                .resolve(index)
                 .map_err(|error| self.blame(error, index))?;
+            let method = case.case.method;
+            if examples.iter().all(|example| example.method != method) {
+                examples.push(case.case);
+            }
         }
         let mut study = Study {
             file: self,
             cases,
+            examples,
             text: String::new(),
         };
         study.text = study.written();
@@ -400,6 +397,12 @@ impl StudyFile {
 
     /// The error of a case, at an axis, with the combination of values that it comes from.
     fn blame(&self, error: CaseError, index: usize) -> CaseError {
+        // What is wrong with or without axes is the fault of the case alone.
+        if let Err(alone) = self.case.case()
+            && alone.one_line() == error.one_line()
+        {
+            return alone;
+        }
         let steps = self.steps(index);
         let combination = format!("in case {index}, with {}", self.settings(&steps));
         let error = error.in_case(&combination);
@@ -446,6 +449,8 @@ fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
 pub struct Study {
     file: StudyFile,
     cases: usize,
+    /// The first case of each method.
+    examples: Vec<Case>,
     text: String,
 }
 
@@ -517,11 +522,10 @@ impl Study {
         self.file.settings(&self.file.steps(index))
     }
 
-    /// Names of the methods that its cases are solved with.
+    /// The methods that its cases are solved with.
     #[must_use]
-    pub fn methods(&self) -> Vec<&'static str> {
-        let cases = self.representatives();
-        cases.iter().map(|case| case.method.name()).collect()
+    pub fn methods(&self) -> Vec<Method> {
+        self.examples.iter().map(|case| case.method).collect()
     }
 
     /// The study as a study file. It depends on the study alone, and reading it gives the same
@@ -544,41 +548,15 @@ impl Study {
         for axis in self.axes() {
             let _ = writeln!(text, "{axis}");
         }
-        let representatives = self.representatives();
         text.push_str(&write_tables(|key| {
             let varied = |axis: &Axis| axis.variable == Variable::Key(key);
             if self.axes().any(varied) {
                 return None;
             }
-            representatives.iter().find_map(|case| case.value(key))
+            // Other keys are the same in all cases that have them.
+            self.examples.iter().find_map(|case| case.value(key))
         }));
         text
-    }
-
-    /// Cases that have, together, every key that is no axis: the first one of each method.
-    fn representatives(&self) -> Vec<Case> {
-        let is_method = |axis: &Axis| axis.variable == Variable::Key(Key::MethodName);
-        let Some(number) = self.axes().position(is_method) else {
-            return vec![self.case(0).case];
-        };
-        // Cases from one value of the axis to the next.
-        let stride: usize = match self.combine() {
-            Combine::Product => self.axes().skip(number + 1).map(Axis::len).product(),
-            Combine::Zip => 1,
-        };
-        let mut representatives: Vec<Case> = Vec::new();
-        let Values::Words(words) = &self.file.varied[number].axis.values else {
-            return representatives;
-        };
-        for (step, word) in words.iter().enumerate() {
-            if representatives
-                .iter()
-                .all(|case| case.method.name() != word)
-            {
-                representatives.push(self.case(step * stride).case);
-            }
-        }
-        representatives
     }
 }
 

@@ -3,13 +3,15 @@
 
 use crate::arguments::Design as Options;
 use crate::failure::Failure;
-use crate::numbers::{DIGITS, significant, with_unit};
+use crate::numbers::{DIGITS, column_unit, significant, with_unit};
+use crate::report::figures::saved;
 use crate::report::state::{RADIUS_DIGITS, VERSION, texture_line, warnings};
 use crate::report::table::{Column, list, table};
 use crate::report::{Report, json};
 use crate::session::Session;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseFile, Key, Kind};
+use fakir_figure::{Figure, Histogram, Text, histogram};
 use fakir_study::citations::Topic;
 use fakir_study::design::{Candidate, Design, Limit, Wanted, design};
 use fakir_study::output::File;
@@ -73,6 +75,19 @@ pub(crate) fn run(
     });
     warned.extend(answer.as_ref().and_then(Answer::caution));
     warned.extend(scatter.as_ref().and_then(failures));
+    let provenance = Provenance::new(
+        words(question, sampling.as_ref()),
+        method_words(case.method),
+        &[Topic::Method(case.method)],
+        case.to_toml(),
+    );
+    let mut tables = Vec::new();
+    if let Some((sampling, scatter)) = scattered {
+        tables.push(samples_table(sampling, scatter));
+        if let Some(figure) = spread_figure(scatter) {
+            tables.extend(saved(figure, &provenance));
+        }
+    }
     let report = Report {
         json: json(&DesignJson {
             method: case.method.name(),
@@ -82,16 +97,8 @@ pub(crate) fn run(
             fakir_version: VERSION,
         }),
         text: text.into_iter().flatten().collect::<Vec<_>>().join("\n"),
-        provenance: Provenance::new(
-            words(question, sampling.as_ref()),
-            method_words(case.method),
-            &[Topic::Method(case.method)],
-            case.to_toml(),
-        ),
-        tables: scattered
-            .map(|(sampling, scatter)| samples_table(sampling, scatter))
-            .into_iter()
-            .collect(),
+        provenance,
+        tables,
         warnings: warned,
         converged: scatter
             .as_ref()
@@ -449,6 +456,25 @@ fn failures(spread: &Spread) -> Option<String> {
         "{count} of {} samples have no solution; the first: {first}",
         spread.samples.len()
     ))
+}
+
+/// Critical forces of the samples with their percentiles; none of fewer than two.
+fn spread_figure(spread: &Spread) -> Option<Figure> {
+    let forces: Vec<f64> = spread.found().map(|critical| critical.force).collect();
+    let unit = column_unit(forces.iter().copied(), Dimension::Force)?;
+    let figure = histogram(&Histogram {
+        label: Text::from(format!(
+            "critical force *F*_{{c}} ({})",
+            unit.symbol.replace('u', "µ")
+        )),
+        values: forces.iter().map(|force| force / unit.in_si()).collect(),
+        percentiles: vec![5.0, 50.0, 95.0],
+    });
+    let title = "Spread of the critical force";
+    let caption = format!("Critical forces of {} samples.", forces.len());
+    figure
+        .ok()
+        .map(|figure| figure.named("spread").with_description(title, &caption))
 }
 
 /// Every sample: what was drawn, and its critical state or why there is none.

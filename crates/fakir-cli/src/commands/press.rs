@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
+use crate::report::figures;
 use crate::report::maps::Maps;
 use crate::report::state::{
     QuantityList, RADIUS_DIGITS, load_words, pillar_table, texture_line, warnings,
@@ -38,6 +39,8 @@ pub(crate) fn run(
     );
     let mut tables = pillar_table(&state);
     tables.extend(maps.files(&state, &provenance, session)?);
+    let figures = figures::files(&state, None, maps, &provenance, session)?;
+    tables.extend(figures);
     Ok(Report {
         json: json(&PressSummary::new(&state, wall_time)),
         text: text(&state, wall_time),

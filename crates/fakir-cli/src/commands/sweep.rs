@@ -11,14 +11,14 @@ use fakir::contact::CancelToken;
 use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};
 use fakir_study::{Options, Progress, Row, StudyError, Summary, Table, sweep, sweep_into};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Cases that failed, of which the reason is printed.
 const REASONS: usize = 5;
@@ -104,54 +104,76 @@ fn read(arguments: &Sweep) -> Result<Study, Failure> {
 }
 
 /// Cases done, how fast, and how long it will take.
-struct Bar {
+pub(crate) struct Bar {
     bar: ProgressBar,
     start: Instant,
+    /// When the cases of this bar began.
+    began: Option<Instant>,
     watched: bool,
     shown: bool,
 }
 
 impl Bar {
-    fn new(quiet: bool) -> Self {
+    pub(crate) fn new(quiet: bool) -> Self {
         Self {
             bar: ProgressBar::hidden(),
             start: Instant::now(),
+            began: None,
             watched: !quiet && std::io::stderr().is_terminal(),
             shown: false,
         }
     }
 
-    fn show(&mut self, progress: Progress) {
+    pub(crate) fn show(&mut self, progress: Progress) {
+        let began = *self.began.get_or_insert_with(Instant::now);
         if !self.watched || self.start.elapsed() < PATIENCE {
             return;
         }
         if !self.shown {
             self.begin(progress);
         }
-        if progress.failed > 0 {
-            self.bar
-                .set_message(format!(", {} failed", progress.failed));
-        }
+        self.bar.set_message(speed(progress, began.elapsed()));
         self.bar.set_position(progress.done as u64);
     }
 
     fn begin(&mut self, progress: Progress) {
         self.shown = true;
-        self.bar = ProgressBar::with_draw_target(
-            Some(progress.cases as u64),
-            ProgressDrawTarget::stderr(),
-        )
-        .with_position(progress.found as u64)
-        .with_elapsed(self.start.elapsed());
-        let style = "{bar:30} {pos} of {len} cases, {per_sec}, {eta} left{msg}";
-        if let Ok(style) = ProgressStyle::with_template(style) {
+        let cases = Some(progress.cases as u64);
+        self.bar = ProgressBar::with_draw_target(cases, ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} cases{msg}") {
             self.bar.set_style(style);
         }
     }
 
-    fn clear(&self) {
+    /// Work that has no number of cases.
+    pub(crate) fn part(&mut self, name: &'static str) {
+        if !self.watched || self.bar.message() == name {
+            return;
+        }
+        self.clear();
+        self.shown = false;
+        self.began = None;
+        self.bar = ProgressBar::new_spinner().with_message(name);
+        self.bar.enable_steady_tick(PATIENCE / 10);
+    }
+
+    pub(crate) fn clear(&self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// How fast it is, how long it will take, and how many cases failed.
+fn speed(progress: Progress, elapsed: Duration) -> String {
+    let rate = (progress.done - progress.found) as f64 / elapsed.as_secs_f64().max(1e-3);
+    let mut text = format!(", {rate:.1} per second");
+    if progress.work > 0.0 {
+        let left = elapsed.mul_f64((1.0 / progress.work - 1.0).clamp(0.0, 1e6));
+        let _ = write!(text, ", about {} left", HumanDuration(left));
+    }
+    if progress.failed > 0 {
+        let _ = write!(text, ", {} failed", progress.failed);
+    }
+    text
 }
 
 /// A line for each of the first cases that failed, and one for the others.

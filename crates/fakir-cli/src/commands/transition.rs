@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
+use crate::report::figures;
 use crate::report::maps::Maps;
 use crate::report::state::{QuantityList, RADIUS_DIGITS, pillar_table, texture_line, warnings};
 use crate::report::{Report, json};
@@ -27,6 +28,9 @@ pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, 
     );
     let mut tables = pillar_table(state);
     tables.extend(maps.files(state, &provenance, session)?);
+    let floor_contact = Some(critical.floor_contact);
+    let figures = figures::files(state, floor_contact, maps, &provenance, session)?;
+    tables.extend(figures);
     Ok(Report {
         json: json(&TransitionSummary::new(&critical, wall_time)),
         text: text(&critical, wall_time),

@@ -1,5 +1,6 @@
 //! What a command hands back, ready to be printed and saved.
 
+pub(crate) mod figures;
 pub(crate) mod maps;
 pub(crate) mod state;
 pub(crate) mod surface;
@@ -18,7 +19,7 @@ pub(crate) struct Report {
     pub(crate) text: String,
     /// What was asked, and how it was answered.
     pub(crate) provenance: Provenance,
-    /// Tables and fields for other programs.
+    /// Tables and fields for other programs, and figures.
     pub(crate) tables: Vec<File>,
     /// What to be careful about.
     pub(crate) warnings: Vec<String>,

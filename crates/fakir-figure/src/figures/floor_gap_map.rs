@@ -5,7 +5,7 @@ use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::{COLUMN, Figure};
 use crate::frame::{Frame, Lettering};
-use crate::map::{ColourBar, Window, cross, symmetric_copies};
+use crate::map::{ARROW, ColourBar, KeySign, Window, crosses, key, symmetric_copies};
 use crate::scene::{Colour, Item, Stroke};
 use crate::text::Text;
 use crate::unit::Unit;
@@ -15,12 +15,16 @@ use std::collections::HashSet;
 /// Pixels of the map, along a side.
 const PIXELS: usize = 220;
 
+/// The colours reach so large a share of the floor; larger gaps have the last colour.
+const SHOWN: f64 = 0.85;
+
 const TOUCHED: Colour = Colour::grey(120);
 const UNTOUCHED: Colour = Colour::grey(225);
 
 /// Map of the gap between lens and floor around the lens axis, `h + f + w - zeta`, with the pillars
 /// on it: dark grey if touched, light grey if not. Crosses mark where it is smallest, with the
-/// symmetric copies of that place.
+/// symmetric copies of that place. Gaps larger than on most of the floor, as close to the pillars,
+/// have the last colour.
 ///
 /// # Errors
 /// [`FigureError::NoPillars`] from a state without fields; interruption.
@@ -49,18 +53,22 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     let on_floor = points
         .zip(&gaps)
         .filter(|(point, _)| !fields.is_on_pillar(*point));
-    let (low, high) = on_floor.fold(
-        (f64::INFINITY, f64::NEG_INFINITY),
-        |(low, high), (_, gap)| (low.min(*gap), high.max(*gap)),
-    );
-    let low = low.min(state.smallest_floor_gap);
+    let mut on_floor: Vec<f64> = on_floor.map(|(_, gap)| *gap).collect();
+    on_floor.sort_by(f64::total_cmp);
+    // Close to the pillars the gap rises steeply.
+    let most = (SHOWN * on_floor.len() as f64) as usize;
+    let high = on_floor.get(most).copied().unwrap_or(pillar.height);
+    let low = state.smallest_floor_gap.min(0.0);
     let unit = Unit::of_length(high.abs().max(low.abs()));
-    let bar = ColourBar::over(
-        ColourMap::Viridis,
-        unit.of(low),
-        unit.of(high),
-        format!("gap to the floor ({})", unit.name),
-    );
+    let bar = ColourBar {
+        open: true,
+        ..ColourBar::over(
+            ColourMap::Viridis,
+            unit.of(low),
+            unit.of(high),
+            format!("gap to the floor ({})", unit.name),
+        )
+    };
     let side = COLUMN - left - 6.0 - bar.width(0.6 * COLUMN) - MARGIN;
     let window = Window::new([left, MARGIN + 3.0], side, [0.0, 0.0], half_width);
 
@@ -80,16 +88,25 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
             stroke: Some(Stroke::solid(Colour::BLACK, 0.4)),
         });
     }
-    for point in symmetric_copies(lattice, state.smallest_gap_position) {
-        cross(window.place(point), &mut inside);
-    }
+    let copies = symmetric_copies(lattice, state.smallest_gap_position);
+    let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
+    crosses(&places, &mut inside);
     let mut items = vec![window.clipped(inside)];
     let across_name = Text::from(format!("*x* ({})", window.unit.name));
     let below = Lettering::All(&across_name);
     window.frame.draw(&mut items, below, lettering);
     let bounds = window.frame.bounds;
-    bar.draw([bounds.right + 6.0, bounds.top], side, &mut items);
+    bar.draw(
+        [bounds.right + 6.0, bounds.top + ARROW],
+        side - ARROW,
+        &mut items,
+    );
     let end = bounds.bottom + Frame::bottom_room(below);
+    key(
+        &[(KeySign::Cross, "smallest gap")],
+        [COLUMN - MARGIN, end - 6.0],
+        &mut items,
+    );
     let figure = Figure::new("floor-gap-map", [COLUMN, end + MARGIN], items);
     Ok(figure.with_description(
         "Gap between the lens and the floor",

@@ -147,10 +147,9 @@ mod tests {
     #[test]
     fn percentiles_by_hand() {
         let values = [1.0, 2.0, 4.0, 8.0, 16.0];
-        assert_eq!(percentile(&values, 50.0), 4.0);
-        assert_eq!(percentile(&values, 0.0), 1.0);
-        assert_eq!(percentile(&values, 100.0), 16.0);
-        assert!((percentile(&values, 12.5) - 1.5).abs() < 1e-12);
+        for (percentage, value) in [(50.0, 4.0), (0.0, 1.0), (100.0, 16.0), (12.5, 1.5)] {
+            assert!((percentile(&values, percentage) - value).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -119,7 +119,7 @@ fn errors(
         .collect();
     let mut chart = Chart::new(
         x,
-        Axis::linear("relative error of the fit (%)").over(-60.0, 60.0),
+        Axis::linear("relative error of the fit (%)").over(-60.0, 15.0),
         series,
     );
     let zero = vec![[1.0, 0.0], [1e9, 0.0]];

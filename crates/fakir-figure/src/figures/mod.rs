@@ -1,6 +1,7 @@
 //! The figures, each from its data.
 
 pub(crate) mod critical_curves;
+pub(crate) mod fit_curves;
 pub(crate) mod floor_gap_map;
 pub(crate) mod histogram;
 pub(crate) mod lattice_sums;

@@ -62,7 +62,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     let [x_span, y_span] = spans;
     let curve = transition_curve(&diagram.system, x_span.range);
     let transition = Series::new(
-        "transition, formula of the paper",
+        "transition curve",
         curve.clone(),
         Style::line(0).in_tint(Tint::Black),
     );
@@ -87,11 +87,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     let (ground, data) = chart.contents(&frame);
     let mut items = ground;
     items.extend(data.iter().cloned());
-    let mut written = data.clone();
-    for region in region_names(&diagram.system, &frame, &data) {
-        written.push(region.clone());
-        items.push(region);
-    }
+    items.extend(region_names(&diagram.system, &frame, &data));
     frame.draw(&mut items, lettering[0], lettering[1]);
     let mut legend = Legend::default();
     for series in &chart.series {
@@ -99,7 +95,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
             legend.push(label, series.style);
         }
     }
-    let mut end = frame.bounds.bottom + Frame::bottom_room(lettering[0]) + 2.0 * MARGIN;
+    let mut end = frame.bounds.bottom + Frame::bottom_room(lettering[0]) + MARGIN;
     end += legend.draw_below([0.5 * COLUMN, end], COLUMN - 2.0 * MARGIN, &mut items);
     Figure::new("phase-diagram", [COLUMN, end + MARGIN], items).with_description(
         "Phase diagram of the contact",
@@ -155,10 +151,10 @@ fn region_names(system: &System, frame: &Frame, data: &[Item]) -> Vec<Item> {
     let pillar = system.pillar();
     let reduce = system.internal_compliance() / (pillar.height * pillar.diameter);
     let names = [
-        (Region::Top, true, "top"),
-        (Region::Mixed, true, "mixed"),
-        (Region::Top, false, "top, discrete"),
-        (Region::Mixed, false, "mixed, discrete"),
+        (Region::Top, false, "top"),
+        (Region::Mixed, false, "mixed"),
+        (Region::Top, true, "deterministic, top"),
+        (Region::Mixed, true, "deterministic, mixed"),
     ];
     let mut labels: Vec<Item> = Vec::new();
     for (region, deterministic, name) in names {

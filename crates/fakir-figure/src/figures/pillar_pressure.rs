@@ -4,33 +4,40 @@ use crate::axis::Axis;
 use crate::chart::MARGIN;
 use crate::colour::{ColourMap, Tint};
 use crate::error::FigureError;
-use crate::figure::{Figure, PAGE};
+use crate::figure::Figure;
 use crate::font::Bounds;
-use crate::frame::{ASCENT, DESCENT, Frame, LABEL_SIZE, Lettering, NOTE_SIZE};
+use crate::frame::{ASCENT, DESCENT, Frame, Lettering, NOTE_SIZE};
 use crate::legend::Legend;
-use crate::map::{ColourBar, Window};
+use crate::map::{ARROW, ColourBar, Window};
 use crate::scene::{Anchor, Colour, Item, Label, Stroke};
 use crate::series::{Dash, Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
 use fakir::contact::{ContactState, Fields, PillarState, PillarStatus, Run};
-use fakir::system::Point;
+use fakir::system::{Point, System};
+use std::f64::consts::PI;
 
-/// Pressures are shown up to this multiple of that at the centre of the central pillar: at the
-/// edge they are infinite.
-const CUT: f64 = 3.0;
+/// Pressures are shown up to this multiple of the mean on the pillar top: at the edge they are
+/// infinite.
+const CUT: f64 = 2.0;
 
 /// Pixels of a map, along a side.
-const PIXELS: usize = 200;
+const PIXELS: usize = 160;
 
 const NO_CONTACT: Colour = Colour::grey(215);
 
-/// Pressure on the top of the pillar nearest to the lens axis and of the one at the rim of the
-/// contact: along the line from the lens axis through each, and as maps.
+const SIDE: f64 = 118.0;
+
+/// Width of the section with its lettering.
+const SECTION: f64 = 136.0;
+
+/// Pressure on the top of the pillar nearest to the lens axis and of one at the rim of the contact:
+/// along the line from the lens axis through each, and as maps.
 ///
-/// The rim pillar is the farthest of those touched partially, or of all if none is. Pressures are
-/// cut at three times that at the centre of the central pillar, because at the edge of a covered
-/// pillar top they are infinite; the figure says so. Grey tops are not in contact.
+/// The rim pillar is, of those touched partially, the one that carries most; the farthest of all if
+/// there is none. Pressures are cut at twice the mean pressure on the top (along the line, that of
+/// the central pillar), because at the edge of a covered pillar top they are infinite; the
+/// figure says so. Grey is not in contact.
 ///
 /// # Errors
 /// [`FigureError::NoPillars`] from a state without fields; interruption.
@@ -45,96 +52,119 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
     ) else {
         return Err(none);
     };
-    let reference = central.centre_pressure.max(rim.centre_pressure);
-    let mean =
-        central.force / (0.25 * std::f64::consts::PI * state.system.pillar().diameter.powi(2));
-    let cut = CUT * if reference > 0.0 { reference } else { mean };
-    let unit = Unit::of_pressure(cut);
     let shown = Shown {
+        system: &state.system,
         fields,
         run,
         diameter: state.system.pillar().diameter,
-        cut,
-        unit,
     };
     let mut pillars = vec![("central pillar", central)];
     if rim.index != central.index {
         pillars.push(("rim pillar", rim));
     }
-
-    let bar = ColourBar::over(
-        ColourMap::Viridis,
-        0.0,
-        unit.of(cut),
-        format!("pressure ({})", unit.name),
-    );
-    let top = MARGIN + LABEL_SIZE * (ASCENT + DESCENT) + 1.0;
-    let side = 128.0;
+    let bars: Vec<ColourBar> = pillars.iter().map(|(_, p)| shown.bar(p)).collect();
+    let top = MARGIN + NOTE_SIZE * (ASCENT + DESCENT) + 1.0;
+    let widths: Vec<f64> = bars
+        .iter()
+        .map(|bar| SIDE + BESIDE_MAP + bar.width(SIDE))
+        .collect();
+    let maps_width = widths.iter().sum::<f64>() + 14.0 * widths.len() as f64;
     let mut items = Vec::new();
-    let maps_width = pillars.len() as f64 * (side + 8.0) + bar.width(side);
-    shown.section(
-        &pillars,
-        [MARGIN, top],
-        PAGE - maps_width - 26.0,
-        side,
-        &mut items,
-    )?;
-    let mut left = PAGE - MARGIN - maps_width;
-    for (name, pillar) in &pillars {
-        let window = Window::new([left, top], side, pillar.centre, 0.54 * shown.diameter);
-        shown.map(name, pillar, &window, &bar, &mut items)?;
-        left += side + 8.0;
+    let right = MARGIN + SECTION;
+    shown.section(&pillars, [MARGIN, top], right, &mut items)?;
+    let mut left = right;
+    for (((name, pillar), bar), width) in pillars.iter().zip(&bars).zip(widths) {
+        left += 14.0;
+        let window = Window::new([left, top], SIDE, pillar.centre, 0.54 * shown.diameter);
+        shown.map(name, pillar, &window, bar, &mut items)?;
+        let at = [left + SIDE + BESIDE_MAP, top + ARROW];
+        bar.draw(at, SIDE - ARROW, &mut items);
+        left += width;
     }
-    bar.draw([left, top], side, &mut items);
-    let end = top + side + Frame::bottom_room(Lettering::All(&Text::default()));
-    let figure = Figure::new("pillar-pressure", [PAGE, end + MARGIN], items);
+    let end = top + SIDE + Frame::bottom_room(Lettering::All(&Text::default()));
+    let figure = Figure::new(
+        "pillar-pressure",
+        [right + maps_width + MARGIN, end + MARGIN],
+        items,
+    );
     Ok(figure.with_description(
         "Pressure within pillar tops",
-        &format!(
-            "Pressure on the top of the central pillar and of one at the rim of the contact, along \
-             a line through the lens axis and as maps, cut at {}: at the edge of a covered top it \
-             is infinite.",
-            unit.text(cut, 3)
-        ),
+        "Pressure on the top of the central pillar and of one at the rim of the contact, along a \
+         line through the lens axis and as maps, cut at twice the mean: at the edge of a covered \
+         top it is infinite. Grey is not in contact.",
     ))
 }
+
+const BESIDE_MAP: f64 = 5.0;
 
 fn distance(pillar: &PillarState) -> f64 {
     pillar.centre[0].hypot(pillar.centre[1])
 }
 
 fn rim_pillar(state: &ContactState) -> Option<&PillarState> {
-    let farthest = |partial: bool| {
-        state
-            .pillars
-            .iter()
-            .filter(|p| !partial || p.status == PillarStatus::Partial)
-            .max_by(|a, b| distance(a).total_cmp(&distance(b)))
-    };
-    farthest(true).or_else(|| farthest(false))
+    let partial = state
+        .pillars
+        .iter()
+        .filter(|pillar| pillar.status == PillarStatus::Partial)
+        .max_by(|a, b| a.force.total_cmp(&b.force));
+    partial.or(state.pillars.last())
+}
+
+/// Gap below which the top of a pillar is shown as in contact, m: a fiftieth of the rise of the
+/// lens across it. The contact conditions hold to that on partially touched pillars, beyond whose
+/// contact edge the expansion of the pressure leaves ripples.
+pub(super) fn contact_tolerance(system: &System, pillar: &PillarState) -> f64 {
+    let (r, radius) = (distance(pillar), 0.5 * system.pillar().diameter);
+    let lens = system.lens();
+    0.02 * (lens.sag(r + radius) - lens.sag((r - radius).max(0.0)))
 }
 
 struct Shown<'a> {
+    system: &'a System,
     fields: &'a Fields,
     run: &'a Run<'a>,
     diameter: f64,
-    cut: f64,
-    unit: Unit,
 }
 
 impl Shown<'_> {
-    /// Pressures (cut) at places in pillar radii from the centre of a pillar; those just outside
-    /// as just inside.
-    fn pressures(&self, pillar: &PillarState, places: &[Point]) -> Result<Vec<f64>, FigureError> {
+    /// Largest pressure shown, Pa.
+    fn cut(&self, pillar: &PillarState) -> f64 {
+        CUT * pillar.force / (0.25 * PI * self.diameter.powi(2))
+    }
+
+    fn bar(&self, pillar: &PillarState) -> ColourBar {
+        let cut = self.cut(pillar);
+        let unit = Unit::of_pressure(cut);
+        let label = format!("pressure ({})", unit.name);
+        ColourBar {
+            open: true,
+            ..ColourBar::over(ColourMap::Viridis, 0.0, unit.of(cut), label)
+        }
+    }
+
+    /// Pressures at places in pillar radii from the centre of a pillar, none out of contact; those
+    /// outside the pillar as just inside.
+    fn pressures(
+        &self,
+        pillar: &PillarState,
+        places: &[Point],
+    ) -> Result<Vec<Option<f64>>, FigureError> {
         let points: Vec<Point> = places
             .iter()
             .map(|[x, y]| {
-                let shrink = (0.999 / x.hypot(*y)).min(1.0) * 0.5 * self.diameter;
+                let shrink = (0.9999 / x.hypot(*y)).min(1.0) * 0.5 * self.diameter;
                 [pillar.centre[0] + shrink * x, pillar.centre[1] + shrink * y]
             })
             .collect();
         let samples = self.fields.sample(&points, self.run)?;
-        Ok(samples.pressure.iter().map(|p| p.min(self.cut)).collect())
+        let tolerance = contact_tolerance(self.system, pillar);
+        let touched = |gap: f64| pillar.status == PillarStatus::Full || gap < tolerance;
+        Ok(samples
+            .pressure
+            .iter()
+            .zip(&samples.gap)
+            .map(|(pressure, gap)| touched(*gap).then_some(*pressure))
+            .collect())
     }
 
     fn section(
@@ -142,36 +172,28 @@ impl Shown<'_> {
         pillars: &[(&str, &PillarState)],
         [left, top]: [f64; 2],
         right: f64,
-        height: f64,
         items: &mut Vec<Item>,
     ) -> Result<(), FigureError> {
+        let cut = pillars.iter().map(|(_, p)| self.cut(p)).fold(0.0, f64::max);
+        let unit = Unit::of_pressure(cut);
         let mut series = Vec::new();
         for (k, (name, pillar)) in pillars.iter().enumerate() {
-            // Outwards from the lens axis.
-            let r = distance(pillar);
-            let [cos, sin] = if r > 1e-9 * self.diameter {
-                pillar.centre.map(|v| v / r)
-            } else {
-                [1.0, 0.0]
-            };
-            let along: Vec<f64> = (-400..=400).map(|k| 0.999 * f64::from(k) / 400.0).collect();
-            let places: Vec<Point> = along.iter().map(|s| [s * cos, s * sin]).collect();
-            let pressures = self.pressures(pillar, &places)?;
-            let points = along
-                .iter()
-                .zip(pressures)
-                .map(|(s, p)| [*s, self.unit.of(p)])
+            let points = self.along(pillar)?;
+            let cut = points
+                .into_iter()
+                .map(|[s, p]| [s, unit.of(p.min(cut))])
                 .collect();
-            series.push(Series::new(*name, points, Style::line(k)));
+            series.push(Series::new(*name, cut, Style::line(k)));
         }
-        let cut = self.unit.of(self.cut);
+        let (height, cut_text) = (SIDE, unit.text(cut, 3));
+        let cut = unit.of(cut);
         series.push(Series::new(
-            format!("cut at {}", self.unit.text(self.cut, 3)),
+            format!("cut at {cut_text}"),
             vec![[-1.0, cut], [1.0, cut]],
             Style::line(0).in_tint(Tint::Grey).with_line(Dash::Dotted),
         ));
-        let x = Axis::linear("2*s*/*d*, outwards from the lens axis").over(-1.08, 1.08);
-        let y = Axis::linear(format!("pressure ({})", self.unit.name)).over(0.0, 1.12 * cut);
+        let x = Axis::linear("2*s*/*d*, outwards").over(-1.08, 1.08);
+        let y = Axis::linear(format!("pressure ({})", unit.name)).over(0.0, 1.12 * cut);
         let (x_span, y_span) = (x.span(std::iter::empty()), y.span(std::iter::empty()));
         let lettering = Lettering::All(&y.label);
         let room = Frame::left_room(y_span, height, lettering);
@@ -199,6 +221,28 @@ impl Shown<'_> {
         Ok(())
     }
 
+    /// Distances from the centre along the line from the lens axis, in pillar radii, and pressures,
+    /// Pa, 0 out of contact.
+    fn along(&self, pillar: &PillarState) -> Result<Vec<[f64; 2]>, FigureError> {
+        let r = distance(pillar);
+        let [cos, sin] = if r > 1e-9 * self.diameter {
+            pillar.centre.map(|v| v / r)
+        } else {
+            [1.0, 0.0]
+        };
+        // Dense towards the edges.
+        let along: Vec<f64> = (-200..=200)
+            .map(|k| (0.5 * PI * f64::from(k) / 200.0).sin())
+            .collect();
+        let places: Vec<Point> = along.iter().map(|s| [s * cos, s * sin]).collect();
+        let pressures = self.pressures(pillar, &places)?;
+        Ok(along
+            .into_iter()
+            .zip(pressures)
+            .map(|(s, p)| [s, p.unwrap_or(0.0)])
+            .collect())
+    }
+
     fn map(
         &self,
         name: &str,
@@ -207,7 +251,7 @@ impl Shown<'_> {
         bar: &ColourBar,
         items: &mut Vec<Item>,
     ) -> Result<(), FigureError> {
-        let radius = 0.5 * self.diameter;
+        let (radius, unit) = (0.5 * self.diameter, Unit::of_pressure(self.cut(pillar)));
         let [across, up] = window.pixel_coordinates(PIXELS);
         let places: Vec<Point> = up
             .iter()
@@ -224,23 +268,27 @@ impl Shown<'_> {
             .iter()
             .zip(pressures)
             .map(|([x, y], pressure)| {
-                if x.hypot(*y) > 1.01 {
-                    Colour::WHITE
-                } else if pressure > 0.0 {
-                    bar.colour(self.unit.of(pressure))
-                } else {
-                    NO_CONTACT
+                if x.hypot(*y) > 1.04 {
+                    return Colour::WHITE;
                 }
+                pressure.map_or(NO_CONTACT, |pressure| bar.colour(unit.of(pressure)))
             })
             .collect();
         items.push(window.image(PIXELS, &colours));
-        items.push(Item::Disc {
+        let ring = |radius: f64, colour: Colour, width: f64| Item::Disc {
             centre: window.place(pillar.centre),
             radius: window.length(radius),
             fill: None,
-            stroke: Some(Stroke::solid(Colour::BLACK, 0.9)),
-        });
-        window.draw_with_scale_bar(items);
+            stroke: Some(Stroke::solid(colour, width)),
+        };
+        // Over the steps of the pixels at the edge.
+        items.push(ring(
+            1.025 * radius,
+            Colour::WHITE,
+            0.05 * window.length(radius),
+        ));
+        items.push(ring(radius, Colour::BLACK, 0.7));
+        window.draw_scale_bar(items);
         let bounds = window.frame.bounds;
         let title = Text::from(format!("{name}, *r* = "))
             .followed_by(Unit::of_length(distance(pillar).max(1e-6)).text(distance(pillar), 3));

@@ -8,9 +8,11 @@ use crate::figure::{Figure, PAGE};
 use crate::font::Bounds;
 use crate::frame::{Frame, Lettering};
 use crate::legend::Legend;
-use crate::map::{ColourBar, RED, SCALE_BAR_ROOM, Window, cross, symmetric_copies};
+use crate::map::{
+    ColourBar, KeySign, SCALE_BAR_ROOM, Window, crosses, edge_stroke, key, symmetric_copies,
+};
 use crate::scene::{Colour, Item, Stroke};
-use crate::series::{Dash, Marker, Series, Style};
+use crate::series::{Marker, Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
 use fakir::contact::{ContactState, PillarState, PillarStatus};
@@ -19,6 +21,9 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 
 const SIDE: f64 = 208.0;
+/// Fewer pillars than one with its neighbours have no distribution.
+const FEWEST_FOR_CURVE: usize = 7;
+
 const GREY: Colour = Colour::grey(226);
 
 /// Mean pressure on every pillar top as a map, and the pressure at the centre of every pillar top
@@ -115,20 +120,26 @@ fn draw_map(
         centre: window.place([0.0, 0.0]),
         radius: window.length(state.contact_radius),
         fill: None,
-        stroke: Some(Stroke {
-            colour: RED,
-            width: 0.7,
-            dashes: Dash::Dashed.lengths(),
-        }),
+        stroke: Some(edge_stroke()),
     });
-    for point in floor_contact
-        .map(|point| symmetric_copies(lattice, point))
-        .unwrap_or_default()
-    {
-        cross(window.place(point), &mut inside);
+    if let Some(point) = floor_contact {
+        let copies = symmetric_copies(lattice, point);
+        let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
+        crosses(&places, &mut inside);
     }
     items.push(window.clipped(inside));
-    window.draw_with_scale_bar(items);
+    window.draw_border(items);
+    window.draw_scale_bar(items);
+    let mut signs = Vec::new();
+    if state.pillars_partially_in_contact > 0 {
+        signs.push((KeySign::Outline, "partial"));
+    }
+    signs.push((KeySign::Edge, "edge"));
+    if floor_contact.is_some() {
+        signs.push((KeySign::Cross, "floor contact"));
+    }
+    let bounds = window.frame.bounds;
+    key(&signs, [bounds.right, bounds.bottom + 8.0], items);
 }
 
 fn disc(centre: [f64; 2], radius: f64, fill: Colour, stroke: Option<Stroke>) -> Item {
@@ -146,7 +157,7 @@ fn disc(centre: [f64; 2], radius: f64, fill: Colour, stroke: Option<Stroke>) -> 
 fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Item>) -> f64 {
     let unit = Unit::of_pressure(largest(state.pillars.iter().map(|p| p.centre_pressure)));
     let series = profile_series(state, unit);
-    let x = Axis::linear("*r*/*a*").over(0.0, 1.05);
+    let x = Axis::linear("*r*/*a*").over(-0.04, 1.08);
     let y = Axis::linear(format!("pressure at pillar centre ({})", unit.name));
     let y_span = y.span(series.iter().flat_map(|series| series.values(1)));
     let x_span = x.span(std::iter::empty());
@@ -210,7 +221,7 @@ fn profile_series(state: &ContactState, unit: Unit) -> Vec<Series> {
         let style = marks(Tint::Vermillion, Marker::Ring);
         series.push(Series::new("touched partially", partial, style));
     }
-    if largest.is_finite() {
+    if state.pillars.len() >= FEWEST_FOR_CURVE && largest.is_finite() {
         series.push(Series::new(
             Text::from("√(1 − (*r*/*a*)^{2}), same force"),
             curve,

@@ -10,7 +10,7 @@ use crate::map::RED;
 use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Stroke};
 use crate::text::Text;
 use crate::unit::{Unit, significant};
-use fakir::contact::{ContactState, Fields, Run};
+use fakir::contact::{ContactState, Run};
 use fakir::system::Point;
 use std::collections::HashMap;
 
@@ -19,6 +19,9 @@ const SUBSTRATE: Colour = Colour([226, 214, 196]);
 
 /// Places along x at which the surfaces are drawn, besides pillar edges.
 const SAMPLES: usize = 600;
+
+/// Places beside a pillar, in pillar radii from its edge.
+const BESIDE: [f64; 8] = [1e-6, 3e-3, 0.01, 0.03, 0.06, 0.1, 0.2, 0.35];
 
 /// A state and its name in the figure.
 #[derive(Debug, Clone)]
@@ -40,8 +43,8 @@ pub struct ProfileState<'a> {
 /// the floor contact if it is in the section or a symmetric copy of it is.
 ///
 /// # Errors
-/// [`FigureError::TooFewData`] without states, interruption. States without fields are drawn as not
-/// deformed, which they are before contact.
+/// [`FigureError::TooFewData`] without states, [`FigureError::NoPillars`] if one carries a force but
+/// has no fields, interruption.
 pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, FigureError> {
     let Some(widest) = states
         .iter()
@@ -53,7 +56,10 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
         });
     };
     let system = &widest.state.system;
-    let half_width = (1.3 * widest.state.contact_radius).max(1.6 * system.lattice().pitch);
+    let [x, y] = widest.state.smallest_gap_position;
+    let half_width = (1.3 * widest.state.contact_radius)
+        .max(3.0 * x.hypot(y))
+        .max(6.0 * system.pillar().diameter);
     let sections: Result<Vec<Section>, FigureError> = states
         .iter()
         .map(|state| Section::new(state.state, half_width, run))
@@ -93,7 +99,8 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
         };
         page.draw(section, state, &mut items);
         frame.draw(&mut items, across, Lettering::All(&names[1]));
-        title(&page, state, ('a'..='z').nth(k), &mut items);
+        let letter = ('a'..='z').nth(k).filter(|_| last > 0);
+        title(&page, state, letter, &mut items);
         top += height + Frame::bottom_room(across) + 3.0;
     }
     let figure = Figure::new("profiles", [PAGE, top + MARGIN - 3.0], items);
@@ -126,13 +133,25 @@ impl Section {
             .map(|k| half_width * (2.0 * k as f64 / SAMPLES as f64 - 1.0))
             .collect();
         let inside = |x: &f64| x.abs() <= half_width;
-        let edges = stretches.iter().flat_map(|(edges, _)| edges);
-        across.extend(edges.copied().filter(inside));
+        let radius = 0.5 * system.pillar().diameter;
+        for ([start, end], _) in &stretches {
+            across.extend([*start, *end]);
+            // Beside a pillar the surfaces are steep.
+            for distance in BESIDE {
+                across.extend([start - distance * radius, end + distance * radius]);
+            }
+        }
+        across.retain(inside);
         across.sort_by(f64::total_cmp);
         across.dedup();
 
         let displacement = match state.fields.as_deref() {
-            Some(fields) => displacements(fields, &across, run)?,
+            Some(fields) => fields.on_grid(&across, &[0.0], run)?.displacement,
+            None if state.force > 0.0 => {
+                return Err(FigureError::NoPillars {
+                    method: state.method.name(),
+                });
+            }
             None => vec![0.0; across.len()],
         };
         let lens_share =
@@ -158,22 +177,12 @@ impl Section {
             match (was_on, on) {
                 (None, Some(k)) => substrate.extend([[*x, floor], [*x, top(k)]]),
                 (_, Some(k)) => substrate.push([*x, top(k)]),
-                (Some(_), None) => {
-                    if let Some([edge, _]) = substrate.last().copied() {
-                        substrate.push([edge, floor]);
-                    }
-                    substrate.push([*x, floor]);
-                }
-                (None, None) => substrate.push([*x, floor]),
+                (_, None) => substrate.push([*x, floor]),
             }
             was_on = on;
         }
         Ok(Self { lens, substrate })
     }
-}
-
-fn displacements(fields: &Fields, across: &[f64], run: &Run<'_>) -> Result<Vec<f64>, FigureError> {
-    Ok(fields.on_grid(across, &[0.0], run)?.displacement)
 }
 
 /// Where pillars are cut by the section, and by how much each is shortened.
@@ -295,8 +304,8 @@ fn title(page: &Page, state: &ProfileState<'_>, letter: Option<char>, items: &mu
         .followed_by(state.label.clone())
         .followed_by(format!(
             ": *F* = {}, *ζ* = {}",
-            force.text(state.state.force, 3),
-            length.text(state.state.indentation, 3)
+            or_zero(force, state.state.force),
+            or_zero(length, state.state.indentation)
         ));
     items.push(Item::Label(Label::new(
         name,
@@ -314,6 +323,14 @@ fn title(page: &Page, state: &ProfileState<'_>, letter: Option<char>, items: &mu
         NOTE_SIZE,
         Anchor::End,
     )));
+}
+
+fn or_zero(unit: Unit, value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        unit.text(value, 3)
+    }
 }
 
 /// Where the floor is touched, if the section does not show it.

@@ -1,5 +1,6 @@
 //! The contact as seen from above, through the lens.
 
+use super::pillar_pressure::contact_tolerance;
 use crate::chart::MARGIN;
 use crate::colour::ColourMap;
 use crate::error::FigureError;
@@ -35,8 +36,9 @@ const TOUCHED: Colour = Colour::grey(25);
 /// Pixels along a side, of interference.
 const PIXELS: usize = 640;
 
-/// Cells across a partially touched pillar.
-const CELLS: i32 = 32;
+/// Cells across a partially touched pillar: at most so many, and of this size on the page, points.
+const MOST_CELLS: i32 = 32;
+const CELL: f64 = 0.35;
 
 /// The contact as a reflection microscope shows it: dark where lens and pillar touch.
 ///
@@ -44,7 +46,7 @@ const CELLS: i32 = 32;
 /// and at the surface below it, one of them with a phase jump of pi: for a gap `g` the intensity
 /// is `(1 - cos(4 pi g/lambda))/2`, dark in contact (M. Born, E. Wolf, Principles of Optics, 7th
 /// ed., sections 7.2 and 7.5.3). Both surfaces are taken to reflect alike, and light to fall in
-/// vertically.
+/// vertically. Every pixel shows the mean over it.
 ///
 /// # Errors
 /// [`FigureError::NoPillars`] from a state without fields; interruption.
@@ -52,7 +54,7 @@ pub fn top_view(state: &ContactState, view: View, run: &Run<'_>) -> Result<Figur
     let pitch = state.system.lattice().pitch;
     let margin = match view {
         View::Contact => 1.1,
-        View::NewtonRings { .. } => 1.4,
+        View::NewtonRings { .. } => 1.25,
     };
     let half_width = (margin * state.contact_radius).max(1.4 * pitch);
     let side = COLUMN - 2.0 * MARGIN;
@@ -62,7 +64,8 @@ pub fn top_view(state: &ContactState, view: View, run: &Run<'_>) -> Result<Figur
         View::NewtonRings { wavelength } => vec![rings(state, &window, wavelength, run)?],
     };
     let mut items = vec![window.clipped(inside)];
-    window.draw_with_scale_bar(&mut items);
+    window.draw_border(&mut items);
+    window.draw_scale_bar(&mut items);
     let end = MARGIN + side + SCALE_BAR_ROOM;
     let (name, description) = match view {
         View::Contact => (
@@ -108,7 +111,8 @@ fn contact(state: &ContactState, window: &Window, run: &Run<'_>) -> Result<Vec<I
     Ok(items)
 }
 
-/// The touched parts of partially touched pillars, in cells.
+/// The touched parts of partially touched pillars: in every row of cells, from the first that is
+/// touched to the last.
 fn partial_contacts(
     state: &ContactState,
     window: &Window,
@@ -116,34 +120,45 @@ fn partial_contacts(
 ) -> Result<Option<Item>, FigureError> {
     let fields = state.fields.as_deref().ok_or_else(|| no_fields(state))?;
     let radius = 0.5 * state.system.pillar().diameter;
-    let cell = 2.0 * radius / f64::from(CELLS);
-    let points: Vec<Point> = state
+    let cells = ((2.0 * window.length(radius) / CELL).ceil() as i32).clamp(8, MOST_CELLS);
+    let cell = 2.0 * radius / f64::from(cells);
+    let rows: Vec<(&PillarState, f64, Vec<Point>)> = state
         .pillars
         .iter()
         .filter(|pillar| pillar.status == PillarStatus::Partial)
         .flat_map(|pillar| {
-            let along = |k: i32| (f64::from(k) + 0.5) * cell - radius;
-            (0..CELLS * CELLS).filter_map(move |k| {
-                let [x, y] = [along(k % CELLS), along(k / CELLS)];
-                (x.hypot(y) < radius).then_some([pillar.centre[0] + x, pillar.centre[1] + y])
+            let along = move |k: i32| (f64::from(k) + 0.5) * cell - radius;
+            let [x, y] = pillar.centre;
+            (0..cells).map(move |row| {
+                let up = along(row);
+                let inside = (0..cells).map(along).filter(|x| x.hypot(up) < radius);
+                let row = inside.map(|across| [x + across, y + up]).collect();
+                (pillar, y + up, row)
             })
         })
         .collect();
-    let pressures = fields.sample(&points, run)?.pressure;
+    let points: Vec<Point> = rows.iter().flat_map(|row| &row.2).copied().collect();
+    let mut gaps = fields.sample(&points, run)?.gap.into_iter();
     let mut path = Path::default();
-    for (point, pressure) in points.iter().zip(pressures) {
-        if pressure > 0.0 {
-            let [x, y] = *point;
-            // A little larger than a cell, so that no lines are seen between cells.
-            let half = 0.53 * cell;
+    for (pillar, up, cells) in rows {
+        let tolerance = contact_tolerance(&state.system, pillar);
+        let touched: Vec<f64> = cells
+            .iter()
+            .zip(gaps.by_ref())
+            .filter(|(_, gap)| *gap < tolerance)
+            .map(|([x, _], _)| *x)
+            .collect();
+        if let (Some(first), Some(last)) = (touched.first(), touched.last()) {
+            // A little higher than a row, so that no lines are seen between rows.
+            let (across, high) = (0.5 * cell, 0.6 * cell);
             let corners = [
-                [x - half, y - half],
-                [x + half, y - half],
-                [x + half, y + half],
-                [x - half, y + half],
+                [first - across, up - high],
+                [last + across, up - high],
+                [last + across, up + high],
+                [first - across, up + high],
             ];
-            let square = Path::polygon(corners.map(|corner| window.place(corner)));
-            path.pieces.extend(square.pieces);
+            let bar = Path::polygon(corners.map(|corner| window.place(corner)));
+            path.pieces.extend(bar.pieces);
         }
     }
     Ok((!path.pieces.is_empty()).then(|| Item::filled(path, TOUCHED)))
@@ -158,17 +173,40 @@ fn rings(
     let fields = state.fields.as_deref().ok_or_else(|| no_fields(state))?;
     let [across, up] = window.pixel_coordinates(PIXELS);
     let samples = fields.on_grid(&across, &up, run)?;
-    let colours: Vec<Colour> = samples
-        .gap
-        .iter()
-        .map(|gap| ColourMap::Grey.at(intensity(gap.max(0.0), wavelength)))
+    // Overlaps are as small as the error of the solution.
+    let gaps: Vec<f64> = samples.gap.iter().map(|gap| gap.max(0.0)).collect();
+    let colours: Vec<Colour> = (0..gaps.len())
+        .map(|k| {
+            let steps = [step(&gaps, k, 1), step(&gaps, k, PIXELS)];
+            ColourMap::Grey.at(intensity(gaps[k], steps, wavelength))
+        })
         .collect();
     Ok(window.image(PIXELS, &colours))
 }
 
-/// Of two beams, relative to the brightest.
-fn intensity(gap: f64, wavelength: f64) -> f64 {
-    0.5 * (1.0 - (4.0 * PI * gap / wavelength).cos())
+/// How much the gap changes across a pixel in one direction, in which neighbours are `stride`
+/// apart: towards the neighbour to which it changes less, so that pillar edges are no slopes.
+fn step(gaps: &[f64], k: usize, stride: usize) -> f64 {
+    let along = (k / stride) % PIXELS;
+    let back = (along > 0).then(|| gaps[k] - gaps[k - stride]);
+    let ahead = (along < PIXELS - 1).then(|| gaps[k + stride] - gaps[k]);
+    match (back, ahead) {
+        (Some(back), Some(ahead)) if back.abs() < ahead.abs() => back,
+        (_, Some(ahead)) => ahead,
+        (back, None) => back.unwrap_or(0.0),
+    }
+}
+
+/// Of two beams, relative to the brightest, averaged over a pixel across which the gap changes
+/// evenly by `steps` in both directions: fringes finer than pixels become grey.
+fn intensity(gap: f64, steps: [f64; 2], wavelength: f64) -> f64 {
+    let wave = 2.0 * PI / wavelength;
+    let contrast = sinc(wave * steps[0]) * sinc(wave * steps[1]);
+    0.5 * (1.0 - contrast * (2.0 * wave * gap).cos())
+}
+
+fn sinc(x: f64) -> f64 {
+    if x.abs() < 1e-6 { 1.0 } else { x.sin() / x }
 }
 
 #[cfg(test)]
@@ -177,8 +215,34 @@ mod tests {
 
     #[test]
     fn dark_in_contact_and_at_half_wavelengths() {
-        assert!(intensity(0.0, 550e-9) < 1e-12);
-        assert!(intensity(275e-9, 550e-9) < 1e-12);
-        assert!((intensity(137.5e-9, 550e-9) - 1.0).abs() < 1e-12);
+        let even = |gap| intensity(gap, [0.0; 2], 550e-9);
+        assert!(even(0.0) < 1e-12);
+        assert!(even(275e-9) < 1e-12);
+        assert!((even(137.5e-9) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn pixels_average_over_fringes() {
+        // Against the mean of many points across the pixel.
+        let (gap, step) = (300e-9, 190e-9);
+        let mean = (0..1000)
+            .map(|k| gap + step * ((f64::from(k) + 0.5) / 1000.0 - 0.5))
+            .map(|gap| intensity(gap, [0.0; 2], 550e-9))
+            .sum::<f64>()
+            / 1000.0;
+        assert!((intensity(gap, [step, 0.0], 550e-9) - mean).abs() < 1e-6);
+        // A whole fringe across a pixel.
+        assert!((intensity(gap, [0.0, 275e-9], 550e-9) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn steps_at_the_borders_are_of_one_pixel() {
+        let gaps: Vec<f64> = (0..PIXELS * PIXELS)
+            .map(|k| (k % PIXELS) as f64 + 3.0 * (k / PIXELS) as f64)
+            .collect();
+        for k in [0, PIXELS - 1, PIXELS, PIXELS * PIXELS - 1, 5 * PIXELS + 7] {
+            assert!((step(&gaps, k, 1) - 1.0).abs() < 1e-12);
+            assert!((step(&gaps, k, PIXELS) - 3.0).abs() < 1e-12);
+        }
     }
 }

@@ -246,8 +246,9 @@ pub enum Region {
 pub struct Phase {
     /// Which side of the transition curve it is on.
     pub region: Region,
-    /// Whether that is decided by force and contact radius alone. Beyond one pitch the lattice
-    /// sums average over the place where the lens lands; within, the outcome depends on it.
+    /// Whether it is within the paper's deterministic-driven contact, of at most one pitch, where
+    /// a few pillars and the place where the lens lands decide. Beyond, the lattice sums average
+    /// over that place, and force and contact radius alone decide.
     pub deterministic: bool,
 }
 
@@ -261,7 +262,7 @@ pub fn phase(system: &System, force: f64, contact_radius: f64) -> Phase {
         } else {
             Region::Mixed
         },
-        deterministic: contact_radius > system.lattice().pitch,
+        deterministic: contact_radius <= system.lattice().pitch,
     }
 }
 
@@ -476,7 +477,7 @@ mod tests {
             let region = |force| phase(&system, force, ratio * e).region;
             assert_eq!(region(0.999 * curve), Region::Top);
             assert_eq!(region(1.001 * curve), Region::Mixed);
-            assert_eq!(phase(&system, curve, ratio * e).deterministic, ratio > 1.0);
+            assert_eq!(phase(&system, curve, ratio * e).deterministic, ratio < 1.0);
         }
     }
 

@@ -1,0 +1,159 @@
+//! `fakir design` and `fakir reproduce` as a user meets them.
+
+mod common;
+
+use common::{Bench, example};
+
+/// Designs each free quantity for the force of a case, then computes the force of the case that was
+/// saved.
+#[test]
+fn what_is_designed_has_the_wanted_force() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let held = ["--set", "texture.pitch=30um"];
+    for (free, key, from) in [
+        ("pitch", "texture.pitch", "40um"),
+        ("texture.pillar.height", "texture.pillar.height", "1um"),
+        ("diameter", "texture.pillar.diameter", "4um"),
+        ("radius", "lens.radius", "1mm"),
+        ("lens.young_modulus", "lens.young_modulus", "1MPa"),
+        ("substrate.young_modulus", "substrate.young_modulus", "9MPa"),
+    ] {
+        let start = format!("{key}={from}");
+        let mut arguments = vec!["design", &case, "--free", free, "--critical-force", "500uN"];
+        arguments.extend(held);
+        arguments.extend(["--set", &start, "--output", "found"]);
+        let answer = bench.json(&arguments);
+        assert_eq!(answer["design"]["status"], "found");
+        let again = bench.json(&["transition", "found/case.toml"]);
+        let force = again["critical_force_N"].as_f64().unwrap_or(0.0);
+        assert!((force / 500e-6 - 1.0).abs() < 1e-6, "{free}: {force:e}");
+    }
+}
+
+#[test]
+fn what_cannot_be_had_is_status_3_with_the_nearest() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let small = "lens.radius=300um";
+    let arguments = ["design", &case, "--set", small, "--free", "pitch"];
+    let outcome = bench.run(&[&arguments[..], &["--critical-force", "1nN"]].concat());
+    assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
+    assert!(
+        outcome.stdout.starts_with("No texture.pitch gives"),
+        "{}",
+        outcome.stdout
+    );
+}
+
+#[test]
+fn what_makes_no_sense_is_status_2() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    for (arguments, told) in [
+        (&["design", &case][..], "nothing to do"),
+        (&["design", &case, "--free", "pitch"], "required"),
+        (&["design", &case, "--critical-force", "1mN"], "required"),
+        (
+            &[
+                "design",
+                &case,
+                "--free",
+                "offset",
+                "--critical-force",
+                "1mN",
+            ],
+            "give one of texture.pitch",
+        ),
+        (
+            &["design", &case, "--free", "pitch", "--critical-force=-1mN"],
+            "must be greater than 0",
+        ),
+        (
+            &["design", &case, "--tolerance", "texture.pillar.height=0%"],
+            "must be a number greater than 0",
+        ),
+        (
+            &["design", &case, "--tolerance", "texture.hight=1%"],
+            "no key",
+        ),
+        (&["design", &case, "--samples", "1"], "at least 2 samples"),
+        (&["reproduce", "paper"], "--output"),
+        (
+            &["reproduce", "paper", "--output", "x", "--points", "2"],
+            "from 5 to 1000",
+        ),
+        (
+            &[
+                "reproduce",
+                "paper",
+                "--output",
+                "x",
+                "--measured",
+                "none.csv",
+            ],
+            "none.csv: cannot read",
+        ),
+    ] {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}");
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    }
+}
+
+/// A sample of the spread is a case like any other.
+#[test]
+fn a_spread_is_saved_with_its_samples() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let thin = "texture.surface_fraction=0.005";
+    let arguments = [
+        "design",
+        &case,
+        "--set",
+        thin,
+        "--samples",
+        "20",
+        "--output",
+        "spread",
+    ];
+    let tolerance = ["--tolerance", "texture.pillar.height=0.05um"];
+    let answer = bench.json(&[&arguments[..], &tolerance].concat());
+    assert_eq!(answer["spread"]["samples"], 20);
+    let samples = bench.read("spread/samples.csv");
+    assert_eq!(samples.lines().count(), 21);
+    let row: Vec<&str> = samples
+        .lines()
+        .nth(7)
+        .unwrap_or_default()
+        .split(',')
+        .collect();
+    let again = bench.json(&[
+        "transition",
+        &case,
+        "--set",
+        thin,
+        "--set",
+        &format!("texture.pillar.height={}", row[1]),
+        "--set",
+        &format!("texture.offset={}", row[2]),
+        "--set",
+        &format!("texture.offset_angle={}", row[3]),
+    ]);
+    let force: f64 = row[4].parse().unwrap_or(0.0);
+    assert_eq!(again["critical_force_N"].as_f64(), Some(force));
+    assert!(bench.read("spread/spread.svg").starts_with("<svg"));
+}
+
+#[test]
+fn a_folder_with_something_in_it_is_left_alone() {
+    let bench = Bench::new();
+    bench.write("notes.txt", "mine");
+    let outcome = bench.run(&["reproduce", "paper", "--output", "."]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("is not empty"),
+        "{}",
+        outcome.stderr
+    );
+}

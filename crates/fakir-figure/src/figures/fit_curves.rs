@@ -1,0 +1,158 @@
+//! Measured data, the curve fitted to them, and what is left.
+
+use crate::axis::Axis;
+use crate::chart::{Chart, Grid};
+use crate::colour::Tint;
+use crate::figure::{COLUMN, Figure, PAGE};
+use crate::series::{Dash, Series, Style};
+use crate::text::Text;
+use crate::unit::Unit;
+
+/// A measured point beside a fitted curve, in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FittedPoint {
+    /// What was prescribed: a length, or a force.
+    pub load: f64,
+    /// What was measured under it.
+    pub measured: f64,
+    /// The fitted value in its place.
+    pub computed: f64,
+    /// Standard error of the measured value.
+    pub error: f64,
+    /// Whether the curve was fitted to it.
+    pub used: bool,
+}
+
+/// What a curve is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FittedQuantity {
+    /// N
+    Force,
+    /// m
+    ContactRadius,
+}
+
+/// What a curve is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FittedLoad {
+    /// Reading of an instrument, m.
+    Displacement,
+    /// m
+    Indentation,
+    /// N
+    Force,
+}
+
+/// A fitted curve and its data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedCurve {
+    /// What is measured.
+    pub quantity: FittedQuantity,
+    /// The data.
+    pub points: Vec<FittedPoint>,
+    /// Load and value along the fitted curve, in SI units.
+    pub curve: Vec<[f64; 2]>,
+}
+
+/// Measured points with error bars on fitted curves, each above a panel of measured less fitted
+/// values; side by side for several quantities under the same load.
+#[must_use]
+pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve]) -> Figure {
+    let panels: Vec<[Chart; 2]> = curves.iter().map(|curve| panels(load, curve)).collect();
+    let upper = panels.iter().map(|[upper, _]| upper.clone());
+    let lower = panels.iter().map(|[_, lower]| lower.clone());
+    Grid {
+        name: "fit",
+        width: if curves.len() > 1 { PAGE } else { COLUMN },
+        columns: curves.len().max(1),
+        charts: upper.chain(lower).collect(),
+        heights: vec![130.0, 60.0],
+        common_x: true,
+        common_y: false,
+        titles: Vec::new(),
+        tagged: curves.len() > 1,
+    }
+    .figure()
+    .with_description(
+        "Measured loading curve and fit",
+        "Measured points with their standard errors on the fitted curve; below, measured less \
+         fitted values over the same load.",
+    )
+}
+
+/// Data and curve; residuals.
+fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
+    let largest = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold(0.0, |largest: f64, value| largest.max(value.abs()))
+    };
+    let of_load = {
+        let largest = largest(&mut curve.points.iter().map(|point| point.load));
+        match load {
+            FittedLoad::Force => Unit::of_force(largest),
+            _ => Unit::of_length(largest),
+        }
+    };
+    let unit = |largest: f64| match curve.quantity {
+        FittedQuantity::Force => Unit::of_force(largest),
+        FittedQuantity::ContactRadius => Unit::of_length(largest),
+    };
+    let of_value = unit(largest(
+        &mut curve.points.iter().map(|point| point.measured),
+    ));
+    let left = |point: &FittedPoint| point.measured - point.computed;
+    let used = || curve.points.iter().filter(|point| point.used);
+    let of_rest = unit(largest(&mut used().map(|p| left(p).abs() + p.error)));
+    let x = Axis::linear(label(
+        match load {
+            FittedLoad::Displacement => "displacement",
+            FittedLoad::Indentation => "indentation *ζ*",
+            FittedLoad::Force => "force *F*",
+        },
+        of_load,
+    ));
+    let symbol = match curve.quantity {
+        FittedQuantity::Force => "force *F*",
+        FittedQuantity::ContactRadius => "contact radius *a*",
+    };
+    let marks = |points: Vec<&FittedPoint>, unit: Unit, value: &dyn Fn(&FittedPoint) -> f64| {
+        let at = |p: &&FittedPoint| [of_load.of(p.load), unit.of(value(p))];
+        let errors = points.iter().map(|p| [0.0, unit.of(p.error)]).collect();
+        (points.iter().map(at).collect::<Vec<_>>(), errors)
+    };
+    let style = Style::marks(0).in_tint(Tint::Black);
+    let (points, errors) = marks(used().collect(), of_value, &|p| p.measured);
+    let line = curve
+        .curve
+        .iter()
+        .map(|[x, y]| [of_load.of(*x), of_value.of(*y)]);
+    let fitted = Style::line(1).with_line(Dash::Solid);
+    let mut series = vec![
+        Series::new("fitted", line.collect(), fitted),
+        Series::new("measured", points, style).with_errors(errors),
+    ];
+    let left_out: Vec<&FittedPoint> = curve.points.iter().filter(|point| !point.used).collect();
+    if !left_out.is_empty() {
+        let (points, _) = marks(left_out, of_value, &|p| p.measured);
+        let style = Style::marks(4).in_tint(Tint::Grey);
+        series.push(Series::new("past the transition", points, style));
+    }
+    let (rest, errors) = marks(used().collect(), of_rest, &left);
+    let ends = curve.points.iter().map(|point| of_load.of(point.load));
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    let zero = Series::unnamed(vec![[low, 0.0], [high, 0.0]], fitted);
+    let rest = Series::unnamed(rest, style).with_errors(errors);
+    [
+        Chart::new(x.clone(), Axis::linear(label(symbol, of_value)), series),
+        Chart::new(
+            x,
+            Axis::linear(label("residual", of_rest)),
+            vec![zero, rest],
+        ),
+    ]
+}
+
+fn label(name: &str, unit: Unit) -> Text {
+    Text::from(format!("{name} ({})", unit.name).as_str())
+}

@@ -1,0 +1,448 @@
+//! Every figure, checked as a reader would: text on the page and apart, SVG that another program
+//! reads and draws the same, PNG of the right size.
+
+#![allow(clippy::unwrap_used)]
+
+use fakir::contact::{ContactState, CriticalState, Load, Method, Normalized, Run};
+use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::theory::closed_forms::{self, Form};
+use fakir::theory::lattice_sums::SumFit;
+use fakir_figure::{
+    Axis, CriticalColumn, CriticalCurve, CriticalPoint, Figure, FigureError, Histogram, LineChart,
+    Measured, PhaseDiagram, ProfileState, RESOLUTION, Series, Style, Text, View, critical_curves,
+    floor_gap_map, histogram, lattice_sums, lines, phase_diagram, phase_points, pillar_pressure,
+    pressure_map, profiles, top_view,
+};
+use png::{ColorType, Decoder};
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{self, Node, fontdb};
+use std::sync::Arc;
+
+fn system(modulus: f64, surface_fraction: f64, offset: f64) -> System {
+    let pillar = Pillar {
+        diameter: 6e-6,
+        height: 2.2e-6,
+        compliance: PillarCompliance::Column,
+    };
+    let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
+    let lens = Lens {
+        radius: 2.2e-3,
+        material: Material::new(2e6, 0.5),
+    };
+    let texture = Texture {
+        pillar,
+        lattice: lattice.offset_by(offset),
+    };
+    System::new(lens, Material::new(modulus, 0.5), texture).unwrap()
+}
+
+fn transition(system: &System, method: Method) -> CriticalState {
+    fakir::transition(system, method, &Run::default()).unwrap()
+}
+
+fn press(system: &System, force: f64) -> ContactState {
+    let load = Load::Force(force);
+    fakir::press(system, load, Method::default(), &Run::default()).unwrap()
+}
+
+/// What shows one critical state.
+fn figures_of(critical: &CriticalState) -> Vec<Figure> {
+    let (state, run) = (&critical.contact, Run::default());
+    let middle = press(&state.system, 0.4 * state.force);
+    let before = press(&state.system, 0.0);
+    let profile = |label: &str, state, floor_contact| ProfileState {
+        label: Text::from(label),
+        state,
+        floor_contact,
+    };
+    vec![
+        pressure_map(state, Some(critical.floor_contact)).unwrap(),
+        pillar_pressure(state, &run).unwrap(),
+        floor_gap_map(state, &run).unwrap(),
+        top_view(state, View::Contact, &run).unwrap(),
+        top_view(state, View::GREEN, &run).unwrap(),
+        profiles(
+            &[
+                profile("before contact", &before, None),
+                profile("mid load", &middle, None),
+                profile("critical state", state, Some(critical.floor_contact)),
+            ],
+            &run,
+        )
+        .unwrap(),
+    ]
+}
+
+fn curve(modulus: f64, offset: f64, style: Style) -> CriticalCurve {
+    let points = [5e-4, 2e-3, 6e-3, 0.02]
+        .iter()
+        .map(|phi| {
+            CriticalPoint::from(&transition(
+                &system(modulus, *phi, offset),
+                Method::default(),
+            ))
+        })
+        .collect();
+    CriticalCurve {
+        label: Text::from(format!("*δx*/*e* = {offset:.2}")),
+        points,
+        style,
+    }
+}
+
+fn column(modulus: f64) -> CriticalColumn {
+    let mut curves: Vec<CriticalCurve> = [0.0, 1.0 / 3.0, 0.866_025_403_784_438_6]
+        .iter()
+        .enumerate()
+        .map(|(k, offset)| curve(modulus, *offset, Style::marks(k)))
+        .collect();
+    let printed = (1..40)
+        .map(|k| {
+            let system = system(modulus, 5e-4 * 1.12f64.powi(k), 0.0);
+            let estimate = closed_forms::large_contact(&system, Form::AsPrinted);
+            CriticalPoint::of_estimate(&system, &estimate)
+        })
+        .collect();
+    curves.push(CriticalCurve {
+        label: Text::from("closed form"),
+        points: printed,
+        style: Style::line(4),
+    });
+    CriticalColumn {
+        title: Text::from(format!("*E*_{{s}} = {modulus} Pa")),
+        curves,
+        measured: vec![Measured {
+            surface_fraction: [0.01, 1e-3],
+            force: Some([6.0, 7.0]),
+            contact_radius: None,
+            indentation: Some([1.3, 0.1]),
+        }],
+    }
+}
+
+fn figures_of_many_states() -> Vec<Figure> {
+    let intermediate = column(2e6);
+    let points: Vec<Normalized> = intermediate.curves[0]
+        .points
+        .iter()
+        .map(|point| point.reduced)
+        .collect();
+    let diagram = PhaseDiagram {
+        system: system(2e6, 0.01, 0.0),
+        critical: vec![Series::new(
+            "critical",
+            phase_points(&points),
+            Style::marks(0),
+        )],
+        paths: vec![Series::new(
+            "loading",
+            vec![[0.1, 0.01], [0.8, 0.5], [2.0, 4.0]],
+            Style::line(1),
+        )],
+    };
+    vec![
+        critical_curves(std::slice::from_ref(&intermediate)),
+        critical_curves(&[column(1e9), intermediate, column(2e3)]),
+        phase_diagram(&diagram),
+        lattice_sums(&SumFit::least_squares([1.0, 16.0], 50).unwrap(), 16.0),
+        histogram(&Histogram {
+            label: Text::from("critical force *F*_{c} (µN)"),
+            values: (0..500)
+                .map(|k| 90.0 + (f64::from(k) * 0.37).sin())
+                .collect(),
+            percentiles: vec![5.0, 50.0, 95.0],
+        })
+        .unwrap(),
+    ]
+}
+
+fn charts_of_odd_data() -> Vec<Figure> {
+    let chart = |x: Axis, y: Axis, points: Vec<[f64; 2]>| {
+        let series = vec![
+            Series::new(
+                Text::plain("a < b & \"c\" *_{}\u{1}"),
+                points.clone(),
+                Style::line(0),
+            ),
+            Series::new("again", points, Style::marks(1)),
+        ];
+        lines(&LineChart { x, y, series })
+    };
+    let (linear, logarithmic) = (Axis::linear("*x* (µm)"), Axis::logarithmic("*y*"));
+    vec![
+        chart(linear.clone(), logarithmic.clone(), Vec::new()),
+        chart(linear.clone(), logarithmic.clone(), vec![[1.0, 3e-9]]),
+        chart(linear.clone(), linear.clone(), vec![[0.0, 0.0]]),
+        chart(
+            logarithmic.clone(),
+            logarithmic.clone(),
+            vec![
+                [1.0, f64::NAN],
+                [2.0, -1.0],
+                [0.0, 5.0],
+                [4.0, f64::INFINITY],
+            ],
+        ),
+        chart(
+            linear.clone(),
+            linear.clone(),
+            (0..300)
+                .map(|k| [f64::from(k), (f64::from(k) * 1.7).sin() * 1e-7])
+                .collect(),
+        ),
+        chart(
+            logarithmic,
+            linear,
+            (0..40)
+                .map(|k| [10f64.powi(k - 20), f64::from(k) * 1e7])
+                .collect(),
+        ),
+    ]
+}
+
+/// As the outside sees it: no fonts of the system, those of the figure alone.
+fn parsed(svg: &str) -> usvg::Tree {
+    let mut fonts = fontdb::Database::new();
+    for face in ["Regular", "Italic"] {
+        let path = format!(
+            "{}/fonts/Roboto-{face}-subset.ttf",
+            env!("CARGO_MANIFEST_DIR")
+        );
+        fonts.load_font_data(std::fs::read(path).unwrap());
+    }
+    let options = usvg::Options {
+        fontdb: Arc::new(fonts),
+        ..usvg::Options::default()
+    };
+    usvg::Tree::from_str(svg, &options).unwrap()
+}
+
+fn texts(group: &usvg::Group, boxes: &mut Vec<(String, usvg::Rect)>) {
+    for node in group.children() {
+        match node {
+            Node::Group(group) => texts(group, boxes),
+            Node::Text(text) => {
+                let words = text.chunks().iter().map(usvg::TextChunk::text).collect();
+                boxes.push((words, text.abs_bounding_box()));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Text as the other program lays it out is on the page.
+fn assert_text_on_page(figure: &Figure, tree: &usvg::Tree) {
+    let mut boxes = Vec::new();
+    texts(tree.root(), &mut boxes);
+    assert!(!boxes.is_empty(), "{}", figure.name());
+    let size = tree.size();
+    for (words, bounds) in &boxes {
+        let inside = bounds.left() >= 0.0
+            && bounds.top() >= -2.0 // its box is that of the font, not of the ink
+            && bounds.right() <= size.width()
+            && bounds.bottom() <= size.height() + 2.0;
+        assert!(inside, "{}: {words} at {bounds:?}", figure.name());
+    }
+}
+
+/// Difference between two pictures, 0 to 255, on average.
+fn difference(a: &[u8], b: &[u8]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let sum: u64 = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| u64::from(a.abs_diff(*b)))
+        .sum();
+    sum as f64 / a.len() as f64
+}
+
+fn assert_same_picture(figure: &Figure, tree: &usvg::Tree) {
+    let [width, height] = figure.pixels();
+    let mut pixmap = Pixmap::new(width, height).unwrap();
+    let scale = (RESOLUTION / 96.0) as f32; // of the unit px
+    let transform = Transform::from_scale(scale, scale);
+    resvg::render(tree, transform, &mut pixmap.as_mut());
+    let other: Vec<u8> = pixmap
+        .pixels()
+        .iter()
+        .flat_map(|p| [p.red(), p.green(), p.blue()])
+        .collect();
+    let mine = decoded(&figure.png(), [width, height]);
+    // Rounded coordinates and another rasteriser change edges only; a missing or shifted label
+    // changes the mean by about 0.1, a missing map by 10.
+    let difference = difference(&mine, &other);
+    // Fringes are as fine as pixels, and images are interpolated in other ways.
+    let limit = if figure.name() == "newton-rings" {
+        5.0
+    } else {
+        0.5
+    };
+    assert!(difference < limit, "{}: {difference}", figure.name());
+}
+
+/// Colours of a PNG, three bytes each.
+fn decoded(bytes: &[u8], size: [u32; 2]) -> Vec<u8> {
+    let mut reader = Decoder::new(std::io::Cursor::new(bytes))
+        .read_info()
+        .unwrap();
+    let mut data = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut data).unwrap();
+    assert_eq!([frame.width, frame.height], size);
+    let info = reader.info();
+    assert_eq!(info.pixel_dims.unwrap().xppu, 11811); // 300/25.4e-3
+    match frame.color_type {
+        ColorType::Grayscale => data.into_iter().flat_map(|v| [v; 3]).collect(),
+        _ => data,
+    }
+}
+
+fn check(figures: &[Figure]) {
+    for figure in figures {
+        assert_eq!(figure.faults(), Vec::<String>::new(), "{}", figure.name());
+        let svg = figure.svg();
+        assert_eq!(svg, figure.clone().svg());
+        let tree = parsed(&svg);
+        assert_text_on_page(figure, &tree);
+        assert_same_picture(figure, &tree);
+        let widths = figure.size()[0] * 1e3;
+        assert!((60.0..=178.5).contains(&widths), "{} mm", widths);
+    }
+}
+
+#[test]
+fn one_pillar() {
+    check(&figures_of(&transition(
+        &system(2e6, 1e-3, 0.0),
+        Method::default(),
+    )));
+}
+
+#[test]
+fn some_pillars_off_the_axis() {
+    check(&figures_of(&transition(
+        &system(2e6, 0.01, 0.2),
+        Method::default(),
+    )));
+}
+
+#[test]
+fn many_pillars() {
+    check(&figures_of(&transition(
+        &system(2e3, 0.04, 0.0),
+        Method::default(),
+    )));
+}
+
+#[test]
+fn charts() {
+    check(&figures_of_many_states());
+}
+
+#[test]
+fn odd_data() {
+    check(&charts_of_odd_data());
+}
+
+#[test]
+fn the_floor_before_any_pillar() {
+    let critical = transition(
+        &system(2e6, 5e-4, 0.866_025_403_784_438_6),
+        Method::default(),
+    );
+    let state = &critical.contact;
+    let section = ProfileState {
+        label: Text::from("critical state"),
+        state,
+        floor_contact: Some(critical.floor_contact),
+    };
+    check(&[profiles(&[section], &Run::default()).unwrap()]);
+    let refused = pressure_map(state, Some(critical.floor_contact)).unwrap_err();
+    assert_eq!(refused, FigureError::NoPillars { method: "spectral" });
+}
+
+#[test]
+fn methods_without_pillars_are_refused() {
+    let critical = transition(&system(2e6, 0.01, 0.0), Method::Homogenised);
+    let (state, run) = (&critical.contact, Run::default());
+    let refused = FigureError::NoPillars {
+        method: "homogenised",
+    };
+    assert_eq!(pressure_map(state, None).unwrap_err(), refused);
+    let section = ProfileState {
+        label: Text::default(),
+        state,
+        floor_contact: None,
+    };
+    assert_eq!(profiles(&[section], &run).unwrap_err(), refused);
+    assert_eq!(floor_gap_map(state, &run).unwrap_err(), refused);
+    assert_eq!(pillar_pressure(state, &run).unwrap_err(), refused);
+    assert_eq!(top_view(state, View::Contact, &run).unwrap_err(), refused);
+    assert_eq!(
+        histogram(&Histogram {
+            label: Text::from("x"),
+            values: vec![f64::NAN, 1.0],
+            percentiles: Vec::new(),
+        }),
+        Err(FigureError::TooFewData {
+            fewest: 2,
+            given: 1
+        })
+    );
+}
+
+#[test]
+fn what_is_said_about_a_figure_is_in_its_files() {
+    let [title, description, source] =
+        ["F < G & φ", "Ångström, \"quoted\"", "fakir 0.1.0, φ = 0.1"];
+    let figure = charts_of_odd_data()
+        .remove(0)
+        .with_description(title, description)
+        .with_provenance(source)
+        .named("a b/c");
+    assert_eq!(figure.name(), "a-b-c");
+    let svg = figure.svg();
+    let document = usvg::roxmltree::Document::parse(&svg).unwrap();
+    let text = |name: &str| {
+        let mut nodes = document.descendants();
+        nodes
+            .find(|node| node.tag_name().name() == name)
+            .and_then(|node| node.text())
+    };
+    assert_eq!(text("title"), Some(title));
+    assert_eq!(text("desc"), Some(description));
+    assert_eq!(text("source"), Some(source));
+    assert!(svg.contains("@font-face") && !figure.svg_for_page().contains("@font-face"));
+
+    let bytes = figure.png();
+    let reader = Decoder::new(std::io::Cursor::new(&bytes))
+        .read_info()
+        .unwrap();
+    let info = reader.info();
+    let latin = &info.uncompressed_latin1_text;
+    assert!(
+        latin
+            .iter()
+            .any(|chunk| chunk.keyword == "Description" && chunk.text == description)
+    );
+    let others: Vec<String> = info
+        .utf8_text
+        .iter()
+        .map(|chunk| chunk.get_text().unwrap())
+        .collect();
+    assert_eq!(others, [title, source]);
+}
+
+#[test]
+fn text_over_text_is_a_fault() {
+    let long =
+        "a label that is much too long for the height of the chart, by any measure, and is cut";
+    let chart = LineChart {
+        x: Axis::linear("x"),
+        y: Axis::linear(long),
+        series: vec![Series::unnamed(
+            vec![[0.0, 0.0], [1.0, 1.0]],
+            Style::line(0),
+        )],
+    };
+    assert!(!lines(&chart).faults().is_empty());
+}

@@ -1,0 +1,415 @@
+//! The figures of the paper, from the computed numbers.
+
+use crate::analysis::{PowerLaw, Quantity};
+use crate::claims::LAW_RANGES;
+use crate::grid::{Grid, OFFSETS, Substrate, system};
+use crate::states::{Approach, States};
+use fakir::contact::{ContactState, Normalized, Run, SolveError};
+use fakir::theory::closed_forms::{self, Form};
+use fakir::theory::lattice_sums::SumFit;
+use fakir_case::CaseError;
+use fakir_figure::{
+    Axis, CriticalColumn, CriticalCurve, CriticalPoint, Dash, Figure, FigureError, LineChart,
+    Measured, PhaseDiagram, ProfileState, Series, Style, Text, Tint, View, critical_curves,
+    floor_gap_map, lattice_sums, lines, phase_diagram, phase_points, pillar_pressure, pressure_map,
+    profiles, top_view,
+};
+use fakir_study::Critical;
+use rayon::prelude::*;
+
+/// Why there is no figure.
+#[derive(Debug, thiserror::Error)]
+pub enum DrawingError {
+    /// A system that cannot be.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// No contact.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// A figure that cannot be drawn.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+}
+
+/// What the figures are drawn from.
+#[derive(Clone, Copy)]
+pub struct Material<'a> {
+    /// The sweep.
+    pub grid: &'a Grid,
+    /// Single states.
+    pub states: &'a States,
+    /// The fit of the lattice sums.
+    pub fit: &'a SumFit,
+    /// Measured points of the user.
+    pub measured: &'a [(Substrate, Measured)],
+}
+
+/// A figure and what is written below it.
+#[derive(Debug, Clone)]
+pub struct Plate {
+    /// The figure.
+    pub figure: Figure,
+    /// What it shows.
+    pub caption: String,
+}
+
+impl Plate {
+    fn new(figure: Figure, name: &str, title: &str, caption: &str) -> Self {
+        Self {
+            figure: figure.named(name).with_description(title, caption),
+            caption: caption.to_owned(),
+        }
+    }
+}
+
+type Draw<'a> = Box<dyn Fn() -> Result<Vec<Plate>, DrawingError> + Send + Sync + 'a>;
+
+/// All figures, in the order of the report.
+///
+/// # Errors
+/// [`DrawingError`]
+pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, DrawingError> {
+    // Figures are shared between threads, so each is drawn by one.
+    let single = Run {
+        pool: None,
+        ..run.clone()
+    };
+    let m = *material;
+    let single = &single;
+    let mut parts: Vec<Draw<'_>> = vec![
+        Box::new(move || Ok(vec![curves(m)?])),
+        Box::new(move || Ok(vec![power_laws(m)])),
+        Box::new(move || Ok(vec![phases(m)?])),
+        Box::new(move || Ok(vec![sums(m)])),
+    ];
+    for (substrate, approach) in &m.states.approaches {
+        parts.push(Box::new(move || {
+            Ok(vec![section(*substrate, approach, single)?])
+        }));
+    }
+    let dense = &m.states.dense;
+    parts.push(Box::new(move || {
+        let map = pressure_map(&dense.contact, Some(dense.floor_contact))?;
+        let caption = format!(
+            "Mean pressure on every pillar top in the critical state, intermediate substrate, \
+             {}: dashed the edge of the contact, crosses the floor contact in all its symmetric \
+             places. Beside it, pressure at the centre of every pillar against its distance from the \
+             axis, with a semi-ellipse as in a Hertz contact.",
+            of(&dense.contact)
+        );
+        Ok(vec![Plate::new(
+            map,
+            "pressure-map",
+            "Pressure on all pillars",
+            &caption,
+        )])
+    }));
+    parts.push(Box::new(move || {
+        let figure = pillar_pressure(&dense.contact, single)?;
+        let caption = format!(
+            "Pressure inside the top of the central pillar and of one at the rim of the contact, \
+             intermediate substrate, {}. At the edge of a covered pillar top the pressure is \
+             infinite; the maps are cut off.",
+            of(&dense.contact)
+        );
+        Ok(vec![Plate::new(
+            figure,
+            "pillar-pressure",
+            "Pressure inside pillar tops",
+            &caption,
+        )])
+    }));
+    if let Some(approach) = m.states.intermediate() {
+        let contact = &approach.critical.contact;
+        parts.push(Box::new(move || {
+            let caption = format!(
+                "Gap between lens and floor in the critical state, intermediate substrate, {}; \
+                 pillars in grey. The lens touches the floor at the marked places.",
+                of(contact)
+            );
+            let figure = floor_gap_map(contact, single)?;
+            Ok(vec![Plate::new(
+                figure,
+                "floor-gap",
+                "Gap to the floor",
+                &caption,
+            )])
+        }));
+        for (state, view, name, words) in [
+            (
+                &approach.middle,
+                View::Contact,
+                "top-view-before",
+                "under 0.3 of the critical force",
+            ),
+            (
+                contact,
+                View::Contact,
+                "top-view-critical",
+                "in the critical state",
+            ),
+            (
+                contact,
+                View::GREEN,
+                "newton-rings",
+                "in the critical state, with the interference of green light (550 nm)",
+            ),
+        ] {
+            parts.push(Box::new(move || {
+                let caption = format!(
+                    "The contact as seen in a reflection microscope {words}, intermediate \
+                     substrate, {}: contact spots are dark.",
+                    of(state)
+                );
+                let figure = top_view(state, view, single)?;
+                Ok(vec![Plate::new(figure, name, "View from above", &caption)])
+            }));
+        }
+    }
+    let draw = || -> Result<Vec<Vec<Plate>>, DrawingError> {
+        parts.par_iter().map(|part| part()).collect()
+    };
+    let plates = match run.pool {
+        Some(pool) => pool.install(draw)?,
+        None => parts.iter().map(|part| part()).collect::<Result<_, _>>()?,
+    };
+    Ok(plates.into_iter().flatten().collect())
+}
+
+/// `φ = 0.1`
+fn of(state: &ContactState) -> String {
+    format!("φ = {:.3}", state.system.texture().surface_fraction())
+}
+
+fn point(state: &Critical) -> CriticalPoint {
+    CriticalPoint {
+        surface_fraction: state.surface_fraction,
+        reduced: normalized(state),
+    }
+}
+
+fn normalized(state: &Critical) -> Normalized {
+    Normalized {
+        force: state.normalized_force,
+        contact_radius: state.normalized_contact_radius,
+        indentation: state.normalized_indentation,
+    }
+}
+
+fn offset_label(offset: usize) -> Text {
+    Text::from(format!("*δx*/*e* = {}", OFFSETS[offset].1))
+}
+
+/// Critical force, radius and indentation over the surface fraction, all offsets and substrates.
+fn curves(material: Material<'_>) -> Result<Plate, DrawingError> {
+    let titles = [
+        "rigid, *E*_{s} = 1 GPa",
+        "intermediate, *E*_{s} = 2 MPa",
+        "soft, *E*_{s} = 2 kPa",
+    ];
+    let mut columns = Vec::new();
+    for (substrate, title) in Substrate::ALL.into_iter().zip(titles) {
+        let mut curves: Vec<CriticalCurve> = material
+            .grid
+            .of(substrate)
+            .map(|curve| CriticalCurve {
+                label: offset_label(curve.offset),
+                points: curve.states.iter().map(point).collect(),
+                style: Style::line(curve.offset),
+            })
+            .collect();
+        curves.extend(models(material.grid, substrate)?);
+        columns.push(CriticalColumn {
+            title: Text::from(title),
+            curves,
+            measured: material
+                .measured
+                .iter()
+                .filter(|(other, _)| *other == substrate)
+                .map(|(_, measured)| *measured)
+                .collect(),
+        });
+    }
+    Ok(Plate::new(
+        critical_curves(&columns),
+        "critical-curves",
+        "Critical force, contact radius and indentation",
+        "Reduced critical force, contact radius and indentation against the surface fraction, for \
+         six places where the lens may land and three substrates; with the paper's formulas for \
+         small and large contacts as printed, and the homogenised lattice. Where a curve has no \
+         force, the lens meets the floor before any pillar.",
+    ))
+}
+
+/// The paper's formulas and the homogenised lattice, at the surface fractions of the sweep.
+fn models(grid: &Grid, substrate: Substrate) -> Result<Vec<CriticalCurve>, DrawingError> {
+    let (mut small, mut large, mut homogenised) = (Vec::new(), Vec::new(), Vec::new());
+    for state in &grid.on_pillar(substrate).states {
+        let system = system(substrate, 0.0, state.surface_fraction)?;
+        if state.surface_fraction < closed_forms::small_contact_limit(&system) {
+            let estimate = closed_forms::small_contact(&system);
+            small.push(CriticalPoint::of_estimate(&system, &estimate));
+            continue;
+        }
+        let estimate = closed_forms::large_contact(&system, Form::AsPrinted);
+        large.push(CriticalPoint::of_estimate(&system, &estimate));
+        let run = Run::default();
+        match fakir::theory::homogenised::transition(&system, &run) {
+            Ok(critical) => homogenised.push(CriticalPoint::from(&critical)),
+            Err(SolveError::TextureTooDense { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    let curve = |label: &str, points, style| CriticalCurve {
+        label: Text::from(label),
+        points,
+        style,
+    };
+    let formula = Style::line(0).in_tint(Tint::Grey);
+    Ok(vec![
+        curve("small contact", small, formula.with_line(Dash::Solid)),
+        curve("large contact", large, formula.with_line(Dash::Dashed)),
+        curve(
+            "homogenised",
+            homogenised,
+            formula.in_tint(Tint::Black).with_line(Dash::Dotted),
+        ),
+    ])
+}
+
+/// Power laws on the intermediate substrate.
+fn power_laws(material: Material<'_>) -> Plate {
+    let curve = material.grid.on_pillar(Substrate::Intermediate);
+    let points: Vec<[f64; 2]> = curve
+        .states
+        .iter()
+        .map(|state| [state.surface_fraction, 1e6 * state.force])
+        .collect();
+    let mut series = vec![Series::new("computed", points, Style::marks(0))];
+    for (k, range) in LAW_RANGES.into_iter().enumerate() {
+        let Some(law) = PowerLaw::of(curve, Quantity::Force, range) else {
+            continue;
+        };
+        let ends = law.range.map(|phi| [phi, 1e6 * law.at(phi)]);
+        let label = format!(
+            "*F*_{{c}} ~ *φ*^{{{:.2} ± {:.2}}}",
+            law.exponent, law.uncertainty
+        );
+        series.push(Series::new(label, ends.to_vec(), Style::line(k + 1)));
+    }
+    let figure = lines(&LineChart {
+        x: Axis::logarithmic("surface fraction *φ*"),
+        y: Axis::logarithmic("critical force *F*_{c} (µN)"),
+        series,
+    });
+    Plate::new(
+        figure,
+        "power-laws",
+        "Power laws of the critical force",
+        "Critical force on the intermediate substrate, lens axis on a pillar, with power laws found \
+         by least squares over two ranges of the surface fraction: there is not one exponent.",
+    )
+}
+
+/// Lines of loading paths, which neither the transition curve nor the markers use.
+const PATHS: [Style; 2] = [
+    Style {
+        tint: Tint::Vermillion,
+        line: Some(Dash::Solid),
+        marker: None,
+    },
+    Style {
+        tint: Tint::Green,
+        line: Some(Dash::Dashed),
+        marker: None,
+    },
+];
+
+fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
+    let critical = material
+        .grid
+        .of(Substrate::Intermediate)
+        .map(|curve| {
+            let states: Vec<Normalized> = curve.states.iter().map(normalized).collect();
+            Series::new(
+                offset_label(curve.offset),
+                phase_points(&states),
+                Style::marks(curve.offset),
+            )
+        })
+        .collect();
+    let paths = material
+        .states
+        .loadings
+        .iter()
+        .enumerate()
+        .map(|(k, loading)| {
+            let states: Vec<Normalized> = loading
+                .states
+                .iter()
+                .map(|s| Normalized::new(&s.system, s.force, s.contact_radius, s.indentation))
+                .collect();
+            let label = format!("loading, *φ* = {}", loading.surface_fraction);
+            let style = PATHS[k % PATHS.len()];
+            Series::new(label, phase_points(&states), style)
+        })
+        .collect();
+    let figure = phase_diagram(&PhaseDiagram {
+        system: system(Substrate::Intermediate, 0.0, 0.01)?,
+        critical,
+        paths,
+    });
+    Ok(Plate::new(
+        figure,
+        "phase-diagram",
+        "Phase diagram",
+        "Reduced force against contact radius in pitches, intermediate substrate: where the lens \
+         rests on pillar tops only and where it touches the floor too, with the paper's transition \
+         curve, computed critical states of six offsets, and two loading paths. Left of one pitch \
+         it matters where the lens lands.",
+    ))
+}
+
+fn sums(material: Material<'_>) -> Plate {
+    Plate::new(
+        lattice_sums(material.fit, material.fit.range[1]),
+        "lattice-sums",
+        "Lattice sums",
+        "The lattice sums G0, G and G1 against the contact radius in pitches, with the paper's \
+         one-parameter fits, the limits for wide contacts, and how far both are off.",
+    )
+}
+
+fn section(
+    substrate: Substrate,
+    approach: &Approach,
+    run: &Run<'_>,
+) -> Result<Plate, DrawingError> {
+    let state = |label: &str, state, floor_contact| ProfileState {
+        label: Text::from(label),
+        state,
+        floor_contact,
+    };
+    let critical = &approach.critical;
+    let states = [
+        state("before contact", &approach.before, None),
+        state("0.3 of the critical force", &approach.middle, None),
+        state(
+            "critical state",
+            &critical.contact,
+            Some(critical.floor_contact),
+        ),
+    ];
+    let caption = format!(
+        "Section through lens and substrate along x before and at the critical state, {} substrate, \
+         {}. The vertical scale is exaggerated as stated.",
+        substrate.name(),
+        of(&critical.contact)
+    );
+    Ok(Plate::new(
+        profiles(&states, run)?,
+        &format!("profiles-{}", substrate.name()),
+        "Deformed profiles",
+        &caption,
+    ))
+}

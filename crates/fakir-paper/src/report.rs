@@ -1,0 +1,269 @@
+//! `report.html`: every claim in a row, every figure, the numbers. One file, nothing to load.
+
+use crate::analysis::{PowerLaw, Quantity, state_near};
+use crate::claims::{Claim, LAW_RANGES, Verdict};
+use crate::figures::Plate;
+use crate::grid::{Grid, Substrate};
+use fakir_figure::font_css;
+use fakir_study::VERSION;
+use fakir_study::citations::Citation;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+/// What is reported.
+#[derive(Clone, Copy)]
+pub struct Report<'a> {
+    /// The claims.
+    pub claims: &'a [Claim],
+    /// The figures.
+    pub plates: &'a [Plate],
+    /// The numbers.
+    pub grid: &'a Grid,
+    /// What to cite.
+    pub citations: &'a [Citation],
+    /// Cases of the sweep without an answer.
+    pub failed: usize,
+}
+
+const STYLE: &str = "
+body{font:16px/1.5 system-ui,sans-serif;color:#1a1a1a;background:#fff;margin:0 auto;
+max-width:74rem;padding:1.5rem}
+h1{font-size:1.7rem;line-height:1.2;margin:.5rem 0}
+h2{font-size:1.25rem;margin:2.2rem 0 .6rem;border-bottom:1px solid #ccc;padding-bottom:.2rem}
+p{max-width:48rem}
+table{border-collapse:collapse;width:100%;font-size:.9rem}
+th{text-align:left;border-bottom:2px solid #444;padding:.35rem .6rem;vertical-align:bottom}
+td{border-bottom:1px solid #ddd;padding:.45rem .6rem;vertical-align:top}
+td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
+.scroll{overflow-x:auto}
+.verdict{display:inline-block;white-space:nowrap;padding:0 .5em;border-radius:.8em;border:1px solid}
+.agrees{color:#00543d;background:#e0f3ec}
+.partly{color:#6b4a00;background:#fdf1d6}
+.differs{color:#7c2d00;background:#fbe4d8}
+.beyond{color:#003c61;background:#e1eff8}
+figure{margin:1.6rem 0}
+figure svg{width:min(100%,30rem);height:auto;display:block}
+figure.wide svg{width:min(100%,56rem)}
+figcaption{font-size:.9rem;max-width:48rem;margin-top:.4rem}
+code{font-family:ui-monospace,monospace;font-size:.92em;background:#f3f3f3;padding:0 .25em}
+@media print{body{max-width:none;padding:0}figure{break-inside:avoid}}
+";
+
+impl Report<'_> {
+    /// The page.
+    #[must_use]
+    pub fn html(&self) -> String {
+        html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    title { "The unhappy elastic fakir, computed anew" }
+                    style { (PreEscaped(font_css())) (PreEscaped(STYLE)) }
+                }
+                body {
+                    (self.head())
+                    (self.claims())
+                    (self.power_laws())
+                    (self.critical_states())
+                    (self.figures())
+                    (self.end())
+                }
+            }
+        }
+        .into_string()
+    }
+
+    fn head(&self) -> Markup {
+        let count = |verdict| self.claims.iter().filter(|c| c.verdict == verdict).count();
+        html! {
+            h1 { "The unhappy elastic fakir, computed anew" }
+            p {
+                "Every result of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, "
+                a href="https://doi.org/10.1103/PhysRevE.104.055007" {
+                    "Phys. Rev. E 104, 055007 (2021)"
+                }
+                ", against the exact solution of the same equations by fakir " (VERSION) "."
+            }
+            p {
+                (self.claims.len()) " claims: " (count(Verdict::Agrees)) " agree, "
+                (count(Verdict::Partly)) " agree within limits given here, "
+                (count(Verdict::Differs)) " differ for reasons given, "
+                (count(Verdict::Beyond)) " beyond what was measured. "
+                @if self.failed > 0 {
+                    strong { (self.failed) " cases of the sweep have no solution: see the table." }
+                }
+            }
+        }
+    }
+
+    fn claims(&self) -> Markup {
+        html! {
+            h2 { "Claims" }
+            div.scroll { table {
+                thead { tr { th { "The paper" } th { "Found" } th { "Verdict" } th { "Why" } } }
+                tbody {
+                    @for claim in self.claims {
+                        tr id=(claim.name) {
+                            td { (formatted(&claim.claim)) }
+                            td { (formatted(&claim.finding)) }
+                            td {
+                                span class=(format!("verdict {}", class(claim.verdict))) {
+                                    (claim.verdict.words())
+                                }
+                            }
+                            td { (formatted(&claim.reason)) }
+                        }
+                    }
+                }
+            } }
+            p { "The numbers, in full, are in " code { "tables/claims.csv" } "." }
+        }
+    }
+
+    fn power_laws(&self) -> Markup {
+        html! {
+            h2 { "Power laws in the surface fraction" }
+            p {
+                "Exponents by least squares in logarithms, lens axis on a pillar, with 95 % \
+                 confidence intervals: of a curve without noise they say how far it is from a power \
+                 law. Printed: the paper's large-contact formulas far beyond kφ = 1. Dense: the \
+                 limit of a lens on a bare half-space."
+            }
+            div.scroll { table {
+                thead { tr {
+                    th { "Quantity" } th { "Substrate" }
+                    @for [from, to] in LAW_RANGES { th.n { "φ " (from) " to " (to) } }
+                    th.n { "printed" } th.n { "dense" }
+                } }
+                tbody {
+                    @for quantity in Quantity::ALL { @for substrate in Substrate::ALL {
+                        tr {
+                            td { (quantity.name()) }
+                            td { (substrate.name()) }
+                            @for range in LAW_RANGES {
+                                td.n { (law(self.grid, substrate, quantity, range)) }
+                            }
+                            td.n { (quantity.printed_exponent()) }
+                            td.n { (quantity.dense_exponent()) }
+                        }
+                    } }
+                }
+            } }
+        }
+    }
+
+    fn critical_states(&self) -> Markup {
+        html! {
+            h2 { "Critical states" }
+            p {
+                "Lens axis on a pillar; the surface fractions of the sweep nearest to round ones. All \
+                 " code { "critical-states/table.csv" } "."
+            }
+            div.scroll { table {
+                thead { tr {
+                    th { "Substrate" } th.n { "φ" } th.n { "F" sub { "c" } " (N)" }
+                    th.n { "estimated error" } th.n { "ζ" sub { "c" } " (µm)" }
+                    th.n { "a" sub { "c" } " (µm)" } th.n { "pillars" } th.n { "partly" }
+                } }
+                tbody {
+                    @for substrate in Substrate::ALL { @for phi in [0.001, 0.003, 0.01, 0.03, 0.1, 0.2] {
+                        @if let Some(state) = state_near(self.grid.on_pillar(substrate), phi) {
+                            tr {
+                                td { (substrate.name()) }
+                                td.n { (format!("{:.5}", state.surface_fraction)) }
+                                td.n { (format!("{:.5e}", state.force)) }
+                                td.n { (format!("{:.0e}", state.relative_error_estimate_force)) }
+                                td.n { (format!("{:.4}", 1e6 * state.indentation)) }
+                                td.n { (format!("{:.2}", 1e6 * state.contact_radius)) }
+                                td.n { (state.pillars_in_contact) }
+                                td.n { (state.pillars_partially_in_contact) }
+                            }
+                        }
+                    } }
+                }
+            } }
+        }
+    }
+
+    fn figures(&self) -> Markup {
+        html! {
+            h2 { "Figures" }
+            @for (number, plate) in (1..).zip(self.plates) {
+                figure.wide[plate.figure.size()[0] > 0.1] id=(plate.figure.name()) {
+                    (PreEscaped(plate.figure.svg_for_page()))
+                    figcaption { strong { "Figure " (number) ". " } (plate.caption) }
+                }
+            }
+        }
+    }
+
+    fn end(&self) -> Markup {
+        html! {
+            h2 { "Files, and how to make them again" }
+            p {
+                "Made by " code { "fakir reproduce paper --output FOLDER" } ". "
+                code { "critical-states" } " is a folder of " code { "fakir sweep" }
+                ": its " code { "study.toml" } " can be run by itself. Every figure is in "
+                code { "figures" } " as SVG and PNG, the tables are in " code { "tables" } "."
+            }
+            h2 { "To be cited" }
+            ul { @for citation in self.citations { li { (citation.text()) } } }
+        }
+    }
+}
+
+/// Text with subscripts (`γ_int`), superscripts (`x^2`, `x^(1/3)`) and code (between backticks).
+fn formatted(text: &str) -> Markup {
+    let mut rest = text;
+    let mut parts: Vec<Markup> = Vec::new();
+    while let Some(start) = rest.find(['_', '^', '`']) {
+        parts.push(html! { (&rest[..start]) });
+        let mark = rest.as_bytes()[start];
+        let after = &rest[start + 1..];
+        let (inner, left) = match (mark, after.strip_prefix('(')) {
+            (b'`', _) => after.split_once('`').unwrap_or((after, "")),
+            (b'^', Some(bracketed)) => bracketed.split_once(')').unwrap_or((bracketed, "")),
+            _ => {
+                let joined = |c: char| c.is_ascii_alphanumeric() || (mark == b'^' && c == '.');
+                after.split_at(after.find(|c| !joined(c)).unwrap_or(after.len()))
+            }
+        };
+        parts.push(match mark {
+            b'_' => html! { sub { (inner) } },
+            b'^' => html! { sup { (inner) } },
+            _ => html! { code { (inner) } },
+        });
+        rest = left;
+    }
+    html! { @for part in &parts { (part) } (rest) }
+}
+
+fn class(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Agrees => "agrees",
+        Verdict::Partly => "partly",
+        Verdict::Differs => "differs",
+        Verdict::Beyond => "beyond",
+    }
+}
+
+fn law(grid: &Grid, substrate: Substrate, quantity: Quantity, range: [f64; 2]) -> String {
+    PowerLaw::of(grid.on_pillar(substrate), quantity, range).map_or("-".to_owned(), |law| {
+        format!("{:.3} ± {:.3}", law.exponent, law.uncertainty)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::formatted;
+
+    #[test]
+    fn scripts_and_code() {
+        let page = |text| formatted(text).into_string();
+        assert_eq!(page("F_c = x^(1/3)"), "F<sub>c</sub> = x<sup>1/3</sup>");
+        assert_eq!(page("φ^2.5, γ_int/2"), "φ<sup>2.5</sup>, γ<sub>int</sub>/2");
+        assert_eq!(page("r_c²"), "r<sub>c</sub>²");
+        assert_eq!(page("`a b` < c"), "<code>a b</code> &lt; c");
+    }
+}

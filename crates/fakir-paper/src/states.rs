@@ -1,0 +1,151 @@
+//! Contacts of the paper that figures show one by one.
+
+use crate::grid::{Substrate, system};
+use fakir::contact::{ContactState, CriticalState, Load, Method, Run, SolveError};
+use fakir_case::CaseError;
+use rayon::prelude::*;
+
+/// Why there are no states.
+#[derive(Debug, thiserror::Error)]
+pub enum StateError {
+    /// A system that cannot be.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// No contact.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
+
+/// A critical state, and the contact before it.
+#[derive(Debug, Clone)]
+pub struct Approach {
+    /// The lens just above the pillars.
+    pub before: ContactState,
+    /// Under a third of the critical force.
+    pub middle: ContactState,
+    /// The critical state.
+    pub critical: CriticalState,
+}
+
+/// The contact under rising loads, up to the critical state.
+#[derive(Debug, Clone)]
+pub struct Loading {
+    /// Surface fraction.
+    pub surface_fraction: f64,
+    /// By rising indentation.
+    pub states: Vec<ContactState>,
+}
+
+/// What the figures show.
+#[derive(Debug, Clone)]
+pub struct States {
+    /// For every substrate, at [`SECTION`].
+    pub approaches: Vec<(Substrate, Approach)>,
+    /// The intermediate substrate at [`DENSE`], in the critical state.
+    pub dense: CriticalState,
+    /// The intermediate substrate at each of [`LOADINGS`].
+    pub loadings: Vec<Loading>,
+}
+
+/// Surface fraction of the sections and the maps of the floor gap.
+pub const SECTION: f64 = 0.03;
+
+/// Surface fraction of the pressures.
+pub const DENSE: f64 = 0.1;
+
+/// Surface fractions of the loading paths.
+pub const LOADINGS: [f64; 2] = [0.001, 0.2];
+
+/// States of a loading path.
+const STEPS: u32 = 24;
+
+/// Force in the middle of an approach, over the critical one.
+const MIDDLE: f64 = 0.3;
+
+impl States {
+    /// Computes all of them. `done` is told which part of all is done.
+    ///
+    /// # Errors
+    /// [`StateError`]
+    pub fn compute(run: &Run<'_>, done: &(dyn Fn(f64) + Sync)) -> Result<Self, StateError> {
+        // Every state is computed by one thread.
+        let single = Run {
+            pool: None,
+            ..run.clone()
+        };
+        let shared = |work: &mut (dyn FnMut() -> Result<Self, StateError> + Send)| match run.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        };
+        shared(&mut || {
+            let (dense, (approaches, loadings)) = rayon::join(
+                || critical(Substrate::Intermediate, DENSE, &single),
+                || {
+                    let approaches: Result<Vec<_>, StateError> = Substrate::ALL
+                        .into_par_iter()
+                        .map(|substrate| Ok((substrate, approach(substrate, &single)?)))
+                        .collect();
+                    done(0.2);
+                    let loadings: Result<Vec<_>, StateError> = LOADINGS
+                        .into_iter()
+                        .map(|phi| loading(phi, &single))
+                        .collect();
+                    done(1.0);
+                    (approaches, loadings)
+                },
+            );
+            Ok(Self {
+                approaches: approaches?,
+                dense: dense?,
+                loadings: loadings?,
+            })
+        })
+    }
+
+    /// The approach on the intermediate substrate.
+    #[must_use]
+    pub fn intermediate(&self) -> Option<&Approach> {
+        self.approaches
+            .iter()
+            .find(|(substrate, _)| *substrate == Substrate::Intermediate)
+            .map(|(_, approach)| approach)
+    }
+}
+
+fn critical(
+    substrate: Substrate,
+    surface_fraction: f64,
+    run: &Run<'_>,
+) -> Result<CriticalState, StateError> {
+    let system = system(substrate, 0.0, surface_fraction)?;
+    Ok(fakir::transition(&system, Method::default(), run)?)
+}
+
+fn approach(substrate: Substrate, run: &Run<'_>) -> Result<Approach, StateError> {
+    let critical = critical(substrate, SECTION, run)?;
+    let system = &critical.contact.system;
+    let press = |load| fakir::press(system, load, Method::default(), run);
+    Ok(Approach {
+        before: press(Load::Indentation(0.0))?,
+        middle: press(Load::Force(MIDDLE * critical.contact.force))?,
+        critical,
+    })
+}
+
+fn loading(surface_fraction: f64, run: &Run<'_>) -> Result<Loading, StateError> {
+    let critical = critical(Substrate::Intermediate, surface_fraction, run)?;
+    let system = critical.contact.system;
+    let mut states: Vec<ContactState> = (1..STEPS)
+        .into_par_iter()
+        .map(|step| {
+            let share = f64::from(step) / f64::from(STEPS);
+            let load = Load::Indentation(share * share * critical.contact.indentation);
+            fakir::press(&system, load, Method::default(), run)
+        })
+        .collect::<Result<_, _>>()?;
+    states.push(critical.contact);
+    Ok(Loading {
+        surface_fraction,
+        states,
+    })
+}

@@ -1,0 +1,1047 @@
+//! Moduli, sizes and instrument parameters from measured loading curves, by least squares.
+//!
+//! Measured are any two or three of position (displacement or indentation), force and contact
+//! radius: see [`Measurements`]. Where the position is measured it is the load, and force and
+//! contact radius are compared with the contact at the indentation
+//! `zeta = displacement - contact_point - machine_compliance F`; elsewhere the force is the load.
+//! States past the transition, where the lens rests on the floor too, are left out.
+//!
+//! # Method
+//! The sum of squares of (measured - computed)/error is minimised by the method of Levenberg and
+//! Marquardt (K. Levenberg, Q. Appl. Math. 2, 164 (1944); D. W. Marquardt, J. SIAM 11, 431 (1963)), over
+//! the logarithms of moduli and sizes, with derivatives by central differences. Errors are renewed at
+//! every step:
+//!
+//! * An error of the load counts through the slope of the curve, `sigma^2 + (slope sigma_x)^2` (J. Orear,
+//!   Am. J. Phys. 50, 912 (1982)); that it shifts force and contact radius of a row together is
+//!   neglected.
+//! * A quantity without given errors gets the same error in all rows, so that its sum of squares
+//!   equals its degrees of freedom, number of values less their leverages.
+//! * The contact radius jumps from one ring of pillars to the next. The rings of a hexagonal
+//!   lattice are at most about half a pitch apart beyond the first, so a measured radius has an error of
+//!   at least `(e/2)/sqrt(12)` (uniform over half the pitch `e`), added in quadrature. A jump has no
+//!   derivative: that of the [homogenised lattice](fakir::theory::homogenised) serves instead, which
+//!   changes how the data are weighed but not the answer to data without errors.
+//!
+//! # Errors of the result
+//! The covariance is the inverse of the normal matrix, and the 95 % intervals follow from the normal
+//! distribution if all errors were given, or else from Student's with as many degrees of freedom
+//! as there are more values than parameters; those of logarithms are symmetric in the logarithm. What
+//! the data cannot determine, because the derivatives are linearly dependent or the error exceeds a
+//! factor of e (of a contact point or compliance: the range of the data), has no interval, but a
+//! [`Undetermined`] that says so.
+
+mod least_squares;
+mod measurements;
+mod model;
+mod parameter;
+
+pub use measurements::{Column, DataError, Measured, Measurement, Measurements, Position};
+pub use parameter::Parameter;
+
+use fakir::contact::{Run, SolveError, Termination};
+use fakir_case::{CaseError, CaseFile};
+use least_squares::Linear;
+use model::{Derivatives, Model, State};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// What is known besides the case and the data.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FitOptions {
+    /// Contact point, m: its value, or where the fit begins if it is free. If it is not given it is
+    /// 0, or the fit begins where the data suggest.
+    pub contact_point: Option<f64>,
+    /// Machine compliance, m/N: its value, or where the fit begins.
+    pub machine_compliance: f64,
+}
+
+/// Why there is no fit.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// A case that cannot be.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// Data that cannot be.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// No contact could be computed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// Nothing to be fitted.
+    #[error("nothing is free: give one or more of {}", parameter_names())]
+    NothingFree,
+    /// A parameter twice.
+    #[error("{} is given twice", .0.name())]
+    Twice(Parameter),
+    /// A parameter that cannot be fitted.
+    #[error("{} cannot be fitted: give one of {}", .0.name(), parameter_names())]
+    NotFree(Parameter),
+    /// A parameter of the instrument, without a reading of it.
+    #[error("{name}: {} takes a column displacement_m", .parameter.name())]
+    NoDisplacement {
+        /// The file.
+        name: String,
+        /// The parameter.
+        parameter: Parameter,
+    },
+    /// A number that cannot be.
+    #[error("{0} must be a finite number")]
+    NotFinite(&'static str),
+    /// Fewer data than a fit takes.
+    #[error(
+        "{name}: {values} measured values before the transition are too few for {parameters} \
+         parameters{}", if *.estimated { " and their scatter: one more is needed, or errors" } else { "" }
+    )]
+    TooFewData {
+        /// The file.
+        name: String,
+        /// Values that can be used.
+        values: usize,
+        /// Parameters to be fitted.
+        parameters: usize,
+        /// Whether an error has to be estimated too.
+        estimated: bool,
+    },
+    /// Too few values to estimate their errors.
+    #[error(
+        "{name}: {values} values of the {quantity} are too few to estimate their scatter: give their \
+         errors"
+    )]
+    NoScatter {
+        /// The file.
+        name: String,
+        /// Name of the quantity.
+        quantity: &'static str,
+        /// How many there are.
+        values: usize,
+    },
+    /// A machine so compliant that no force balances it.
+    #[error(
+        "with a machine compliance of {compliance:e} m/N there is no contact at the displacement \
+         {reading:e} m"
+    )]
+    NoBalance {
+        /// m/N
+        compliance: f64,
+        /// m
+        reading: f64,
+    },
+    /// Numbers that are not finite.
+    #[error("the model has no derivatives where the fit has come to: give other starting values")]
+    NoDerivatives,
+}
+
+fn parameter_names() -> String {
+    Parameter::ALL.map(Parameter::name).join(", ")
+}
+
+/// A quantity that is compared with the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Normal force, N.
+    Force,
+    /// Contact radius, m.
+    ContactRadius,
+}
+
+impl Quantity {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Force, Self::ContactRadius];
+
+    /// Its name in a sentence.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Force => "force",
+            Self::ContactRadius => "contact radius",
+        }
+    }
+
+    /// What was measured of it in a row and is to be compared; a force that is the load is not.
+    #[must_use]
+    pub fn of(self, row: &Measurement) -> Option<Measured> {
+        match self {
+            Self::Force => row.position.and(row.force),
+            Self::ContactRadius => row.contact_radius,
+        }
+    }
+}
+
+/// A parameter as it was fitted, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Which.
+    pub parameter: Parameter,
+    /// Where the fit began.
+    pub start: f64,
+    /// Its value; without meaning by itself if it is not determined.
+    pub value: f64,
+    /// Standard error; `None` if the data do not determine it.
+    pub standard_error: Option<f64>,
+    /// Ends of the 95 % confidence interval; `None` if the data do not determine it.
+    pub interval: Option<[f64; 2]>,
+}
+
+/// Parameters that the data do not tell apart, or one that they say nothing of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Undetermined {
+    /// Which.
+    pub parameters: Vec<Parameter>,
+    /// A sentence for a person.
+    pub statement: String,
+}
+
+/// The error of a quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scatter {
+    /// Of what.
+    pub quantity: Quantity,
+    /// Values that were used.
+    pub values: usize,
+    /// Root mean square of measured - computed.
+    pub residual: f64,
+    /// Standard error of a value, estimated from the residuals; `None` if errors were given.
+    pub estimated: Option<f64>,
+}
+
+/// A measured value, and the model in its place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compared {
+    /// As measured.
+    pub measured: f64,
+    /// As computed.
+    pub computed: f64,
+    /// The standard error with which it went into the fit: given or estimated, with that of the
+    /// load and of jumps of the contact radius.
+    pub error: f64,
+}
+
+impl Compared {
+    /// Measured less computed.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        self.measured - self.computed
+    }
+}
+
+/// A row of the data beside the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FittedRow {
+    /// As it was measured.
+    pub measurement: Measurement,
+    /// Computed indentation, m.
+    pub indentation: f64,
+    /// Force, N, unless it is the load.
+    pub force: Option<Compared>,
+    /// Contact radius, m.
+    pub contact_radius: Option<Compared>,
+    /// Smallest gap between lens and floor, m; negative past the transition.
+    pub smallest_floor_gap: f64,
+    /// Whether it went into the fit: it did unless it is past the transition.
+    pub used: bool,
+    /// Whether the contact was solved.
+    pub converged: bool,
+}
+
+/// A point of a computed curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    /// Displacement or indentation, m; the force, N, if that is the load.
+    pub load: f64,
+    /// N
+    pub force: f64,
+    /// m
+    pub contact_radius: f64,
+}
+
+/// What came of a fit.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The parameters, in the order they were given in.
+    pub estimates: Vec<Estimate>,
+    /// Correlation of each with each; `None` with one that is not determined.
+    pub correlation: Vec<Vec<Option<f64>>>,
+    /// What the data do not determine.
+    pub undetermined: Vec<Undetermined>,
+    /// Sum of squares of (measured - computed)/error.
+    pub chi_square: f64,
+    /// Number of values less that of parameters.
+    pub degrees_of_freedom: usize,
+    /// The quantities that were compared.
+    pub scatter: Vec<Scatter>,
+    /// The data beside the model.
+    pub rows: Vec<FittedRow>,
+    /// The computed curve over the range of the data, for a figure.
+    pub curve: Vec<CurvePoint>,
+    /// Contact point, m, fitted or given.
+    pub contact_point: f64,
+    /// Machine compliance, m/N, fitted or given.
+    pub machine_compliance: f64,
+    /// The case with the fitted values.
+    pub file: CaseFile,
+    /// Why the search stopped.
+    pub termination: Termination,
+    /// Its steps.
+    pub iterations: usize,
+}
+
+impl Fit {
+    /// Whether the numbers are the best fit: the search came to its end, and every contact that was
+    /// compared is solved.
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.termination == Termination::Converged && self.rows.iter().all(|row| row.converged)
+    }
+
+    /// Rows left out because they are past the transition.
+    pub fn past_transition(&self) -> impl Iterator<Item = &FittedRow> {
+        self.rows.iter().filter(|row| !row.used)
+    }
+
+    /// Whether an error was estimated, and intervals are those of Student's distribution.
+    #[must_use]
+    pub fn is_scatter_estimated(&self) -> bool {
+        self.scatter
+            .iter()
+            .any(|scatter| scatter.estimated.is_some())
+    }
+
+    /// Chi-square per degree of freedom: about 1 if the model fits. Without meaning, and `None`,
+    /// where errors are estimated so as to make it 1.
+    #[must_use]
+    pub fn reduced_chi_square(&self) -> Option<f64> {
+        let meant = !self.is_scatter_estimated() && self.degrees_of_freedom > 0;
+        meant.then(|| self.chi_square / self.degrees_of_freedom as f64)
+    }
+}
+
+/// Steps of a search.
+const MOST_ITERATIONS: usize = 100;
+
+/// A step that is so small a part of the standard error ends the search.
+const SMALL: f64 = 1e-3;
+
+/// The sum of squares has kinks where pillars are touched first, and a minimum may be at one. There no
+/// step lowers it by more than this ...
+const NO_GAIN: f64 = 1e-4;
+
+/// ... and derivatives that held would not lower it by more than this, a third of a standard error.
+const LITTLE_PROMISED: f64 = 0.1;
+
+/// After so many steps the latter alone does: jumps of the contact radius move the best fit to and
+/// fro. And rows at the transition no longer come back.
+const PATIENCE: usize = 30;
+
+/// A step in the unknowns that is as small as the solver is exact ends it too.
+const EXACT: f64 = 1e-8;
+
+/// Greatest damping; no step is left beyond.
+const MOST_DAMPING: f64 = 1e8;
+
+/// Least error of an estimate, relative to the largest value: that of the solver.
+const LEAST_SCATTER: f64 = 1e-9;
+
+/// Points of the computed curve.
+const CURVE: usize = 61;
+
+/// Values of the free parameters that fit the data best; all else is as in the case file, which
+/// also says where to begin. The rows are shared between the threads of `run`.
+///
+/// # Errors
+/// See [`FitError`]. That the data do not determine a parameter is not an error: see [`Fit`].
+pub fn fit(
+    file: &CaseFile,
+    data: &Measurements,
+    free: &[Parameter],
+    options: &FitOptions,
+    run: &Run<'_>,
+) -> Result<Fit, FitError> {
+    check(data, free, options)?;
+    let model = Model::new(file, data, free, options, run)?;
+    let mut search = Search::new(&model)?;
+    let termination = search.run(run)?;
+    search.answer(termination)
+}
+
+fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Result<(), FitError> {
+    data.check_errors()?;
+    if free.is_empty() {
+        return Err(FitError::NothingFree);
+    }
+    for (number, parameter) in free.iter().enumerate() {
+        if !Parameter::ALL.contains(parameter) {
+            return Err(FitError::NotFree(*parameter));
+        }
+        if free[..number].contains(parameter) {
+            return Err(FitError::Twice(*parameter));
+        }
+        if parameter.is_of_instrument() && data.position() != Position::Displacement {
+            return Err(FitError::NoDisplacement {
+                name: data.name().to_owned(),
+                parameter: *parameter,
+            });
+        }
+    }
+    if !options.contact_point.unwrap_or(0.0).is_finite() {
+        return Err(FitError::NotFinite("the contact point"));
+    }
+    if !options.machine_compliance.is_finite() {
+        return Err(FitError::NotFinite("the machine compliance"));
+    }
+    Ok(())
+}
+
+/// A value that is compared.
+struct Datum {
+    row: usize,
+    quantity: Quantity,
+    measured: Measured,
+}
+
+/// The search at some unknowns.
+struct Search<'a> {
+    model: &'a Model<'a>,
+    unknowns: Vec<f64>,
+    states: Vec<State>,
+    derivatives: Vec<Derivatives>,
+    /// Rows before the transition.
+    used: Vec<bool>,
+    data: Vec<Datum>,
+    errors: Vec<f64>,
+    /// Estimated error of each quantity.
+    scatter: [f64; 2],
+    linear: Option<Linear>,
+    iterations: usize,
+}
+
+impl<'a> Search<'a> {
+    fn new(model: &'a Model<'a>) -> Result<Self, FitError> {
+        let rows = model.data.rows();
+        let scale = |quantity: Quantity| {
+            let values = rows.iter().filter_map(|row| quantity.of(row));
+            values.fold(0.0, |largest: f64, value| largest.max(value.value.abs()))
+        };
+        let unknowns = model.start();
+        let mut search = Self {
+            model,
+            states: model.states(&unknowns)?,
+            derivatives: Vec::new(),
+            used: Vec::new(),
+            data: Vec::new(),
+            errors: Vec::new(),
+            scatter: Quantity::ALL.map(|quantity| 0.01 * scale(quantity)),
+            linear: None,
+            iterations: 0,
+            unknowns,
+        };
+        search.select();
+        search.check_enough().or_else(|error| {
+            // It may be the starting values that put too many states past the transition.
+            search.used.fill(true);
+            search.collect();
+            search.check_enough().map_err(|_| error)
+        })?;
+        search.linearise()?;
+        Ok(search)
+    }
+
+    /// The rows before the transition and their values; whether they are others than before.
+    fn select(&mut self) -> bool {
+        // Later, a row at the transition must not go in and out for ever.
+        let stays_out = |row: usize| self.iterations > PATIENCE && !self.used[row];
+        let before_transition = |state: &State| state.smallest_floor_gap >= 0.0;
+        let used: Vec<bool> = self
+            .states
+            .iter()
+            .enumerate()
+            .map(|(row, state)| before_transition(state) && !stays_out(row))
+            .collect();
+        let changed = used != self.used;
+        self.used = used;
+        self.collect();
+        changed
+    }
+
+    fn collect(&mut self) {
+        let rows = self.model.data.rows().iter().enumerate();
+        let used = rows.filter(|(row, _)| self.used[*row]);
+        self.data = used
+            .flat_map(|(row, measurement)| {
+                Quantity::ALL.into_iter().filter_map(move |quantity| {
+                    let measured = quantity.of(measurement)?;
+                    Some(Datum {
+                        row,
+                        quantity,
+                        measured,
+                    })
+                })
+            })
+            .collect();
+    }
+
+    fn has_scatter(&self) -> bool {
+        self.data.iter().any(|datum| datum.measured.error.is_none())
+    }
+
+    fn check_enough(&self) -> Result<(), FitError> {
+        let (values, parameters) = (self.data.len(), self.unknowns.len());
+        let estimated = self.has_scatter();
+        if values < parameters + usize::from(estimated) {
+            return Err(FitError::TooFewData {
+                name: self.model.data.name().to_owned(),
+                values,
+                parameters,
+                estimated,
+            });
+        }
+        Ok(())
+    }
+
+    fn computed(&self, datum: &Datum, states: &[State]) -> f64 {
+        match datum.quantity {
+            Quantity::Force => states[datum.row].force,
+            Quantity::ContactRadius => states[datum.row].contact_radius,
+        }
+    }
+
+    /// Measured less computed.
+    fn residuals(&self) -> Vec<f64> {
+        let residual = |datum: &Datum| datum.measured.value - self.computed(datum, &self.states);
+        self.data.iter().map(residual).collect()
+    }
+
+    /// Derivatives and errors at the unknowns.
+    fn linearise(&mut self) -> Result<(), FitError> {
+        self.derivatives = self.model.derivatives(&self.unknowns, &self.states)?;
+        self.errors = self.with_errors()?;
+        // The estimated errors depend on leverages and these on them: once more is enough, for
+        // the search comes back here.
+        self.decompose()?;
+        if self.has_scatter() {
+            self.estimate_scatter()?;
+            self.errors = self.with_errors()?;
+            self.decompose()?;
+        }
+        Ok(())
+    }
+
+    fn decompose(&mut self) -> Result<(), FitError> {
+        let rows: Vec<Vec<f64>> = self
+            .data
+            .iter()
+            .zip(&self.errors)
+            .map(|(datum, error)| {
+                let row = &self.derivatives[datum.row];
+                let derivatives = match datum.quantity {
+                    Quantity::Force => &row.force,
+                    Quantity::ContactRadius => &row.contact_radius,
+                };
+                derivatives.iter().map(|value| value / error).collect()
+            })
+            .collect();
+        let linear = Linear::new(&rows, self.unknowns.len()).ok_or(FitError::NoDerivatives)?;
+        self.linear = Some(linear);
+        Ok(())
+    }
+
+    /// What is known of the variance of a value besides its own error: that of the load, and of
+    /// jumps of the contact radius.
+    fn known_variance(&self, datum: &Datum, half_pitch: f64) -> f64 {
+        let row = &self.model.data.rows()[datum.row];
+        let slopes = &self.derivatives[datum.row];
+        let (slope, jumps) = match datum.quantity {
+            Quantity::Force => (slopes.force_by_position, 0.0),
+            Quantity::ContactRadius => (slopes.radius_by_position, half_pitch * half_pitch / 12.0),
+        };
+        let of = |measured: Option<Measured>| measured.and_then(|m| m.error).unwrap_or(0.0);
+        let load = match row.position {
+            Some(_) => slope * of(row.position),
+            None => slopes.radius_by_force * of(row.force),
+        };
+        load * load + jumps
+    }
+
+    fn half_pitch(&self) -> Result<f64, FitError> {
+        let settings = self.model.settings(&self.unknowns)?;
+        Ok(0.5 * settings.case.system.lattice().pitch)
+    }
+
+    fn with_errors(&self) -> Result<Vec<f64>, FitError> {
+        let half_pitch = self.half_pitch()?;
+        let error = |datum: &Datum| {
+            let own = datum
+                .measured
+                .error
+                .unwrap_or(self.scatter[datum.quantity as usize]);
+            (own * own + self.known_variance(datum, half_pitch)).sqrt()
+        };
+        Ok(self.data.iter().map(error).collect())
+    }
+
+    /// Errors of the quantities that have none, from the residuals.
+    fn estimate_scatter(&mut self) -> Result<(), FitError> {
+        let half_pitch = self.half_pitch()?;
+        let residuals = self.residuals();
+        let leverages = match &self.linear {
+            Some(linear) => linear.leverages(self.data.len()),
+            None => vec![0.0; self.data.len()],
+        };
+        for quantity in Quantity::ALL {
+            let mut terms = Vec::new();
+            let (mut freedom, mut largest) = (0.0, 0.0f64);
+            for (k, datum) in self.data.iter().enumerate() {
+                if datum.quantity == quantity && datum.measured.error.is_none() {
+                    terms.push((residuals[k].powi(2), self.known_variance(datum, half_pitch)));
+                    freedom += 1.0 - leverages[k];
+                    largest = largest.max(datum.measured.value.abs());
+                }
+            }
+            if terms.is_empty() {
+                continue;
+            }
+            if freedom < 0.5 {
+                return Err(FitError::NoScatter {
+                    name: self.model.data.name().to_owned(),
+                    quantity: quantity.name(),
+                    values: terms.len(),
+                });
+            }
+            let least = LEAST_SCATTER * if largest > 0.0 { largest } else { 1.0 };
+            self.scatter[quantity as usize] = own_variance(&terms, freedom).sqrt().max(least);
+        }
+        Ok(())
+    }
+
+    fn chi_square(&self) -> f64 {
+        let residuals = self.residuals();
+        let terms = residuals.iter().zip(&self.errors);
+        terms
+            .map(|(residual, error)| (residual / error).powi(2))
+            .sum()
+    }
+
+    fn step(&self, damping: f64) -> Vec<f64> {
+        let residuals = self.residuals();
+        let weighted: Vec<f64> = residuals
+            .iter()
+            .zip(&self.errors)
+            .map(|(r, e)| r / e)
+            .collect();
+        match &self.linear {
+            Some(linear) => linear.step(&weighted, damping),
+            None => vec![0.0; self.unknowns.len()],
+        }
+    }
+
+    fn covariance(&self) -> Vec<Vec<f64>> {
+        self.linear.as_ref().map_or(Vec::new(), Linear::covariance)
+    }
+
+    /// The step shortened to what every parameter may change at once.
+    fn bounded(&self, step: Vec<f64>) -> Vec<f64> {
+        let excess = step
+            .iter()
+            .zip(self.model.free)
+            .map(|(step, parameter)| step.abs() / parameter.longest_step())
+            .fold(1.0, f64::max);
+        step.into_iter().map(|step| step / excess).collect()
+    }
+
+    /// Whether this is the best fit, after a step that lowered the sum of squares by `gain`.
+    fn is_at_end(&self, gain: f64) -> bool {
+        let covariance = self.covariance();
+        let step = self.step(0.0);
+        let near = |(j, step): (usize, &f64)| {
+            step.abs() <= EXACT.max(SMALL * covariance[j][j].max(0.0).sqrt())
+        };
+        let at_kink = gain < NO_GAIN || self.iterations > PATIENCE;
+        step.iter().enumerate().all(near) || at_kink && self.promised(&step) < LITTLE_PROMISED
+    }
+
+    fn run(&mut self, run: &Run<'_>) -> Result<Termination, FitError> {
+        let mut damping = 1e-3;
+        while self.iterations < MOST_ITERATIONS {
+            if run.cancel.is_cancelled() {
+                return Err(SolveError::Interrupted.into());
+            }
+            self.iterations += 1;
+            let Some(gain) = self.advance(&mut damping)? else {
+                return Ok(match self.is_at_end(0.0) {
+                    true => Termination::Converged,
+                    false => Termination::Stagnated,
+                });
+            };
+            let rows_changed = self.select();
+            self.check_enough()?;
+            self.linearise()?;
+            if !rows_changed && self.is_at_end(gain) {
+                return Ok(Termination::Converged);
+            }
+        }
+        Ok(Termination::IterationLimit)
+    }
+
+    /// Goes to unknowns that fit better, and says by how much; `None` if there are none to be found.
+    fn advance(&mut self, damping: &mut f64) -> Result<Option<f64>, FitError> {
+        let now = self.chi_square();
+        while *damping <= MOST_DAMPING {
+            let step = self.bounded(self.step(*damping));
+            let trial: Vec<f64> = self
+                .unknowns
+                .iter()
+                .zip(&step)
+                .map(|(u, s)| u + s)
+                .collect();
+            match self.model.states(&trial) {
+                Ok(states) => {
+                    let squares = self.trial_chi_square(&states);
+                    if squares <= now {
+                        // Of what the derivatives promise; where they do not hold far, slow down.
+                        let kept = (now - squares) / self.promised(&step);
+                        self.states = states;
+                        self.unknowns = trial;
+                        *damping = match kept {
+                            kept if kept > 0.75 => (*damping * 0.1).max(1e-12),
+                            kept if kept > 0.25 => *damping,
+                            _ => *damping * 10.0,
+                        };
+                        return Ok(Some(now - squares));
+                    }
+                }
+                Err(FitError::Solve(SolveError::Interrupted)) => {
+                    return Err(SolveError::Interrupted.into());
+                }
+                // No such case, or no contact in it: too far.
+                Err(_) => {}
+            }
+            *damping *= 10.0;
+        }
+        Ok(None)
+    }
+
+    /// By how much the sum of squares would fall if the derivatives held all the way.
+    fn promised(&self, step: &[f64]) -> f64 {
+        let residuals = self.residuals();
+        let terms = self.data.iter().zip(residuals).zip(&self.errors);
+        terms
+            .map(|((datum, residual), error)| {
+                let row = &self.derivatives[datum.row];
+                let slopes = match datum.quantity {
+                    Quantity::Force => &row.force,
+                    Quantity::ContactRadius => &row.contact_radius,
+                };
+                let change: f64 = slopes
+                    .iter()
+                    .zip(step)
+                    .map(|(slope, step)| slope * step)
+                    .sum();
+                (residual / error).powi(2) - ((residual - change) / error).powi(2)
+            })
+            .sum()
+    }
+
+    /// Sum of squares at other states, with jumps of the contact radius held back: it changes
+    /// as that of the homogenised lattice does.
+    fn trial_chi_square(&self, states: &[State]) -> f64 {
+        let terms = self.data.iter().zip(&self.errors).map(|(datum, error)| {
+            let (from, to) = (&self.states[datum.row], &states[datum.row]);
+            let computed = match datum.quantity {
+                Quantity::Force => to.force,
+                Quantity::ContactRadius => {
+                    from.contact_radius + to.smooth_radius - from.smooth_radius
+                }
+            };
+            ((datum.measured.value - computed) / error).powi(2)
+        });
+        let sum: f64 = terms.sum();
+        if sum.is_nan() { f64::INFINITY } else { sum }
+    }
+
+    fn answer(&self, termination: Termination) -> Result<Fit, FitError> {
+        let covariance = self.covariance();
+        let undetermined = self.undetermined(&covariance);
+        let determined = |number: usize| {
+            let parameter = self.model.free[number];
+            !undetermined
+                .iter()
+                .any(|u| u.parameters.contains(&parameter))
+        };
+        let freedom = self.data.len().saturating_sub(self.unknowns.len());
+        let quantile = quantile(self.has_scatter().then_some(freedom));
+        let start = self.model.start();
+        let estimates = (0..self.unknowns.len())
+            .map(|number| {
+                let deviation = covariance[number][number].max(0.0).sqrt();
+                let known = determined(number).then_some(deviation);
+                self.estimate(number, start[number], known, quantile)
+            })
+            .collect();
+        let correlation = (0..self.unknowns.len())
+            .map(|a| {
+                let with = |b: usize| {
+                    let known = determined(a) && determined(b);
+                    let sizes = (covariance[a][a] * covariance[b][b]).sqrt();
+                    known.then(|| {
+                        if a == b {
+                            1.0
+                        } else {
+                            covariance[a][b] / sizes
+                        }
+                    })
+                };
+                (0..self.unknowns.len()).map(with).collect()
+            })
+            .collect();
+        let settings = self.model.settings(&self.unknowns)?;
+        Ok(Fit {
+            estimates,
+            correlation,
+            undetermined,
+            chi_square: self.chi_square(),
+            degrees_of_freedom: freedom,
+            scatter: self.scatters(),
+            rows: self.rows(),
+            curve: self.curve(&settings)?,
+            contact_point: settings.contact_point,
+            machine_compliance: settings.machine_compliance,
+            file: self.model.file(&self.unknowns),
+            termination,
+            iterations: self.iterations,
+        })
+    }
+
+    fn estimate(
+        &self,
+        number: usize,
+        start: f64,
+        deviation: Option<f64>,
+        quantile: f64,
+    ) -> Estimate {
+        let parameter = self.model.free[number];
+        let unknown = self.unknowns[number];
+        let value = self.model.value(number, unknown);
+        // Of the value by the unknown.
+        let slope = if parameter.is_positive() {
+            value
+        } else {
+            self.model.unit(number)
+        };
+        let ends = |deviation: f64| {
+            let reach = quantile * deviation;
+            if parameter.is_positive() {
+                [value * (-reach).exp(), value * reach.exp()]
+            } else {
+                [value - slope * reach, value + slope * reach]
+            }
+        };
+        Estimate {
+            parameter,
+            start: self.model.value(number, start),
+            value,
+            standard_error: deviation.map(|deviation| deviation * slope),
+            interval: deviation.map(ends),
+        }
+    }
+
+    /// The quantities that are compared: `force alone`, `force and contact radius`.
+    fn compared(&self) -> (String, bool) {
+        let there = |quantity: &Quantity| self.data.iter().any(|d| d.quantity == *quantity);
+        let names: Vec<&str> = Quantity::ALL
+            .iter()
+            .filter(|q| there(q))
+            .map(|q| q.name())
+            .collect();
+        (names.join(" and "), names.len() > 1)
+    }
+
+    fn undetermined(&self, covariance: &[Vec<f64>]) -> Vec<Undetermined> {
+        /// In logarithms, or in the ranges of the data.
+        const LARGEST_DEVIATION: f64 = 1.0;
+        /// Correlation with another parameter that explains it.
+        const TIED: f64 = 0.9;
+        let mut groups = self.linear.as_ref().map_or(Vec::new(), Linear::unseen);
+        let deviation = |j: usize| covariance[j][j].max(0.0).sqrt();
+        for j in 0..self.unknowns.len() {
+            if deviation(j) <= LARGEST_DEVIATION || groups.iter().any(|group| group.contains(&j)) {
+                continue;
+            }
+            let tied = |k: &usize| {
+                let correlation = covariance[j][*k] / (deviation(j) * deviation(*k));
+                *k == j || (deviation(*k) > LARGEST_DEVIATION && correlation.abs() > TIED)
+            };
+            groups.push((0..self.unknowns.len()).filter(tied).collect());
+        }
+        let free = self.model.free;
+        let group = |members: Vec<usize>| members.into_iter().map(|j| free[j]).collect();
+        groups
+            .into_iter()
+            .map(group)
+            .map(|parameters: Vec<Parameter>| Undetermined {
+                statement: self.statement(&parameters),
+                parameters,
+            })
+            .collect()
+    }
+
+    fn statement(&self, parameters: &[Parameter]) -> String {
+        let (quantities, several) = self.compared();
+        let names: Vec<&str> = parameters
+            .iter()
+            .map(|parameter| parameter.name())
+            .collect();
+        match names[..] {
+            [name] if several => format!("{quantities} do not determine {name}"),
+            [name] => format!("{quantities} alone does not determine {name}"),
+            [first, ref others @ ..] => {
+                let verb = if several { "cannot" } else { "alone cannot" };
+                format!(
+                    "{quantities} {verb} tell {first} from {}: only a combination of them is \
+                     determined; hold all but one of them",
+                    others.join(" and ")
+                )
+            }
+            [] => String::new(),
+        }
+    }
+
+    fn scatters(&self) -> Vec<Scatter> {
+        let residuals = self.residuals();
+        let mut scatters = Vec::new();
+        for quantity in Quantity::ALL {
+            let of: Vec<usize> = (0..self.data.len())
+                .filter(|k| self.data[*k].quantity == quantity)
+                .collect();
+            let Some(first) = of.first() else {
+                continue;
+            };
+            let squares: f64 = of.iter().map(|k| residuals[*k].powi(2)).sum();
+            let estimated = self.data[*first].measured.error.is_none();
+            scatters.push(Scatter {
+                quantity,
+                values: of.len(),
+                residual: (squares / of.len() as f64).sqrt(),
+                estimated: estimated.then_some(self.scatter[quantity as usize]),
+            });
+        }
+        scatters
+    }
+
+    fn rows(&self) -> Vec<FittedRow> {
+        let rows = self.model.data.rows().iter().zip(&self.states).enumerate();
+        rows.map(|(number, (measurement, state))| {
+            let compared = |quantity: Quantity, computed: f64| {
+                let measured = quantity.of(measurement)?;
+                let datum = |d: &Datum| d.row == number && d.quantity == quantity;
+                let error = self.data.iter().position(datum).map(|k| self.errors[k]);
+                Some(Compared {
+                    measured: measured.value,
+                    computed,
+                    error: error
+                        .or(measured.error)
+                        .unwrap_or(self.scatter[quantity as usize]),
+                })
+            };
+            FittedRow {
+                measurement: *measurement,
+                indentation: state.indentation,
+                force: compared(Quantity::Force, state.force),
+                contact_radius: compared(Quantity::ContactRadius, state.contact_radius),
+                smallest_floor_gap: state.smallest_floor_gap,
+                used: self.used[number],
+                converged: state.converged,
+            }
+        })
+        .collect()
+    }
+
+    /// The computed curve over the data that were used.
+    fn curve(&self, settings: &model::Settings) -> Result<Vec<CurvePoint>, FitError> {
+        let rows = self.model.data.rows().iter().zip(&self.used);
+        let loads: Vec<f64> = rows
+            .filter(|(_, used)| **used)
+            .filter_map(|(row, _)| row.position.or(row.force.filter(|_| self.is_by_force())))
+            .map(|load| load.value)
+            .collect();
+        let low = loads.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = loads.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if low > high {
+            return Ok(Vec::new());
+        }
+        let at = |k: usize| low + (high - low) * k as f64 / (CURVE - 1) as f64;
+        (0..CURVE)
+            .map(|k| {
+                let load = at(k);
+                let state = if self.is_by_force() {
+                    self.model.state_under(settings, load)?
+                } else {
+                    self.model.state_at(settings, load, 0.0)?
+                };
+                Ok(CurvePoint {
+                    load,
+                    force: state.force,
+                    contact_radius: state.contact_radius,
+                })
+            })
+            .collect()
+    }
+
+    fn is_by_force(&self) -> bool {
+        self.model.data.position() == Position::None
+    }
+}
+
+/// The variance `s^2` with which the sum of `r^2/(s^2 + v)` is `freedom`: none if it is less
+/// without it.
+fn own_variance(terms: &[(f64, f64)], freedom: f64) -> f64 {
+    let sum = |own: f64| {
+        let terms = terms.iter().filter(|(square, _)| *square > 0.0);
+        terms
+            .map(|(square, variance)| square / (own + variance))
+            .sum::<f64>()
+    };
+    let squares: f64 = terms.iter().map(|(square, _)| square).sum();
+    let (mut low, mut high) = (0.0, squares / freedom);
+    if sum(low) <= freedom {
+        return 0.0;
+    }
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if sum(middle) > freedom {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// Half width of a 95 % interval in standard errors: of Student's distribution with so many degrees
+/// of freedom, or of the normal one.
+fn quantile(freedom: Option<usize>) -> f64 {
+    const PROBABILITY: f64 = 0.975;
+    match freedom.map(|freedom| StudentsT::new(0.0, 1.0, freedom as f64)) {
+        Some(Ok(student)) => student.inverse_cdf(PROBABILITY),
+        _ => Normal::standard().inverse_cdf(PROBABILITY),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_of_the_tables() {
+        // E. g. NIST/SEMATECH e-Handbook of Statistical Methods, 1.3.6.7.2.
+        for (freedom, value) in [(Some(1), 12.706), (Some(10), 2.228), (None, 1.960)] {
+            assert!((quantile(freedom) - value).abs() < 6e-4);
+        }
+    }
+
+    #[test]
+    fn variances_by_hand() {
+        assert!((own_variance(&[(1.0, 0.0), (3.0, 0.0)], 2.0) - 2.0).abs() < 1e-12);
+        assert!((own_variance(&[(6.0, 1.0), (6.0, 1.0)], 2.0) - 5.0).abs() < 1e-12);
+        assert!(own_variance(&[(1.0, 1.0)], 2.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,104 @@
+//! What can be fitted.
+
+use fakir::system::System;
+use fakir_case::unit::Dimension;
+use fakir_case::{Key, Kind};
+
+/// A quantity that is fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parameter {
+    /// A key of the case file.
+    Key(Key),
+    /// Reading of the displacement at which the undeformed lens is level with the pillar tops, m.
+    ContactPoint,
+    /// How far the instrument itself gives way per force, m/N.
+    MachineCompliance,
+}
+
+impl Parameter {
+    /// All that can be fitted.
+    pub const ALL: [Self; 10] = [
+        Self::Key(Key::SubstrateYoungModulus),
+        Self::Key(Key::LensYoungModulus),
+        Self::Key(Key::LensRadius),
+        Self::Key(Key::PillarHeight),
+        Self::Key(Key::PillarDiameter),
+        Self::Key(Key::Pitch),
+        Self::Key(Key::Offset),
+        Self::Key(Key::OffsetAngle),
+        Self::ContactPoint,
+        Self::MachineCompliance,
+    ];
+
+    /// Its name: the key with its tables, `contact_point` or `machine_compliance`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Key(key) => key.path(),
+            Self::ContactPoint => "contact_point",
+            Self::MachineCompliance => "machine_compliance",
+        }
+    }
+
+    /// The parameter of that name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|parameter| parameter.name() == name)
+    }
+
+    /// What its columns and JSON keys end in: `"_Pa"`, `"_m_per_N"`.
+    #[must_use]
+    pub fn suffix(self) -> &'static str {
+        match self.dimension() {
+            Some(dimension) => dimension.suffix(),
+            None => "_m_per_N",
+        }
+    }
+
+    /// What it measures; `None` for the compliance, m/N.
+    #[must_use]
+    pub fn dimension(self) -> Option<Dimension> {
+        match self {
+            Self::Key(key) => match key.kind() {
+                Kind::Number(dimension) => Some(dimension),
+                Kind::Word | Kind::Text => Some(Dimension::Number),
+            },
+            Self::ContactPoint => Some(Dimension::Length),
+            Self::MachineCompliance => None,
+        }
+    }
+
+    /// Whether it belongs to the instrument, and so takes a displacement to be seen.
+    pub(super) fn is_of_instrument(self) -> bool {
+        !matches!(self, Self::Key(_))
+    }
+
+    /// Whether its logarithm is fitted, as that of sizes and moduli.
+    pub(super) fn is_positive(self) -> bool {
+        match self {
+            Self::Key(key) => !matches!(key, Key::Offset | Key::OffsetAngle),
+            _ => false,
+        }
+    }
+
+    /// The most it may change in a step, in the units it is fitted in.
+    pub(super) fn longest_step(self) -> f64 {
+        if self.is_positive() { 1.0 } else { 0.25 }
+    }
+}
+
+/// The value of a key that can be fitted.
+pub(super) fn value_of(key: Key, system: &System) -> f64 {
+    match key {
+        Key::SubstrateYoungModulus => system.substrate().young_modulus,
+        Key::LensYoungModulus => system.lens().material.young_modulus,
+        Key::LensRadius => system.lens().radius,
+        Key::PillarHeight => system.pillar().height,
+        Key::PillarDiameter => system.pillar().diameter,
+        Key::Pitch => system.lattice().pitch,
+        Key::Offset => system.lattice().offset,
+        _ => system.lattice().offset_angle,
+    }
+}

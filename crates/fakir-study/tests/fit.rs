@@ -1,0 +1,365 @@
+//! Fits of synthetic data whose truth is known.
+
+#![allow(clippy::unwrap_used)]
+
+use fakir::contact::{Load, Run, Termination};
+use fakir_case::{Case, CaseFile, Key};
+use fakir_study::fit::{Column, Fit, FitError, FitOptions, Measurements, Parameter, fit};
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, Normal};
+
+const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);
+const LENS: Parameter = Parameter::Key(Key::LensYoungModulus);
+
+/// What the instrument of the synthetic data has.
+const CONTACT_POINT: f64 = 3e-6;
+const COMPLIANCE: f64 = 2e-3;
+
+/// The paper's intermediate substrate at a surface fraction of 0.01: 13 pillars are touched at the
+/// transition.
+fn case_file(overrides: &[&str]) -> CaseFile {
+    let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+    file.set("texture.surface_fraction=0.01").unwrap();
+    for argument in overrides {
+        file.set(argument).unwrap();
+    }
+    file
+}
+
+/// Displacement, force and contact radius at some indentations, without noise.
+fn loading(file: &CaseFile, indentations: &[f64]) -> [Vec<f64>; 3] {
+    let case = file.case().unwrap();
+    let mut columns = [const { Vec::new() }; 3];
+    for zeta in indentations {
+        let (force, radius) = if *zeta > 0.0 {
+            let load = Load::Indentation(*zeta);
+            let state = fakir::press(&case.system, load, case.method, &Run::default()).unwrap();
+            (state.force, state.contact_radius)
+        } else {
+            (0.0, 0.0)
+        };
+        let reading = zeta + CONTACT_POINT + COMPLIANCE * force;
+        for (column, value) in columns.iter_mut().zip([reading, force, radius]) {
+            column.push(value);
+        }
+    }
+    columns
+}
+
+fn indentations(count: usize) -> Vec<f64> {
+    (0..count)
+        .map(|k| 2.6e-6 * (k as f64 / (count - 1) as f64) - 0.3e-6)
+        .collect()
+}
+
+fn run_fit(file: &CaseFile, data: &Measurements, free: &[Parameter]) -> Fit {
+    fit(file, data, free, &FitOptions::default(), &Run::default()).unwrap()
+}
+
+fn close(value: f64, truth: f64, tolerance: f64) -> bool {
+    (value / truth - 1.0).abs() < tolerance
+}
+
+#[test]
+fn exact_data_give_the_truth() {
+    let truth = case_file(&["substrate.young_modulus=1.3MPa"]);
+    let [displacement, force, _] = loading(&truth, &indentations(12));
+    let data = Measurements::new(&[(Column::Displacement, displacement), (Column::Force, force)]);
+    let free = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::MachineCompliance,
+    ];
+    let fitted = run_fit(&case_file(&[]), &data.unwrap(), &free);
+    assert_eq!(fitted.termination, Termination::Converged);
+    let truths = [1.3e6, CONTACT_POINT, COMPLIANCE];
+    for (estimate, truth) in fitted.estimates.iter().zip(truths) {
+        assert!(close(estimate.value, truth, 1e-6), "{estimate:?}");
+        assert!(estimate.interval.is_some());
+    }
+    assert!(fitted.undetermined.is_empty());
+    let case = fitted.file.case().unwrap();
+    assert!(close(case.system.substrate().young_modulus, 1.3e6, 1e-6));
+}
+
+#[test]
+fn far_starting_values_do() {
+    let truth = case_file(&["substrate.young_modulus=1.3MPa", "lens.radius=2mm"]);
+    let [displacement, force, _] = loading(&truth, &indentations(12));
+    let data = Measurements::new(&[(Column::Displacement, displacement), (Column::Force, force)]);
+    let data = data.unwrap();
+    let free = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::Key(Key::LensRadius),
+    ];
+    let options = FitOptions {
+        machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
+    };
+    for start in ["20MPa", "0.3MPa"] {
+        let file = case_file(&[&format!("substrate.young_modulus={start}")]);
+        let fitted = fit(&file, &data, &free, &options, &Run::default()).unwrap();
+        assert_eq!(fitted.termination, Termination::Converged, "{start}");
+        let truths = [1.3e6, CONTACT_POINT, 2e-3];
+        for (estimate, truth) in fitted.estimates.iter().zip(truths) {
+            assert!(close(estimate.value, truth, 1e-6), "{start}: {estimate:?}");
+        }
+    }
+}
+
+#[test]
+fn contact_radius_under_a_force_gives_the_modulus() {
+    // Within its error: the radius is known to a part of the pitch.
+    let truth = case_file(&[
+        "substrate.young_modulus=1.3MPa",
+        "texture.surface_fraction=0.05",
+    ]);
+    let depths: Vec<f64> = (1..=20).map(|k| 0.35e-6 * f64::from(k)).collect();
+    let [_, force, radius] = loading(&truth, &depths);
+    let columns = [(Column::Force, force), (Column::ContactRadius, radius)];
+    let data = Measurements::new(&columns).unwrap();
+    let fitted = run_fit(
+        &case_file(&["texture.surface_fraction=0.05"]),
+        &data,
+        &[SUBSTRATE],
+    );
+    assert_eq!(fitted.termination, Termination::Converged);
+    let [low, high] = fitted.estimates[0].interval.unwrap();
+    assert!(low < 1.3e6 && 1.3e6 < high, "{:?}", fitted.estimates);
+    assert!(high / low < 1.5, "{low} to {high}");
+}
+
+#[test]
+fn moduli_that_force_cannot_tell_apart() {
+    // Without columns the moduli count only by the compliance of both together.
+    let file = case_file(&["texture.pillar.compliance=none", "lens.young_modulus=3MPa"]);
+    let [displacement, force, _] = loading(&file, &indentations(12));
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns)
+        .unwrap()
+        .with_force_error(0.2e-6);
+    let options = FitOptions {
+        machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
+    };
+    let free = [LENS, SUBSTRATE, Parameter::ContactPoint];
+    let fitted = fit(&file, &data, &free, &options, &Run::default()).unwrap();
+    assert_eq!(fitted.undetermined.len(), 1);
+    assert_eq!(
+        fitted.undetermined[0].statement,
+        "force alone cannot tell lens.young_modulus from substrate.young_modulus: only a \
+         combination of them is determined; hold all but one of them"
+    );
+    for estimate in &fitted.estimates[..2] {
+        assert!(estimate.interval.is_none() && estimate.standard_error.is_none());
+    }
+    assert!(fitted.estimates[2].interval.is_some());
+    assert_eq!(fitted.correlation[0][2], None);
+    assert_eq!(fitted.correlation[2][2], Some(1.0));
+}
+
+#[test]
+fn what_the_load_does_not_show() {
+    // On a pillar the direction of the offset means nothing.
+    let file = case_file(&["texture.offset=0"]);
+    let [displacement, force, _] = loading(&file, &indentations(8));
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns)
+        .unwrap()
+        .with_force_error(0.2e-6);
+    let angle = Parameter::Key(Key::OffsetAngle);
+    let fitted = run_fit(&file, &data, &[Parameter::ContactPoint, angle]);
+    assert_eq!(
+        fitted.undetermined[0].statement,
+        "force alone does not determine texture.offset_angle"
+    );
+}
+
+#[test]
+fn states_past_the_transition_are_left_out() {
+    let file = case_file(&[]);
+    let mut depths = indentations(10);
+    depths.extend([4e-6, 5e-6]);
+    let [displacement, mut force, _] = loading(&file, &depths);
+    force[10] *= 2.0; // the floor carries as well
+    force[11] *= 3.0;
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns).unwrap();
+    let fitted = fit(
+        &file,
+        &data,
+        &[SUBSTRATE],
+        &FitOptions {
+            contact_point: Some(CONTACT_POINT),
+            machine_compliance: COMPLIANCE,
+        },
+        &Run::default(),
+    )
+    .unwrap();
+    let left_out: Vec<u64> = fitted
+        .past_transition()
+        .map(|row| row.measurement.line)
+        .collect();
+    assert_eq!(left_out, [11, 12]);
+    assert!(close(fitted.estimates[0].value, 2e6, 1e-6));
+}
+
+#[test]
+fn intervals_hold_the_truth_as_often_as_they_say() {
+    const DRAWS: u64 = 100;
+    const NOISE: f64 = 0.5e-6; // N, where the largest force is 100 uN
+    let file = case_file(&[]);
+    let [displacement, force, _] = loading(&file, &indentations(12));
+    let free = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::MachineCompliance,
+    ];
+    let truths = [2e6, CONTACT_POINT, COMPLIANCE];
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    let run = Run {
+        pool: Some(&pool),
+        ..Run::default()
+    };
+    let mut inside = [0; 3];
+    let mut deviations = [const { Vec::new() }; 3];
+    for seed in 0..DRAWS {
+        let mut random = ChaCha12Rng::seed_from_u64(seed);
+        let noise = Normal::new(0.0, NOISE).unwrap();
+        let noisy = force
+            .iter()
+            .map(|force| force + noise.sample(&mut random))
+            .collect();
+        let columns = [
+            (Column::Displacement, displacement.clone()),
+            (Column::Force, noisy),
+        ];
+        let data = Measurements::new(&columns).unwrap();
+        let fitted = fit(&file, &data, &free, &FitOptions::default(), &run).unwrap();
+        assert_eq!(fitted.termination, Termination::Converged, "seed {seed}");
+        for (k, (estimate, truth)) in fitted.estimates.iter().zip(truths).enumerate() {
+            let [low, high] = estimate.interval.unwrap();
+            inside[k] += i32::from(low < truth && truth < high);
+            deviations[k].push((estimate.value - truth) / estimate.standard_error.unwrap());
+        }
+    }
+    eprintln!("truth inside, of {DRAWS}: {inside:?}");
+    assert!(inside.iter().all(|inside| *inside >= 90), "{inside:?}");
+    for deviations in deviations {
+        // Of 100 means of Student's distribution with 9 degrees of freedom, 99.9 % are within.
+        let mean = deviations.iter().sum::<f64>() / DRAWS as f64;
+        eprintln!("mean deviation in standard errors: {mean:.3}");
+        assert!(mean.abs() < 0.37, "{mean}");
+    }
+}
+
+#[test]
+fn what_cannot_be_fitted_says_why() {
+    let file = case_file(&[]);
+    let columns = |count: usize| {
+        let [displacement, force, _] = loading(&file, &indentations(count));
+        [(Column::Displacement, displacement), (Column::Force, force)]
+    };
+    let [displacement, force] = columns(3);
+    let few = Measurements::new(&[displacement, force.clone()]).unwrap();
+    let indentation = (Column::Indentation, indentations(3));
+    let by_indentation = Measurements::new(&[indentation, force]).unwrap();
+    let three = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::MachineCompliance,
+    ];
+    let poisson = Parameter::Key(Key::LensPoissonRatio);
+    let attempt = |data: &Measurements, free: &[Parameter]| -> FitError {
+        fit(&file, data, free, &FitOptions::default(), &Run::default()).unwrap_err()
+    };
+    let texts = [
+        attempt(&few, &three),
+        attempt(&few, &[]),
+        attempt(&few, &[SUBSTRATE, SUBSTRATE]),
+        attempt(&few, &[poisson]),
+        attempt(&by_indentation, &[Parameter::ContactPoint]),
+    ]
+    .map(|error| error.to_string());
+    insta::assert_snapshot!(texts.join("\n"));
+}
+
+#[test]
+fn malformed_files_say_where() {
+    let texts = [
+        "",
+        "1,2\n3,4\n",
+        "displacement_m,force_uN\n1e-6,2\n",
+        "displacement_m,force_N\n1e-6,2e-6\n2e-6,x\n",
+        "displacement_m,force_N\n1e-6,nan\n",
+        "displacement_m,force_N\n1e-6,2e-6,3\n",
+        "displacement_m,force_N,force_N\n1e-6,2e-6,3\n",
+        "displacement_m,indentation_m,force_N\n1,2,3\n",
+        "displacement_m\n1e-6\n",
+        "force_N\n1e-6\n",
+        "displacement_m,force_error_N\n1e-6,1e-6\n",
+        "displacement_m,force_N,force_error_N\n1e-6,1e-6,-1e-7\n",
+        "displacement_m,force_N,force_error_N\n1e-6,1e-6,0\n",
+        "force_N,contact_radius_m\n-1e-6,2e-6\n",
+        "force_N,contact_radius_m\n1e-6,-2e-6\n",
+        "displacement_m,force_N\n# nothing\n1e-6,\n",
+        "displacement_m;force_N\n1e-6;2e-6\n",
+    ];
+    let messages: Vec<String> = texts
+        .iter()
+        .map(|text| {
+            Measurements::from_csv("data.csv", text.as_bytes())
+                .unwrap_err()
+                .to_string()
+        })
+        .collect();
+    insta::assert_snapshot!(messages.join("\n"));
+    let mixed = "displacement_m,force_N,force_error_N\n1e-6,1e-6,1e-7\n2e-6,2e-6,\n";
+    let data = Measurements::from_csv("data.csv", mixed.as_bytes()).unwrap();
+    let options = FitOptions::default();
+    let error = fit(
+        &case_file(&[]),
+        &data,
+        &[SUBSTRATE],
+        &options,
+        &Run::default(),
+    )
+    .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "data.csv:3: force_error_N: no standard error here, but in other rows: give all of them \
+         or none"
+    );
+    assert!(
+        fit(
+            &case_file(&[]),
+            &data.with_force_error(1e-7),
+            &[SUBSTRATE],
+            &options,
+            &Run::default()
+        )
+        .is_ok()
+    );
+}
+
+#[test]
+fn files_and_columns_are_the_same() {
+    let text = "# a comment\n force_N , displacement_m,force_error_N\n1e-6,2e-6,1e-7\n\n,3e-6,\n2e-6,4e-6,1e-7\n";
+    let file = Measurements::from_csv("data", text.as_bytes()).unwrap();
+    let columns = Measurements::new(&[
+        (Column::Displacement, vec![2e-6, 3e-6, 4e-6]),
+        (Column::Force, vec![1e-6, f64::NAN, 2e-6]),
+        (Column::ForceError, vec![1e-7, f64::NAN, 1e-7]),
+    ])
+    .unwrap();
+    let values = |data: &Measurements| {
+        data.rows()
+            .iter()
+            .map(|row| (row.position, row.force))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(values(&file), values(&columns));
+    assert_eq!(file.rows()[1].line, 6);
+}

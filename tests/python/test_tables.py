@@ -1,0 +1,52 @@
+"""The tables of a sweep, as pandas reads them."""
+
+import json
+import os
+import subprocess
+
+import numpy as np
+import pandas
+import pyarrow.parquet
+import pytest
+
+STUDY = """
+[study]
+case = "{case}"
+[axes]
+"texture.offset" = [0, 0.5]
+surface_fraction = {{ from = 1e-3, to = 1e-2, points = 5, spacing = "log" }}
+"""
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """The folder of a sweep of ten cases."""
+    from conftest import EXAMPLES
+
+    folder = tmp_path_factory.mktemp("sweep")
+    study = folder / "study.toml"
+    study.write_text(STUDY.format(case=EXAMPLES / "paper-intermediate.toml"))
+    output = folder / "results"
+    command = [os.environ["FAKIR"], "sweep", str(study), "--output", str(output)]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return output
+
+
+def test_csv_and_parquet_hold_the_same(swept):
+    csv = pandas.read_csv(swept / "table.csv", float_precision="round_trip")
+    parquet = pandas.read_parquet(swept / "table.parquet")
+    assert len(csv) == 10
+    assert list(csv.columns) == list(parquet.columns)
+    for name in csv.columns:
+        if csv[name].dtype == float:
+            assert np.array_equal(csv[name], parquet[name], equal_nan=True), name
+    assert csv.converged.all() and parquet.converged.all()
+    assert np.allclose(csv["texture.surface_fraction"], csv["surface_fraction"], rtol=1e-12)
+
+
+def test_the_table_knows_where_it_is_from(swept):
+    metadata = pyarrow.parquet.read_schema(swept / "table.parquet").metadata
+    assert b"10.1103/PhysRevE.104.055007" in metadata[b"references"]
+    provenance = json.loads((swept / "provenance.json").read_text())
+    assert provenance["reference_doi"] == "10.1103/PhysRevE.104.055007"
+    assert metadata[b"case"].decode() == provenance["case"]
