@@ -16,7 +16,8 @@ def engineering(value: float, unit: str, digits: int = 6) -> str:
     step = math.floor(math.log10(abs(value)) / 3 + 1e-9)
     highest = 0 if unit in {"m", "N"} else 3
     step = min(max(step, -3), highest)
-    return f"{value / 10.0 ** (3 * step):.{digits}g} {PREFIXES[step]}{unit}"
+    rounded = float(f"{value / 10.0 ** (3 * step):.{digits - 1}e}")
+    return f"{rounded:.12g} {PREFIXES[step]}{unit}"
 
 
 Row = tuple[str, str]

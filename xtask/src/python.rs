@@ -1,6 +1,6 @@
-//! The files that fakir saves, opened from Python: `tests/python`.
+//! The files that fakir saves, opened from Python, and the Python package: `tests/python`.
 //!
-//! The packages go into an environment of their own below the target folder, made anew when they
+//! The package is built as a wheel and installed as users do. The packages that the tests need go into an environment of their own below the target folder, made anew when they
 //! change.
 
 use std::ffi::OsStr;
@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TESTS: &str = "tests/python";
+
+/// The Python package, of which a wheel is built.
+const PACKAGE: &str = "python";
 
 /// The oldest Python that the packages run on.
 const OLDEST: (u32, u32) = (3, 11);
@@ -23,10 +26,44 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     // Up to date after the tests.
     run(Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]))?;
     let program = executable.with_file_name(format!("fakir{}", std::env::consts::EXE_SUFFIX));
+    let wheel = wheel(&python, target)?;
+    run(Command::new(&python)
+        .args([
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+        ])
+        .args(["--no-deps", "--force-reinstall"])
+        .arg(&wheel))?;
     run(Command::new(python)
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", TESTS])
         .env("FAKIR", program)
+        .env("FAKIR_WHEEL", wheel)
         .env("PYTHONDONTWRITEBYTECODE", "1"))
+}
+
+/// Builds the package with the settings of the tests, so that crates compiled for them serve again.
+fn wheel(python: &Path, target: &Path) -> Result<PathBuf, String> {
+    let folder = target.join("wheel");
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder)
+            .map_err(|error| format!("cannot remove {}: {error}", folder.display()))?;
+    }
+    run(Command::new(python)
+        .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
+        .args(["--locked", "--interpreter"])
+        .arg(python)
+        .arg("--out")
+        .arg(&folder)
+        .current_dir(PACKAGE)
+        .env("CARGO_TARGET_DIR", target)
+        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "3"))?;
+    let unreadable = |error| format!("cannot read {}: {error}", folder.display());
+    let mut entries = std::fs::read_dir(&folder).map_err(unreadable)?;
+    let wheel = entries.next().ok_or("maturin made no wheel")?;
+    Ok(wheel.map_err(unreadable)?.path())
 }
 
 /// The Python of an environment with the packages that the tests need.

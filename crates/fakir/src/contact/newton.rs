@@ -64,6 +64,19 @@ struct Partial {
     converged: bool,
 }
 
+impl Partial {
+    /// Of a computation that is to stop.
+    fn unsolved(pillar: usize, modes: usize) -> Self {
+        Self {
+            pillar,
+            active: Vec::new(),
+            derivative: vec![0.0; modes * modes],
+            constant: vec![0.0; modes],
+            converged: false,
+        }
+    }
+}
+
 /// Coefficients and the loads they make on the other pillars.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Response {
@@ -275,6 +288,7 @@ impl<'a> Newton<'a> {
             };
             (outcome.indentation, outcome.floor) = (indentation, floor);
             let change = self.local_pass(indentation);
+            self.run.check_cancelled()?;
             outcome.mismatch = change.mismatch;
             let exact = tolerance <= LINEAR_TOLERANCE;
             if change.pillars == 0
@@ -434,6 +448,7 @@ impl<'a> Newton<'a> {
         let scale = dot(&work.load, coefficients).abs();
         work.residual.copy_from_slice(far);
         self.coupling.apply(coefficients, far, self.run);
+        self.run.check_cancelled()?;
         subtract(&mut work.residual, far);
         self.precondition(&work.residual, &mut work.preconditioned);
         work.direction.copy_from_slice(&work.preconditioned);
@@ -443,9 +458,9 @@ impl<'a> Newton<'a> {
             if energy <= tolerance * tolerance * scale.max(f64::MIN_POSITIVE) {
                 return Ok(true);
             }
-            self.run.check_cancelled()?;
             self.coupling
                 .apply(&work.direction, &mut work.product, self.run);
+            self.run.check_cancelled()?;
             // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
             let curvature =
                 dot(&work.direction, &work.product) + dot(&work.direction, &work.direction_load);
@@ -721,6 +736,9 @@ impl<'a> Newton<'a> {
         guess: Option<&Partial>,
     ) -> (Partial, Vec<f64>, bool) {
         let modes = self.modes;
+        if self.run.cancel.is_cancelled() {
+            return (Partial::unsolved(pillar, modes), vec![0.0; modes], true);
+        }
         let load = self.full_load(pillar, indentation);
         let mut active = match guess {
             Some(partial) if partial.pillar == pillar => partial.active.clone(),

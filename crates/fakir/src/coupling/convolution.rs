@@ -152,16 +152,10 @@ impl LatticeConvolution {
         }
     }
 
-    pub(crate) fn apply(
-        &mut self,
-        coefficients: &[f64],
-        far: &mut [f64],
-        pool: Option<&ThreadPool>,
-    ) {
-        let pool = self.shared(pool);
-        self.rows_forward(coefficients);
-        self.columns(pool);
-        self.rows_back(far);
+    pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], run: &Run<'_>) {
+        self.rows_forward(coefficients, &run.cancel);
+        self.columns(self.shared(run.pool), &run.cancel);
+        self.rows_back(far, &run.cancel);
     }
 
     fn row_ranges(&self) -> Vec<std::ops::Range<usize>> {
@@ -175,13 +169,13 @@ impl LatticeConvolution {
         ranges
     }
 
-    fn rows_forward(&mut self, coefficients: &[f64]) {
+    fn rows_forward(&mut self, coefficients: &[f64], cancel: &CancelToken) {
         let (modes, rows, half) = (self.modes, self.shape.0, self.half);
         let ranges = self.row_ranges();
         let mut input = self.transforms.row.make_input_vec();
         let mut output = vec![Complex64::default(); half * ROW_BLOCK];
         let mut scratch = self.transforms.row.make_scratch_vec();
-        for mode in 0..modes {
+        for mode in (0..modes).take_while(|_| !cancel.is_cancelled()) {
             for first in (0..rows).step_by(ROW_BLOCK) {
                 let block = ROW_BLOCK.min(rows - first);
                 for k in 0..block {
@@ -206,13 +200,13 @@ impl LatticeConvolution {
         }
     }
 
-    fn rows_back(&self, far: &mut [f64]) {
+    fn rows_back(&self, far: &mut [f64], cancel: &CancelToken) {
         let (modes, rows, half) = (self.modes, self.shape.0, self.half);
         let ranges = self.row_ranges();
         let mut input = vec![Complex64::default(); half * ROW_BLOCK];
         let mut output = self.transforms.row_back.make_output_vec();
         let mut scratch = self.transforms.row_back.make_scratch_vec();
-        for mode in 0..modes {
+        for mode in (0..modes).take_while(|_| !cancel.is_cancelled()) {
             for first in (0..rows).step_by(ROW_BLOCK) {
                 let block = ROW_BLOCK.min(rows - first);
                 for column in 0..half {
@@ -239,7 +233,7 @@ impl LatticeConvolution {
         }
     }
 
-    fn columns(&mut self, pool: Option<&ThreadPool>) {
+    fn columns(&mut self, pool: Option<&ThreadPool>, cancel: &CancelToken) {
         let (modes, rows) = (self.modes, self.shape.0);
         let padded = self.padded.0;
         let entries = self.odd.len();
@@ -254,6 +248,9 @@ impl LatticeConvolution {
             scratch: vec![Complex64::default(); scratch_len],
         };
         let one = |work: &mut ColumnWork, (spectrum, kernel): (&mut [Complex64], &[f64])| {
+            if cancel.is_cancelled() {
+                return;
+            }
             work.input.fill(Complex64::default());
             for (values, column) in spectrum
                 .chunks_exact(rows)

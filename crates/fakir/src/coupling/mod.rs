@@ -37,11 +37,11 @@ impl LatticeCoupling {
     }
 
     /// `far = B c`: the load coefficients on every pillar from the pressure coefficients of all
-    /// others; both pillar by pillar, `mode count` each.
+    /// others; both pillar by pillar, `mode count` each. If it is cancelled, anything.
     pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], run: &Run<'_>) {
         match self {
             Self::Direct(direct) => direct.apply(coefficients, far),
-            Self::Convolution(convolution) => convolution.apply(coefficients, far, run.pool),
+            Self::Convolution(convolution) => convolution.apply(coefficients, far, run),
         }
     }
 }
@@ -97,7 +97,7 @@ mod tests {
                     ..Run::default()
                 };
                 let mut transformed = vec![f64::NAN; c.len()];
-                LatticeConvolution::new(&window, &pair, &run).apply(&c, &mut transformed, pool);
+                LatticeConvolution::new(&window, &pair, &run).apply(&c, &mut transformed, &run);
                 let scale = direct.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
                 for (a, b) in direct.iter().zip(&transformed) {
                     assert!((a - b).abs() < 1e-13 * scale, "degree {degree}: {a} {b}");
