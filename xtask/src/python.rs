@@ -1,7 +1,7 @@
 //! The files that fakir saves, opened from Python, and the Python package: `tests/python`.
 //!
-//! The package is built as a wheel and installed as users do. The packages that the tests need go into an environment of their own below the target folder, made anew when they
-//! change.
+//! What the tests need goes into an environment of its own below the target folder, made anew when
+//! it changes.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -15,33 +15,46 @@ const PACKAGE: &str = "python";
 /// The oldest Python that the packages run on.
 const OLDEST: (u32, u32) = (3, 11);
 
-/// Runs the tests on the program that was built for the other tests, or says why not.
-pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
+/// Tests of the files that are saved, by the program that was built for the other tests.
+pub(crate) fn files(cargo: &OsStr) -> Result<(), String> {
+    let (python, _, program) = prepare(cargo)?;
+    run(pytest(&python)
+        .arg("--ignore-glob=*/test_package_*")
+        .env("FAKIR", program))
+}
+
+/// Tests of the Python package, built as a wheel and installed as users do.
+pub(crate) fn package(cargo: &OsStr) -> Result<(), String> {
+    let (python, target, program) = prepare(cargo)?;
+    let wheel = wheel(&python, &target)?;
+    run(Command::new(&python)
+        .args(["-m", "pip", "install", "--quiet", "--no-deps"])
+        .args(["--disable-pip-version-check", "--force-reinstall"])
+        .arg(&wheel))?;
+    run(pytest(&python)
+        .env("FAKIR", program)
+        .env("FAKIR_WHEEL", wheel))
+}
+
+/// The Python of the tests, the target folder, and the program, up to date.
+fn prepare(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), String> {
     let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
     let target = executable
         .ancestors()
         .nth(2)
         .ok_or("the target folder is not known")?;
     let python = environment(target)?;
-    // Up to date after the tests.
     run(Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]))?;
     let program = executable.with_file_name(format!("fakir{}", std::env::consts::EXE_SUFFIX));
-    let wheel = wheel(&python, target)?;
-    run(Command::new(&python)
-        .args([
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--disable-pip-version-check",
-        ])
-        .args(["--no-deps", "--force-reinstall"])
-        .arg(&wheel))?;
-    run(Command::new(python)
+    Ok((python, target.to_owned(), program))
+}
+
+fn pytest(python: &Path) -> Command {
+    let mut command = Command::new(python);
+    command
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", TESTS])
-        .env("FAKIR", program)
-        .env("FAKIR_WHEEL", wheel)
-        .env("PYTHONDONTWRITEBYTECODE", "1"))
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    command
 }
 
 /// Builds the package with the settings of the tests, so that crates compiled for them serve again.
