@@ -37,7 +37,7 @@ def test_csv_and_parquet_hold_the_same(swept):
     parquet = pandas.read_parquet(swept / "table.parquet")
     assert len(csv) == 10
     assert list(csv.columns) == list(parquet.columns)
-    for name in csv.columns:
+    for name in csv.columns.drop("problem"):  # empty: no numbers
         if csv[name].dtype == float:
             assert np.array_equal(csv[name], parquet[name], equal_nan=True), name
     assert csv.converged.all() and parquet.converged.all()
