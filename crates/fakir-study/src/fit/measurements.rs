@@ -161,6 +161,9 @@ pub struct DataError {
 /// Values that stand in the file in one row.
 type Cells = Vec<(Column, f64)>;
 
+/// Rows by their lines.
+type Rows = Vec<(u64, Cells)>;
+
 impl Measurements {
     /// Reads a CSV file.
     ///
@@ -316,7 +319,7 @@ impl Reader<'_> {
         }
     }
 
-    fn table(&self, bytes: &[u8]) -> Result<(Vec<Column>, Vec<(u64, Cells)>), DataError> {
+    fn table(&self, bytes: &[u8]) -> Result<(Vec<Column>, Rows), DataError> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
@@ -385,11 +388,7 @@ impl Reader<'_> {
         Ok(columns)
     }
 
-    fn measurements(
-        &self,
-        columns: &[Column],
-        rows: Vec<(u64, Cells)>,
-    ) -> Result<Measurements, DataError> {
+    fn measurements(&self, columns: &[Column], rows: Rows) -> Result<Measurements, DataError> {
         let position = self.check_columns(columns)?;
         let mut measurements = Measurements {
             name: self.name.to_owned(),
