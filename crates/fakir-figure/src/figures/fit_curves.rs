@@ -70,7 +70,7 @@ pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve]) -> Figure {
         common_x: true,
         common_y: false,
         titles: Vec::new(),
-        tagged: curves.len() > 1,
+        tagged: false,
     }
     .figure()
     .with_description(
