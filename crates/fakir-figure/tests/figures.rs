@@ -159,7 +159,6 @@ fn figures_of_many_states() -> Vec<Figure> {
             FittedLoad::Force,
             &[FittedQuantity::Force, FittedQuantity::ContactRadius].map(fitted),
         ),
-        fit_curves(FittedLoad::Indentation, &[]).named("fit-nothing"),
     ]
 }
 
