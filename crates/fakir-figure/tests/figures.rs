@@ -8,8 +8,9 @@ use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, 
 use fakir::theory::closed_forms::{self, Form};
 use fakir::theory::lattice_sums::SumFit;
 use fakir_figure::{
-    Axis, CriticalColumn, CriticalCurve, CriticalPoint, Figure, FigureError, Histogram, LineChart,
-    Measured, PhaseDiagram, ProfileState, RESOLUTION, Series, Style, Text, View, critical_curves,
+    Axis, CriticalColumn, CriticalCurve, CriticalPoint, Figure, FigureError, FittedCurve,
+    FittedLoad, FittedPoint, FittedQuantity, Histogram, LineChart, Measured, PhaseDiagram,
+    ProfileState, RESOLUTION, Series, Style, Text, View, critical_curves, fit_curves,
     floor_gap_map, histogram, lattice_sums, lines, phase_diagram, phase_points, pillar_pressure,
     pressure_map, profiles, top_view,
 };
@@ -153,7 +154,28 @@ fn figures_of_many_states() -> Vec<Figure> {
             percentiles: vec![5.0, 50.0, 95.0],
         })
         .unwrap(),
+        fit_curves(FittedLoad::Displacement, &[fitted(FittedQuantity::Force)]).named("fit-force"),
+        fit_curves(
+            FittedLoad::Force,
+            &[FittedQuantity::Force, FittedQuantity::ContactRadius].map(fitted),
+        ),
     ]
+}
+
+/// Points on a line, one of them past the transition.
+fn fitted(quantity: FittedQuantity) -> FittedCurve {
+    let point = |k: i32| FittedPoint {
+        load: 1e-7 * f64::from(k),
+        measured: 2e-6 * f64::from(k) + 3e-7 * f64::from(k).sin(),
+        computed: 2e-6 * f64::from(k),
+        error: 2e-7,
+        used: k < 15,
+    };
+    FittedCurve {
+        quantity,
+        points: (-2..16).map(point).collect(),
+        curve: vec![[-2e-7, -4e-6], [1.4e-6, 2.8e-5]],
+    }
 }
 
 fn charts_of_odd_data() -> Vec<Figure> {

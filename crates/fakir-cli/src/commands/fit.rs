@@ -95,6 +95,11 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
             Quantity::ContactRadius => Dimension::Length,
         };
         let of_error = match scatter.estimated {
+            Some(error) if error < 1e-3 * scatter.residual => {
+                "no errors given, the scatter is that of the load or of jumps from ring to ring of \
+                 pillars"
+                    .to_owned()
+            }
             Some(error) => format!(
                 "no errors given, standard error estimated as {}",
                 with_unit(error, dimension, 3)

@@ -55,7 +55,7 @@ pub struct FittedCurve {
 }
 
 /// Measured points with error bars on fitted curves, each above a panel of measured less fitted
-/// values; side by side for several quantities under the same load.
+/// values; side by side for several quantities under the same load. There must be one at least.
 #[must_use]
 pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve]) -> Figure {
     let panels: Vec<[Chart; 2]> = curves.iter().map(|curve| panels(load, curve)).collect();
@@ -66,11 +66,11 @@ pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve]) -> Figure {
         width: if curves.len() > 1 { PAGE } else { COLUMN },
         columns: curves.len().max(1),
         charts: upper.chain(lower).collect(),
-        heights: vec![130.0, 60.0],
+        heights: vec![130.0, 76.0],
         common_x: true,
         common_y: false,
         titles: Vec::new(),
-        tagged: curves.len() > 1,
+        tagged: false,
     }
     .figure()
     .with_description(
