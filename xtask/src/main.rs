@@ -30,21 +30,15 @@ const CHECKS: &[(&str, &[&str])] = &[
 /// Comes last: it uses the program that the tests were run on.
 const PYTHON: &str = "python";
 
-/// Of the Python package; it takes minutes more, and is only run by name.
-const PACKAGE: &str = "package";
-
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let names = || CHECKS.iter().map(|(name, _)| *name).chain([PYTHON]);
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => run_checks(|_| true),
-        ["test", PACKAGE] => run_python(PACKAGE, python::package),
         ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
         _ => {
             let names = names().collect::<Vec<_>>().join(", ");
-            eprintln!(
-                "usage: cargo xtask test [CHECK]    every check, or one of: {names}; or {PACKAGE}"
-            );
+            eprintln!("usage: cargo xtask test [CHECK]    every check, or one of: {names}");
             ExitCode::from(2)
         }
     }
@@ -71,17 +65,16 @@ fn run_checks(wanted: impl Fn(&str) -> bool) -> ExitCode {
         }
     }
     if wanted(PYTHON) {
-        return run_python(PYTHON, python::files);
+        return run_python(&cargo);
     }
     println!("== checks passed");
     ExitCode::SUCCESS
 }
 
-fn run_python(name: &str, check: fn(&OsStr) -> Result<(), String>) -> ExitCode {
-    println!("== {name}: pytest tests/python");
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    if let Err(problem) = check(&cargo) {
-        eprintln!("== {name} failed: {problem}");
+fn run_python(cargo: &OsStr) -> ExitCode {
+    println!("== {PYTHON}: pytest tests/python");
+    if let Err(problem) = python::check(cargo) {
+        eprintln!("== {PYTHON} failed: {problem}");
         return ExitCode::FAILURE;
     }
     println!("== checks passed");

@@ -15,23 +15,19 @@ const PACKAGE: &str = "python";
 /// The oldest Python that the packages run on.
 const OLDEST: (u32, u32) = (3, 11);
 
-/// Tests of the files that are saved, by the program that was built for the other tests.
-pub(crate) fn files(cargo: &OsStr) -> Result<(), String> {
-    let (python, _, program) = prepare(cargo)?;
-    run(pytest(&python)
-        .arg("--ignore-glob=*/test_package_*")
-        .env("FAKIR", program))
-}
-
-/// Tests of the Python package, built as a wheel and installed as users do.
-pub(crate) fn package(cargo: &OsStr) -> Result<(), String> {
+/// Tests of the files that are saved, by the program that was built for the other tests, and of the
+/// package, built as a wheel and installed as users do.
+pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let (python, target, program) = prepare(cargo)?;
     let wheel = wheel(&python, &target)?;
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--no-deps"])
         .args(["--disable-pip-version-check", "--force-reinstall"])
         .arg(&wheel))?;
-    run(pytest(&python)
+    run(Command::new(&python)
+        .args(["-m", "pytest", "--quiet", "--durations=10", "-p"])
+        .args(["no:cacheprovider", TESTS])
+        .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("FAKIR", program)
         .env("FAKIR_WHEEL", wheel))
 }
@@ -47,14 +43,6 @@ fn prepare(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), String> {
     run(Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]))?;
     let program = executable.with_file_name(format!("fakir{}", std::env::consts::EXE_SUFFIX));
     Ok((python, target.to_owned(), program))
-}
-
-fn pytest(python: &Path) -> Command {
-    let mut command = Command::new(python);
-    command
-        .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", TESTS])
-        .env("PYTHONDONTWRITEBYTECODE", "1");
-    command
 }
 
 /// Builds the package with the settings of the tests, so that crates compiled for them serve again.
