@@ -176,10 +176,10 @@ def fit(
     Parameters
     ----------
     measurements
-        A CSV file or its columns in SI units, each as long as the others, with NaN or empty cells for what was
-        not measured: ``displacement_m`` (reading of the instrument) or ``indentation_m``, ``force_N``,
-        ``contact_radius_m``, two of them at the least, and their standard errors ``force_error_N`` and
-        so on. Columns with units of pint may be called without: ``"force"``.
+        A CSV file or its columns in SI units, each as long as the others, with NaN or empty cells for
+        what was not measured: ``displacement_m`` (reading of the instrument) or ``indentation_m``,
+        ``force_N``, ``contact_radius_m``, two of them at the least, and their standard errors
+        ``force_error_N`` and so on. Columns with units of pint may be called without: ``"force"``.
     system
         All else; the values of the free parameters are where the search begins.
     free

@@ -319,12 +319,7 @@ def _curves(
 ) -> dict[str, tuple[Any, list[Any]]]:
     """Surface fractions and the three reduced variables, by name."""
     if isinstance(curves, Sweep):
-        rows = [row for row in curves.rows if not row["problem"]]
-        if rows and "normalized_force" not in rows[0]:
-            raise ValueError("these are no critical states: sweep the question transition")
-        names = ["normalized_force", "normalized_contact_radius", "normalized_indentation"]
-        values = [np.array([row[name] for row in rows], dtype=float) for name in names]
-        return {"": (np.array([row["surface_fraction"] for row in rows]), values)}
+        return _curves_of_sweep(curves)
     named = curves if isinstance(curves, Mapping) else {"": curves}
     found = {}
     for name, states in named.items():
@@ -333,6 +328,31 @@ def _curves(
         fraction = np.array([state.system.surface_fraction for state in listed])
         found[name] = (fraction, list(reduced.T))
     return found
+
+
+def _curves_of_sweep(sweep: Sweep) -> dict[str, tuple[Any, list[Any]]]:
+    """A curve for every combination of the other axes."""
+    rows = [row for row in sweep.rows if not row["problem"]]
+    if rows and "normalized_force" not in rows[0]:
+        raise ValueError("these are no critical states: sweep the question transition")
+    across = ("texture.surface_fraction", "texture.pitch")
+    others = [name for name in sweep.axes if not name.startswith(across)]
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for row in rows:
+        words = [f"{name.split('.')[-1]} {_short(row[name])}" for name in others]
+        groups.setdefault(", ".join(words), []).append(row)
+    names = ["normalized_force", "normalized_contact_radius", "normalized_indentation"]
+    return {
+        name: (
+            np.array([row["surface_fraction"] for row in group]),
+            [np.array([row[name] for row in group], dtype=float) for name in names],
+        )
+        for name, group in groups.items()
+    }
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _contact(state: State) -> ContactState:
