@@ -51,6 +51,7 @@ pub mod pattern;
 mod quadrature;
 pub mod system;
 pub mod theory;
+mod vector;
 mod verify;
 
 pub use verify::{Difference, Question, Verification, verify};

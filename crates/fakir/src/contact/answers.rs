@@ -23,6 +23,7 @@ use crate::love::ElementMesh;
 use crate::love::pillars::{self, ElementSolution};
 use crate::system::{Point, Quantity, Requirement, System};
 use crate::theory::homogenised;
+use crate::vector::dot;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -420,10 +421,7 @@ fn assemble(
     newton.run.check_cancelled()?;
     let mut touched = touched_pillars(problem, &newton, &outcome);
     let force = share_force(&mut touched, target, problem);
-    let contact_radius = touched
-        .iter()
-        .map(|pillar| pillar.reach)
-        .fold(0.0, f64::max);
+    let contact_radius = farthest_contact(&newton, indentation, &touched);
     let ratio = contact_radius / problem.lens.radius;
     if ratio > LARGEST_CONTACT {
         return Err(SolveError::ContactExceedsLens {
@@ -539,10 +537,10 @@ fn share_force(touched: &mut [TouchedPillar], target: Target, problem: &Problem)
 }
 
 struct TouchedPillar {
+    /// Its place in the window.
+    place: usize,
     state: PillarState,
     disc: Disc,
-    /// Distance from the lens axis of its farthest point in contact, pillar radii.
-    reach: f64,
 }
 
 /// The touched pillars, nearest to the lens axis first.
@@ -554,87 +552,118 @@ fn touched_pillars(
     let modes = newton.modes;
     let total = newton.total_coefficients(outcome.indentation);
     let mut solver = LocalSolver::new(&newton.top);
-    let mut lead = BasisEvaluator::new(newton.degree());
-    let mut all = BasisEvaluator::new(degree_with(newton.top.count()));
+    let lead = DiscSamples::new(newton.degree());
+    let all = DiscSamples::new(degree_with(newton.top.count()));
     let mut touched: Vec<TouchedPillar> = (0..newton.window.len())
         .filter(|&pillar| newton.status[pillar] != PillarStatus::Untouched)
         .map(|pillar| {
             let status = newton.status[pillar];
-            let partial = status == PillarStatus::Partial;
-            let coefficients = if partial {
-                newton.partial_coefficients(pillar, outcome.indentation, &mut solver)
+            let (samples, coefficients) = if status == PillarStatus::Partial {
+                let indentation = outcome.indentation;
+                (
+                    &all,
+                    newton.partial_coefficients(pillar, indentation, &mut solver),
+                )
             } else {
-                total[pillar * modes..(pillar + 1) * modes].to_vec()
+                let range = pillar * modes..(pillar + 1) * modes;
+                (&lead, total[range].to_vec())
             };
-            let basis = if partial { &mut all } else { &mut lead };
-            touched_pillar(
-                problem,
-                newton,
-                pillar,
-                outcome.indentation,
+            let centre = newton.window.centres()[pillar];
+            let disc = Disc {
+                index: newton.window.index(pillar),
+                centre,
+                radius: 1.0,
                 coefficients,
-                basis,
-            )
+            };
+            let state = PillarState {
+                index: disc.index,
+                centre: problem.metres(centre),
+                status,
+                force: disc.force() * problem.force(),
+                centre_pressure: samples.centre_density(&disc) * problem.pressure,
+                edge_coefficient: Some(samples.edge_range(&disc).map(|q| q * problem.pressure)),
+            };
+            TouchedPillar {
+                place: pillar,
+                state,
+                disc,
+            }
         })
         .collect();
     nearest_first(&mut touched, |pillar| &pillar.state, problem.length);
     touched
 }
 
-fn touched_pillar(
-    problem: &Problem,
-    newton: &Newton<'_>,
-    pillar: usize,
-    indentation: f64,
-    coefficients: Vec<f64>,
-    basis: &mut BasisEvaluator,
-) -> TouchedPillar {
-    let centre = newton.window.centres()[pillar];
-    let status = newton.status[pillar];
-    let disc = Disc {
-        index: newton.window.index(pillar),
-        centre,
-        radius: 1.0,
-        coefficients,
-    };
-    let reach = match status {
-        PillarStatus::Partial => {
-            let gap = newton.gap_coefficients(pillar, indentation, &disc.coefficients);
-            // Of a contact too small to be seen, its nearest point.
-            contact_reach(centre, &gap, basis).max(centre[0].hypot(centre[1]) - 1.0)
+/// Distance from the lens axis of the farthest point in contact, pillar radii. The pillars are in the
+/// order of their distance.
+fn farthest_contact(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar]) -> f64 {
+    let degree = degree_with(newton.top.count());
+    let mut basis = BasisEvaluator::new(degree);
+    let line = RayLine::new(degree);
+    let mut farthest = 0.0_f64;
+    for pillar in touched.iter().rev() {
+        let [x, y] = pillar.disc.centre;
+        let distance = x.hypot(y);
+        // The order is by rounded distances.
+        if distance + 1.0 < farthest - 1e-3 {
+            break;
         }
-        _ => centre[0].hypot(centre[1]) + 1.0,
-    };
-    let state = PillarState {
-        index: disc.index,
-        centre: problem.metres(centre),
-        status,
-        force: disc.force() * problem.force(),
-        centre_pressure: disc.density(basis, [0.0, 0.0]).max(0.0) * problem.pressure,
-        edge_coefficient: Some(edge_range(&disc, basis).map(|q| q * problem.pressure)),
-    };
-    TouchedPillar { state, disc, reach }
+        farthest = farthest.max(match pillar.state.status {
+            PillarStatus::Partial => {
+                let coefficients = &pillar.disc.coefficients;
+                let gap = newton.gap_coefficients(pillar.place, indentation, coefficients);
+                // Of a contact too small to be seen, its nearest point.
+                contact_reach(pillar.disc.centre, &gap, &mut basis, &line).max(distance - 1.0)
+            }
+            _ => distance + 1.0,
+        });
+    }
+    farthest
 }
 
-/// Smallest and largest `q` around the edge. Between nodes the pressure may dip below zero
-/// where there is no contact; that is zero.
-fn edge_range(disc: &Disc, basis: &mut BasisEvaluator) -> [f64; 2] {
-    let degree = basis.degree();
-    let samples = edge_count(degree.max(8));
-    let mut values = vec![0.0; mode_count(degree)];
-    let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
-    for k in 0..samples {
-        let (sin, cos) = (2.0 * PI * k as f64 / samples as f64).sin_cos();
-        basis.evaluate_polar(0.0, 1.0, [cos, sin], &mut values);
-        let q: f64 = values
-            .iter()
-            .zip(&disc.coefficients)
-            .map(|(y, c)| y * c)
-            .sum();
-        smallest = smallest.min(q);
-        largest = largest.max(q);
+/// The modes at the places of a disc that are looked at on every pillar.
+struct DiscSamples {
+    count: usize,
+    centre: Vec<f64>,
+    /// Around the edge, place by place.
+    edge: Vec<f64>,
+}
+
+impl DiscSamples {
+    fn new(degree: usize) -> Self {
+        let mut basis = BasisEvaluator::new(degree);
+        let count = mode_count(degree);
+        let mut centre = vec![0.0; count];
+        basis.evaluate([0.0, 0.0], &mut centre);
+        let samples = edge_count(degree.max(8));
+        let mut edge = vec![0.0; samples * count];
+        for (k, values) in edge.chunks_exact_mut(count).enumerate() {
+            let (sin, cos) = (2.0 * PI * k as f64 / samples as f64).sin_cos();
+            basis.evaluate_polar(0.0, 1.0, [cos, sin], values);
+        }
+        Self {
+            count,
+            centre,
+            edge,
+        }
     }
-    [smallest.max(0.0), largest]
+
+    /// Pressure at the centre, none if it is negative between nodes.
+    fn centre_density(&self, disc: &Disc) -> f64 {
+        dot(&self.centre, &disc.coefficients).max(0.0)
+    }
+
+    /// Smallest and largest `q` around the edge. Between nodes the pressure may dip below zero
+    /// where there is no contact; that is zero.
+    fn edge_range(&self, disc: &Disc) -> [f64; 2] {
+        let places = self.edge.chunks_exact(self.count);
+        let (smallest, largest) = places
+            .map(|values| dot(values, &disc.coefficients))
+            .fold((f64::INFINITY, 0.0_f64), |(least, most), q| {
+                (least.min(q), most.max(q))
+            });
+        [smallest.max(0.0), largest]
+    }
 }
 
 /// Distance from the lens axis of the farthest contact on a partially touched pillar, whose gap
@@ -644,7 +673,7 @@ fn edge_range(disc: &Disc, basis: &mut BasisEvaluator) -> [f64; 2] {
 /// nodes it is not exactly zero out of contact. The gap is smooth; see [`Ray::contact_end`].
 /// Rays along which it hardly opens are left out: the contact ends at about the same distance
 /// on all rays, and is best seen where the gap opens widest.
-fn contact_reach(centre: Point, gap: &[f64], basis: &mut BasisEvaluator) -> f64 {
+fn contact_reach(centre: Point, gap: &[f64], basis: &mut BasisEvaluator, line: &RayLine) -> f64 {
     const RAYS: usize = 24;
     const OPEN: f64 = 0.5;
     let [x, y] = centre;
@@ -665,9 +694,9 @@ fn contact_reach(centre: Point, gap: &[f64], basis: &mut BasisEvaluator) -> f64 
             let across_squared = (distance * distance - along * along).max(0.0);
             let half_chord = (1.0 - across_squared).max(0.0).sqrt();
             let (near, far) = ((along - half_chord).max(0.0), along + half_chord);
-            Ray::new(near, far, |s| {
+            line.ray(near, far, |s| {
                 basis.evaluate([s * cos - x, s * sin - y], &mut values);
-                values.iter().zip(gap).map(|(y, g)| y * g).sum()
+                dot(&values, gap)
             })
         })
         .collect();
@@ -676,6 +705,51 @@ fn contact_reach(centre: Point, gap: &[f64], basis: &mut BasisEvaluator) -> f64 
         .filter(|ray| ray.far_gap() <= 0.0 || ray.far_gap() >= OPEN * widest)
         .filter_map(Ray::contact_end)
         .fold(0.0, f64::max)
+}
+
+/// Values along a piece of a line of what is a polynomial in the plane, as the modes of a disc are
+/// (their degree and order are even together): found at as many points as fix it, and interpolated.
+struct RayLine {
+    /// Chebyshev points between 0 and 1.
+    nodes: Vec<f64>,
+    /// For every sample, the weights of the nodes.
+    weights: Vec<f64>,
+}
+
+impl RayLine {
+    fn new(degree: usize) -> Self {
+        let count = degree + 1;
+        let angle = |k: usize| PI * (k as f64 + 0.5) / count as f64;
+        let nodes: Vec<f64> = (0..count).map(|k| 0.5 - 0.5 * angle(k).cos()).collect();
+        let mut weights = Vec::with_capacity(Ray::SAMPLES * count);
+        for sample in 0..Ray::SAMPLES {
+            let x = sample as f64 / (Ray::SAMPLES - 1) as f64;
+            // Lagrange's polynomials, as products: nodes are few.
+            weights.extend((0..count).map(|k| -> f64 {
+                let others = (0..count).filter(|j| *j != k);
+                others
+                    .map(|j| (x - nodes[j]) / (nodes[k] - nodes[j]))
+                    .product()
+            }));
+        }
+        Self { nodes, weights }
+    }
+
+    fn ray(&self, near: f64, far: f64, mut gap: impl FnMut(f64) -> f64) -> Ray {
+        let length = far - near;
+        let at_nodes: Vec<f64> = self.nodes.iter().map(|x| gap(near + length * x)).collect();
+        let rows = self.weights.as_slice();
+        Ray {
+            near,
+            step: length / (Ray::SAMPLES - 1) as f64,
+            gaps: std::array::from_fn(|sample| {
+                dot(
+                    &rows[sample * at_nodes.len()..][..at_nodes.len()],
+                    &at_nodes,
+                )
+            }),
+        }
+    }
 }
 
 /// The gap along a piece of a ray from the lens axis.
@@ -688,12 +762,6 @@ struct Ray {
 
 impl Ray {
     const SAMPLES: usize = 40;
-
-    fn new(near: f64, far: f64, mut gap: impl FnMut(f64) -> f64) -> Self {
-        let step = (far - near) / (Self::SAMPLES - 1) as f64;
-        let gaps = std::array::from_fn(|k| gap(near + step * k as f64));
-        Self { near, step, gaps }
-    }
 
     fn far_gap(&self) -> f64 {
         self.gaps[Self::SAMPLES - 1]
@@ -739,9 +807,24 @@ mod tests {
     #[test]
     fn ray_ends_where_the_gap_opens() {
         let opening = |s: f64| (s - 4.2_f64).max(0.0).powf(1.5) * (1.0 + 0.1 * (s - 4.2));
-        let end = Ray::new(3.0, 5.0, opening).contact_end().unwrap();
+        let ray = |near: f64, far: f64, gap: &dyn Fn(f64) -> f64| {
+            let step = (far - near) / (Ray::SAMPLES - 1) as f64;
+            let gaps = std::array::from_fn(|k| gap(near + step * k as f64));
+            Ray { near, step, gaps }
+        };
+        let end = ray(3.0, 5.0, &opening).contact_end().unwrap();
         assert!((end - 4.2).abs() < 5e-3, "{end}");
-        assert_eq!(Ray::new(0.0, 1.0, |_| -1.0).contact_end(), Some(1.0));
-        assert_eq!(Ray::new(0.0, 1.0, |_| 1.0).contact_end(), None);
+        assert_eq!(ray(0.0, 1.0, &|_| -1.0).contact_end(), Some(1.0));
+        assert_eq!(ray(0.0, 1.0, &|_| 1.0).contact_end(), None);
+    }
+
+    #[test]
+    fn a_polynomial_is_found_again_on_a_ray() {
+        let gap = |s: f64| 0.3 - 2.0 * s + s.powi(3) - 0.01 * s.powi(8);
+        let ray = RayLine::new(8).ray(0.4, 2.1, gap);
+        for (k, found) in ray.gaps.iter().enumerate() {
+            let expected = gap(0.4 + ray.step * k as f64);
+            assert!((found - expected).abs() < 1e-13, "{k}");
+        }
     }
 }

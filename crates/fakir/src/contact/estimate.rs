@@ -228,9 +228,7 @@ fn degree_changes(
             continue;
         }
         newton.run.check_cancelled()?;
-        for (load, field) in loads.iter_mut().zip(fields) {
-            neighbours.load(newton, pillar, field, load);
-        }
+        neighbours.loads(newton, pillar, fields, &mut loads);
         if let Some(point) = outcome.floor {
             let [x, y] = newton.window.centres()[pillar];
             exterior.values(
@@ -253,8 +251,8 @@ fn degree_changes(
 
 /// Coupling blocks to the extra modes from the neighbours of a pillar.
 struct Neighbours {
-    /// Lattice steps from receiver to source, and the block of each: rows the extended modes,
-    /// columns the present ones.
+    /// Lattice steps from receiver to source, and the block of each: for every present mode, the
+    /// modes beyond.
     blocks: Vec<((i64, i64), Vec<f64>)>,
     count: usize,
 }
@@ -279,9 +277,9 @@ impl Neighbours {
                     continue;
                 }
                 pair.block([-x, -y], &mut whole);
-                let block = whole
-                    .chunks_exact(count)
-                    .flat_map(|row| row[..modes].iter().copied())
+                let block = (0..modes)
+                    .flat_map(|source| (modes..count).map(move |row| row * count + source))
+                    .map(|place| whole[place])
                     .collect();
                 blocks.push(((i, j), block));
             }
@@ -289,22 +287,33 @@ impl Neighbours {
         Self { blocks, count }
     }
 
-    fn load(&self, newton: &Newton<'_>, pillar: usize, field: &[f64], load: &mut [f64]) {
+    /// Loads on the modes beyond, under several fields of coefficients.
+    fn loads(
+        &self,
+        newton: &Newton<'_>,
+        pillar: usize,
+        fields: [&[f64]; 3],
+        loads: &mut [Vec<f64>; 3],
+    ) {
         let modes = newton.modes;
         let (i, j) = newton.window.index(pillar);
-        load.fill(0.0);
+        for load in loads.iter_mut() {
+            load.fill(0.0);
+        }
         for ((di, dj), block) in &self.blocks {
             let Some(source) = newton.window.find((i + di, j + dj)) else {
                 continue;
             };
-            let coefficients = &field[source * modes..(source + 1) * modes];
-            for (row, value) in load.iter_mut().enumerate().take(self.count).skip(modes) {
-                let block = &block[row * modes..(row + 1) * modes];
-                *value += block
+            for (load, field) in loads.iter_mut().zip(fields) {
+                let coefficients = &field[source * modes..(source + 1) * modes];
+                for (coefficient, column) in coefficients
                     .iter()
-                    .zip(coefficients)
-                    .map(|(b, c)| b * c)
-                    .sum::<f64>();
+                    .zip(block.chunks_exact(self.count - modes))
+                {
+                    for (value, b) in load[modes..].iter_mut().zip(column) {
+                        *value += coefficient * b;
+                    }
+                }
             }
         }
     }

@@ -7,8 +7,9 @@
 
 use super::problem::Problem;
 use super::run::CancelToken;
-use crate::disc::exterior::{Exterior, FieldJet};
+use crate::disc::exterior::{Exterior, FieldJet, LaneJets};
 use crate::system::Point;
+use crate::vector::{LANES, Lanes, widest};
 
 /// Newton steps from one starting point.
 const STEP_LIMIT: usize = 60;
@@ -17,12 +18,27 @@ const STEP_LIMIT: usize = 60;
 /// its square.
 const STEP_TOLERANCE: f64 = 1e-9;
 
+/// So does a step that lowers the value by less than this, relatively: it is taken, and what it
+/// lowers the value by is believed.
+const LAST_DESCENT: f64 = 1e-12;
+
 /// Starting points taken from a scan, besides the holes.
 const SCANNED: usize = 8;
 
 /// In textures wider than this pitch (pillar radii) the lowest point may lie anywhere around a
 /// pillar; in denser ones it lies in a hole.
 const WIDE_PITCH: f64 = 8.0;
+
+/// Holes that are searched in dense textures: those with the lowest gap in their middle, which
+/// hardly differs from that at the lowest point. Holes that are alike count once.
+const LOWEST_HOLES: usize = 6;
+
+/// Lowest points from which a search goes on after the first one.
+const REMEMBERED: usize = 3;
+
+/// Relative difference of indentations of contact up to which two holes are alike, being copies of
+/// each other under a symmetry of the lattice.
+const ALIKE: f64 = 1e-9;
 
 /// Loaded discs, all of one radius, and what their pressure does.
 pub(crate) struct LoadedDiscs<'a> {
@@ -50,29 +66,61 @@ pub(crate) trait FloorDisplacement {
     fn displacement(&self, position: Point) -> [FieldJet; 2];
 }
 
-impl FloorDisplacement for LoadedDiscs<'_> {
-    fn displacement(&self, position: Point) -> [FieldJet; 2] {
-        let mut sums = [FieldJet::default(); 2];
+impl LoadedDiscs<'_> {
+    /// The coefficients of a disc.
+    #[inline(always)]
+    fn coefficients_of(&self, set: usize, disc: usize) -> &[f64] {
+        &self.coefficients[set][disc * self.modes..(disc + 1) * self.modes]
+    }
+
+    #[inline(always)]
+    fn sums(&self, [x, y]: Point) -> [LaneJets; 2] {
+        let mut sums = [LaneJets::default(); 2];
         let scale = self.radius.recip();
-        for (disc, centre) in self.centres.iter().enumerate() {
-            let range = disc * self.modes..(disc + 1) * self.modes;
+        let zeros = [0.0; NO_LOAD];
+        for first in (0..self.centres.len()).step_by(LANES) {
+            // Where there are no more discs, one far away that bears nothing.
+            let centre = |lane: usize| self.centres.get(first + lane);
+            let offset = |along: usize, at: f64| {
+                Lanes(std::array::from_fn(|lane| {
+                    centre(lane).map_or(FAR_AWAY, |centre| (at - centre[along]) * scale)
+                }))
+            };
+            let coefficients = |set: usize| {
+                std::array::from_fn(|lane| match centre(lane) {
+                    Some(_) => self.coefficients_of(set, first + lane),
+                    None => &zeros[..],
+                })
+            };
             self.exterior.add_jets(
-                [
-                    (position[0] - centre[0]) * scale,
-                    (position[1] - centre[1]) * scale,
-                ],
-                [
-                    &self.coefficients[0][range.clone()],
-                    &self.coefficients[1][range],
-                ],
+                [offset(0, x), offset(1, y)],
+                [coefficients(0), coefficients(1)],
                 &mut sums,
             );
         }
-        for sum in &mut sums {
+        sums
+    }
+}
+
+/// Coefficients of a disc that is not there, enough for every degree.
+const NO_LOAD: usize = 160;
+
+/// Where it is, pillar radii.
+const FAR_AWAY: f64 = 1e3;
+
+impl FloorDisplacement for LoadedDiscs<'_> {
+    fn displacement(&self, position: Point) -> [FieldJet; 2] {
+        let scale = self.radius.recip();
+        widest(
+            #[inline(always)]
+            || self.sums(position),
+        )
+        .map(|sums| {
+            let mut sum = sums.sum();
             sum.value *= self.radius;
             sum.hessian = sum.hessian.map(|h| h * scale);
-        }
-        sums
+            sum
+        })
     }
 }
 
@@ -87,7 +135,7 @@ impl FloorSearch {
     /// of it has `w1 < 1`), or if it is cancelled.
     ///
     /// The first call looks everywhere near the lens axis, the following ones start from the
-    /// lowest points found before.
+    /// lowest points found before, of which there is one for all that are alike.
     pub(crate) fn lowest(
         &mut self,
         problem: &Problem,
@@ -110,6 +158,8 @@ impl FloorSearch {
             }
         }
         minima.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
+        minima.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
+        minima.truncate(REMEMBERED);
         self.starts.clear();
         self.starts
             .extend(minima.iter().map(|point| point.position));
@@ -194,6 +244,12 @@ fn descend(
         let length = step[0].hypot(step[1]);
         // Half-way to the nearest edge at the most: beyond it lies a pillar.
         let longest = 0.5 * clearance(problem, position).max(1e-12);
+        let descent = -0.5 * (step[0] * jet.gradient[0] + step[1] * jet.gradient[1]);
+        if length <= longest && descent <= LAST_DESCENT * jet.value.abs() {
+            position = [position[0] + step[0], position[1] + step[1]];
+            jet.value -= descent;
+            break;
+        }
         let mut factor = if length > longest {
             longest / length
         } else {
@@ -288,7 +344,11 @@ fn first_starts(
         .filter_map(|point| Some((indentation_of_contact(problem, loaded, point)?.value, point)))
         .collect();
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut starts = holes;
+    let mut starts = if pitch > WIDE_PITCH {
+        holes
+    } else {
+        lowest_holes(problem, loaded, &holes, cancel)
+    };
     let separation = 0.12 * pitch;
     let mut added: Vec<Point> = Vec::new();
     for (_, point) in rated {
@@ -304,6 +364,30 @@ fn first_starts(
     }
     starts.extend(added);
     starts
+}
+
+/// The holes with the lowest gap, one of those that are alike.
+fn lowest_holes(
+    problem: &Problem,
+    loaded: &impl FloorDisplacement,
+    holes: &[Point],
+    cancel: &CancelToken,
+) -> Vec<Point> {
+    let mut rated: Vec<FloorPoint> = holes
+        .iter()
+        .take_while(|_| !cancel.is_cancelled())
+        .filter_map(|&position| {
+            let indentation = indentation_of_contact(problem, loaded, position)?.value;
+            Some(FloorPoint {
+                position,
+                indentation,
+            })
+        })
+        .collect();
+    rated.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
+    rated.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
+    rated.truncate(LOWEST_HOLES);
+    rated.into_iter().map(|point| point.position).collect()
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ use crate::disc::basis::UNIT_FORCE;
 use crate::disc::exterior::Exterior;
 use crate::disc::unilateral::{LocalSolver, PillarTop};
 use crate::system::Point;
+use crate::vector::{add_scaled, dot, scale_and_add, subtract};
 use rayon::prelude::*;
 
 /// Relative energy of the residual at which a linear solution counts as exact.
@@ -851,28 +852,4 @@ enum Part<'a> {
     Whole(f64),
     /// The response to a given load.
     Source(&'a [f64]),
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-fn subtract(a: &mut [f64], b: &[f64]) {
-    for (x, y) in a.iter_mut().zip(b) {
-        *x -= y;
-    }
-}
-
-/// `a += factor b`
-fn add_scaled(a: &mut [f64], factor: f64, b: &[f64]) {
-    for (x, y) in a.iter_mut().zip(b) {
-        *x += factor * y;
-    }
-}
-
-/// `a = factor a + b`
-fn scale_and_add(a: &mut [f64], factor: f64, b: &[f64]) {
-    for (x, y) in a.iter_mut().zip(b) {
-        *x = factor * *x + y;
-    }
 }

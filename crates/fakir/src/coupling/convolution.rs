@@ -12,6 +12,7 @@
 use super::pair::PairCoupling;
 use super::window::Window;
 use crate::contact::{CancelToken, Run};
+use crate::vector::widest;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -251,12 +252,12 @@ impl LatticeConvolution {
             if cancel.is_cancelled() {
                 return;
             }
-            work.input.fill(Complex64::default());
             for (values, column) in spectrum
                 .chunks_exact(rows)
                 .zip(work.input.chunks_exact_mut(padded))
             {
                 column[..rows].copy_from_slice(values);
+                column[rows..].fill(Complex64::default());
             }
             transforms
                 .column
@@ -306,51 +307,71 @@ fn multiply(
     input: &[Complex64],
     output: &mut [Complex64],
 ) {
-    output.fill(Complex64::default());
-    let mut pairs = kernel.chunks_exact(padded).zip(odd);
-    for a in 0..modes {
-        for b in a..modes {
-            let Some((kernel, &odd)) = pairs.next() else {
-                return;
-            };
-            let source = &input[b * padded..(b + 1) * padded];
-            if odd {
-                add_imaginary(
-                    kernel,
-                    1.0,
-                    source,
-                    &mut output[a * padded..(a + 1) * padded],
-                );
-                let source = &input[a * padded..(a + 1) * padded];
-                add_imaginary(
-                    kernel,
-                    -1.0,
-                    source,
-                    &mut output[b * padded..(b + 1) * padded],
-                );
-            } else {
-                add_real(kernel, source, &mut output[a * padded..(a + 1) * padded]);
-                if a != b {
-                    let source = &input[a * padded..(a + 1) * padded];
-                    add_real(kernel, source, &mut output[b * padded..(b + 1) * padded]);
+    widest(
+        #[inline(always)]
+        || {
+            let mut pairs = kernel.chunks_exact(padded).zip(odd);
+            for a in 0..modes {
+                for b in a..modes {
+                    let Some((kernel, &odd)) = pairs.next() else {
+                        return;
+                    };
+                    // The first row of pairs meets every mode once, before anything else does.
+                    let first = a == 0;
+                    let (of_a, of_b) = (a * padded..(a + 1) * padded, b * padded..(b + 1) * padded);
+                    let signs = if odd { Some([1.0, -1.0]) } else { None };
+                    add(
+                        kernel,
+                        signs.map(|signs| signs[0]),
+                        first && b == 0,
+                        &input[of_b.clone()],
+                        &mut output[of_a.clone()],
+                    );
+                    if a != b {
+                        let sign = signs.map(|signs| signs[1]);
+                        add(kernel, sign, first, &input[of_a], &mut output[of_b]);
+                    }
                 }
             }
+        },
+    );
+}
+
+/// Adds the product with a kernel that is real, or imaginary with a sign; if it is the first, in
+/// place of what was there.
+#[inline(always)]
+fn add(
+    kernel: &[f64],
+    imaginary: Option<f64>,
+    first: bool,
+    source: &[Complex64],
+    target: &mut [Complex64],
+) {
+    let places = target.iter_mut().zip(source).zip(kernel);
+    match (imaginary, first) {
+        (None, true) => {
+            for ((target, source), k) in places {
+                *target = Complex64::new(k * source.re, k * source.im);
+            }
         }
-    }
-}
-
-fn add_real(kernel: &[f64], source: &[Complex64], target: &mut [Complex64]) {
-    for ((target, source), k) in target.iter_mut().zip(source).zip(kernel) {
-        target.re += k * source.re;
-        target.im += k * source.im;
-    }
-}
-
-fn add_imaginary(kernel: &[f64], sign: f64, source: &[Complex64], target: &mut [Complex64]) {
-    for ((target, source), k) in target.iter_mut().zip(source).zip(kernel) {
-        let k = sign * k;
-        target.re -= k * source.im;
-        target.im += k * source.re;
+        (None, false) => {
+            for ((target, source), k) in places {
+                target.re += k * source.re;
+                target.im += k * source.im;
+            }
+        }
+        (Some(sign), true) => {
+            for ((target, source), k) in places {
+                *target = Complex64::new(-sign * k * source.im, sign * k * source.re);
+            }
+        }
+        (Some(sign), false) => {
+            for ((target, source), k) in places {
+                let k = sign * k;
+                target.re -= k * source.im;
+                target.im += k * source.re;
+            }
+        }
     }
 }
 

@@ -108,10 +108,6 @@ impl BasisEvaluator {
         }
     }
 
-    pub(crate) fn degree(&self) -> usize {
-        self.degree
-    }
-
     pub(crate) fn modes(&self) -> &[Mode] {
         &self.modes
     }

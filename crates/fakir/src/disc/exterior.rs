@@ -8,6 +8,7 @@
 
 use super::basis::{Mode, equator_value, gamma_degree, modes};
 use super::special::gamma_half;
+use crate::vector::{LANES, Lanes};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Above this `z = 1/delta^2` the hypergeometric series is summed about `z = 1` instead.
@@ -45,13 +46,7 @@ pub(crate) struct RadialFunction {
     singular: Vec<f64>,
 }
 
-/// Radial functions evaluated side by side.
-const LANES: usize = 4;
-
-/// One number for each of [`LANES`] radial functions.
-type Lanes = [f64; LANES];
-
-/// Functions of one variable with their first two derivatives.
+/// A function of one variable with its first two derivatives, at [`LANES`] places.
 #[derive(Debug, Clone, Copy)]
 struct Jets {
     value: Lanes,
@@ -59,20 +54,21 @@ struct Jets {
     second: Lanes,
 }
 
-/// Polynomials and two derivatives, by Horner's rule.
-fn horner_jets(coefficients: &[Lanes], x: f64) -> Jets {
-    let (mut value, mut first, mut half_second) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+/// A polynomial and two derivatives, by Horner's rule.
+#[inline(always)]
+fn horner_jets(coefficients: &[f64], x: Lanes) -> Jets {
+    let mut value = Lanes::default();
+    let mut first = Lanes::default();
+    let mut half_second = Lanes::default();
     for coefficient in coefficients.iter().rev() {
-        for k in 0..LANES {
-            half_second[k] = half_second[k] * x + first[k];
-            first[k] = first[k] * x + value[k];
-            value[k] = value[k] * x + coefficient[k];
-        }
+        half_second = half_second * x + first;
+        first = first * x + value;
+        value = value * x + Lanes::splat(*coefficient);
     }
     Jets {
         value,
         first,
-        second: half_second.map(|half| 2.0 * half),
+        second: half_second + half_second,
     }
 }
 
@@ -135,6 +131,70 @@ impl RadialFunction {
         horner(&self.regular, u) + u.sqrt() * horner(&self.singular, u)
     }
 
+    /// `F` with its derivatives with respect to `z`, places near the disc apart. At `z = 1` the
+    /// derivatives are infinite.
+    #[inline(always)]
+    fn series_jets(&self, z: Lanes) -> Jets {
+        let (least, most) =
+            z.0.iter()
+                .fold((f64::INFINITY, 0.0_f64), |(least, most), z| {
+                    (least.min(*z), most.max(*z))
+                });
+        if most <= NEAR {
+            return horner_jets(&self.far[..far_terms(most)], z);
+        }
+        let near = self.series_jets_near(z);
+        if least > NEAR {
+            return near;
+        }
+        // Far places among near ones.
+        let far = horner_jets(&self.far, z.map(|z| z.min(NEAR)));
+        let pick = |near: Lanes, far: Lanes| {
+            Lanes(std::array::from_fn(|k| {
+                if z.0[k] <= NEAR { far.0[k] } else { near.0[k] }
+            }))
+        };
+        Jets {
+            value: pick(near.value, far.value),
+            first: pick(near.first, far.first),
+            second: pick(near.second, far.second),
+        }
+    }
+
+    fn series_jets_near(&self, z: Lanes) -> Jets {
+        let u = z.map(|z| (1.0 - z.max(NEAR)).max(0.0));
+        let root = u.map(f64::sqrt);
+        let inverse_root = root.map(f64::recip);
+        let regular = horner_jets(&self.regular, u);
+        let singular = horner_jets(&self.singular, u);
+        let (s0, s1, s2) = (singular.value, singular.first, singular.second);
+        let first = regular.first + root * s1 + 0.5 * (s0 * inverse_root);
+        let inverse = u.map(f64::recip);
+        Jets {
+            value: regular.value + root * s0,
+            first: -1.0 * first,
+            second: regular.second + root * s2 + s1 * inverse_root
+                - 0.25 * (s0 * inverse_root * inverse),
+        }
+    }
+
+    /// `S` with its derivatives with respect to `t`, `powers` those of the inverse distance.
+    #[inline(always)]
+    fn jets(&self, z: Lanes, powers: &[Lanes]) -> Jets {
+        // S = z^alpha F(z); z dS/dz and z^2 d2S/dz2 follow, and dz/dt = -z^2.
+        let series = self.series_jets(z);
+        let alpha = 0.5 * self.twice_power as f64;
+        let power = powers[self.twice_power];
+        let (f, zf1, z2f2) = (series.value, z * series.first, z * z * series.second);
+        let zg1 = power * (alpha * f + zf1);
+        let z2g2 = power * (alpha * (alpha - 1.0) * f + 2.0 * alpha * zf1 + z2f2);
+        Jets {
+            value: power * f,
+            first: -1.0 * (z * zg1),
+            second: z * z * (z2g2 + 2.0 * zg1),
+        }
+    }
+
     /// `S` alone.
     pub(crate) fn value(&self, inverse_distance: f64) -> f64 {
         let z = inverse_distance * inverse_distance;
@@ -163,80 +223,6 @@ impl FieldJet {
     }
 }
 
-/// [`LANES`] radial functions, coefficient by coefficient.
-#[derive(Debug, Clone)]
-struct RadialGroup {
-    twice_power: [usize; LANES],
-    far: Vec<Lanes>,
-    regular: Vec<Lanes>,
-    singular: Vec<Lanes>,
-    /// Modes that belong to them: mode, lane.
-    modes: Vec<(usize, usize)>,
-}
-
-impl RadialGroup {
-    fn new(functions: &[RadialFunction], modes: Vec<(usize, usize)>) -> Self {
-        let gather = |pick: fn(&RadialFunction) -> &Vec<f64>| -> Vec<Lanes> {
-            (0..pick(&functions[0]).len())
-                .map(|term| {
-                    let mut lanes = [0.0; LANES];
-                    for (lane, function) in lanes.iter_mut().zip(functions) {
-                        *lane = pick(function)[term];
-                    }
-                    lanes
-                })
-                .collect()
-        };
-        let mut twice_power = [1; LANES];
-        for (power, function) in twice_power.iter_mut().zip(functions) {
-            *power = function.twice_power;
-        }
-        Self {
-            twice_power,
-            far: gather(|function| &function.far),
-            regular: gather(|function| &function.regular),
-            singular: gather(|function| &function.singular),
-            modes,
-        }
-    }
-
-    /// `F` with its derivatives with respect to `z`. At `z = 1` the derivatives are infinite.
-    fn series(&self, z: f64) -> Jets {
-        if z <= NEAR {
-            return horner_jets(&self.far[..far_terms(z)], z);
-        }
-        let u = (1.0 - z).max(0.0);
-        let root = u.sqrt();
-        let regular = horner_jets(&self.regular, u);
-        let singular = horner_jets(&self.singular, u);
-        let mut jets = regular;
-        for k in 0..LANES {
-            let (s0, s1, s2) = (singular.value[k], singular.first[k], singular.second[k]);
-            jets.value[k] += root * s0;
-            jets.first[k] = -(regular.first[k] + root * s1 + 0.5 * s0 / root);
-            jets.second[k] += root * s2 + s1 / root - 0.25 * s0 / (root * u);
-        }
-        jets
-    }
-
-    /// `S` with its derivatives with respect to `t`, `powers` those of the inverse distance.
-    fn jets(&self, z: f64, powers: &[f64]) -> Jets {
-        let mut jets = self.series(z);
-        for k in 0..LANES {
-            // S = z^alpha F(z); z dS/dz and z^2 d2S/dz2 follow, and dz/dt = -z^2.
-            let alpha = 0.5 * self.twice_power[k] as f64;
-            let power = powers[self.twice_power[k]];
-            let (f, zf1, z2f2) = (jets.value[k], z * jets.first[k], z * z * jets.second[k]);
-            let zg1 = power * (alpha * f + zf1);
-            let z2g2 = power * (alpha * (alpha - 1.0) * f + 2.0 * alpha * zf1 + z2f2);
-            jets.value[k] = power * f;
-            jets.first[k] = -z * zg1;
-            jets.second[k] = z * z * (z2g2 + 2.0 * zg1);
-        }
-        jets
-    }
-}
-
 /// The displacement outside a disc, for all modes up to a degree.
 #[derive(Debug, Clone)]
 pub(crate) struct Exterior {
@@ -244,7 +230,6 @@ pub(crate) struct Exterior {
     /// One per (degree, order), and for every mode which.
     radial: Vec<RadialFunction>,
     radial_of: Vec<usize>,
-    groups: Vec<RadialGroup>,
 }
 
 /// Highest degree of which derivatives are evaluated.
@@ -261,22 +246,10 @@ impl Exterior {
             }
             radial_of.push(radial.len() - 1);
         }
-        let groups = radial
-            .chunks(LANES)
-            .enumerate()
-            .map(|(group, functions)| {
-                let members = (0..modes.len())
-                    .filter(|&mode| radial_of[mode] / LANES == group)
-                    .map(|mode| (mode, radial_of[mode] % LANES))
-                    .collect();
-                RadialGroup::new(functions, members)
-            })
-            .collect();
         Self {
             modes,
             radial,
             radial_of,
-            groups,
         }
     }
 
@@ -290,35 +263,43 @@ impl Exterior {
         self.modes.len()
     }
 
-    /// Adds to `sums` the displacement at `point` (pillar radii from the centre, outside the
-    /// disc) under two sets of coefficients at once. For degrees up to [`MAXIMUM_DEGREE`].
+    /// Adds to `sums` the displacement at [`LANES`] points (pillar radii from the centres of as many
+    /// discs, and outside them), each under two sets of coefficients at once. For degrees up to
+    /// [`MAXIMUM_DEGREE`].
+    #[inline(always)]
     pub(crate) fn add_jets(
         &self,
-        point: [f64; 2],
-        coefficients: [&[f64]; 2],
-        sums: &mut [FieldJet; 2],
+        [x, y]: [Lanes; 2],
+        coefficients: [[&[f64]; LANES]; 2],
+        sums: &mut [LaneJets; 2],
     ) {
         let degree = self.degree().min(MAXIMUM_DEGREE);
-        let [x, y] = point;
-        let inverse_square = (x * x + y * y).recip();
-        let inverse_distance = inverse_square.sqrt();
-        let mut powers = [1.0; 2 * MAXIMUM_DEGREE + 2];
+        let inverse_square = (x * x + y * y).map(f64::recip);
+        let inverse_distance = inverse_square.map(f64::sqrt);
+        let mut powers = [Lanes::splat(1.0); 2 * MAXIMUM_DEGREE + 2];
         for k in 1..2 * degree + 2 {
             powers[k] = powers[k - 1] * inverse_distance;
         }
-        let mut harmonics = [[1.0, 0.0]; MAXIMUM_DEGREE + 1];
+        let mut harmonics = [[Lanes::splat(1.0), Lanes::default()]; MAXIMUM_DEGREE + 1];
         for k in 1..=degree {
             let [re, im] = harmonics[k - 1];
             harmonics[k] = [re * x - im * y, re * y + im * x];
         }
-        for group in &self.groups {
-            let jets = group.jets(inverse_square, &powers);
-            for &(mode, lane) in &group.modes {
-                let radial = [jets.value[lane], jets.first[lane], jets.second[lane]];
-                let field = harmonic_times(&self.modes[mode], point, &harmonics, radial);
-                for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
-                    sum.add_scaled(coefficient[mode], &field);
-                }
+        let mut evaluated = usize::MAX;
+        let mut radial = Jets {
+            value: Lanes::default(),
+            first: Lanes::default(),
+            second: Lanes::default(),
+        };
+        for (number, mode) in self.modes.iter().enumerate() {
+            if self.radial_of[number] != evaluated {
+                evaluated = self.radial_of[number];
+                radial = self.radial[evaluated].jets(inverse_square, &powers);
+            }
+            let field = harmonic_times(mode, [x, y], &harmonics, &radial);
+            for (sum, coefficients) in sums.iter_mut().zip(coefficients) {
+                let factor = Lanes(coefficients.map(|of_disc| of_disc[number]));
+                sum.add_product(factor, &field);
             }
         }
     }
@@ -356,23 +337,54 @@ fn power([x, y]: [f64; 2], exponent: usize) -> [f64; 2] {
     result
 }
 
+/// Fields at [`LANES`] points, or by as many discs.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct LaneJets {
+    value: Lanes,
+    gradient: [Lanes; 2],
+    hessian: [Lanes; 3],
+}
+
+impl LaneJets {
+    #[inline(always)]
+    fn add_product(&mut self, factor: Lanes, other: &Self) {
+        self.value += factor * other.value;
+        for k in 0..2 {
+            self.gradient[k] += factor * other.gradient[k];
+        }
+        for k in 0..3 {
+            self.hessian[k] += factor * other.hessian[k];
+        }
+    }
+
+    /// Sum of all.
+    pub(crate) fn sum(&self) -> FieldJet {
+        FieldJet {
+            value: self.value.sum(),
+            gradient: self.gradient.map(Lanes::sum),
+            hessian: self.hessian.map(Lanes::sum),
+        }
+    }
+}
+
 /// `H(x, y) S(t)` with `H` the real or imaginary part of `(x + iy)^m` and `t = x^2 + y^2`;
 /// `harmonics` the powers of `x + iy`, `radial` is `S` with its two derivatives.
+#[inline(always)]
 fn harmonic_times(
     mode: &Mode,
-    point: [f64; 2],
-    harmonics: &[[f64; 2]],
-    radial: [f64; 3],
-) -> FieldJet {
+    [x, y]: [Lanes; 2],
+    harmonics: &[[Lanes; 2]],
+    radial: &Jets,
+) -> LaneJets {
     let m = mode.order;
-    let pick = |[re, im]: [f64; 2]| if mode.sine { im } else { re };
+    let pick = |[re, im]: [Lanes; 2]| if mode.sine { im } else { re };
     // d/dx (x+iy)^m = m (x+iy)^(m-1), d/dy = i d/dx.
-    let times_i = |[re, im]: [f64; 2]| [-im, re];
+    let times_i = |[re, im]: [Lanes; 2]| [-1.0 * im, re];
     let derivative = |order: usize, factor: f64| {
         if m >= order {
-            harmonics[m - order].map(|v| v * factor)
+            harmonics[m - order].map(|v| factor * v)
         } else {
-            [0.0, 0.0]
+            [Lanes::default(); 2]
         }
     };
     let h = pick(harmonics[m]);
@@ -380,15 +392,16 @@ fn harmonic_times(
     let second = derivative(2, (m * m.saturating_sub(1)) as f64);
     let (hx, hy) = (pick(first), pick(times_i(first)));
     let (hxx, hxy) = (pick(second), pick(times_i(second)));
-    let [x, y] = point;
-    let [s, s1, s2] = radial;
-    FieldJet {
+    let (s, twice_s1, four_s2) = (radial.value, 2.0 * radial.first, 4.0 * radial.second);
+    let (h_s1, h_s2) = (h * twice_s1, h * four_s2);
+    let (x_s1, y_s1) = (x * twice_s1, y * twice_s1);
+    LaneJets {
         value: h * s,
-        gradient: [hx * s + 2.0 * x * h * s1, hy * s + 2.0 * y * h * s1],
+        gradient: [hx * s + h * x_s1, hy * s + h * y_s1],
         hessian: [
-            hxx * s + 4.0 * x * hx * s1 + h * (4.0 * x * x * s2 + 2.0 * s1),
-            hxy * s + 2.0 * (x * hy + y * hx) * s1 + 4.0 * x * y * h * s2,
-            -hxx * s + 4.0 * y * hy * s1 + h * (4.0 * y * y * s2 + 2.0 * s1),
+            hxx * s + 2.0 * (hx * x_s1) + h_s1 + x * x * h_s2,
+            hxy * s + hy * x_s1 + hx * y_s1 + x * y * h_s2,
+            2.0 * (hy * y_s1) + h_s1 + y * y * h_s2 - hxx * s,
         ],
     }
 }
@@ -476,11 +489,15 @@ mod tests {
             for which in 0..count {
                 let mut unit = vec![0.0; count];
                 unit[which] = 1.0;
+                // With three more discs, far and near, that bear nothing.
+                let zero = vec![0.0; count];
                 let at = |dx: f64, dy: f64| {
-                    let mut sums = [FieldJet::default(); 2];
-                    let moved = [point[0] + dx, point[1] + dy];
-                    exterior.add_jets(moved, [&unit, &unit], &mut sums);
-                    sums[0]
+                    let mut sums = [LaneJets::default(); 2];
+                    let x = Lanes([point[0] + dx, 1.01, 30.0, -2.0]);
+                    let y = Lanes([point[1] + dy, 0.0, 4.0, 3.0]);
+                    let coefficients: [&[f64]; LANES] = [&unit, &zero, &zero, &zero];
+                    exterior.add_jets([x, y], [coefficients; 2], &mut sums);
+                    sums[0].sum()
                 };
                 let jet = at(0.0, 0.0);
                 let mut values = vec![0.0; count];
