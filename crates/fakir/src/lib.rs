@@ -46,6 +46,8 @@
 pub mod contact;
 mod coupling;
 mod disc;
+#[doc(hidden)]
+pub mod kernels;
 pub mod love;
 pub mod pattern;
 mod quadrature;

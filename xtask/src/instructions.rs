@@ -1,0 +1,186 @@
+//! Counts of instructions of hot kernels and whole runs, beside those that are committed.
+//!
+//! Instructions do not depend on what else a machine does, so a change that costs speed shows where a
+//! clock would not tell. Counts are comparable for one compiler and one kind of processor only;
+//! elsewhere the check says so and compares nothing.
+
+use std::collections::BTreeMap;
+use std::ffi::OsStr;
+use std::path::Path;
+use std::process::Command;
+
+/// The committed counts: a line with the compiler, then `name,instructions`.
+const RECORDED: &str = "bench/instructions.csv";
+
+/// Relative change that counts as none.
+const BAND: f64 = 0.05;
+
+/// Kernels of `crates/fakir/examples/kernels.rs`.
+const KERNELS: [&str; 5] = ["coupling", "products", "one_pillar", "floor", "elements"];
+
+/// Whole runs of the program: name and arguments.
+const RUNS: [(&str, &[&str]); 3] = [
+    (
+        "run_transition",
+        &["transition", "examples/paper-intermediate.toml"],
+    ),
+    (
+        "run_press",
+        &[
+            "press",
+            "examples/paper-intermediate.toml",
+            "--set",
+            "texture.surface_fraction=0.2",
+            "--indentation",
+            "100um",
+        ],
+    ),
+    (
+        "run_elements",
+        &[
+            "press",
+            "examples/square-pillars.toml",
+            "--set",
+            "surface.grid.cells_per_diameter=8",
+            "--indentation",
+            "2um",
+        ],
+    ),
+];
+
+/// Compares the counts with those that are committed.
+pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
+    let recorded = std::fs::read_to_string(RECORDED)
+        .map_err(|error| format!("cannot read {RECORDED}: {error}"))?;
+    let (compiler, expected) = parse(&recorded)?;
+    let present = compiler_here()?;
+    if compiler != present {
+        println!(
+            "{RECORDED} was counted with {compiler}; this is {present}: nothing is compared"
+        );
+        return Ok(());
+    }
+    let counted = count(cargo)?;
+    let mut changed = Vec::new();
+    for (name, count) in &counted {
+        let Some(expected) = expected.get(name) else {
+            return Err(format!("{RECORDED} has no line for {name}: {RECORD_IT}"));
+        };
+        let change = *count as f64 / *expected as f64 - 1.0;
+        println!("{name:16} {count:>14} {:+7.2} %", 100.0 * change);
+        if change.abs() > BAND {
+            changed.push(format!("{name} by {:+.1} %", 100.0 * change));
+        }
+    }
+    if changed.is_empty() {
+        return Ok(());
+    }
+    Err(format!(
+        "instructions changed: {}; if that is meant, {RECORD_IT}",
+        changed.join(", ")
+    ))
+}
+
+const RECORD_IT: &str =
+    "run cargo xtask record instructions and say why in a line of bench/LEDGER.md";
+
+/// Writes the present counts in the place of those that are committed.
+pub(crate) fn record(cargo: &OsStr) -> Result<(), String> {
+    let mut text = format!("{}\n", compiler_here()?);
+    for (name, count) in count(cargo)? {
+        println!("{name:16} {count:>14}");
+        text += &format!("{name},{count}\n");
+    }
+    std::fs::write(RECORDED, text).map_err(|error| format!("cannot write {RECORDED}: {error}"))
+}
+
+fn parse(recorded: &str) -> Result<(&str, BTreeMap<String, u64>), String> {
+    let mut lines = recorded.lines();
+    let compiler = lines.next().unwrap_or_default();
+    let counts = lines.map(|line| {
+        let fields = line.split_once(',');
+        fields
+            .and_then(|(name, count)| Some((name.to_owned(), count.parse().ok()?)))
+            .ok_or_else(|| format!("{RECORDED}: \"{line}\" is not a name and a number"))
+    });
+    Ok((compiler, counts.collect::<Result<_, _>>()?))
+}
+
+/// What counts depend on: the compiler, and the vectors of the processor.
+fn compiler_here() -> Result<String, String> {
+    let output = Command::new("rustc")
+        .arg("--version")
+        .output()
+        .map_err(|error| format!("rustc could not be started: {error}"))?;
+    let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+    Ok(format!(
+        "{version} for {} {}",
+        std::env::consts::ARCH,
+        vectors()
+    ))
+}
+
+#[cfg(target_arch = "x86_64")]
+fn vectors() -> &'static str {
+    let wide = std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma");
+    if wide { "with AVX2" } else { "without AVX2" }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn vectors() -> &'static str {
+    ""
+}
+
+fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
+    valgrind()?;
+    let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
+    // What the other tests are run on.
+    crate::python::run(
+        Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]),
+    )?;
+    let program = executable.with_file_name("fakir");
+    let kernels = executable.with_file_name("examples").join("kernels");
+    let mut counts = Vec::new();
+    for kernel in KERNELS {
+        counts.push((kernel.to_owned(), instructions(&kernels, &[kernel])?));
+    }
+    for (name, arguments) in RUNS {
+        let arguments = [arguments, &["--threads", "1", "--quiet", "--json"]].concat();
+        counts.push((name.to_owned(), instructions(&program, &arguments)?));
+    }
+    Ok(counts)
+}
+
+fn instructions(program: &Path, arguments: &[&str]) -> Result<u64, String> {
+    let output = Command::new("valgrind")
+        .args(["--tool=cachegrind", "--cache-sim=no"])
+        .arg("--cachegrind-out-file=/dev/null")
+        .arg(program)
+        .args(arguments)
+        .output()
+        .map_err(|error| format!("valgrind could not be started: {error}"))?;
+    let log = String::from_utf8_lossy(&output.stderr);
+    let refs = log
+        .lines()
+        .find_map(|line| line.split_once("refs:"))
+        .map(|(_, count)| count.replace(',', ""));
+    match refs.and_then(|count| count.trim().parse().ok()) {
+        Some(count) if output.status.success() => Ok(count),
+        _ => Err(format!("{} {arguments:?}:\n{log}", program.display())),
+    }
+}
+
+/// That there is a valgrind; where packages can be installed it is.
+fn valgrind() -> Result<(), String> {
+    let there = || Command::new("valgrind").arg("--version").output().is_ok();
+    if there() {
+        return Ok(());
+    }
+    let install = Command::new("apt-get")
+        .args(["install", "--yes", "--quiet", "valgrind"])
+        .status();
+    if install.is_ok_and(|status| status.success()) && there() {
+        return Ok(());
+    }
+    Err("valgrind is needed to count instructions: install the package of that name".to_owned())
+}
