@@ -1,0 +1,238 @@
+// The contact map: pillars from above, coloured by the force they bear.
+
+import type { State } from "./engine.js";
+import { engineeringText, significant } from "./numbers.js";
+import { colour, colourCount, letterSize, tint } from "./theme.js";
+
+const HALF_SQRT_3 = Math.sqrt(3) / 2;
+
+/** Lengths of the scale bar are one of these times a power of ten. */
+const ROUND = [1, 2, 5];
+
+/** The canvas and what is on it. */
+export class ContactMap {
+  private state: State | null = null;
+  private criticalRadius = 0;
+  private largest = 0;
+  private scale = 1;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly bar: HTMLCanvasElement,
+    private readonly note: HTMLElement,
+  ) {
+    canvas.addEventListener("pointermove", (event) => this.tell(event));
+    canvas.addEventListener("pointerleave", () => (this.note.textContent = ""));
+  }
+
+  /** Shows a state; `criticalRadius` keeps the scale while the load changes. */
+  show(state: State, criticalRadius: number, largestForce: number): void {
+    this.state = state;
+    this.criticalRadius = criticalRadius;
+    this.largest = Math.max(largestForce, ...chunkMaxima(state.pillar_forces_N));
+    this.draw();
+  }
+
+  /** The largest force on the colour bar, N. */
+  get largestForce(): number {
+    return this.largest;
+  }
+
+  draw(): void {
+    const state = this.state;
+    const context = this.canvas.getContext("2d");
+    if (state === null || context === null) return;
+    const ratio = window.devicePixelRatio || 1;
+    const side = Math.round(this.canvas.clientWidth * ratio);
+    if (side === 0) return;
+    if (this.canvas.width !== side) this.canvas.width = this.canvas.height = side;
+    const halfWidth = Math.max(
+      1.12 * this.criticalRadius,
+      1.06 * state.summary.contact_radius_m,
+      2.3 * state.pitch_m,
+    );
+    this.scale = side / (2 * halfWidth);
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.fillStyle = tint("--floor");
+    context.fillRect(0, 0, side, side);
+    context.setTransform(this.scale, 0, 0, -this.scale, side / 2, side / 2);
+    const pixel = ratio / this.scale;
+    this.drawUntouched(context, state, halfWidth);
+    this.drawPillars(context, state, pixel);
+    this.drawMarks(context, state, pixel);
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    this.drawScaleBar(context, side, ratio);
+    this.drawColourBar(ratio);
+    this.canvas.setAttribute("aria-label", this.words(state));
+  }
+
+  /** Every pillar top in view, as if untouched. */
+  private drawUntouched(context: CanvasRenderingContext2D, state: State, halfWidth: number): void {
+    const { pitch_m: pitch, offset_m: offset } = state;
+    const radius = state.diameter_m / 2;
+    const reach = Math.ceil((halfWidth + radius) / (HALF_SQRT_3 * pitch)) + 1;
+    const limit = halfWidth + radius;
+    const shift = Math.round(offset[0] / (HALF_SQRT_3 * pitch));
+    context.beginPath();
+    for (let column = shift - reach; column <= shift + reach; column += 1) {
+      const x = HALF_SQRT_3 * pitch * column - offset[0];
+      if (Math.abs(x) > limit) continue;
+      const first = Math.ceil((offset[1] - limit) / pitch - column / 2);
+      const last = Math.floor((offset[1] + limit) / pitch - column / 2);
+      for (let row = first; row <= last; row += 1) {
+        const y = pitch * (row + column / 2) - offset[1];
+        context.moveTo(x + radius, y);
+        context.arc(x, y, radius, 0, 2 * Math.PI);
+      }
+    }
+    context.fillStyle = tint("--pillar");
+    context.fill();
+  }
+
+  private drawPillars(context: CanvasRenderingContext2D, state: State, pixel: number): void {
+    const radius = state.diameter_m / 2;
+    const count = colourCount() / 4;
+    const groups: Path2D[] = Array.from({ length: count }, () => new Path2D());
+    const partial = new Path2D();
+    // A ring inside the rim, so that neighbours do not meet.
+    const width = Math.min(2 * pixel, 0.3 * radius);
+    state.pillar_forces_N.forEach((force, k) => {
+      const [x, y] = centre(state, k);
+      const group = Math.round((force / this.largest) * (count - 1));
+      const path = groups[Math.min(count - 1, Math.max(0, group))];
+      path?.moveTo(x + radius, y);
+      path?.arc(x, y, radius, 0, 2 * Math.PI);
+      if (state.pillar_statuses[k] === "p") {
+        const rim = radius - width / 2;
+        partial.moveTo(x + rim, y);
+        partial.arc(x, y, rim, 0, 2 * Math.PI);
+      }
+    });
+    groups.forEach((path, k) => {
+      context.fillStyle = colour(k * 4 + 2);
+      context.fill(path);
+    });
+    context.strokeStyle = tint("--partial");
+    context.lineWidth = width;
+    context.stroke(partial);
+  }
+
+  /** Edge of the contact, lens axis, and where the floor is touched. */
+  private drawMarks(context: CanvasRenderingContext2D, state: State, pixel: number): void {
+    const edge = state.summary.contact_radius_m;
+    const circle = (x: number, y: number, radius: number): void => {
+      context.beginPath();
+      context.arc(x, y, radius, 0, 2 * Math.PI);
+    };
+    if (edge > 0) {
+      circle(0, 0, edge);
+      context.setLineDash([6 * pixel, 4 * pixel]);
+      context.lineWidth = 1.4 * pixel;
+      context.strokeStyle = tint("--ink");
+      context.stroke();
+      context.setLineDash([]);
+    }
+    const size = letterSize() * 0.32 * pixel;
+    const touches = Math.abs(state.fraction - 1) < 1e-9 || state.summary.beyond_transition;
+    for (const [x, y] of state.floor_contacts_m) {
+      circle(x, y, size);
+      context.lineWidth = 1.6 * pixel;
+      context.strokeStyle = tint("--panel");
+      context.fillStyle = tint("--mark");
+      if (touches) context.fill();
+      context.stroke();
+      context.lineWidth = 1.2 * pixel;
+      context.strokeStyle = tint("--mark");
+      if (!touches) context.stroke();
+    }
+    context.beginPath();
+    context.moveTo(-size, 0);
+    context.lineTo(size, 0);
+    context.moveTo(0, -size);
+    context.lineTo(0, size);
+    context.lineWidth = 1.5 * pixel;
+    context.strokeStyle = tint("--axis-cross");
+    context.stroke();
+  }
+
+  private drawScaleBar(context: CanvasRenderingContext2D, side: number, ratio: number): void {
+    const longest = (0.3 * side) / this.scale;
+    const power = 10 ** Math.floor(Math.log10(longest));
+    const length = power * Math.max(...ROUND.filter((step) => step * power <= longest));
+    const size = letterSize() * ratio;
+    const width = length * this.scale;
+    const text = engineeringText(length, "length", 1);
+    context.font = `${0.82 * size}px Roboto, system-ui, sans-serif`;
+    const box = Math.max(width, context.measureText(text).width) + size;
+    const [left, top] = [0.6 * size, side - 2.5 * size];
+    context.fillStyle = tint("--veil");
+    context.beginPath();
+    context.roundRect(left, top, box, 1.95 * size, 0.25 * size);
+    context.fill();
+    context.fillStyle = tint("--ink");
+    context.textAlign = "center";
+    context.fillText(text, left + box / 2, top + 0.95 * size);
+    context.fillRect(left + (box - width) / 2, top + 1.3 * size, width, 0.2 * size);
+  }
+
+  private drawColourBar(ratio: number): void {
+    const context = this.bar.getContext("2d");
+    if (context === null) return;
+    const [width, height] = [this.bar.clientWidth * ratio, this.bar.clientHeight * ratio];
+    this.bar.width = Math.max(1, Math.round(width));
+    this.bar.height = Math.max(1, Math.round(height));
+    for (let x = 0; x < this.bar.width; x += 1) {
+      context.fillStyle = colour(Math.floor((x / this.bar.width) * colourCount()));
+      context.fillRect(x, 0, 1, this.bar.height);
+    }
+  }
+
+  /** The pillar under the pointer, in words. */
+  private tell(event: PointerEvent): void {
+    const state = this.state;
+    if (state === null) return;
+    const ratio = window.devicePixelRatio || 1;
+    const half = this.canvas.clientWidth / 2;
+    const x = ((event.offsetX - half) * ratio) / this.scale;
+    const y = ((half - event.offsetY) * ratio) / this.scale;
+    const place = `${engineeringText(Math.hypot(x, y), "length", 3)} from the axis`;
+    let words = place;
+    for (let k = 0; k < state.pillar_forces_N.length; k += 1) {
+      const [a, b] = centre(state, k);
+      if (Math.hypot(a - x, b - y) <= state.diameter_m / 2) {
+        const force = engineeringText(state.pillar_forces_N[k] ?? 0, "force", 4);
+        const partly = state.pillar_statuses[k] === "p" ? ", in contact in part" : "";
+        words = `pillar ${force}${partly}, ${place}`;
+      }
+    }
+    this.note.textContent = words.replace(/\^\{(.*?)\}/g, "^$1");
+  }
+
+  private words(state: State): string {
+    const { pillars_in_contact: all, pillars_partially_in_contact: part } = state.summary;
+    const radius = engineeringText(state.summary.contact_radius_m, "length", 3);
+    return (
+      `Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
+      `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}`
+    );
+  }
+}
+
+/** Centre of the k-th touched pillar, m. */
+function centre(state: State, k: number): [number, number] {
+  const i = state.pillars[2 * k] ?? 0;
+  const j = state.pillars[2 * k + 1] ?? 0;
+  return [
+    HALF_SQRT_3 * state.pitch_m * (i + j) - state.offset_m[0],
+    0.5 * state.pitch_m * (i - j) - state.offset_m[1],
+  ];
+}
+
+/** Largest of every thousand values: there are too many to be arguments of one call. */
+function chunkMaxima(values: readonly number[]): number[] {
+  const maxima = [0];
+  for (let start = 0; start < values.length; start += 1000) {
+    maxima.push(Math.max(...values.slice(start, start + 1000)));
+  }
+  return maxima;
+}
