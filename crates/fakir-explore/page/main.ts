@@ -134,6 +134,7 @@ function changed(asked: number): void {
   const values = controls.case;
   const name = JSON.stringify(values);
   wanted = { case: values, name, load, asked };
+  document.body.dataset["busy"] = "yes";
   if (name !== curvesOf) {
     cancel("curves");
     cancel("phase");
@@ -168,6 +169,7 @@ async function solve(): Promise<void> {
     }
   }
   solving = false;
+  document.body.dataset["busy"] = "no";
   calm = window.setTimeout(() => void background(), CALM);
 }
 
@@ -207,7 +209,7 @@ function picture(next: State, question: Question): void {
   document.body.classList.remove("outdated");
   const asked = question.asked;
   requestAnimationFrame(() => {
-    document.dispatchEvent(new CustomEvent("picture", { detail: { asked } }));
+    document.dispatchEvent(new CustomEvent("picture", { detail: { asked, exact: true } }));
     showNumbers(next);
     showPhase();
     showCurves();

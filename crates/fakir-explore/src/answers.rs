@@ -16,10 +16,10 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// Points across a section, besides those at pillar edges.
-const SECTION_POINTS: usize = 480;
+const SECTION_POINTS: usize = 200;
 
 /// Places beside a pillar edge, in pillar radii: the surfaces are steep there.
-const BESIDE: [f64; 5] = [1e-6, 0.01, 0.05, 0.12, 0.3];
+const BESIDE: [f64; 2] = [1e-6, 0.08];
 
 /// More pillars than this are not solved for in the background.
 const CURVE_PILLARS: f64 = 4000.0;

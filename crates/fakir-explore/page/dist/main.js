@@ -92,6 +92,7 @@ function changed(asked) {
     const values = controls.case;
     const name = JSON.stringify(values);
     wanted = { case: values, name, load, asked };
+    document.body.dataset["busy"] = "yes";
     if (name !== curvesOf) {
         cancel("curves");
         cancel("phase");
@@ -124,6 +125,7 @@ async function solve() {
         }
     }
     solving = false;
+    document.body.dataset["busy"] = "no";
     calm = window.setTimeout(() => void background(), CALM);
 }
 async function answer(question) {
@@ -165,7 +167,7 @@ function picture(next, question) {
     document.body.classList.remove("outdated");
     const asked = question.asked;
     requestAnimationFrame(() => {
-        document.dispatchEvent(new CustomEvent("picture", { detail: { asked } }));
+        document.dispatchEvent(new CustomEvent("picture", { detail: { asked, exact: true } }));
         showNumbers(next);
         showPhase();
         showCurves();

@@ -76,7 +76,7 @@ export class SectionView {
         });
     }
     names(width, height, em, across) {
-        const lens = text("lens", 0.7 * em, 1.4 * em, "start");
+        const lens = text("lens", width / 2, 1.4 * em, "middle");
         const substrate = text("substrate", 0.7 * em, height - 0.8 * em, "start");
         const longest = (0.2 * width) / across;
         const power = 10 ** Math.floor(Math.log10(longest));
