@@ -73,8 +73,20 @@ export interface State {
   readonly pillar_forces_N: readonly number[];
   readonly pillar_statuses: string;
   readonly floor_contacts_m: readonly Point[];
-  readonly bottom_first: boolean;
   readonly warnings: readonly string[];
+}
+
+/** What is shown until a state is solved for. */
+export interface Preview {
+  readonly fraction: number;
+  readonly critical_force_N: number;
+  readonly critical_indentation_m: number;
+  readonly critical_contact_radius_m: number;
+  readonly force_N: number;
+  readonly contact_radius_m: number;
+  readonly pitch_m: number;
+  readonly diameter_m: number;
+  readonly offset_m: Point;
 }
 
 export interface Section {
@@ -101,6 +113,7 @@ export interface Texts {
 export interface Line {
   readonly progress?: Progress;
   readonly refused?: Refusal;
+  readonly preview?: Preview;
   readonly critical?: Critical;
   readonly state?: State;
   readonly case?: Texts;

@@ -1,8 +1,24 @@
 // The contact map: pillars from above, coloured by the force they bear.
 
-import type { State } from "./engine.js";
+import type { Point, Preview, State } from "./engine.js";
 import { engineeringText, significant } from "./numbers.js";
 import { colour, colourCount, letterSize, tint } from "./theme.js";
+
+/** What is drawn: a state, or nearly one. */
+export interface Scene {
+  readonly fraction: number;
+  readonly pitch_m: number;
+  readonly diameter_m: number;
+  readonly offset_m: Point;
+  readonly contact_radius_m: number;
+  readonly beyond: boolean;
+  readonly pillars: readonly number[];
+  readonly forces_N: readonly number[];
+  /** A letter for every pillar; without, none is known to be in contact in part. */
+  readonly statuses: string;
+  readonly floor_contacts_m: readonly Point[];
+  readonly words: string;
+}
 
 const HALF_SQRT_3 = Math.sqrt(3) / 2;
 
@@ -11,7 +27,7 @@ const ROUND = [1, 2, 5];
 
 /** The canvas and what is on it. */
 export class ContactMap {
-  private state: State | null = null;
+  private state: Scene | null = null;
   private criticalRadius = 0;
   private largest = 0;
   private scale = 1;
@@ -26,10 +42,10 @@ export class ContactMap {
   }
 
   /** Shows a state; `criticalRadius` keeps the scale while the load changes. */
-  show(state: State, criticalRadius: number, largestForce: number): void {
-    this.state = state;
+  show(scene: Scene, criticalRadius: number, largestForce: number): void {
+    this.state = scene;
     this.criticalRadius = criticalRadius;
-    this.largest = Math.max(largestForce, ...chunkMaxima(state.pillar_forces_N));
+    this.largest = Math.max(largestForce, ...chunkMaxima(scene.forces_N));
     this.draw();
   }
 
@@ -48,7 +64,7 @@ export class ContactMap {
     if (this.canvas.width !== side) this.canvas.width = this.canvas.height = side;
     const halfWidth = Math.max(
       1.12 * this.criticalRadius,
-      1.06 * state.summary.contact_radius_m,
+      1.06 * state.contact_radius_m,
       2.3 * state.pitch_m,
     );
     this.scale = side / (2 * halfWidth);
@@ -63,11 +79,11 @@ export class ContactMap {
     context.setTransform(1, 0, 0, 1, 0, 0);
     this.drawScaleBar(context, side, ratio);
     this.drawColourBar(ratio);
-    this.canvas.setAttribute("aria-label", this.words(state));
+    this.canvas.setAttribute("aria-label", state.words);
   }
 
   /** Every pillar top in view, as if untouched. */
-  private drawUntouched(context: CanvasRenderingContext2D, state: State, halfWidth: number): void {
+  private drawUntouched(context: CanvasRenderingContext2D, state: Scene, halfWidth: number): void {
     const { pitch_m: pitch, offset_m: offset } = state;
     const radius = state.diameter_m / 2;
     const reach = Math.ceil((halfWidth + radius) / (HALF_SQRT_3 * pitch)) + 1;
@@ -89,20 +105,20 @@ export class ContactMap {
     context.fill();
   }
 
-  private drawPillars(context: CanvasRenderingContext2D, state: State, pixel: number): void {
+  private drawPillars(context: CanvasRenderingContext2D, state: Scene, pixel: number): void {
     const radius = state.diameter_m / 2;
     const count = colourCount() / 4;
     const groups: Path2D[] = Array.from({ length: count }, () => new Path2D());
     const partial = new Path2D();
     // A ring inside the rim, so that neighbours do not meet.
     const width = Math.min(2 * pixel, 0.3 * radius);
-    state.pillar_forces_N.forEach((force, k) => {
+    state.forces_N.forEach((force, k) => {
       const [x, y] = centre(state, k);
       const group = Math.round((force / this.largest) * (count - 1));
       const path = groups[Math.min(count - 1, Math.max(0, group))];
       path?.moveTo(x + radius, y);
       path?.arc(x, y, radius, 0, 2 * Math.PI);
-      if (state.pillar_statuses[k] === "p") {
+      if (state.statuses[k] === "p") {
         const rim = radius - width / 2;
         partial.moveTo(x + rim, y);
         partial.arc(x, y, rim, 0, 2 * Math.PI);
@@ -118,8 +134,8 @@ export class ContactMap {
   }
 
   /** Edge of the contact, lens axis, and where the floor is touched. */
-  private drawMarks(context: CanvasRenderingContext2D, state: State, pixel: number): void {
-    const edge = state.summary.contact_radius_m;
+  private drawMarks(context: CanvasRenderingContext2D, state: Scene, pixel: number): void {
+    const edge = state.contact_radius_m;
     const circle = (x: number, y: number, radius: number): void => {
       context.beginPath();
       context.arc(x, y, radius, 0, 2 * Math.PI);
@@ -133,7 +149,7 @@ export class ContactMap {
       context.setLineDash([]);
     }
     const size = letterSize() * 0.32 * pixel;
-    const touches = Math.abs(state.fraction - 1) < 1e-9 || state.summary.beyond_transition;
+    const touches = Math.abs(state.fraction - 1) < 1e-9 || state.beyond;
     for (const [x, y] of state.floor_contacts_m) {
       circle(x, y, size);
       context.lineWidth = 1.6 * pixel;
@@ -197,29 +213,72 @@ export class ContactMap {
     const y = ((half - event.offsetY) * ratio) / this.scale;
     const place = `${engineeringText(Math.hypot(x, y), "length", 3)} from the axis`;
     let words = place;
-    for (let k = 0; k < state.pillar_forces_N.length; k += 1) {
+    for (let k = 0; k < state.forces_N.length; k += 1) {
       const [a, b] = centre(state, k);
       if (Math.hypot(a - x, b - y) <= state.diameter_m / 2) {
-        const force = engineeringText(state.pillar_forces_N[k] ?? 0, "force", 4);
-        const partly = state.pillar_statuses[k] === "p" ? ", in contact in part" : "";
+        const force = engineeringText(state.forces_N[k] ?? 0, "force", 4);
+        const partly = state.statuses[k] === "p" ? ", in contact in part" : "";
         words = `pillar ${force}${partly}, ${place}`;
       }
     }
     this.note.textContent = words.replace(/\^\{(.*?)\}/g, "^$1");
   }
+}
 
-  private words(state: State): string {
-    const { pillars_in_contact: all, pillars_partially_in_contact: part } = state.summary;
-    const radius = engineeringText(state.summary.contact_radius_m, "length", 3);
-    return (
+/** A state as it is drawn. */
+export function sceneOf(state: State): Scene {
+  const { summary } = state;
+  const { pillars_in_contact: all, pillars_partially_in_contact: part } = summary;
+  const radius = engineeringText(summary.contact_radius_m, "length", 3);
+  return {
+    fraction: state.fraction,
+    pitch_m: state.pitch_m,
+    diameter_m: state.diameter_m,
+    offset_m: state.offset_m,
+    contact_radius_m: summary.contact_radius_m,
+    beyond: summary.beyond_transition,
+    pillars: state.pillars,
+    forces_N: state.pillar_forces_N,
+    statuses: state.pillar_statuses,
+    floor_contacts_m: state.floor_contacts_m,
+    words:
       `Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
-      `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}`
-    );
+      `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}`,
+  };
+}
+
+/** A preview as it is drawn: forces fall off as under a sphere, and bear the load together. */
+export function sceneOfPreview(preview: Preview): Scene {
+  const { pitch_m: pitch, contact_radius_m: radius, offset_m: offset } = preview;
+  const pillars: number[] = [];
+  const forces: number[] = [];
+  const reach = Math.ceil((1.2 * (radius + Math.hypot(...offset))) / pitch) + 1;
+  let sum = 0;
+  for (let i = -reach; i <= reach; i += 1) {
+    for (let j = -reach; j <= reach; j += 1) {
+      const x = HALF_SQRT_3 * pitch * (i + j) - offset[0];
+      const y = 0.5 * pitch * (i - j) - offset[1];
+      const squared = (x * x + y * y) / (radius * radius);
+      if (squared >= 1) continue;
+      const force = Math.sqrt(1 - squared);
+      sum += force;
+      pillars.push(i, j);
+      forces.push(force);
+    }
   }
+  return {
+    ...preview,
+    beyond: false,
+    pillars,
+    forces_N: forces.map((force) => (force * preview.force_N) / sum),
+    statuses: "",
+    floor_contacts_m: [],
+    words: "Contact from above, estimated by the homogenised lattice",
+  };
 }
 
 /** Centre of the k-th touched pillar, m. */
-function centre(state: State, k: number): [number, number] {
+function centre(state: Scene, k: number): [number, number] {
   const i = state.pillars[2 * k] ?? 0;
   const j = state.pillars[2 * k + 1] ?? 0;
   return [

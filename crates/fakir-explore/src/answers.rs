@@ -5,7 +5,7 @@ use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, LoadPoint, at_fraction, expected_pillars};
 use fakir::contact::{
-    Accuracy, ContactState, CriticalState, Load, Method, Normalized, PillarStatus, Regime,
+    Accuracy, ContactState, CriticalState, Load, Method, Normalized, PillarStatus, Run,
 };
 use fakir::system::{Point, System};
 use fakir::theory::closed_forms::{self, Form, TransitionEstimate};
@@ -13,6 +13,7 @@ use fakir::theory::homogenised;
 use fakir_case::Case;
 use fakir_study::summary::{PressSummary, TransitionSummary};
 use serde::Serialize;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Points across a section, besides those at pillar edges.
@@ -20,6 +21,9 @@ const SECTION_POINTS: usize = 200;
 
 /// Places beside a pillar edge, in pillar radii: the surfaces are steep there.
 const BESIDE: [f64; 2] = [1e-6, 0.08];
+
+/// With more pillars than this there is something to see before they are solved for.
+const PREVIEW_PILLARS: f64 = 150.0;
 
 /// More pillars than this are not solved for in the background.
 const CURVE_PILLARS: f64 = 4000.0;
@@ -43,10 +47,11 @@ pub(crate) struct Solved {
 }
 
 impl Solved {
-    /// The state that is shown.
-    pub(crate) fn state(&self) -> Option<&ContactState> {
-        let critical = self.critical.as_ref().map(|(c, _)| &c.contact);
-        self.pressed.as_ref().map(|(state, _)| state).or(critical)
+    /// The state that is shown, and the time it took, s.
+    pub(crate) fn state(&self) -> Option<(&ContactState, f64)> {
+        let critical = self.critical.as_ref().map(|(c, time)| (&c.contact, *time));
+        let pressed = self.pressed.as_ref().map(|(state, time)| (state, *time));
+        pressed.or(critical)
     }
 
     /// Where the floor is touched, if it is just touched in the state that is shown.
@@ -58,21 +63,28 @@ impl Solved {
     }
 }
 
-/// Solves for a state on the way to the critical one.
+/// Solves for a state on the way to the critical one. `solved` is told a critical state that is
+/// shown as soon as there is one, `critical` when its error is known too; with the time it took, s.
 pub(crate) fn solve(
     case: &Case,
     load: LoadPoint,
     worker: &Worker,
-    first: impl FnOnce(&CriticalState, f64),
+    solved: &(dyn Fn(&ContactState, f64) + Sync),
+    found: impl FnOnce(&CriticalState, f64),
 ) -> Result<Solved, Failure> {
-    let run = worker.run();
     let known = load.critical_indentation_m;
-    let is_critical = (load.fraction - 1.0).abs() < 1e-9;
+    let is_critical = load.is_critical();
+    let start = Instant::now();
+    let listener = |state: &ContactState| solved(state, start.elapsed().as_secs_f64());
+    let listener: &(dyn Fn(&ContactState) + Sync) = &listener;
+    let run = Run {
+        solved: is_critical.then_some(listener),
+        ..worker.run()
+    };
     let critical = if is_critical || known.is_none() {
-        let start = Instant::now();
         let critical = fakir::transition(&case.system, case.method, &run)?;
         let wall_time = start.elapsed().as_secs_f64();
-        first(&critical, wall_time);
+        found(&critical, wall_time);
         Some((critical, wall_time))
     } else {
         None
@@ -146,9 +158,29 @@ struct State<'a> {
     pillar_statuses: String,
     /// Where the floor is touched, or would be, with its symmetric copies.
     floor_contacts_m: Vec<Point>,
-    bottom_first: bool,
     warnings: Vec<String>,
     termination: &'a str,
+}
+
+#[derive(Serialize)]
+struct PreviewLine {
+    preview: Preview,
+}
+
+/// The same by the homogenised lattice, within a per cent or two and a few ms: what is shown until
+/// the state is solved for. `F_n = F_0 sqrt(1 - (r_n/a)^2)` is near enough to forces on pillars.
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct Preview {
+    fraction: f64,
+    critical_force_N: f64,
+    critical_indentation_m: f64,
+    critical_contact_radius_m: f64,
+    force_N: f64,
+    contact_radius_m: f64,
+    pitch_m: f64,
+    diameter_m: f64,
+    offset_m: Point,
 }
 
 #[derive(Serialize)]
@@ -173,7 +205,16 @@ struct CaseLine {
 pub(crate) fn contact(request: &request::Contact, worker: &Worker) -> Result<(), Failure> {
     let case = request::case(&request.case)?;
     request.load.check()?;
-    let solved = solve(&case, request.load, worker, |critical, wall_time| {
+    preview(&case, request.load, worker);
+    let fraction = request.load.fraction;
+    let shown = AtomicBool::new(false);
+    let show = |state: &ContactState, wall_time: f64| {
+        shown.store(true, Ordering::Relaxed);
+        worker.send(&StateLine {
+            state: drawn(state, wall_time, fraction),
+        });
+    };
+    let solved = solve(&case, request.load, worker, &show, |critical, wall_time| {
         worker.send(&CriticalLine {
             critical: Critical {
                 summary: TransitionSummary::new(critical, wall_time),
@@ -181,12 +222,12 @@ pub(crate) fn contact(request: &request::Contact, worker: &Worker) -> Result<(),
             },
         });
     })?;
-    let Some(state) = solved.state() else {
+    let Some((state, wall_time)) = solved.state() else {
         return Err(Failure::Cancelled);
     };
-    worker.send(&StateLine {
-        state: drawn(&solved, state, request.load.fraction),
-    });
+    if !shown.load(Ordering::Relaxed) {
+        show(state, wall_time);
+    }
     worker.send(&CaseLine {
         case: lines::texts(&case, &solved),
     });
@@ -196,19 +237,45 @@ pub(crate) fn contact(request: &request::Contact, worker: &Worker) -> Result<(),
     Ok(())
 }
 
-fn drawn<'a>(solved: &Solved, state: &'a ContactState, fraction: f64) -> State<'a> {
-    let system = &state.system;
-    let wall_time = match (&solved.pressed, &solved.critical) {
-        (Some((_, time)), _) | (None, Some((_, time))) => *time,
-        (None, None) => 0.0,
+/// Sends a preview where solving takes long enough for it to be of use.
+fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
+    let system = &case.system;
+    if expected_pillars(system) < PREVIEW_PILLARS || case.method == Method::Homogenised {
+        return;
+    }
+    let run = worker.run();
+    // Where the model does not apply there is no preview.
+    let Ok(critical) = homogenised::transition(system, &run) else {
+        return;
     };
-    let floor = solved
-        .floor_contact()
-        .unwrap_or(state.smallest_gap_position);
-    let bottom_first = solved
-        .critical
-        .as_ref()
-        .is_some_and(|(critical, _)| critical.regime == Regime::BottomFirst);
+    let critical = critical.contact;
+    let state = if load.is_critical() {
+        critical.clone()
+    } else {
+        let indentation = indentation(case, critical.indentation, load.fraction);
+        match homogenised::press(system, Load::Indentation(indentation), &run) {
+            Ok(state) => state,
+            Err(_) => return,
+        }
+    };
+    worker.send(&PreviewLine {
+        preview: Preview {
+            fraction: load.fraction,
+            critical_force_N: critical.force,
+            critical_indentation_m: critical.indentation,
+            critical_contact_radius_m: critical.contact_radius,
+            force_N: state.force,
+            contact_radius_m: state.contact_radius,
+            pitch_m: system.lattice().pitch,
+            diameter_m: system.pillar().diameter,
+            offset_m: system.lattice().offset_vector(),
+        },
+    });
+}
+
+fn drawn(state: &ContactState, wall_time: f64, fraction: f64) -> State<'_> {
+    let system = &state.system;
+    let floor = state.smallest_gap_position;
     let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
     if !state.converged() {
         warnings.push(format!("the solution {}", state.termination.description()));
@@ -237,7 +304,6 @@ fn drawn<'a>(solved: &Solved, state: &'a ContactState, fraction: f64) -> State<'
             })
             .collect(),
         floor_contacts_m: copies(system, floor),
-        bottom_first,
         warnings,
         termination: state.termination.description(),
     }

@@ -44,18 +44,18 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
         },
         ("summary", "json") => File {
             kind: JSON,
-            contents: summary(&solve(&case, request.load, worker, |_, _| {})?),
+            contents: summary(&solved(&case, request, worker)?),
         },
         ("pillars", "csv") => {
-            let solved = solve(&case, request.load, worker, |_, _| {})?;
-            let table = solved.state().and_then(pillars::table);
+            let solved = solved(&case, request, worker)?;
+            let table = solved.state().and_then(|(state, _)| pillars::table(state));
             File {
                 kind: CSV,
                 contents: table.ok_or_else(no_pillars)?.contents,
             }
         }
         (name, "svg" | "png") if FIGURES.contains(&name) => {
-            let solved = solve(&case, request.load, worker, |_, _| {})?;
+            let solved = solved(&case, request, worker)?;
             let figure = figure(name, &case, &solved, &worker.run())
                 .map_err(|error| {
                     Refusal::of_figure(&error).map_or(Failure::Cancelled, Failure::Refused)
@@ -84,6 +84,10 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
     };
     worker.send_file(file);
     Ok(())
+}
+
+fn solved(case: &Case, request: &request::Export, worker: &Worker) -> Result<Solved, Failure> {
+    solve(case, request.load, worker, &|_, _| {}, |_, _| {})
 }
 
 fn no_pillars() -> Refusal {
@@ -124,7 +128,7 @@ fn provenance(case: &Case, solved: &Solved) -> Provenance {
 }
 
 fn figure(name: &str, case: &Case, solved: &Solved, run: &Run<'_>) -> Result<Figure, FigureError> {
-    let Some(state) = solved.state() else {
+    let Some((state, _)) = solved.state() else {
         return Err(FigureError::NoPillars {
             method: case.method.name(),
         });

@@ -360,6 +360,7 @@ impl Worker {
             progress: (!background).then_some(listener),
             pool: (!background).then_some(&self.job.jobs.pool),
             memory_limit: Some(self.job.jobs.memory_limit),
+            ..Run::default()
         }
     }
 

@@ -96,6 +96,10 @@ impl Default for LoadPoint {
 }
 
 impl LoadPoint {
+    pub(crate) fn is_critical(&self) -> bool {
+        (self.fraction - 1.0).abs() < 1e-9
+    }
+
     pub(crate) fn check(&self) -> Result<(), Refusal> {
         if !(0.0..=FARTHEST).contains(&self.fraction) {
             return Err(Refusal::impossible(format!("cannot be {}", self.fraction))

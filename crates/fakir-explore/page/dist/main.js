@@ -2,7 +2,7 @@
 import { Chart, range } from "./charts.js";
 import { Controls } from "./controls.js";
 import { ask, cancel, fetchFile, Refused, start, } from "./engine.js";
-import { ContactMap } from "./map.js";
+import { ContactMap, sceneOf, sceneOfPreview } from "./map.js";
 import { digitsFor, engineering, engineeringText, significant, write } from "./numbers.js";
 import { SectionView, times } from "./section.js";
 import { onScheme, onSize, setColours } from "./theme.js";
@@ -140,12 +140,16 @@ async function answer(question) {
     await ask("contact", body, (line) => {
         if (line.progress)
             tellProgress(line);
+        if (line.preview)
+            preview(line.preview, question);
+        if (line.state)
+            picture(line.state, question);
         if (line.critical) {
             critical = line.critical;
             criticalOf = question.name;
+            if (pictured)
+                requestAnimationFrame(numbers);
         }
-        if (line.state)
-            picture(line.state, question);
         if (line.case)
             showTexts(line.case);
         if (line.section !== undefined)
@@ -160,17 +164,52 @@ function picture(next, question) {
         largestForce = 0;
     largestOf = question.name;
     state = next;
-    map.show(next, critical?.summary.critical_contact_radius_m ?? 0, largestForce);
+    const known = question.name === criticalOf ? critical : null;
+    map.show(sceneOf(next), known?.summary.critical_contact_radius_m ?? 0, largestForce);
     largestForce = map.largestForce;
+    accept();
+    onScreen(question, true);
+    if (known !== null)
+        requestAnimationFrame(numbers);
+}
+/** Shows what is known at once, while the state is being solved for. */
+function preview(next, question) {
+    const known = question.name === largestOf ? largestForce : 0;
+    map.show(sceneOfPreview(next), next.critical_contact_radius_m, known);
+    accept();
+    onScreen(question, false);
+    const shown = [
+        ["force", engineering(next.critical_force_N, "force", 3)],
+        ["radius", engineering(next.critical_contact_radius_m, "length", 3)],
+        ["indentation", engineering(next.critical_indentation_m, "length", 3)],
+    ];
+    for (const [name, { number, unit }] of shown) {
+        write(byId(`${name}-value`), `≈ ${number}`);
+        byId(`${name}-unit`).textContent = unit;
+        byId(`${name}-remark`).textContent = "estimate, being solved";
+    }
+    byId("readouts").classList.add("estimated");
+}
+/** Everything that goes with a state that is drawn. */
+function numbers() {
+    if (state === null)
+        return;
+    byId("readouts").classList.remove("estimated");
+    showNumbers(state);
+    showPhase();
+    showCurves();
+}
+function accept() {
     controls.accept();
     byId("problem").hidden = true;
     document.body.classList.remove("outdated");
-    const asked = question.asked;
+}
+/** Tells when what was just drawn has been shown: after the next frame. */
+function onScreen({ asked }, exact) {
     requestAnimationFrame(() => {
-        document.dispatchEvent(new CustomEvent("picture", { detail: { asked, exact: true } }));
-        showNumbers(next);
-        showPhase();
-        showCurves();
+        const channel = new MessageChannel();
+        channel.port1.onmessage = () => document.dispatchEvent(new CustomEvent("picture", { detail: { asked, exact } }));
+        channel.port2.postMessage(null);
     });
 }
 let largestOf = "";

@@ -21,10 +21,10 @@ export class ContactMap {
         canvas.addEventListener("pointerleave", () => (this.note.textContent = ""));
     }
     /** Shows a state; `criticalRadius` keeps the scale while the load changes. */
-    show(state, criticalRadius, largestForce) {
-        this.state = state;
+    show(scene, criticalRadius, largestForce) {
+        this.state = scene;
         this.criticalRadius = criticalRadius;
-        this.largest = Math.max(largestForce, ...chunkMaxima(state.pillar_forces_N));
+        this.largest = Math.max(largestForce, ...chunkMaxima(scene.forces_N));
         this.draw();
     }
     /** The largest force on the colour bar, N. */
@@ -42,7 +42,7 @@ export class ContactMap {
             return;
         if (this.canvas.width !== side)
             this.canvas.width = this.canvas.height = side;
-        const halfWidth = Math.max(1.12 * this.criticalRadius, 1.06 * state.summary.contact_radius_m, 2.3 * state.pitch_m);
+        const halfWidth = Math.max(1.12 * this.criticalRadius, 1.06 * state.contact_radius_m, 2.3 * state.pitch_m);
         this.scale = side / (2 * halfWidth);
         context.setTransform(1, 0, 0, 1, 0, 0);
         context.fillStyle = tint("--floor");
@@ -55,7 +55,7 @@ export class ContactMap {
         context.setTransform(1, 0, 0, 1, 0, 0);
         this.drawScaleBar(context, side, ratio);
         this.drawColourBar(ratio);
-        this.canvas.setAttribute("aria-label", this.words(state));
+        this.canvas.setAttribute("aria-label", state.words);
     }
     /** Every pillar top in view, as if untouched. */
     drawUntouched(context, state, halfWidth) {
@@ -87,13 +87,13 @@ export class ContactMap {
         const partial = new Path2D();
         // A ring inside the rim, so that neighbours do not meet.
         const width = Math.min(2 * pixel, 0.3 * radius);
-        state.pillar_forces_N.forEach((force, k) => {
+        state.forces_N.forEach((force, k) => {
             const [x, y] = centre(state, k);
             const group = Math.round((force / this.largest) * (count - 1));
             const path = groups[Math.min(count - 1, Math.max(0, group))];
             path?.moveTo(x + radius, y);
             path?.arc(x, y, radius, 0, 2 * Math.PI);
-            if (state.pillar_statuses[k] === "p") {
+            if (state.statuses[k] === "p") {
                 const rim = radius - width / 2;
                 partial.moveTo(x + rim, y);
                 partial.arc(x, y, rim, 0, 2 * Math.PI);
@@ -109,7 +109,7 @@ export class ContactMap {
     }
     /** Edge of the contact, lens axis, and where the floor is touched. */
     drawMarks(context, state, pixel) {
-        const edge = state.summary.contact_radius_m;
+        const edge = state.contact_radius_m;
         const circle = (x, y, radius) => {
             context.beginPath();
             context.arc(x, y, radius, 0, 2 * Math.PI);
@@ -123,7 +123,7 @@ export class ContactMap {
             context.setLineDash([]);
         }
         const size = letterSize() * 0.32 * pixel;
-        const touches = Math.abs(state.fraction - 1) < 1e-9 || state.summary.beyond_transition;
+        const touches = Math.abs(state.fraction - 1) < 1e-9 || state.beyond;
         for (const [x, y] of state.floor_contacts_m) {
             circle(x, y, size);
             context.lineWidth = 1.6 * pixel;
@@ -188,22 +188,66 @@ export class ContactMap {
         const y = ((half - event.offsetY) * ratio) / this.scale;
         const place = `${engineeringText(Math.hypot(x, y), "length", 3)} from the axis`;
         let words = place;
-        for (let k = 0; k < state.pillar_forces_N.length; k += 1) {
+        for (let k = 0; k < state.forces_N.length; k += 1) {
             const [a, b] = centre(state, k);
             if (Math.hypot(a - x, b - y) <= state.diameter_m / 2) {
-                const force = engineeringText(state.pillar_forces_N[k] ?? 0, "force", 4);
-                const partly = state.pillar_statuses[k] === "p" ? ", in contact in part" : "";
+                const force = engineeringText(state.forces_N[k] ?? 0, "force", 4);
+                const partly = state.statuses[k] === "p" ? ", in contact in part" : "";
                 words = `pillar ${force}${partly}, ${place}`;
             }
         }
         this.note.textContent = words.replace(/\^\{(.*?)\}/g, "^$1");
     }
-    words(state) {
-        const { pillars_in_contact: all, pillars_partially_in_contact: part } = state.summary;
-        const radius = engineeringText(state.summary.contact_radius_m, "length", 3);
-        return (`Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
-            `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}`);
+}
+/** A state as it is drawn. */
+export function sceneOf(state) {
+    const { summary } = state;
+    const { pillars_in_contact: all, pillars_partially_in_contact: part } = summary;
+    const radius = engineeringText(summary.contact_radius_m, "length", 3);
+    return {
+        fraction: state.fraction,
+        pitch_m: state.pitch_m,
+        diameter_m: state.diameter_m,
+        offset_m: state.offset_m,
+        contact_radius_m: summary.contact_radius_m,
+        beyond: summary.beyond_transition,
+        pillars: state.pillars,
+        forces_N: state.pillar_forces_N,
+        statuses: state.pillar_statuses,
+        floor_contacts_m: state.floor_contacts_m,
+        words: `Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
+            `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}`,
+    };
+}
+/** A preview as it is drawn: forces fall off as under a sphere, and bear the load together. */
+export function sceneOfPreview(preview) {
+    const { pitch_m: pitch, contact_radius_m: radius, offset_m: offset } = preview;
+    const pillars = [];
+    const forces = [];
+    const reach = Math.ceil((1.2 * (radius + Math.hypot(...offset))) / pitch) + 1;
+    let sum = 0;
+    for (let i = -reach; i <= reach; i += 1) {
+        for (let j = -reach; j <= reach; j += 1) {
+            const x = HALF_SQRT_3 * pitch * (i + j) - offset[0];
+            const y = 0.5 * pitch * (i - j) - offset[1];
+            const squared = (x * x + y * y) / (radius * radius);
+            if (squared >= 1)
+                continue;
+            const force = Math.sqrt(1 - squared);
+            sum += force;
+            pillars.push(i, j);
+            forces.push(force);
+        }
     }
+    return {
+        ...preview,
+        beyond: false,
+        pillars,
+        forces_N: forces.map((force) => (force * preview.force_N) / sum),
+        statuses: "",
+        floor_contacts_m: [],
+        words: "Contact from above, estimated by the homogenised lattice",
+    };
 }
 /** Centre of the k-th touched pillar, m. */
 function centre(state, k) {

@@ -29,6 +29,12 @@ use std::sync::Arc;
 /// Relative error claimed for a contact inside one pillar top.
 const PATCH_ERROR: f64 = 1e-8;
 
+/// An error that is not estimated yet.
+const UNKNOWN: ErrorEstimate = ErrorEstimate {
+    force: f64::NAN,
+    indentation: f64::NAN,
+};
+
 /// What the punch lattices leave out, relative, plain and corrected: the largest differences from
 /// the spectral method at surface fractions up to 0.2. They do not refine, so this cannot be
 /// estimated from within.
@@ -141,17 +147,27 @@ fn solve(
         PillarMethod::Spectral(accuracy) => {
             let degrees = degrees(accuracy, problem);
             let mut solution = solve_spectral(problem, target, guess, degrees, run)?;
-            let error = refined(&mut solution, target, degrees, run)?;
-            assemble(system, problem, target, method, solution, error)?
+            if target == Target::Floor {
+                let mut state = assemble(system, problem, target, method, &mut solution, UNKNOWN)?;
+                state.smallest_floor_gap = 0.0;
+                if let Some(listener) = run.solved {
+                    listener(&state);
+                }
+                state.error = refined(&mut solution, target, degrees, run)?;
+                state
+            } else {
+                let error = refined(&mut solution, target, degrees, run)?;
+                assemble(system, problem, target, method, &mut solution, error)?
+            }
         }
         PillarMethod::Punch(form) => {
-            let solution = solve_punch(problem, target, guess, form, run)?;
+            let mut solution = solve_punch(problem, target, guess, form, run)?;
             let error = match form {
                 PunchForm::Plain => PUNCH_ERROR[0],
                 PunchForm::Corrected => PUNCH_ERROR[1],
             };
             let error = unknowns_only(target, solution.outcome.termination, [error; 2]);
-            assemble(system, problem, target, method, solution, error)?
+            assemble(system, problem, target, method, &mut solution, error)?
         }
         PillarMethod::Love(mesh) => {
             let solution = pillars::solve(problem, target, guess, mesh, run)?;
@@ -404,11 +420,11 @@ fn assemble(
     problem: &Problem,
     target: Target,
     method: PillarMethod,
-    solution: Solution<'_>,
+    solution: &mut Solution<'_>,
     error: ErrorEstimate,
 ) -> Result<ContactState, SolveError> {
     let Solution {
-        mut newton,
+        newton,
         outcome,
         steps,
     } = solution;
@@ -418,7 +434,7 @@ fn assemble(
         Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(indentation),
     };
     newton.run.check_cancelled()?;
-    let mut touched = touched_pillars(problem, &newton, &outcome);
+    let mut touched = touched_pillars(problem, newton, outcome);
     let force = share_force(&mut touched, target, problem);
     let contact_radius = touched
         .iter()
@@ -457,7 +473,7 @@ fn assemble(
         fields: Some(Arc::new(fields)),
         error,
         termination: outcome.termination,
-        iterations: steps,
+        iterations: *steps,
         warnings: contact_warnings(ratio),
         ..ContactState::untouched(system, method.into(), indentation * problem.length)
     };

@@ -1,7 +1,7 @@
 //! How a computation is run, as opposed to what is computed: cancellation,
 //! progress, threads, memory; and how it ended.
 
-use super::SolveError;
+use super::{ContactState, SolveError};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -77,6 +77,9 @@ pub struct Run<'a> {
     pub cancel: CancelToken,
     /// Told what is going on, every Newton step.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+    /// Told a critical state by the spectral method as soon as it is solved, before its error is
+    /// estimated; the estimate is NaN there, and all else as in the result.
+    pub solved: Option<&'a (dyn Fn(&ContactState) + Sync)>,
     /// Threads to share the work between; without it everything runs on the calling thread.
     pub pool: Option<&'a rayon::ThreadPool>,
     /// Most memory to use, bytes; 8 GB if not set.
