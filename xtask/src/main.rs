@@ -1,5 +1,6 @@
 //! `cargo xtask test`: every check, as continuous integration runs it.
 
+mod browser;
 mod python;
 
 use std::ffi::OsStr;
@@ -27,23 +28,33 @@ const CHECKS: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Comes last: it uses the program that the tests were run on.
-const PYTHON: &str = "python";
+/// A check that is no command of cargo: its name, what it runs, and how.
+type Other = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
+
+/// Come last: they use the program that the tests were run on.
+const OTHERS: [Other; 2] = [
+    ("python", "pytest tests/python", python::files),
+    ("browser", "pytest tests/browser", browser::explorer),
+];
 
 /// Of the Python package; it takes minutes more, and is only run by name.
-const PACKAGE: &str = "package";
+const PACKAGE: Other = ("package", "pytest tests/python", python::package);
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let names = || CHECKS.iter().map(|(name, _)| *name).chain([PYTHON]);
+    let names = || {
+        let checks = CHECKS.iter().map(|(name, _)| *name);
+        checks.chain(OTHERS.map(|(name, ..)| name))
+    };
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => run_checks(|_| true),
-        ["test", PACKAGE] => run_python(PACKAGE, python::package),
+        ["test", only] if only == PACKAGE.0 => run_others(&[PACKAGE]),
         ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
         _ => {
             let names = names().collect::<Vec<_>>().join(", ");
             eprintln!(
-                "usage: cargo xtask test [CHECK]    every check, or one of: {names}; or {PACKAGE}"
+                "usage: cargo xtask test [CHECK]    every check, or one of: {names}; or {}",
+                PACKAGE.0
             );
             ExitCode::from(2)
         }
@@ -70,19 +81,21 @@ fn run_checks(wanted: impl Fn(&str) -> bool) -> ExitCode {
             }
         }
     }
-    if wanted(PYTHON) {
-        return run_python(PYTHON, python::files);
-    }
-    println!("== checks passed");
-    ExitCode::SUCCESS
+    let others: Vec<Other> = OTHERS
+        .into_iter()
+        .filter(|(name, ..)| wanted(name))
+        .collect();
+    run_others(&others)
 }
 
-fn run_python(name: &str, check: fn(&OsStr) -> Result<(), String>) -> ExitCode {
-    println!("== {name}: pytest tests/python");
+fn run_others(checks: &[Other]) -> ExitCode {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    if let Err(problem) = check(&cargo) {
-        eprintln!("== {name} failed: {problem}");
-        return ExitCode::FAILURE;
+    for (name, words, check) in checks {
+        println!("== {name}: {words}");
+        if let Err(problem) = check(&cargo) {
+            eprintln!("== {name} failed: {problem}");
+            return ExitCode::FAILURE;
+        }
     }
     println!("== checks passed");
     ExitCode::SUCCESS

@@ -512,7 +512,7 @@ fn ten_thousand_odd_requests_leave_it_as_it_was() {
         let mut stream = server.connect();
         let _ = stream.write_all(&bytes);
         let _ = stream.shutdown(std::net::Shutdown::Write);
-        if number % 3 > 0 {
+        if !number.is_multiple_of(3) {
             let mut answer = Vec::new();
             let _ = stream.read_to_end(&mut answer);
             let answer = String::from_utf8_lossy(&answer);

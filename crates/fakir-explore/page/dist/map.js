@@ -85,8 +85,8 @@ export class ContactMap {
         const count = colourCount() / 4;
         const groups = Array.from({ length: count }, () => new Path2D());
         const partial = new Path2D();
-        // A ring inside the rim, so that neighbours do not meet.
-        const width = Math.min(2 * pixel, 0.3 * radius);
+        // A ring around the rim.
+        const width = Math.max(1.5 * pixel, 0.3 * radius);
         state.forces_N.forEach((force, k) => {
             const [x, y] = centre(state, k);
             const group = Math.round((force / this.largest) * (count - 1));
@@ -94,7 +94,7 @@ export class ContactMap {
             path?.moveTo(x + radius, y);
             path?.arc(x, y, radius, 0, 2 * Math.PI);
             if (state.statuses[k] === "p") {
-                const rim = radius - width / 2;
+                const rim = radius + width / 2;
                 partial.moveTo(x + rim, y);
                 partial.arc(x, y, rim, 0, 2 * Math.PI);
             }
