@@ -1,5 +1,8 @@
 """How long it takes from moving a slider to the new contact map on the screen.
 
+The map comes up to three times: where pillars are many as an estimate by the homogenised lattice, then
+with every pillar by the punch lattice, whose forces are good to a per cent, and then exact.
+
 The time is that from the input event until the frame with the new map has been drawn, of moves that
 wait for each other. It is printed; how much it may be depends on the machine, so that only
 far too much fails, unless the environment variable STRICT_LATENCY is set.
@@ -16,15 +19,15 @@ MOVES = 25
 MEASURE = """async ([moves]) => {
     const slider = document.getElementById("texture-pillar-height-slider");
     const start = Number(slider.value);
-    const times = { preview: [], map: [] };
+    const times = { estimate: [], pillars: [], exact: [] };
     for (let move = 0; move < moves; move += 1) {
         slider.value = String(start + (move % 2 === 0 ? 1 : 0));
         const begin = performance.now();
         await new Promise((resolve) => {
             const listen = (event) => {
-                const { exact } = event.detail;
-                times[exact ? "map" : "preview"].push(performance.now() - begin);
-                if (!exact) return;
+                const { stage } = event.detail;
+                times[stage].push(performance.now() - begin);
+                if (stage !== "exact") return;
                 document.removeEventListener("picture", listen);
                 resolve();
             };
@@ -45,12 +48,10 @@ def test_the_map_follows_the_slider(explore, capsys, surface_fraction, wanted):
     page = explore("#" + "&".join(paper(surface_fraction)))
     page.page.evaluate(MEASURE, [3])
     times = page.page.evaluate(MEASURE, [MOVES])
-    median = {name: statistics.median(of or [0]) for name, of in times.items()}
+    median = {stage: statistics.median(of) for stage, of in times.items() if of}
+    words = ", ".join(f"{stage} {time:.0f} ms" for stage, time in median.items())
     with capsys.disabled():
-        print(
-            f"\nslider to map at a surface fraction of {surface_fraction}: median "
-            f"{median['map']:.0f} ms, from {min(times['map']):.0f} to {max(times['map']):.0f} ms; "
-            f"preview {median['preview']:.0f} ms; {MOVES} moves"
-        )
+        print(f"\nslider to map at a surface fraction of {surface_fraction}: median {words}")
     strict = "STRICT_LATENCY" in os.environ
-    assert median["map"] < (wanted if strict else 10 * wanted)
+    assert median["pillars"] < (wanted if strict else 10 * wanted)
+    assert median["exact"] < 20 * wanted

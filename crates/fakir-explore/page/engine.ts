@@ -61,6 +61,8 @@ export interface Critical {
 export type Point = readonly [number, number];
 
 export interface State {
+  /** By the punch lattice, within a per cent or two. */
+  readonly approximate: boolean;
   readonly fraction: number;
   readonly summary: PressSummary;
   /** F gamma_int/(h d), a/e, zeta/h */

@@ -17,7 +17,7 @@ import {
   type Texts,
   type Values,
 } from "./engine.js";
-import { ContactMap, sceneOf, sceneOfPreview } from "./map.js";
+import { ContactMap, sceneOf, sceneOfPreview, type Scene } from "./map.js";
 import { digitsFor, engineering, engineeringText, significant, write } from "./numbers.js";
 import { SectionView, times } from "./section.js";
 import { onScheme, onSize, setColours } from "./theme.js";
@@ -198,8 +198,18 @@ async function answer(question: Question): Promise<void> {
   });
 }
 
-/** Shows a state, and says so when it is on the screen. */
+/** Shows a state. */
 function picture(next: State, question: Question): void {
+  if (next.approximate) {
+    const scene = sceneOf(next);
+    sketch(scene, scene.contact_radius_m, question);
+    if (question.load === 1) {
+      const { force_N: force, indentation_m: indentation } = next.summary;
+      estimate(force, next.summary.contact_radius_m, indentation);
+    }
+    onScreen(question, "pillars");
+    return;
+  }
   pictured = true;
   lastTime = performance.now() - sent;
   if (Math.abs(next.fraction - 1) < 1e-9 || question.name !== largestOf) largestForce = 0;
@@ -209,27 +219,39 @@ function picture(next: State, question: Question): void {
   map.show(sceneOf(next), known?.summary.critical_contact_radius_m ?? 0, largestForce);
   largestForce = map.largestForce;
   accept();
-  onScreen(question, true);
+  onScreen(question, "exact");
   if (known !== null) requestAnimationFrame(numbers);
 }
 
-/** Shows what is known at once, while the state is being solved for. */
+/** Shows what is known at once. */
 function preview(next: Preview, question: Question): void {
-  const known = question.name === largestOf ? largestForce : 0;
-  map.show(sceneOfPreview(next), next.critical_contact_radius_m, known);
+  sketch(sceneOfPreview(next), next.critical_contact_radius_m, question);
+  estimate(next.critical_force_N, next.critical_contact_radius_m, next.critical_indentation_m);
+  onScreen(question, "estimate");
+}
+
+/** Draws nearly what will be solved for; if more has been asked since, that is enough. */
+function sketch(scene: Scene, radius: number, question: Question): void {
+  const known = question.name === criticalOf ? critical : null;
+  const largest = question.name === largestOf ? largestForce : 0;
+  map.show(scene, known?.summary.critical_contact_radius_m ?? radius, largest);
   accept();
-  onScreen(question, false);
+  byId("readouts").classList.add("estimated");
+  if (wanted !== null) cancel("contact");
+}
+
+/** Shows a critical state in the digits that an estimate has. */
+function estimate(force: number, radius: number, indentation: number): void {
   const shown = [
-    ["force", engineering(next.critical_force_N, "force", 3)],
-    ["radius", engineering(next.critical_contact_radius_m, "length", 3)],
-    ["indentation", engineering(next.critical_indentation_m, "length", 3)],
+    ["force", engineering(force, "force", 3)],
+    ["radius", engineering(radius, "length", 3)],
+    ["indentation", engineering(indentation, "length", 3)],
   ] as const;
   for (const [name, { number, unit }] of shown) {
     write(byId(`${name}-value`), `≈ ${number}`);
     byId(`${name}-unit`).textContent = unit;
     byId(`${name}-remark`).textContent = "estimate, being solved";
   }
-  byId("readouts").classList.add("estimated");
 }
 
 /** Everything that goes with a state that is drawn. */
@@ -248,11 +270,11 @@ function accept(): void {
 }
 
 /** Tells when what was just drawn has been shown: after the next frame. */
-function onScreen({ asked }: Question, exact: boolean): void {
+function onScreen({ asked }: Question, stage: "estimate" | "pillars" | "exact"): void {
   requestAnimationFrame(() => {
     const channel = new MessageChannel();
     channel.port1.onmessage = () =>
-      document.dispatchEvent(new CustomEvent("picture", { detail: { asked, exact } }));
+      document.dispatchEvent(new CustomEvent("picture", { detail: { asked, stage } }));
     channel.port2.postMessage(null);
   });
 }

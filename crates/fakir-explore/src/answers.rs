@@ -23,7 +23,7 @@ const SECTION_POINTS: usize = 200;
 const BESIDE: [f64; 2] = [1e-6, 0.08];
 
 /// With more pillars than this there is something to see before they are solved for.
-const PREVIEW_PILLARS: f64 = 150.0;
+const PREVIEW_PILLARS: f64 = 800.0;
 
 /// More pillars than this are not solved for in the background.
 const CURVE_PILLARS: f64 = 4000.0;
@@ -63,26 +63,26 @@ impl Solved {
     }
 }
 
-/// Solves for a state on the way to the critical one. `solved` is told a critical state that is
-/// shown as soon as there is one, `critical` when its error is known too; with the time it took, s.
+/// Solves for a state on the way to the critical one. `interim` is told what
+/// can be shown of it before, `found` the critical state; with the time it took so far, s.
 pub(crate) fn solve(
     case: &Case,
     load: LoadPoint,
     worker: &Worker,
-    solved: &(dyn Fn(&ContactState, f64) + Sync),
+    interim: &(dyn Fn(&ContactState, f64) + Sync),
     found: impl FnOnce(&CriticalState, f64),
 ) -> Result<Solved, Failure> {
     let known = load.critical_indentation_m;
     let is_critical = load.is_critical();
     let start = Instant::now();
-    let listener = |state: &ContactState| solved(state, start.elapsed().as_secs_f64());
+    let listener = |state: &ContactState| interim(state, start.elapsed().as_secs_f64());
     let listener: &(dyn Fn(&ContactState) + Sync) = &listener;
-    let run = Run {
-        solved: is_critical.then_some(listener),
+    let with = |is_shown: bool| Run {
+        interim: is_shown.then_some(listener),
         ..worker.run()
     };
     let critical = if is_critical || known.is_none() {
-        let critical = fakir::transition(&case.system, case.method, &run)?;
+        let critical = fakir::transition(&case.system, case.method, &with(is_critical))?;
         let wall_time = start.elapsed().as_secs_f64();
         found(&critical, wall_time);
         Some((critical, wall_time))
@@ -96,9 +96,8 @@ pub(crate) fn solve(
     let pressed = if is_critical {
         None
     } else {
-        let start = Instant::now();
         let load = Load::Indentation(indentation(case, target, load.fraction));
-        let state = fakir::press(&case.system, load, case.method, &run)?;
+        let state = fakir::press(&case.system, load, case.method, &with(true))?;
         Some((state, start.elapsed().as_secs_f64()))
     };
     Ok(Solved { critical, pressed })
@@ -143,6 +142,8 @@ struct StateLine<'a> {
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct State<'a> {
+    /// By the punch lattice, until it is solved for in full.
+    approximate: bool,
     /// Of the way to the critical state.
     fraction: f64,
     summary: PressSummary,
@@ -209,9 +210,11 @@ pub(crate) fn contact(request: &request::Contact, worker: &Worker) -> Result<(),
     let fraction = request.load.fraction;
     let shown = AtomicBool::new(false);
     let show = |state: &ContactState, wall_time: f64| {
-        shown.store(true, Ordering::Relaxed);
+        if state.method == case.method {
+            shown.store(true, Ordering::Relaxed);
+        }
         worker.send(&StateLine {
-            state: drawn(state, wall_time, fraction),
+            state: drawn(state, wall_time, fraction, state.method != case.method),
         });
     };
     let solved = solve(&case, request.load, worker, &show, |critical, wall_time| {
@@ -273,7 +276,7 @@ fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
     });
 }
 
-fn drawn(state: &ContactState, wall_time: f64, fraction: f64) -> State<'_> {
+fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool) -> State<'_> {
     let system = &state.system;
     let floor = state.smallest_gap_position;
     let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
@@ -282,6 +285,7 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64) -> State<'_> {
     }
     let reduced = Normalized::new(system, state.force, state.contact_radius, state.indentation);
     State {
+        approximate,
         fraction,
         summary: PressSummary::new(state, wall_time),
         normalized: [reduced.force, reduced.contact_radius, reduced.indentation],

@@ -151,14 +151,11 @@ impl Answer {
             .collect()
     }
 
-    /// The line that has this name.
+    /// The last line that has this name.
     fn line(&self, name: &str) -> Value {
         let lines = self.lines();
-        lines
-            .iter()
-            .find_map(|line| line.get(name))
-            .unwrap()
-            .clone()
+        let mut named = lines.iter().filter_map(|line| line.get(name));
+        named.next_back().unwrap().clone()
     }
 }
 

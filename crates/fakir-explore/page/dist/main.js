@@ -156,8 +156,18 @@ async function answer(question) {
             section.show(line.section, state);
     });
 }
-/** Shows a state, and says so when it is on the screen. */
+/** Shows a state. */
 function picture(next, question) {
+    if (next.approximate) {
+        const scene = sceneOf(next);
+        sketch(scene, scene.contact_radius_m, question);
+        if (question.load === 1) {
+            const { force_N: force, indentation_m: indentation } = next.summary;
+            estimate(force, next.summary.contact_radius_m, indentation);
+        }
+        onScreen(question, "pillars");
+        return;
+    }
     pictured = true;
     lastTime = performance.now() - sent;
     if (Math.abs(next.fraction - 1) < 1e-9 || question.name !== largestOf)
@@ -168,27 +178,38 @@ function picture(next, question) {
     map.show(sceneOf(next), known?.summary.critical_contact_radius_m ?? 0, largestForce);
     largestForce = map.largestForce;
     accept();
-    onScreen(question, true);
+    onScreen(question, "exact");
     if (known !== null)
         requestAnimationFrame(numbers);
 }
-/** Shows what is known at once, while the state is being solved for. */
+/** Shows what is known at once. */
 function preview(next, question) {
-    const known = question.name === largestOf ? largestForce : 0;
-    map.show(sceneOfPreview(next), next.critical_contact_radius_m, known);
+    sketch(sceneOfPreview(next), next.critical_contact_radius_m, question);
+    estimate(next.critical_force_N, next.critical_contact_radius_m, next.critical_indentation_m);
+    onScreen(question, "estimate");
+}
+/** Draws nearly what will be solved for; if more has been asked since, that is enough. */
+function sketch(scene, radius, question) {
+    const known = question.name === criticalOf ? critical : null;
+    const largest = question.name === largestOf ? largestForce : 0;
+    map.show(scene, known?.summary.critical_contact_radius_m ?? radius, largest);
     accept();
-    onScreen(question, false);
+    byId("readouts").classList.add("estimated");
+    if (wanted !== null)
+        cancel("contact");
+}
+/** Shows a critical state in the digits that an estimate has. */
+function estimate(force, radius, indentation) {
     const shown = [
-        ["force", engineering(next.critical_force_N, "force", 3)],
-        ["radius", engineering(next.critical_contact_radius_m, "length", 3)],
-        ["indentation", engineering(next.critical_indentation_m, "length", 3)],
+        ["force", engineering(force, "force", 3)],
+        ["radius", engineering(radius, "length", 3)],
+        ["indentation", engineering(indentation, "length", 3)],
     ];
     for (const [name, { number, unit }] of shown) {
         write(byId(`${name}-value`), `≈ ${number}`);
         byId(`${name}-unit`).textContent = unit;
         byId(`${name}-remark`).textContent = "estimate, being solved";
     }
-    byId("readouts").classList.add("estimated");
 }
 /** Everything that goes with a state that is drawn. */
 function numbers() {
@@ -205,10 +226,10 @@ function accept() {
     document.body.classList.remove("outdated");
 }
 /** Tells when what was just drawn has been shown: after the next frame. */
-function onScreen({ asked }, exact) {
+function onScreen({ asked }, stage) {
     requestAnimationFrame(() => {
         const channel = new MessageChannel();
-        channel.port1.onmessage = () => document.dispatchEvent(new CustomEvent("picture", { detail: { asked, exact } }));
+        channel.port1.onmessage = () => document.dispatchEvent(new CustomEvent("picture", { detail: { asked, stage } }));
         channel.port2.postMessage(null);
     });
 }

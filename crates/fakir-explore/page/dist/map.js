@@ -210,7 +210,7 @@ export function sceneOf(state) {
         diameter_m: state.diameter_m,
         offset_m: state.offset_m,
         contact_radius_m: summary.contact_radius_m,
-        beyond: summary.beyond_transition,
+        beyond: state.fraction > 1 + 1e-9,
         pillars: state.pillars,
         forces_N: state.pillar_forces_N,
         statuses: state.pillar_statuses,

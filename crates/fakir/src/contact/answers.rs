@@ -146,13 +146,19 @@ fn solve(
     let state = match method {
         PillarMethod::Spectral(accuracy) => {
             let degrees = degrees(accuracy, problem);
-            let mut solution = solve_spectral(problem, target, guess, degrees, run)?;
-            if target == Target::Floor {
+            let mut punch = solve_punch(problem, target, guess, PunchForm::Corrected, run)?;
+            // Under a prescribed force a state is assembled at the cost of the solution.
+            let listener = run.interim.filter(|_| !matches!(target, Target::Force(_)));
+            if let Some(listener) = listener {
+                let lattice = PillarMethod::Punch(PunchForm::Corrected);
+                let error = punch_error(PunchForm::Corrected, target, &punch);
+                let state = assemble(system, problem, target, lattice, &mut punch, error)?;
+                listener(&state);
+            }
+            let mut solution = solve_spectral(problem, target, punch, degrees, run)?;
+            if let Some(listener) = listener {
                 let mut state = assemble(system, problem, target, method, &mut solution, UNKNOWN)?;
-                state.smallest_floor_gap = 0.0;
-                if let Some(listener) = run.solved {
-                    listener(&state);
-                }
+                listener(&state);
                 state.error = refined(&mut solution, target, degrees, run)?;
                 state
             } else {
@@ -162,11 +168,7 @@ fn solve(
         }
         PillarMethod::Punch(form) => {
             let mut solution = solve_punch(problem, target, guess, form, run)?;
-            let error = match form {
-                PunchForm::Plain => PUNCH_ERROR[0],
-                PunchForm::Corrected => PUNCH_ERROR[1],
-            };
-            let error = unknowns_only(target, solution.outcome.termination, [error; 2]);
+            let error = punch_error(form, target, &solution);
             assemble(system, problem, target, method, &mut solution, error)?
         }
         PillarMethod::Love(mesh) => {
@@ -176,6 +178,15 @@ fn solve(
     };
     let alone = state.pillars.len() == 1 && is_under_axis(problem, state.pillars[0].centre);
     Ok((state, alone))
+}
+
+/// What a punch lattice leaves out.
+fn punch_error(form: PunchForm, target: Target, solution: &Solution<'_>) -> ErrorEstimate {
+    let error = match form {
+        PunchForm::Plain => PUNCH_ERROR[0],
+        PunchForm::Corrected => PUNCH_ERROR[1],
+    };
+    unknowns_only(target, solution.outcome.termination, [error; 2])
 }
 
 /// Pillars touched above which the homogenised lattice knows the contact radius well.
