@@ -184,7 +184,7 @@ async function answer(question: Question): Promise<void> {
           critical_indentation_m: known.summary.critical_indentation_m,
         };
   const body = { case: question.case, load: point };
-  await ask("contact", body, (line) => {
+  const whole = await ask("contact", body, (line) => {
     if (line.progress) tellProgress(line);
     if (line.preview) preview(line.preview, question);
     if (line.state) picture(line.state, question);
@@ -196,6 +196,9 @@ async function answer(question: Question): Promise<void> {
     if (line.case) showTexts(line.case);
     if (line.section !== undefined) section.show(line.section, state);
   });
+  if (whole && state !== null) {
+    byId("work").textContent = `${state.summary.method}, solved in ${milliseconds(state)}`;
+  }
 }
 
 /** Shows a state. */
@@ -409,7 +412,6 @@ function showNumbers(shown: State): void {
   const warnings = [...shown.warnings];
   byId("warnings").textContent = warnings.join("; ");
   byId("warnings").hidden = warnings.length === 0;
-  byId("work").textContent = `${summary.method}, solved in ${milliseconds(shown)}`;
   write(byId("colour-most"), engineeringText(map.largestForce, "force", 3));
   showLoad(shown);
   announce(shown);

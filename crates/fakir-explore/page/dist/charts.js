@@ -23,7 +23,7 @@ export class Chart {
             return;
         const em = letterSize();
         const frame = {
-            left: 4.4 * em,
+            left: 4.9 * em,
             right: width - 0.9 * em,
             top: 0.7 * em,
             bottom: height - (this.axes.bare ? 0.5 : 2.9) * em,
@@ -44,7 +44,7 @@ export class Chart {
                 lettering.append(text(number(value), across(value), frame.bottom + 1.15 * em, "middle"));
             }
         }
-        for (const { value, label } of ticks(contents.y, (frame.bottom - frame.top) / (1.6 * em))) {
+        for (const { value, label } of ticks(contents.y, (frame.bottom - frame.top) / (1.3 * em))) {
             const y = up(value).toFixed(1);
             grid.append(path(`M${frame.left} ${y}H${frame.right}`, label ? "major" : "minor"));
             if (label) {
@@ -110,7 +110,7 @@ function ticks([low, high], room) {
     const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
     const decades = Math.log10(high / low);
     const every = Math.max(1, Math.ceil(decades / Math.max(1, room)));
-    const digits = decades < 0.55 * room / 2 ? [1, 2, 5] : [1];
+    const digits = 3 * decades + 1 <= room ? [1, 2, 5] : [1];
     const result = [];
     for (let power = first; power <= last; power += 1) {
         for (let digit = 1; digit < 10; digit += 1) {

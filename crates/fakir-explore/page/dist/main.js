@@ -137,7 +137,7 @@ async function answer(question) {
             critical_indentation_m: known.summary.critical_indentation_m,
         };
     const body = { case: question.case, load: point };
-    await ask("contact", body, (line) => {
+    const whole = await ask("contact", body, (line) => {
         if (line.progress)
             tellProgress(line);
         if (line.preview)
@@ -155,6 +155,9 @@ async function answer(question) {
         if (line.section !== undefined)
             section.show(line.section, state);
     });
+    if (whole && state !== null) {
+        byId("work").textContent = `${state.summary.method}, solved in ${milliseconds(state)}`;
+    }
 }
 /** Shows a state. */
 function picture(next, question) {
@@ -358,7 +361,6 @@ function showNumbers(shown) {
     const warnings = [...shown.warnings];
     byId("warnings").textContent = warnings.join("; ");
     byId("warnings").hidden = warnings.length === 0;
-    byId("work").textContent = `${summary.method}, solved in ${milliseconds(shown)}`;
     write(byId("colour-most"), engineeringText(map.largestForce, "force", 3));
     showLoad(shown);
     announce(shown);
