@@ -19,6 +19,7 @@ from . import errors, love, plot, theory
 from ._comparison import Comparison
 from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
 from ._fakir import __version__
+from ._fit import Estimate, Fit, fit
 from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
 from ._state import ContactState, CriticalState, ErrorEstimate, Normalized
@@ -30,6 +31,7 @@ from .errors import (
     DesignError,
     FakirError,
     FakirWarning,
+    FitError,
     NotConverged,
     SolveError,
     StudyError,
@@ -48,8 +50,11 @@ __all__ = [
     "DesignError",
     "Difference",
     "ErrorEstimate",
+    "Estimate",
     "FakirError",
     "FakirWarning",
+    "Fit",
+    "FitError",
     "HexagonalTexture",
     "HomogenisedLattice",
     "Lens",
@@ -68,6 +73,7 @@ __all__ = [
     "cite",
     "design",
     "errors",
+    "fit",
     "homogenised",
     "love",
     "plot",

@@ -32,7 +32,7 @@ def options(
     return {"threads": threads, "memory_limit": limit, "progress": progress}
 
 
-def warn(texts: Iterable[str]) -> None:
-    """Warns the caller of the package."""
+def warn(texts: Iterable[str], depth: int = 2) -> None:
+    """Warns the caller of the package, so many calls up."""
     for text in texts:
-        warnings.warn(text, FakirWarning, stacklevel=4)
+        warnings.warn(text, FakirWarning, stacklevel=depth + 2)

@@ -58,6 +58,11 @@ class Sweep:
         return self._found
 
     @property
+    def axes(self) -> list[str]:
+        """The columns that are axes."""
+        return [name for name, _, _ in self._study.axes()]
+
+    @property
     def rows(self) -> list[dict[str, Any]]:
         """A dictionary for every case; what has no answer is ``None``."""
         columns = {name: _values(values) for name, values in self._columns.items()}

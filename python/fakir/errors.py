@@ -70,6 +70,10 @@ class DesignError(FakirError):
     """A design or a spread that cannot be asked for, or found."""
 
 
+class FitError(FakirError, ValueError):
+    """Measurements that cannot be used, or a fit that cannot be asked for."""
+
+
 class StudyError(FakirError):
     """A sweep that cannot be begun, resumed or written."""
 

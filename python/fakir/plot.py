@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from . import theory
+from ._fit import Fit
 from ._loading import Approach
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "critical_curves",
+    "fit",
     "floor_gap_map",
     "lattice_sums",
     "phase_diagram",
@@ -39,7 +41,6 @@ MICRO = 1e6
 CUT = 3.0
 """Pressures are cut at this multiple of that at the centre of the central pillar: they are infinite
 at the edge of a pillar top that is fully in contact."""
-
 
 
 def critical_curves(
@@ -256,6 +257,34 @@ def lattice_sums(
     return axes
 
 
+def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
+    """Measured points on the fitted curve, and what is left below: two axes for every quantity."""
+    data, curve = result.columns(), result.curve
+    names = result.compared
+    axes = _axes(ax, 2, len(names), (4.2 * len(names), 4.6), sharex=True, height_ratios=[2, 1])
+    at = data[result.load]
+    used = np.array(data["used"], dtype=bool)
+    for name, upper, lower in zip(names, axes, axes[len(names) :]):
+        quantity, unit = name.rsplit("_", 1)
+        shown = used & np.isfinite(data[name])
+        error = MICRO * data[f"{quantity}_error_{unit}"]
+        measured, rest = MICRO * data[name], MICRO * data[f"{quantity}_residual_{unit}"]
+        across = np.argsort(curve[result.load])
+        upper.plot(MICRO * curve[result.load][across], MICRO * curve[name][across], label="fitted")
+        marks: dict[str, Any] = {"fmt": "k.", "ms": 4, "lw": 0.8}
+        upper.errorbar(MICRO * at[shown], measured[shown], error[shown], label="measured", **marks)
+        if not used.all():
+            upper.plot(MICRO * at[~used], measured[~used], ".", color="0.6", label="past the transition")
+        lower.axhline(0.0, lw=0.8)
+        lower.errorbar(MICRO * at[shown], rest[shown], error[shown], **marks)
+        upper.set_ylabel(f"{quantity.replace('_', ' ')} (µ{unit})")
+        lower.set_ylabel(f"residual (µ{unit})")
+        load = result.load.removeprefix("measured_").rsplit("_", 1)
+        lower.set_xlabel(f"{load[0].replace('_', ' ')} (µ{load[1]})")
+    _legend(axes[0])
+    return axes
+
+
 def top_view(
     state: State,
     ax: Axes | None = None,
@@ -290,12 +319,7 @@ def _curves(
 ) -> dict[str, tuple[Any, list[Any]]]:
     """Surface fractions and the three reduced variables, by name."""
     if isinstance(curves, Sweep):
-        rows = [row for row in curves.rows if not row["problem"]]
-        if rows and "normalized_force" not in rows[0]:
-            raise ValueError("these are no critical states: sweep the question transition")
-        names = ["normalized_force", "normalized_contact_radius", "normalized_indentation"]
-        values = [np.array([row[name] for row in rows], dtype=float) for name in names]
-        return {"": (np.array([row["surface_fraction"] for row in rows]), values)}
+        return _curves_of_sweep(curves)
     named = curves if isinstance(curves, Mapping) else {"": curves}
     found = {}
     for name, states in named.items():
@@ -304,6 +328,31 @@ def _curves(
         fraction = np.array([state.system.surface_fraction for state in listed])
         found[name] = (fraction, list(reduced.T))
     return found
+
+
+def _curves_of_sweep(sweep: Sweep) -> dict[str, tuple[Any, list[Any]]]:
+    """A curve for every combination of the other axes."""
+    rows = [row for row in sweep.rows if not row["problem"]]
+    if rows and "normalized_force" not in rows[0]:
+        raise ValueError("these are no critical states: sweep the question transition")
+    across = ("texture.surface_fraction", "texture.pitch")
+    others = [name for name in sweep.axes if not name.startswith(across)]
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for row in rows:
+        words = [f"{name.split('.')[-1]} {_short(row[name])}" for name in others]
+        groups.setdefault(", ".join(words), []).append(row)
+    names = ["normalized_force", "normalized_contact_radius", "normalized_indentation"]
+    return {
+        name: (
+            np.array([row["surface_fraction"] for row in group]),
+            [np.array([row[name] for row in group], dtype=float) for name in names],
+        )
+        for name, group in groups.items()
+    }
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _contact(state: State) -> ContactState:

@@ -1,60 +1,70 @@
 # %% [markdown]
-# # Comparing with measured data
+# # Fitting measured data
 #
-# A loading curve was measured: forces and contact radii, with their errors. (Here it is made up: the answer of the
-# model with noise, from a substrate of 2 MPa. The file of an experiment would be read with `numpy.loadtxt`.)
+# A loading curve was measured: displacement of the instrument, force, and contact radius under the microscope. (Here it is made up: the
+# answer of the model with noise, from a substrate of 1.6 MPa touched at 2 µm. The file of an experiment would be read with
+# `pandas.read_csv`, or its path be given.)
 
 # %%
-import matplotlib.pyplot as plt
 import numpy as np
 
 import fakir
 
 
 def system_with(modulus):
-    """The texture on a substrate of that modulus; lens and substrate are of the same elastomer."""
+    """The texture on a substrate of that modulus, under a lens that is known."""
     return fakir.System(
-        fakir.Lens(radius="2.2 mm", young_modulus=modulus, poisson_ratio=0.5),
+        fakir.Lens(radius="2.2 mm", young_modulus="2 MPa", poisson_ratio=0.5),
         fakir.Substrate(young_modulus=modulus, poisson_ratio=0.5),
         fakir.HexagonalTexture(diameter="6 um", height="2.2 um", surface_fraction=0.03),
     )
 
 
-forces = np.array([5, 10, 20, 40, 80, 160, 240]) * 1e-6
+depths = np.linspace(0.2e-6, 4.0e-6, 20)
 noise = np.random.default_rng(7)
-truth = [system_with("2 MPa").press(force=force) for force in forces]
-radii = np.array([state.contact_radius for state in truth]) + noise.normal(0, 1e-6, forces.size)
-depths = np.array([state.indentation for state in truth]) * noise.normal(1, 0.02, forces.size)
+truth = [system_with("1.6 MPa").press(indentation=depth) for depth in depths]
+measured = {
+    "displacement_m": 2e-6 + depths,
+    "force_N": [state.force + noise.normal(0, 1e-6) for state in truth],
+    "contact_radius_m": [state.contact_radius + noise.normal(0, 1e-6) for state in truth],
+}
 
 # %% [markdown]
-# ## The model for some moduli
+# ## Least squares
 #
-# Quantities can have units of `pint`, or be texts or numbers in SI units.
+# The search begins from 1 MPa. Standard errors of force and radius are estimated from the scatter, as none were given.
 
 # %%
-figure, (above, below) = plt.subplots(2, 1, figsize=(4.2, 5), sharex=True, layout="constrained")
-above.errorbar(forces * 1e6, radii * 1e6, 1.0, fmt="ko", ms=3, label="measured")
-below.errorbar(forces * 1e6, depths * 1e6, 0.02 * depths * 1e6, fmt="ko", ms=3)
-misfit = {}
-for modulus in ["1.5 MPa", "2 MPa", "2.5 MPa"]:
-    states = [system_with(modulus).press(force=force) for force in forces]
-    model = np.array([state.indentation for state in states])
-    misfit[modulus] = float(np.mean(((model - depths) / (0.02 * depths)) ** 2))
-    above.plot(forces * 1e6, [1e6 * state.contact_radius for state in states], label=modulus)
-    below.plot(forces * 1e6, 1e6 * model)
-above.set_ylabel("contact radius (µm)")
-above.legend(frameon=False, fontsize="small")
-below.set_ylabel("indentation (µm)")
-below.set_xlabel("force (µN)")
-above.set_xscale("log")
-misfit
+fit = fakir.fit(measured, system_with("1 MPa"), ["substrate.young_modulus", "contact_point"])
+fit
+
+# %%
+fakir.plot.fit(fit);
 
 # %% [markdown]
-# The mean square of the deviations, in units of the errors, is about 1 for the right modulus alone:
+# The truth is inside the intervals:
 
 # %%
-assert min(misfit, key=misfit.get) == "2 MPa"
-assert misfit["2 MPa"] < 3 < misfit["1.5 MPa"]
+low, high = fit["substrate.young_modulus"].interval
+assert low < 1.6e6 < high
+low, high = fit["contact_point"].interval
+assert low < 2e-6 < high
+
+# %% [markdown]
+# ## What the data cannot tell
+#
+# On pillars that do not shorten, the contact depends on the moduli of lens and substrate through the reduced modulus only. A fit of both
+# says so instead of giving numbers:
+
+# %%
+import warnings
+
+stiff = system_with("1 MPa").replace({"texture.pillar.compliance": "none"})
+with warnings.catch_warnings(record=True):
+    both = fakir.fit(
+        measured, stiff, ["substrate.young_modulus", "lens.young_modulus", "contact_point"]
+    )
+both.undetermined
 
 # %% [markdown]
 # ## On the phase diagram
@@ -62,7 +72,7 @@ assert misfit["2 MPa"] < 3 < misfit["1.5 MPa"]
 # The loading path ends on the transition.
 
 # %%
-system = system_with("2 MPa")
+system = fit.system
 fakir.plot.phase_diagram(system, [system.transition()], [system.approach("0.5 um")]);
 
 # %% [markdown]

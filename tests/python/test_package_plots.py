@@ -1,6 +1,7 @@
 """Figures: axes in, axes out."""
 
 import matplotlib
+import numpy as np
 import pytest
 
 matplotlib.use("Agg")
@@ -54,6 +55,10 @@ def test_critical_curves_and_phase_diagram(system):
     axes = fakir.plot.critical_curves(done)
     forces = axes[0].lines[0].get_ydata()
     assert forces[1] == system.transition().normalized.force
+    several = {**study, "axes": {**study["axes"], "texture.offset": [0.0, 0.5]}}
+    lines = fakir.plot.critical_curves(fakir.sweep(several))[0].lines
+    assert [line.get_label() for line in lines] == ["offset 0", "offset 0.5"]
+    assert np.array_equal(lines[0].get_ydata(), forces)
     assert fakir.plot.critical_curves({"offset 0": [system.transition()]})[0].get_legend()
     diagram = fakir.plot.phase_diagram(system, [system.transition()], [system.approach("2 um")])
     assert diagram.has_data()

@@ -171,7 +171,7 @@ def test_design_and_spread_and_citations(system):
     assert found.critical.force == pytest.approx(200e-6, rel=1e-8)
     assert found.system.transition().force == found.critical.force
     with pytest.raises(fakir.OutOfReach) as error:
-        fakir.design(system, "texture.surface_fraction", force="1 N")
+        fakir.design(system, "texture.surface_fraction", force="1 nN")
     assert error.value.nearest
     spread = fakir.spread(system, {"texture.pillar.height": "3 %"}, samples=8, seed=1)
     again = fakir.spread(system, {"texture.pillar.height": "3 %"}, samples=8, seed=1, threads=1)

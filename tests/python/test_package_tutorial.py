@@ -38,11 +38,17 @@ def test_the_lines_of_the_readmes_in_a_new_environment(tmp_path):
     python = str(tmp_path / "new" / folder / "python")
     install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    subprocess.run([*install, os.environ["FAKIR_WHEEL"]], check=True, env=environment)
+    environment["MPLBACKEND"] = "Agg"
+    wheel = os.environ["FAKIR_WHEEL"] + "[plot,xarray,dask]"
+    versions = str(Path(__file__).with_name("requirements.txt"))
+    subprocess.run([*install, "--constraint", versions, wheel], check=True, env=environment)
+    case = str(ROOT / "examples" / "paper-intermediate.toml")
+    results = [os.environ["FAKIR"], "transition", case, "--output", "results", "--quiet"]
+    subprocess.run(results, check=True, cwd=tmp_path, stdout=subprocess.DEVNULL)
     for path in [ROOT / "README.md", ROOT / "python" / "README.md"]:
         lines = python_lines(path)
         assert lines
         done = subprocess.run(
-            [python, "-"], input="\n".join(lines), cwd=ROOT, env=environment, text=True
+            [python, "-"], input="\n".join(lines), cwd=tmp_path, env=environment, text=True
         )
         assert done.returncode == 0, path

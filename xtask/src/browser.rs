@@ -18,7 +18,7 @@ const NAMES: [&str; 4] = [
 ];
 
 /// Tests of the page, by the program that was built for the other tests.
-pub(crate) fn explorer(cargo: &OsStr) -> Result<(), String> {
+pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     page_is_built()?;
     let chromium = chromium()?;
     let (python, program) = python::prepare(cargo, TESTS, "browser")?;

@@ -33,12 +33,9 @@ type Other = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
 
 /// Come last: they use the program that the tests were run on.
 const OTHERS: [Other; 2] = [
-    ("python", "pytest tests/python", python::files),
-    ("browser", "pytest tests/browser", browser::explorer),
+    ("python", "pytest tests/python", python::check),
+    ("browser", "pytest tests/browser", browser::check),
 ];
-
-/// Of the Python package; it takes minutes more, and is only run by name.
-const PACKAGE: Other = ("package", "pytest tests/python", python::package);
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -48,14 +45,10 @@ fn main() -> ExitCode {
     };
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => run_checks(|_| true),
-        ["test", only] if only == PACKAGE.0 => run_others(&[PACKAGE]),
         ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
         _ => {
             let names = names().collect::<Vec<_>>().join(", ");
-            eprintln!(
-                "usage: cargo xtask test [CHECK]    every check, or one of: {names}; or {}",
-                PACKAGE.0
-            );
+            eprintln!("usage: cargo xtask test [CHECK]    every check, or one of: {names}");
             ExitCode::from(2)
         }
     }
@@ -81,16 +74,7 @@ fn run_checks(wanted: impl Fn(&str) -> bool) -> ExitCode {
             }
         }
     }
-    let others: Vec<Other> = OTHERS
-        .into_iter()
-        .filter(|(name, ..)| wanted(name))
-        .collect();
-    run_others(&others)
-}
-
-fn run_others(checks: &[Other]) -> ExitCode {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    for (name, words, check) in checks {
+    for (name, words, check) in OTHERS.iter().filter(|(name, ..)| wanted(name)) {
         println!("== {name}: {words}");
         if let Err(problem) = check(&cargo) {
             eprintln!("== {name} failed: {problem}");

@@ -15,16 +15,9 @@ const PACKAGE: &str = "python";
 /// The oldest Python that the packages run on.
 const OLDEST: (u32, u32) = (3, 11);
 
-/// Tests of the files that are saved, by the program that was built for the other tests.
-pub(crate) fn files(cargo: &OsStr) -> Result<(), String> {
-    let (python, program) = prepare(cargo, TESTS, "python")?;
-    run(pytest(&python, TESTS)
-        .arg("--ignore-glob=*/test_package_*")
-        .env("FAKIR", program))
-}
-
-/// Tests of the Python package, built as a wheel and installed as users do.
-pub(crate) fn package(cargo: &OsStr) -> Result<(), String> {
+/// Tests of the files that are saved, by the program that was built for the other tests, and of the
+/// package, built as a wheel and installed as users do.
+pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let (python, program) = prepare(cargo, TESTS, "python")?;
     let wheel = wheel(&python, &target_folder()?)?;
     run(Command::new(&python)
@@ -59,7 +52,8 @@ pub(crate) fn target_folder() -> Result<PathBuf, String> {
 pub(crate) fn pytest(python: &Path, tests: &str) -> Command {
     let mut command = Command::new(python);
     command
-        .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", tests])
+        .args(["-m", "pytest", "--quiet", "--durations=10", "-p"])
+        .args(["no:cacheprovider", tests])
         .env("PYTHONDONTWRITEBYTECODE", "1");
     command
 }

@@ -4,6 +4,7 @@ use fakir::contact::SolveError;
 use fakir::love::SurfaceError;
 use fakir_study::StudyError;
 use fakir_study::design::DesignError;
+use fakir_study::fit::FitError;
 use fakir_study::spread::SpreadError;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
@@ -11,6 +12,7 @@ use pyo3::prelude::*;
 mod exceptions {
     pyo3::import_exception!(fakir.errors, CaseError);
     pyo3::import_exception!(fakir.errors, DesignError);
+    pyo3::import_exception!(fakir.errors, FitError);
     pyo3::import_exception!(fakir.errors, SolveError);
     pyo3::import_exception!(fakir.errors, StudyError);
 }
@@ -72,6 +74,14 @@ pub(crate) fn spread_error(error: &SpreadError) -> PyErr {
         SpreadError::Case(error) => case_error(error),
         SpreadError::Solve(error) => solve_error(error),
         _ => exceptions::DesignError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn fit_error(error: &FitError) -> PyErr {
+    match error {
+        FitError::Case(error) => case_error(error),
+        FitError::Solve(error) => solve_error(error),
+        _ => exceptions::FitError::new_err(error.to_string()),
     }
 }
 

@@ -10,6 +10,7 @@
 mod case;
 mod design;
 mod error;
+mod fit;
 mod state;
 mod study;
 mod surface;
@@ -24,6 +25,8 @@ mod _fakir {
     use super::case::{Case, parse_quantity};
     #[pymodule_export]
     use super::design::{cite, design, spread};
+    #[pymodule_export]
+    use super::fit::{Data, Fitted, fit};
     #[pymodule_export]
     use super::state::{Critical, State, press, transition, verify};
     #[pymodule_export]

@@ -116,8 +116,11 @@ pub(crate) struct Ledger {
     memory_limit: Option<usize>,
 }
 
-/// Columns of the table with their values, and the whole as CSV.
-type Finished<'py> = (Vec<(String, Bound<'py, PyAny>)>, String);
+/// Columns of a table with their values.
+pub(crate) type PyColumns<'py> = Vec<(String, Bound<'py, PyAny>)>;
+
+/// Those of a sweep, and the whole as CSV.
+type Finished<'py> = (PyColumns<'py>, String);
 
 #[pymethods]
 impl Ledger {
@@ -229,19 +232,7 @@ impl Ledger {
         let summary = py.detach(|| ledger.finish());
         let summary = summary.map_err(|error| study_error(&error))?;
         let table = Table::new(&self.study, &summary.rows);
-        let columns = table.columns.iter().map(|column| {
-            let values = match &column.values {
-                Values::Numbers(values) => {
-                    let numbers = values.iter().map(|value| value.unwrap_or(f64::NAN));
-                    PyArray1::from_iter(py, numbers).into_any()
-                }
-                Values::Counts(values) => values.into_pyobject(py)?,
-                Values::Flags(values) => values.into_pyobject(py)?,
-                Values::Words(values) => values.into_pyobject(py)?,
-            };
-            Ok((column.name.clone(), values))
-        });
-        Ok((columns.collect::<PyResult<_>>()?, table.to_csv()))
+        Ok((columns(py, &table)?, table.to_csv()))
     }
 
     /// Lets go of the folder.
@@ -276,4 +267,21 @@ impl Open<'_> {
 
 fn closed() -> PyErr {
     value_error("this sweep is closed")
+}
+
+/// The columns of a table: numbers as arrays with NaN for gaps, all else as lists.
+pub(crate) fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<PyColumns<'py>> {
+    let columns = table.columns.iter().map(|column| {
+        let values = match &column.values {
+            Values::Numbers(values) => {
+                let numbers = values.iter().map(|value| value.unwrap_or(f64::NAN));
+                PyArray1::from_iter(py, numbers).into_any()
+            }
+            Values::Counts(values) => values.into_pyobject(py)?,
+            Values::Flags(values) => values.into_pyobject(py)?,
+            Values::Words(values) => values.into_pyobject(py)?,
+        };
+        Ok((column.name.clone(), values))
+    });
+    columns.collect()
 }

@@ -321,9 +321,7 @@ impl Search<'_> {
         let value = position.exp().clamp(self.range[0], self.range[1]);
         if self.method.is_none()
             && let Ok(outline) = self.trial_by(Some(Method::Homogenised), value)
-            && let Ok(candidate) = &outline.outcome
-            && candidate.critical.contact.pillars_in_contact > MANY_PILLARS
-            && outline.excess.abs() > CLEAR
+            && self.is_clear(&outline, value)?
         {
             return Ok(Trial {
                 position,
@@ -332,6 +330,23 @@ impl Search<'_> {
         }
         let trial = self.trial_by(self.method, value)?;
         Ok(Trial { position, ..trial })
+    }
+
+    /// Whether an answer by the homogenised lattice is all that the search has to know.
+    fn is_clear(&self, outline: &Trial, value: f64) -> Result<bool, DesignError> {
+        Ok(match &outline.outcome {
+            Ok(candidate) => {
+                let pillars = candidate.critical.contact.pillars_in_contact;
+                pillars > MANY_PILLARS && outline.excess.abs() > CLEAR
+            }
+            // With that many pillars it knows the contact radius to a per cent.
+            Err(SolveError::ContactExceedsLens { lens_radius, .. }) => {
+                let case = with(self.file, self.free, value)?;
+                let widest = 0.5 * lens_radius / case.system.lattice().pitch;
+                widest * widest > MANY_PILLARS as f64
+            }
+            Err(_) => false,
+        })
     }
 
     fn trial_by(&self, method: Option<Method>, value: f64) -> Result<Trial, DesignError> {
@@ -369,12 +384,25 @@ impl Search<'_> {
         })
     }
 
-    /// The candidate by the method of the case, where an estimate did for the search.
+    /// The candidate by the method of the case, where an estimate did for the search. Where the
+    /// contact is a little wider than estimated and no longer solved, one nearby.
     fn exactly(&self, candidate: Candidate) -> Result<Candidate, DesignError> {
         if candidate.case.method == with(self.file, self.free, candidate.value)?.method {
             return Ok(candidate);
         }
-        Ok(self.trial_by(None, candidate.value)?.outcome?)
+        let mut failure = None;
+        for shift in [0.0, -EDGE, EDGE, -10.0 * EDGE, 10.0 * EDGE] {
+            let value = candidate.value * (1.0 + shift);
+            if !(self.range[0]..=self.range[1]).contains(&value) {
+                continue;
+            }
+            match self.trial_by(None, value)?.outcome {
+                Ok(candidate) => return Ok(candidate),
+                Err(error @ SolveError::ContactExceedsLens { .. }) => failure = Some(error),
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Err(failure.map_or(DesignError::NotPositive(self.wanted), DesignError::Solve))
     }
 
     fn find(&self, first: f64, stride: f64) -> Result<Ending, DesignError> {

@@ -4,7 +4,7 @@ use crate::arguments::Fit as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, digits, significant, with_unit};
 use crate::report::figures::saved;
-use crate::report::state::{VERSION, texture_line};
+use crate::report::state::texture_line;
 use crate::report::table::{Column, table};
 use crate::report::{Report, json};
 use crate::session::Session;
@@ -13,12 +13,10 @@ use fakir_case::{Case, CaseFile};
 use fakir_figure::{Figure, FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 use fakir_study::citations::Topic;
 use fakir_study::fit::{
-    Compared, Estimate, Fit, FittedRow, Measured, Measurements, Parameter, Position, Quantity, fit,
+    Estimate, Fit, FitSummary, FittedRow, Measurements, Parameter, Position, Quantity, fit,
 };
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
-use serde::Serialize;
-use serde_json::{Map, Value};
 use std::time::Instant;
 
 pub(crate) fn run(
@@ -39,14 +37,14 @@ pub(crate) fn run(
         &[Topic::Method(case.method), Topic::LeastSquares],
         case.to_toml(),
     );
-    let mut tables = vec![fitted_table(data, &fitted)];
+    let mut tables = vec![File::new("fitted.csv", fitted.table(data).to_csv())];
     tables.extend(saved(figure(data, &fitted), &provenance));
     Ok(Report {
-        json: json(&FitJson::new(data, &case, &fitted, wall_time)),
+        json: json(&FitSummary::new(data, case.method, &fitted, wall_time)),
         text: text(data, &case, &fitted, wall_time),
         provenance,
         tables,
-        warnings: warnings(&fitted),
+        warnings: fitted.warnings(),
         converged: fitted.converged(),
     })
 }
@@ -162,220 +160,6 @@ fn correlations(fitted: &Fit) -> String {
         text.push('\n');
     }
     text
-}
-
-fn warnings(fitted: &Fit) -> Vec<String> {
-    let mut warnings: Vec<String> = fitted
-        .undetermined
-        .iter()
-        .map(|undetermined| undetermined.statement.clone())
-        .collect();
-    let out: Vec<String> = fitted
-        .past_transition()
-        .map(|row| row.measurement.line.to_string())
-        .collect();
-    match &out[..] {
-        [] => {}
-        [line] => warnings.push(format!(
-            "1 state (line {line}) is past the transition, where the lens touches the floor, and \
-             left out"
-        )),
-        [first, .., last] => warnings.push(format!(
-            "{} states (lines {first} to {last}) are past the transition, where the lens touches \
-             the floor, and left out",
-            out.len()
-        )),
-    }
-    let unsolved = fitted.rows.iter().filter(|row| !row.converged).count();
-    if unsolved > 0 {
-        warnings.push(format!("{unsolved} contacts did not converge"));
-    }
-    if fitted.termination != fakir::contact::Termination::Converged {
-        warnings.push(format!("the fit {}", fitted.termination.description()));
-    }
-    // Beyond three standard deviations of chi-square, which is 2 per degree of freedom.
-    let freedom = fitted.degrees_of_freedom as f64;
-    if fitted.reduced_chi_square().is_some()
-        && (fitted.chi_square - freedom).abs() > 3.0 * (2.0 * freedom).sqrt()
-    {
-        let problem = if fitted.chi_square > freedom {
-            "larger than it should be: the errors that were given are too small, or the model does \
-             not describe the data; the intervals are too narrow"
-        } else {
-            "smaller than it should be: the errors that were given are too large"
-        };
-        warnings.push(format!("chi-square is {problem}"));
-    }
-    for estimate in &fitted.estimates {
-        if estimate.parameter == Parameter::MachineCompliance
-            && estimate.interval.is_some_and(|[_, high]| high < 0.0)
-        {
-            warnings.push("the machine compliance is negative, which cannot be".to_owned());
-        }
-    }
-    warnings
-}
-
-#[derive(Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct FitJson {
-    method: &'static str,
-    parameters: Vec<Map<String, Value>>,
-    correlation: Vec<Vec<Option<f64>>>,
-    undetermined: Vec<UndeterminedJson>,
-    contact_point_m: Option<f64>,
-    machine_compliance_m_per_N: Option<f64>,
-    rows: usize,
-    rows_past_transition: usize,
-    values: usize,
-    degrees_of_freedom: usize,
-    chi_square: f64,
-    reduced_chi_square: Option<f64>,
-    distribution: &'static str,
-    scatter: Vec<Map<String, Value>>,
-    converged: bool,
-    termination: &'static str,
-    iterations: usize,
-    wall_time_s: f64,
-    fakir_version: &'static str,
-}
-
-#[derive(Serialize)]
-struct UndeterminedJson {
-    parameters: Vec<&'static str>,
-    statement: String,
-}
-
-impl FitJson {
-    fn new(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Self {
-        let of_displacement = data.position() == Position::Displacement;
-        Self {
-            method: case.method.name(),
-            parameters: fitted.estimates.iter().map(estimate_json).collect(),
-            correlation: fitted.correlation.clone(),
-            undetermined: fitted
-                .undetermined
-                .iter()
-                .map(|undetermined| UndeterminedJson {
-                    parameters: undetermined.parameters.iter().map(|p| p.name()).collect(),
-                    statement: undetermined.statement.clone(),
-                })
-                .collect(),
-            contact_point_m: of_displacement.then_some(fitted.contact_point),
-            machine_compliance_m_per_N: of_displacement.then_some(fitted.machine_compliance),
-            rows: fitted.rows.len(),
-            rows_past_transition: fitted.past_transition().count(),
-            values: fitted.scatter.iter().map(|scatter| scatter.values).sum(),
-            degrees_of_freedom: fitted.degrees_of_freedom,
-            chi_square: fitted.chi_square,
-            reduced_chi_square: fitted.reduced_chi_square(),
-            distribution: if fitted.is_scatter_estimated() {
-                "student_t"
-            } else {
-                "normal"
-            },
-            scatter: fitted.scatter.iter().map(scatter_json).collect(),
-            converged: fitted.converged(),
-            termination: fitted.termination.description(),
-            iterations: fitted.iterations,
-            wall_time_s: wall_time,
-            fakir_version: VERSION,
-        }
-    }
-}
-
-fn estimate_json(estimate: &Estimate) -> Map<String, Value> {
-    let suffix = estimate.parameter.suffix();
-    Map::from_iter([
-        ("name".to_owned(), Value::from(estimate.parameter.name())),
-        (format!("value{suffix}"), Value::from(estimate.value)),
-        (format!("start{suffix}"), Value::from(estimate.start)),
-        (
-            "determined".to_owned(),
-            Value::from(estimate.interval.is_some()),
-        ),
-        (
-            format!("standard_error{suffix}"),
-            Value::from(estimate.standard_error),
-        ),
-        (
-            format!("confidence_interval_95{suffix}"),
-            estimate
-                .interval
-                .map_or(Value::Null, |ends| Value::from(ends.to_vec())),
-        ),
-    ])
-}
-
-fn scatter_json(scatter: &fakir_study::fit::Scatter) -> Map<String, Value> {
-    let suffix = match scatter.quantity {
-        Quantity::Force => "_N",
-        Quantity::ContactRadius => "_m",
-    };
-    Map::from_iter([
-        ("quantity".to_owned(), Value::from(scatter.quantity.name())),
-        ("values".to_owned(), Value::from(scatter.values)),
-        (format!("residual{suffix}"), Value::from(scatter.residual)),
-        (
-            format!("estimated_error{suffix}"),
-            Value::from(scatter.estimated),
-        ),
-    ])
-}
-
-/// The data beside the model.
-fn fitted_table(data: &Measurements, fitted: &Fit) -> File {
-    let position = match data.position() {
-        Position::Displacement => Some("displacement_m"),
-        Position::Indentation => Some("measured_indentation_m"),
-        Position::None => None,
-    };
-    let mut heading = vec!["line"];
-    heading.extend(position);
-    heading.extend([
-        "indentation_m",
-        "force_N",
-        "force_error_N",
-        "fitted_force_N",
-        "force_residual_N",
-        "contact_radius_m",
-        "contact_radius_error_m",
-        "fitted_contact_radius_m",
-        "contact_radius_residual_m",
-        "smallest_floor_gap_m",
-        "used",
-    ]);
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer
-        .write_record(&heading)
-        .expect("memory takes every byte");
-    for row in &fitted.rows {
-        let value = |measured: Option<Measured>| measured.map(|measured| measured.value);
-        let mut record = vec![row.measurement.line.to_string()];
-        if position.is_some() {
-            record.push(number(value(row.measurement.position)));
-        }
-        record.push(row.indentation.to_string());
-        for (measured, compared) in [
-            (row.measurement.force, row.force),
-            (row.measurement.contact_radius, row.contact_radius),
-        ] {
-            record.push(number(value(measured)));
-            record.push(number(compared.map(|c| c.error)));
-            record.push(number(compared.map(|c| c.computed)));
-            record.push(number(compared.as_ref().map(Compared::residual)));
-        }
-        record.push(row.smallest_floor_gap.to_string());
-        record.push(row.used.to_string());
-        writer
-            .write_record(&record)
-            .expect("records are as long as the heading");
-    }
-    File::new(
-        "fitted.csv",
-        writer.into_inner().expect("memory takes every byte"),
-    )
 }
 
 fn figure(data: &Measurements, fitted: &Fit) -> Figure {

@@ -35,9 +35,11 @@ mod least_squares;
 mod measurements;
 mod model;
 mod parameter;
+mod report;
 
 pub use measurements::{Column, DataError, Measured, Measurement, Measurements, Position};
 pub use parameter::Parameter;
+pub use report::FitSummary;
 
 use fakir::contact::{Run, SolveError, Termination};
 use fakir_case::{CaseError, CaseFile};

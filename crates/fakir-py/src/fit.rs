@@ -1,0 +1,178 @@
+//! Fits of measured loading curves.
+
+use crate::case::Case;
+use crate::error::{fit_error, value_error};
+use crate::study::{PyColumns, columns};
+use crate::watched::{Options, watched};
+use fakir_study::Table;
+use fakir_study::fit::{
+    Column, Fit, FitOptions, FitSummary, Measurements, Parameter, Position, Quantity,
+};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// A measured loading experiment.
+#[pyclass(frozen, module = "fakir._fakir")]
+pub(crate) struct Data {
+    measurements: Measurements,
+}
+
+#[pymethods]
+impl Data {
+    /// Reads a CSV file.
+    #[staticmethod]
+    fn read(path: PathBuf) -> PyResult<Self> {
+        let measurements = Measurements::read(&path).map_err(|error| fit_error(&error.into()))?;
+        Ok(Self { measurements })
+    }
+
+    /// Columns by their names, NaN for what was not measured.
+    #[staticmethod]
+    fn of(named: Vec<(String, PyReadonlyArray1<'_, f64>)>) -> PyResult<Self> {
+        let columns = named.iter().map(|(name, values)| {
+            let column = Column::named(name).ok_or_else(|| {
+                let names: Vec<&str> = Column::ALL.iter().map(|column| column.name()).collect();
+                value_error(format!(
+                    "no column of measurements is called \"{name}\": give some of {}",
+                    names.join(", ")
+                ))
+            })?;
+            Ok((column, values.as_array().to_vec()))
+        });
+        let columns = columns.collect::<PyResult<Vec<_>>>()?;
+        let measurements = Measurements::new(&columns).map_err(|error| fit_error(&error.into()))?;
+        Ok(Self { measurements })
+    }
+
+    /// The same with standard errors of position (m), force (N) and contact radius (m) where none
+    /// were given.
+    fn with_errors(
+        &self,
+        position: Option<f64>,
+        force: Option<f64>,
+        contact_radius: Option<f64>,
+    ) -> Self {
+        let mut measurements = self.measurements.clone();
+        if let Some(error) = position {
+            measurements = measurements.with_position_error(error);
+        }
+        if let Some(error) = force {
+            measurements = measurements.with_force_error(error);
+        }
+        if let Some(error) = contact_radius {
+            measurements = measurements.with_contact_radius_error(error);
+        }
+        Self { measurements }
+    }
+}
+
+/// What came of a fit.
+#[pyclass(frozen, module = "fakir._fakir")]
+pub(crate) struct Fitted {
+    fit: Fit,
+    table: Table,
+    load: &'static str,
+    summary: String,
+    case: fakir_case::Case,
+}
+
+#[pymethods]
+impl Fitted {
+    /// As `fakir fit --json` prints it.
+    fn json(&self) -> &str {
+        &self.summary
+    }
+
+    /// The case with the fitted values.
+    #[getter]
+    fn case(&self) -> Case {
+        self.case.clone().into()
+    }
+
+    /// The column that is the load: `"displacement_m"`, `"indentation_m"` or `"force_N"`.
+    #[getter]
+    fn load(&self) -> &'static str {
+        self.load
+    }
+
+    /// The quantities that were compared, as columns.
+    #[getter]
+    fn compared(&self) -> Vec<&'static str> {
+        let quantities = self.fit.scatter.iter();
+        quantities
+            .map(|scatter| match scatter.quantity {
+                Quantity::Force => "force",
+                Quantity::ContactRadius => "contact_radius",
+            })
+            .collect()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.fit.warnings()
+    }
+
+    /// The data beside the model.
+    fn table<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
+        columns(py, &self.table)
+    }
+
+    /// The computed curve: load, force (N) and contact radius (m).
+    fn curve<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 3] {
+        let curve = || self.fit.curve.iter();
+        [
+            PyArray1::from_iter(py, curve().map(|point| point.load)),
+            PyArray1::from_iter(py, curve().map(|point| point.force)),
+            PyArray1::from_iter(py, curve().map(|point| point.contact_radius)),
+        ]
+    }
+}
+
+/// Values of the free parameters that fit the data best.
+#[pyfunction]
+pub(crate) fn fit(
+    py: Python<'_>,
+    case: &Case,
+    data: &Data,
+    free: Vec<String>,
+    contact_point: Option<f64>,
+    machine_compliance: f64,
+    options: Options,
+) -> PyResult<Fitted> {
+    let free = free.iter().map(|name| {
+        Parameter::named(name).ok_or_else(|| {
+            let names = Parameter::ALL.map(Parameter::name).join(", ");
+            value_error(format!("{name} cannot be fitted: give some of {names}"))
+        })
+    });
+    let free = free.collect::<PyResult<Vec<_>>>()?;
+    let known = FitOptions {
+        contact_point,
+        machine_compliance,
+    };
+    let file = case.file()?;
+    let measurements = &data.measurements;
+    let start = Instant::now();
+    let fit = watched(py, &options, |run| {
+        fakir_study::fit::fit(&file, measurements, &free, &known, run)
+    })?;
+    let fit = fit.map_err(|error| fit_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let summary = FitSummary::new(measurements, case.case.method, &fit, wall_time);
+    Ok(Fitted {
+        table: fit.table(measurements),
+        load: match measurements.position() {
+            Position::Displacement => Column::Displacement.name(),
+            Position::Indentation => "measured_indentation_m",
+            Position::None => Column::Force.name(),
+        },
+        summary: serde_json::to_string(&summary).map_err(value_error)?,
+        case: fit
+            .file
+            .case()
+            .map_err(|error| crate::error::case_error(&error))?,
+        fit,
+    })
+}

@@ -1,0 +1,244 @@
+//! A fit as a JSON object, as a table and in warnings: what command line and Python package show.
+
+use super::{
+    Compared, Estimate, Fit, FittedRow, Measured, Measurements, Parameter, Position, Quantity,
+    Scatter,
+};
+use crate::VERSION;
+use crate::table::{Column, Table, Values};
+use fakir::contact::Method;
+use fakir::contact::Termination;
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+impl Fit {
+    /// What a reader of the result must know: parameters that are not determined, rows left out, and
+    /// whatever else speaks against it.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings: Vec<String> = self
+            .undetermined
+            .iter()
+            .map(|undetermined| undetermined.statement.clone())
+            .collect();
+        let out: Vec<String> = self
+            .past_transition()
+            .map(|row| row.measurement.line.to_string())
+            .collect();
+        match &out[..] {
+            [] => {}
+            [line] => warnings.push(format!(
+                "1 state (line {line}) is past the transition, where the lens touches the floor, and \
+                 left out"
+            )),
+            [first, .., last] => warnings.push(format!(
+                "{} states (lines {first} to {last}) are past the transition, where the lens touches \
+                 the floor, and left out",
+                out.len()
+            )),
+        }
+        let unsolved = self.rows.iter().filter(|row| !row.converged).count();
+        if unsolved > 0 {
+            warnings.push(format!("{unsolved} contacts did not converge"));
+        }
+        if self.termination != Termination::Converged {
+            warnings.push(format!("the fit {}", self.termination.description()));
+        }
+        // Beyond three standard deviations of chi-square, which is 2 per degree of freedom.
+        let freedom = self.degrees_of_freedom as f64;
+        if self.reduced_chi_square().is_some()
+            && (self.chi_square - freedom).abs() > 3.0 * (2.0 * freedom).sqrt()
+        {
+            let problem = if self.chi_square > freedom {
+                "larger than it should be: the errors that were given are too small, or the model does \
+                 not describe the data; the intervals are too narrow"
+            } else {
+                "smaller than it should be: the errors that were given are too large"
+            };
+            warnings.push(format!("chi-square is {problem}"));
+        }
+        for estimate in &self.estimates {
+            if estimate.parameter == Parameter::MachineCompliance
+                && estimate.interval.is_some_and(|[_, high]| high < 0.0)
+            {
+                warnings.push("the machine compliance is negative, which cannot be".to_owned());
+            }
+        }
+        warnings
+    }
+
+    /// The data beside the model: a row for each of the data.
+    #[must_use]
+    pub fn table(&self, data: &Measurements) -> Table {
+        let numbers = |name: &str, value: &dyn Fn(&FittedRow) -> Option<f64>| Column {
+            name: name.to_owned(),
+            values: Values::Numbers(self.rows.iter().map(value).collect()),
+        };
+        let lines = self.rows.iter();
+        let lines = lines.map(|row| i64::try_from(row.measurement.line).ok());
+        let mut columns = vec![Column {
+            name: "line".to_owned(),
+            values: Values::Counts(lines.collect()),
+        }];
+        let position = match data.position() {
+            Position::Displacement => Some("displacement_m"),
+            Position::Indentation => Some("measured_indentation_m"),
+            Position::None => None,
+        };
+        if let Some(name) = position {
+            let value = |row: &FittedRow| row.measurement.position.map(|measured| measured.value);
+            columns.push(numbers(name, &value));
+        }
+        columns.push(numbers("indentation_m", &|row| Some(row.indentation)));
+        for quantity in Quantity::ALL {
+            let (name, suffix) = match quantity {
+                Quantity::Force => ("force", "_N"),
+                Quantity::ContactRadius => ("contact_radius", "_m"),
+            };
+            let measured = |row: &FittedRow| -> Option<Measured> {
+                match quantity {
+                    Quantity::Force => row.measurement.force,
+                    Quantity::ContactRadius => row.measurement.contact_radius,
+                }
+            };
+            let compared = |row: &FittedRow| -> Option<Compared> {
+                match quantity {
+                    Quantity::Force => row.force,
+                    Quantity::ContactRadius => row.contact_radius,
+                }
+            };
+            columns.extend([
+                numbers(&format!("{name}{suffix}"), &|row| {
+                    measured(row).map(|measured| measured.value)
+                }),
+                numbers(&format!("{name}_error{suffix}"), &|row| {
+                    compared(row).map(|compared| compared.error)
+                }),
+                numbers(&format!("fitted_{name}{suffix}"), &|row| {
+                    compared(row).map(|compared| compared.computed)
+                }),
+                numbers(&format!("{name}_residual{suffix}"), &|row| {
+                    compared(row).map(|compared| compared.residual())
+                }),
+            ]);
+        }
+        columns.push(numbers("smallest_floor_gap_m", &|row| {
+            Some(row.smallest_floor_gap)
+        }));
+        columns.push(Column {
+            name: "used".to_owned(),
+            values: Values::Flags(self.rows.iter().map(|row| Some(row.used)).collect()),
+        });
+        Table { columns }
+    }
+}
+
+/// A fit: what `fakir fit --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct FitSummary {
+    method: &'static str,
+    parameters: Vec<Map<String, Value>>,
+    correlation: Vec<Vec<Option<f64>>>,
+    undetermined: Vec<UndeterminedJson>,
+    contact_point_m: Option<f64>,
+    machine_compliance_m_per_N: Option<f64>,
+    rows: usize,
+    rows_past_transition: usize,
+    values: usize,
+    degrees_of_freedom: usize,
+    chi_square: f64,
+    reduced_chi_square: Option<f64>,
+    distribution: &'static str,
+    scatter: Vec<Map<String, Value>>,
+    converged: bool,
+    termination: &'static str,
+    iterations: usize,
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct UndeterminedJson {
+    parameters: Vec<&'static str>,
+    statement: String,
+}
+
+impl FitSummary {
+    /// The summary of a fit of data by a method.
+    #[must_use]
+    pub fn new(data: &Measurements, method: Method, fitted: &Fit, wall_time: f64) -> Self {
+        let of_displacement = data.position() == Position::Displacement;
+        Self {
+            method: method.name(),
+            parameters: fitted.estimates.iter().map(estimate_json).collect(),
+            correlation: fitted.correlation.clone(),
+            undetermined: fitted
+                .undetermined
+                .iter()
+                .map(|undetermined| UndeterminedJson {
+                    parameters: undetermined.parameters.iter().map(|p| p.name()).collect(),
+                    statement: undetermined.statement.clone(),
+                })
+                .collect(),
+            contact_point_m: of_displacement.then_some(fitted.contact_point),
+            machine_compliance_m_per_N: of_displacement.then_some(fitted.machine_compliance),
+            rows: fitted.rows.len(),
+            rows_past_transition: fitted.past_transition().count(),
+            values: fitted.scatter.iter().map(|scatter| scatter.values).sum(),
+            degrees_of_freedom: fitted.degrees_of_freedom,
+            chi_square: fitted.chi_square,
+            reduced_chi_square: fitted.reduced_chi_square(),
+            distribution: if fitted.is_scatter_estimated() {
+                "student_t"
+            } else {
+                "normal"
+            },
+            scatter: fitted.scatter.iter().map(scatter_json).collect(),
+            converged: fitted.converged(),
+            termination: fitted.termination.description(),
+            iterations: fitted.iterations,
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
+        }
+    }
+}
+
+fn estimate_json(estimate: &Estimate) -> Map<String, Value> {
+    let suffix = estimate.parameter.suffix();
+    Map::from_iter([
+        ("name".to_owned(), Value::from(estimate.parameter.name())),
+        (format!("value{suffix}"), Value::from(estimate.value)),
+        (format!("start{suffix}"), Value::from(estimate.start)),
+        (
+            "determined".to_owned(),
+            Value::from(estimate.interval.is_some()),
+        ),
+        (
+            format!("standard_error{suffix}"),
+            Value::from(estimate.standard_error),
+        ),
+        (
+            format!("confidence_interval_95{suffix}"),
+            estimate
+                .interval
+                .map_or(Value::Null, |ends| Value::from(ends.to_vec())),
+        ),
+    ])
+}
+
+fn scatter_json(scatter: &Scatter) -> Map<String, Value> {
+    let suffix = match scatter.quantity {
+        Quantity::Force => "_N",
+        Quantity::ContactRadius => "_m",
+    };
+    Map::from_iter([
+        ("quantity".to_owned(), Value::from(scatter.quantity.name())),
+        ("values".to_owned(), Value::from(scatter.values)),
+        (format!("residual{suffix}"), Value::from(scatter.residual)),
+        (
+            format!("estimated_error{suffix}"),
+            Value::from(scatter.estimated),
+        ),
+    ])
+}

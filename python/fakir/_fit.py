@@ -1,0 +1,288 @@
+"""Moduli, sizes and instrument parameters from measured loading curves."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Union
+
+import numpy as np
+
+from . import _fakir
+from ._format import Row, engineering, html_table, text_table
+from ._quantity import FloatArray, Quantity, WithUnit, finite
+from ._run import Progress, options, warn
+from ._system import System
+from .errors import FitError, NotConverged
+
+if TYPE_CHECKING:
+    import pandas
+
+Measurements: TypeAlias = Union[str, PathLike[str], Mapping[str, Any], "pandas.DataFrame"]
+"""A CSV file, or its columns: a dictionary or a table of pandas."""
+
+UNITS = {"Pa": "Pa", "m_per_N": "m/N", "rad": "rad", "m": "m"}
+"""Ends of names, and the units they stand for."""
+
+
+class Estimate(NamedTuple):
+    """A fitted parameter, in SI units."""
+
+    value: float
+    """Without meaning by itself if the data do not determine it."""
+    standard_error: float | None
+    """``None`` if the data do not determine the parameter."""
+    interval: tuple[float, float] | None
+    """Ends of the 95 % confidence interval; ``None`` if the data do not determine the parameter."""
+    start: float
+    """Where the fit began."""
+    unit: str
+    """``"Pa"``, ``"m"``, ``"m/N"``, ``"rad"``, or ``""``."""
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data say anything of it."""
+        return self.interval is not None
+
+
+class Fit:
+    """What came of a fit."""
+
+    def __init__(self, fitted: _fakir.Fitted) -> None:
+        self._fitted = fitted
+        self._summary: dict[str, Any] = json.loads(fitted.json())
+
+    @property
+    def parameters(self) -> dict[str, Estimate]:
+        """The fitted parameters by name."""
+        return {given["name"]: _estimate(given) for given in self._summary["parameters"]}
+
+    def __getitem__(self, name: str) -> Estimate:
+        return self.parameters[name]
+
+    @property
+    def system(self) -> System:
+        """The system with the fitted values."""
+        return System._of(self._fitted.case)
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlation of each parameter with each; NaN with one that is not determined."""
+        return np.array(self._summary["correlation"], dtype=float)
+
+    @property
+    def undetermined(self) -> list[str]:
+        """A sentence for everything that the data do not determine."""
+        return [given["statement"] for given in self._summary["undetermined"]]
+
+    @property
+    def contact_point(self) -> float | None:
+        """Displacement at which the lens meets the pillar tops, m; ``None`` without displacements."""
+        return _optional(self._summary["contact_point_m"])
+
+    @property
+    def machine_compliance(self) -> float | None:
+        """How far the instrument gives way, m/N; ``None`` without displacements."""
+        return _optional(self._summary["machine_compliance_m_per_N"])
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of squares of (measured - computed)/error."""
+        return float(self._summary["chi_square"])
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of values less that of parameters."""
+        return int(self._summary["degrees_of_freedom"])
+
+    @property
+    def reduced_chi_square(self) -> float | None:
+        """Chi-square per degree of freedom; ``None`` where errors are estimated so as to make it 1."""
+        return _optional(self._summary["reduced_chi_square"])
+
+    @property
+    def converged(self) -> bool:
+        """Whether the search came to its end and every contact is solved."""
+        return bool(self._summary["converged"])
+
+    @property
+    def load(self) -> str:
+        """The column of `to_pandas` that is the load."""
+        return self._fitted.load
+
+    @property
+    def compared(self) -> list[str]:
+        """What was compared with the model: ``"force_N"``, ``"contact_radius_m"``."""
+        return [{"force": "force_N"}.get(name, f"{name}_m") for name in self._fitted.compared]
+
+    @property
+    def curve(self) -> dict[str, FloatArray]:
+        """The computed curve over the data, by columns: the load, ``force_N``, ``contact_radius_m``."""
+        at, force, contact_radius = self._fitted.curve()
+        return {self.load: at, "force_N": force, "contact_radius_m": contact_radius}
+
+    def columns(self) -> dict[str, Any]:
+        """The data beside the model, by the columns of ``fitted.csv``."""
+        return dict(self._fitted.table())
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The data beside the model: the columns of ``fitted.csv``."""
+        import pandas
+
+        return pandas.DataFrame(self.columns())
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``fakir fit --json`` prints it."""
+        return dict(json.loads(self._fitted.json()))
+
+    def _rows(self) -> list[Row]:
+        rows = []
+        for name, estimate in self.parameters.items():
+            value = _written(estimate.value, estimate.unit)
+            if estimate.interval is None:
+                rows.append((name, f"{value}: not determined by the data"))
+                continue
+            low, high = (_written(end, estimate.unit) for end in estimate.interval)
+            rows.append((name, f"{value}, 95 % interval {low} to {high}"))
+        reduced = self.reduced_chi_square
+        scatter = "scatter estimated" if reduced is None else f"reduced chi-square {reduced:.3g}"
+        rows.append(("residuals", f"{self.degrees_of_freedom} degrees of freedom, {scatter}"))
+        return rows
+
+    def __repr__(self) -> str:
+        return text_table("fakir.Fit", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Fit", self._rows())
+
+
+def fit(
+    measurements: Measurements,
+    system: System,
+    free: Sequence[str],
+    *,
+    contact_point: Quantity | None = None,
+    machine_compliance: Quantity = 0.0,
+    position_error: Quantity | None = None,
+    force_error: Quantity | None = None,
+    contact_radius_error: Quantity | None = None,
+    threads: int = 0,
+    progress: Progress | None = None,
+    memory_limit: int | None = None,
+) -> Fit:
+    """The values that fit a measured loading curve best, by least squares.
+
+    Parameters
+    ----------
+    measurements
+        A CSV file or its columns in SI units, each as long as the others, with NaN or empty cells for
+        what was not measured: ``displacement_m`` (reading of the instrument) or ``indentation_m``,
+        ``force_N``, ``contact_radius_m``, two of them at the least, and their standard errors
+        ``force_error_N`` and so on. Columns with units of pint may be called without: ``"force"``.
+    system
+        All else; the values of the free parameters are where the search begins.
+    free
+        Keys such as ``"substrate.young_modulus"`` or ``"texture.offset"``; and, with displacements,
+        ``"contact_point"`` and ``"machine_compliance"``.
+    contact_point
+        Displacement (m) at which the lens would touch the pillar tops, or where to begin.
+    machine_compliance
+        How far the instrument gives way (m/N), or where to begin.
+    position_error, force_error, contact_radius_error
+        Standard errors (m, N, m) of what has none in the columns. Without any they are estimated from
+        the residuals.
+
+    Raises
+    ------
+    FitError
+        If the data or the parameters cannot be.
+    NotConverged
+        If the search did not come to its end; what was reached is in its ``result``.
+    """
+    if isinstance(free, str):
+        raise TypeError(f'free is the text "{free}": give a list of names')
+    errors = [
+        _error(position_error, "length", "position_error"),
+        _error(force_error, "force", "force_error"),
+        _error(contact_radius_error, "length", "contact_radius_error"),
+    ]
+    data = _data(measurements).with_errors(*errors)
+    point = None if contact_point is None else finite(contact_point, "length", "contact_point")
+    compliance = _compliance(machine_compliance)
+    run = options(threads, progress, memory_limit)
+    result = Fit(_fakir.fit(system._case, data, list(free), point, compliance, run))
+    warn(result._fitted.warnings, depth=1)
+    if not result.converged:
+        raise NotConverged(f"the fit {result._summary['termination']}", result)
+    return result
+
+
+def _data(measurements: Measurements) -> _fakir.Data:
+    if isinstance(measurements, (str, PathLike)):
+        return _fakir.Data.read(fspath(measurements))
+    items = getattr(measurements, "items", None)
+    if items is None:
+        raise TypeError(
+            f"measurements are of type {type(measurements).__name__}: give the path of a CSV file, or "
+            "a dictionary or table of columns"
+        )
+    return _fakir.Data.of([_column(str(name), values) for name, values in items()])
+
+
+def _column(name: str, values: Any) -> tuple[str, FloatArray]:
+    """Name and values in SI units; NaN is what was not measured."""
+    unit = "N" if name.startswith("force") else "m"
+    if isinstance(values, WithUnit):
+        try:
+            values = values.to(unit).magnitude
+        except Exception as error:
+            raise ValueError(f"{name}: {error}; give a quantity in {unit}") from error
+        name = name.removesuffix(f"_{unit}") + f"_{unit}"
+    found = np.asarray(values)
+    if found.ndim != 1 or found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
+        raise FitError(
+            f"{name} is an array of {found.dtype} of shape {found.shape}: give a column of numbers"
+        )
+    return name, np.ascontiguousarray(found, dtype=np.float64)
+
+
+def _error(given: Quantity | None, dimension: Any, name: str) -> float | None:
+    if given is None:
+        return None
+    error = finite(given, dimension, name)
+    if error <= 0.0:
+        raise ValueError(f"{name} is {error}: it must be greater than 0")
+    return error
+
+
+def _compliance(given: Quantity) -> float:
+    if isinstance(given, WithUnit):
+        try:
+            return float(given.to("m/N").magnitude)
+        except Exception as error:
+            raise ValueError(f"machine_compliance: {error}; give a quantity in m/N") from error
+    if isinstance(given, str):
+        raise TypeError("machine_compliance is a text: give a number in m/N, or a pint quantity")
+    return finite(given, "number", "machine_compliance")
+
+
+def _estimate(given: Mapping[str, Any]) -> Estimate:
+    suffix = next(name.removeprefix("value") for name in given if name.startswith("value"))
+    error = given[f"standard_error{suffix}"]
+    ends = given[f"confidence_interval_95{suffix}"]
+    return Estimate(
+        value=given[f"value{suffix}"],
+        standard_error=error,
+        interval=None if ends is None else (ends[0], ends[1]),
+        start=given[f"start{suffix}"],
+        unit=UNITS.get(suffix.removeprefix("_"), ""),
+    )
+
+
+def _written(value: float, unit: str) -> str:
+    return f"{value:.4g} {unit}".strip() if unit not in {"m", "Pa"} else engineering(value, unit, 4)
+
+
+def _optional(value: Any) -> float | None:
+    return None if value is None else float(value)

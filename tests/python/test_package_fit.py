@@ -1,0 +1,137 @@
+"""Fits: those of the program, to the bit, and what they do not take."""
+
+import json
+import os
+import subprocess
+
+import matplotlib
+import numpy as np
+import pandas
+import pint
+import pytest
+
+matplotlib.use("Agg")
+
+from conftest import EXAMPLES  # noqa: E402
+
+import fakir  # noqa: E402
+
+pytestmark = pytest.mark.filterwarnings("ignore:4 states .* are past the transition")
+
+DATA = EXAMPLES / "fit" / "loading.csv"
+CASE = EXAMPLES / "fit" / "case.toml"
+FREE = ["substrate.young_modulus", "contact_point", "machine_compliance"]
+
+
+@pytest.fixture(scope="module")
+def system():
+    return fakir.System.from_file(CASE)
+
+
+@pytest.fixture(scope="module")
+def fitted(system):
+    return fakir.fit(DATA, system, FREE)
+
+
+def test_the_fit_of_the_program(fitted, tmp_path):
+    run = [os.environ["FAKIR"], "fit", DATA, "--case", CASE, "--free", ",".join(FREE)]
+    done = subprocess.run(
+        [*run, "--json", "--quiet", "--output", tmp_path / "out"], capture_output=True, check=True
+    )
+    expected = json.loads(done.stdout)
+    found = fitted.to_dict()
+    assert list(found) == list(expected)
+    del found["wall_time_s"], expected["wall_time_s"]
+    assert found == expected
+    saved = pandas.read_csv(tmp_path / "out" / "fitted.csv")
+    assert list(saved.columns) == list(fitted.to_pandas().columns)
+    assert np.array_equal(saved.force_N, fitted.to_pandas().force_N, equal_nan=True)
+
+
+def test_the_truth_is_in_the_intervals(fitted):
+    # The truth of the synthetic data, in crates/fakir-study/examples/synthetic_loading.rs.
+    for name, truth in [
+        ("substrate.young_modulus", 1.4e6),
+        ("contact_point", 3e-6),
+        ("machine_compliance", 2e-3),
+    ]:
+        low, high = fitted[name].interval
+        assert low < truth < high, name
+    assert fitted["substrate.young_modulus"].unit == "Pa"
+    assert fitted.system.substrate.young_modulus == fitted["substrate.young_modulus"].value
+    assert fitted.correlation.shape == (3, 3)
+    assert fitted.undetermined == []
+    assert "95 % interval" in repr(fitted)
+    assert "<table>" in fitted._repr_html_()
+
+
+def test_columns_tables_and_units(system, fitted):
+    table = pandas.read_csv(DATA, comment="#")
+    of_table = fakir.fit(table, system, FREE)
+    assert of_table["contact_point"].value == fitted["contact_point"].value
+    units = pint.UnitRegistry()
+    columns = {
+        "displacement": units.Quantity(table.displacement_m.to_numpy() * 1e6, "um"),
+        "force": units.Quantity(table.force_N.to_numpy() * 1e6, "uN"),
+    }
+    of_units = fakir.fit(columns, system, FREE, contact_point="3 um")
+    found, expected = of_units["substrate.young_modulus"], fitted["substrate.young_modulus"]
+    assert abs(found.value - expected.value) < 0.01 * expected.standard_error
+
+
+def test_given_errors_and_figure(system):
+    table = pandas.read_csv(DATA, comment="#")
+    given = fakir.fit(table, system, FREE, force_error="0.5 uN", threads=1)
+    assert 0.5 < given.reduced_chi_square < 2.0
+    axes = fakir.plot.fit(given)
+    assert len(axes) == 2
+    assert all(axis.has_data() for axis in axes)
+
+
+def test_what_is_not_determined_is_said(system):
+    table = pandas.read_csv(DATA, comment="#")
+    free = ["substrate.young_modulus", "lens.young_modulus", "contact_point"]
+    known = system.replace({"texture.pillar.compliance": "none"})
+    with pytest.warns(fakir.FakirWarning, match="lens.young_modulus"):
+        both = fakir.fit(table, known, free)
+    assert not both["lens.young_modulus"].determined
+    assert both["contact_point"].determined
+    assert both.undetermined
+    assert "not determined" in repr(both)
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        ({"force_N": [1e-6]}, "data"),
+        ({"force": [1e-6]}, 'no column of measurements is called "force"'),
+        ({"force_N": [1e-6], "contact_radius_m": [1e-6, 2e-6]}, "has 2 values"),
+        ({"force_N": [[1e-6]], "contact_radius_m": [1e-6]}, "a column of numbers"),
+        ({"force_N": ["a"], "contact_radius_m": [1e-6]}, "a column of numbers"),
+        ({"force_N": [np.inf], "contact_radius_m": [1e-6]}, "force_N"),
+    ],
+)
+def test_data_that_cannot_be(system, columns, words):
+    with pytest.raises(ValueError, match=words):
+        fakir.fit(columns, system, ["substrate.young_modulus"])
+
+
+def test_arguments_that_cannot_be(system):
+    for free, words in [
+        (["substrate.young_moduls"], "cannot be fitted: give some of substrate.young_modulus"),
+        (["lens.poisson_ratio"], "cannot be fitted"),
+        ([], "nothing is free"),
+        (["contact_point", "contact_point"], "given twice"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            fakir.fit(DATA, system, free)
+    with pytest.raises(TypeError, match="give a list of names"):
+        fakir.fit(DATA, system, "contact_point")
+    with pytest.raises(TypeError, match="measurements are of type int"):
+        fakir.fit(3, system, FREE)
+    with pytest.raises(fakir.FitError, match="no-such.csv: cannot read"):
+        fakir.fit("no-such.csv", system, FREE)
+    with pytest.raises(ValueError, match="force_error is -1.0: it must be greater than 0"):
+        fakir.fit(DATA, system, FREE, force_error=-1)
+    with pytest.raises(ValueError, match="MPa is a unit of pressure"):
+        fakir.fit(DATA, system, FREE, contact_point="3 MPa")
