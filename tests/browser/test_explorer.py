@@ -88,6 +88,38 @@ def test_curves_and_path_fill_in(explore):
     assert page.page.locator("#curve-indentation path.homogenised-curve").count() == 1
 
 
+def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
+    page = explore("#" + "&".join(paper(0.03)))
+    page.page.evaluate(
+        """() => {
+            window.told = [];
+            window.longest = 0;
+            let last = performance.now();
+            const frame = (now) => {
+                window.longest = Math.max(window.longest, now - last);
+                last = now;
+                requestAnimationFrame(frame);
+            };
+            requestAnimationFrame(frame);
+            const work = document.getElementById("work");
+            new MutationObserver(() => window.told.push(work.textContent))
+                .observe(work, { childList: true, characterData: true, subtree: true });
+            const method = document.getElementById("method-accuracy");
+            method.value = "accurate";
+            method.dispatchEvent(new Event("change"));
+            const slider = document.getElementById("texture-surface_fraction-slider");
+            slider.value = 915;
+            slider.dispatchEvent(new Event("input"));
+        }"""
+    )
+    page.until("window.told.some((words) => /step \\d+, \\d+ pillars touched/.test(words))")
+    # A newer question is answered at once, whatever is under way.
+    page.enter("texture.surface_fraction", "0.01")
+    assert page.text("pillars").startswith("13 pillars")
+    # Frames go on meanwhile; how fast depends on the machine.
+    assert page.page.evaluate("() => window.longest") < 2000
+
+
 def test_an_error_is_at_its_field_and_the_picture_stays(explore):
     page = explore("#" + "&".join(paper(0.02)))
     before = page.results()

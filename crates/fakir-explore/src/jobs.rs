@@ -21,8 +21,11 @@ use std::time::{Duration, Instant};
 use tokio::sync::Semaphore;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
-/// Computations at a time; each has a thread, and contacts share the pool.
+/// Contacts and files at a time; each has a thread, and all share the pool.
 const SLOTS: usize = 4;
+
+/// Curves and loading paths at a time: of two pages.
+const BACKGROUND_SLOTS: usize = 4;
 
 /// Computations that may wait for a slot.
 const QUEUE: usize = 32;
@@ -60,6 +63,7 @@ impl Kind {
 pub(crate) struct Jobs {
     newest: Mutex<HashMap<(String, Kind), (u64, CancelToken)>>,
     slots: Arc<Semaphore>,
+    background_slots: Arc<Semaphore>,
     waiting: AtomicUsize,
     foreground: AtomicUsize,
     pool: ThreadPool,
@@ -71,6 +75,7 @@ impl Jobs {
         Self {
             newest: Mutex::default(),
             slots: Arc::new(Semaphore::new(SLOTS)),
+            background_slots: Arc::new(Semaphore::new(BACKGROUND_SLOTS)),
             waiting: AtomicUsize::new(0),
             foreground: AtomicUsize::new(0),
             pool,
@@ -135,7 +140,7 @@ impl Jobs {
     ) -> Result<Response, Refusal> {
         let job = self.admit(ticket, kind)?;
         let connection = CancelOnDrop(job.cancel.clone());
-        let slot = self.slot().await?;
+        let slot = self.slot(kind).await?;
         if job.cancel.is_cancelled() {
             return Err(Refusal::stale());
         }
@@ -178,7 +183,7 @@ impl Jobs {
     }
 
     /// Waits for a slot, if not too many do.
-    async fn slot(&self) -> Result<tokio::sync::OwnedSemaphorePermit, Refusal> {
+    async fn slot(&self, kind: Kind) -> Result<tokio::sync::OwnedSemaphorePermit, Refusal> {
         let busy = || {
             Refusal::new(
                 StatusCode::SERVICE_UNAVAILABLE,
@@ -189,7 +194,12 @@ impl Jobs {
         if waiting.before >= QUEUE {
             return Err(busy());
         }
-        let slot = Arc::clone(&self.slots).acquire_owned();
+        let slots = if kind.is_background() {
+            &self.background_slots
+        } else {
+            &self.slots
+        };
+        let slot = Arc::clone(slots).acquire_owned();
         match tokio::time::timeout(PATIENCE, slot).await {
             Ok(Ok(slot)) => Ok(slot),
             _ => Err(busy()),
