@@ -53,11 +53,6 @@ export interface PressSummary {
   readonly wall_time_s: number;
 }
 
-export interface Critical {
-  readonly summary: TransitionSummary;
-  readonly first_touch_indentation_m: number;
-}
-
 export type Point = readonly [number, number];
 
 export interface State {
@@ -69,7 +64,6 @@ export interface State {
   readonly normalized: readonly [number, number, number];
   readonly pitch_m: number;
   readonly diameter_m: number;
-  readonly lens_radius_m: number;
   readonly offset_m: Point;
   readonly pillars: readonly number[];
   readonly pillar_forces_N: readonly number[];
@@ -116,7 +110,7 @@ export interface Line {
   readonly progress?: Progress;
   readonly refused?: Refusal;
   readonly preview?: Preview;
-  readonly critical?: Critical;
+  readonly critical?: TransitionSummary;
   readonly state?: State;
   readonly case?: Texts;
   readonly section?: Section | null;

@@ -8,13 +8,13 @@ import {
   fetchFile,
   Refused,
   start,
-  type Critical,
   type CurvePoint,
   type Line,
   type Preview,
   type Refusal,
   type State,
   type Texts,
+  type TransitionSummary,
   type Values,
 } from "./engine.js";
 import { ContactMap, sceneOf, sceneOfPreview, type Scene } from "./map.js";
@@ -96,7 +96,7 @@ let exaggeration: number | null = null;
 /** The case that `critical` belongs to, and the one that the curves belong to. */
 let criticalOf = "";
 let curvesOf = "";
-let critical: Critical | null = null;
+let critical: TransitionSummary | null = null;
 let state: State | null = null;
 let largestForce = 0;
 let texts: Texts | null = null;
@@ -181,7 +181,7 @@ async function answer(question: Question): Promise<void> {
       ? { fraction: question.load }
       : {
           fraction: question.load,
-          critical_indentation_m: known.summary.critical_indentation_m,
+          critical_indentation_m: known.critical_indentation_m,
         };
   const body = { case: question.case, load: point };
   const whole = await ask("contact", body, (line) => {
@@ -206,7 +206,7 @@ function picture(next: State, question: Question): void {
   if (next.approximate) {
     const scene = sceneOf(next);
     sketch(scene, scene.contact_radius_m, question);
-    if (question.load === 1) {
+    if (question.load === 1 && question.name !== criticalOf) {
       const { force_N: force, indentation_m: indentation } = next.summary;
       estimate(force, next.summary.contact_radius_m, indentation);
     }
@@ -219,7 +219,7 @@ function picture(next: State, question: Question): void {
   largestOf = question.name;
   state = next;
   const known = question.name === criticalOf ? critical : null;
-  map.show(sceneOf(next), known?.summary.critical_contact_radius_m ?? 0, largestForce);
+  map.show(sceneOf(next), known?.critical_contact_radius_m ?? 0, largestForce);
   largestForce = map.largestForce;
   accept();
   onScreen(question, "exact");
@@ -229,7 +229,9 @@ function picture(next: State, question: Question): void {
 /** Shows what is known at once. */
 function preview(next: Preview, question: Question): void {
   sketch(sceneOfPreview(next), next.critical_contact_radius_m, question);
-  estimate(next.critical_force_N, next.critical_contact_radius_m, next.critical_indentation_m);
+  if (question.name !== criticalOf) {
+    estimate(next.critical_force_N, next.critical_contact_radius_m, next.critical_indentation_m);
+  }
   onScreen(question, "estimate");
 }
 
@@ -237,9 +239,9 @@ function preview(next: Preview, question: Question): void {
 function sketch(scene: Scene, radius: number, question: Question): void {
   const known = question.name === criticalOf ? critical : null;
   const largest = question.name === largestOf ? largestForce : 0;
-  map.show(scene, known?.summary.critical_contact_radius_m ?? radius, largest);
+  map.show(scene, known?.critical_contact_radius_m ?? radius, largest);
   accept();
-  byId("readouts").classList.add("estimated");
+  byId("readouts").classList.toggle("estimated", known === null);
   if (wanted !== null) cancel("contact");
 }
 
@@ -292,7 +294,7 @@ async function background(): Promise<void> {
   curvesOf = name;
   const point = {
     fraction: 1,
-    critical_indentation_m: critical.summary.critical_indentation_m,
+    critical_indentation_m: critical.critical_indentation_m,
   };
   byId("curves-work").textContent = "computing …";
   const path: typeof loadingPath = [];
@@ -363,7 +365,7 @@ interface Readout {
 
 function showNumbers(shown: State): void {
   if (critical === null) return;
-  const { summary } = critical;
+  const summary = critical;
   const error = summary.relative_error_estimate;
   const model = summary.method === "homogenised";
   const digits = (value: number): number => (model ? 4 : digitsFor(value));
@@ -454,7 +456,7 @@ function announce(shown: State): void {
   window.clearTimeout(announcing);
   announcing = window.setTimeout(() => {
     if (critical === null) return;
-    const { summary } = critical;
+    const summary = critical;
     const force = engineeringText(summary.critical_force_N, "force", 4);
     const radius = engineeringText(summary.critical_contact_radius_m, "length", 4);
     const indentation = engineeringText(summary.critical_indentation_m, "length", 4);
@@ -466,7 +468,7 @@ function announce(shown: State): void {
 
 function showPhase(): void {
   if (critical === null || state === null || transition.length === 0) return;
-  const { contact_radius: radius, force } = critical.summary.normalized;
+  const { contact_radius: radius, force } = critical.normalized;
   const done = [...loadingPath].sort((a, b) => a[0] - b[0]);
   const below = done.filter(([fraction]) => fraction < 1);
   const at: Place = [radius, force];
@@ -509,7 +511,7 @@ function showPhase(): void {
 function showCurves(): void {
   const all = [...curves.small, ...curves.large];
   if (critical === null || all.length === 0) return;
-  const { summary } = critical;
+  const summary = critical;
   const fractions = all.map((point) => point.surface_fraction);
   const present = summary.surface_fraction;
   const x: Place = [Math.min(present, ...fractions), Math.max(present, ...fractions)];
@@ -680,7 +682,7 @@ async function save(name: string): Promise<void> {
   const known = JSON.stringify(controls.case) === criticalOf ? critical : null;
   const point = {
     fraction: load,
-    ...(known && { critical_indentation_m: known.summary.critical_indentation_m }),
+    ...(known && { critical_indentation_m: known.critical_indentation_m }),
   };
   try {
     const file = await fetchFile({ case: controls.case, load: point, file: name });

@@ -62,19 +62,20 @@ export class ContactMap {
     const side = Math.round(this.canvas.clientWidth * ratio);
     if (side === 0) return;
     if (this.canvas.width !== side) this.canvas.width = this.canvas.height = side;
-    const halfWidth = Math.max(
-      1.12 * this.criticalRadius,
-      1.06 * state.contact_radius_m,
-      2.3 * state.pitch_m,
-    );
+    const contact = Math.max(1.12 * this.criticalRadius, 1.06 * state.contact_radius_m);
+    // A few pillars, unless they are far apart.
+    const few = contact > 0 ? Math.min(2.3 * state.pitch_m, 5 * contact) : 1.3 * state.pitch_m;
+    const halfWidth = Math.max(contact, few);
     this.scale = side / (2 * halfWidth);
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.fillStyle = tint("--floor");
     context.fillRect(0, 0, side, side);
     context.setTransform(this.scale, 0, 0, -this.scale, side / 2, side / 2);
     const pixel = ratio / this.scale;
-    this.drawUntouched(context, state, halfWidth);
-    this.drawPillars(context, state, pixel);
+    // Pillars are always seen, if need be larger than they are.
+    const radius = Math.max(state.diameter_m / 2, 1.2 * pixel);
+    this.drawUntouched(context, state, halfWidth, radius);
+    this.drawPillars(context, state, pixel, radius);
     this.drawMarks(context, state, pixel);
     context.setTransform(1, 0, 0, 1, 0, 0);
     this.drawScaleBar(context, side, ratio);
@@ -83,9 +84,13 @@ export class ContactMap {
   }
 
   /** Every pillar top in view, as if untouched. */
-  private drawUntouched(context: CanvasRenderingContext2D, state: Scene, halfWidth: number): void {
+  private drawUntouched(
+    context: CanvasRenderingContext2D,
+    state: Scene,
+    halfWidth: number,
+    radius: number,
+  ): void {
     const { pitch_m: pitch, offset_m: offset } = state;
-    const radius = state.diameter_m / 2;
     const reach = Math.ceil((halfWidth + radius) / (HALF_SQRT_3 * pitch)) + 1;
     const limit = halfWidth + radius;
     const shift = Math.round(offset[0] / (HALF_SQRT_3 * pitch));
@@ -105,8 +110,12 @@ export class ContactMap {
     context.fill();
   }
 
-  private drawPillars(context: CanvasRenderingContext2D, state: Scene, pixel: number): void {
-    const radius = state.diameter_m / 2;
+  private drawPillars(
+    context: CanvasRenderingContext2D,
+    state: Scene,
+    pixel: number,
+    radius: number,
+  ): void {
     const count = colourCount() / 4;
     const groups: Path2D[] = Array.from({ length: count }, () => new Path2D());
     const partial = new Path2D();
@@ -228,6 +237,10 @@ export class ContactMap {
 /** A state as it is drawn. */
 export function sceneOf(state: State): Scene {
   const { summary } = state;
+  if (summary.method === "homogenised") {
+    const { force_N, contact_radius_m } = summary;
+    return sceneOfPreview({ ...state, force_N, contact_radius_m });
+  }
   const { pillars_in_contact: all, pillars_partially_in_contact: part } = summary;
   const radius = engineeringText(summary.contact_radius_m, "length", 3);
   return {
@@ -247,8 +260,14 @@ export function sceneOf(state: State): Scene {
   };
 }
 
+/** What forces are drawn from where pillars are not resolved. */
+type Smooth = Pick<
+  Preview,
+  "fraction" | "pitch_m" | "diameter_m" | "offset_m" | "force_N" | "contact_radius_m"
+>;
+
 /** A preview as it is drawn: forces fall off as under a sphere, and bear the load together. */
-export function sceneOfPreview(preview: Preview): Scene {
+export function sceneOfPreview(preview: Smooth): Scene {
   const { pitch_m: pitch, contact_radius_m: radius, offset_m: offset } = preview;
   const pillars: number[] = [];
   const forces: number[] = [];
@@ -267,7 +286,11 @@ export function sceneOfPreview(preview: Preview): Scene {
     }
   }
   return {
-    ...preview,
+    fraction: preview.fraction,
+    pitch_m: pitch,
+    diameter_m: preview.diameter_m,
+    offset_m: offset,
+    contact_radius_m: radius,
     beyond: false,
     pillars,
     forces_N: forces.map((force) => (force * preview.force_N) / sum),

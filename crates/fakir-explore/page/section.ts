@@ -44,7 +44,7 @@ export class SectionView {
       return;
     }
     const half = section.x_m[section.x_m.length - 1] ?? 1;
-    const [low, high] = span(section);
+    const [low, high] = span(section, 0.01 * half);
     const across = width / (2 * half);
     const fitting = (0.62 * height) / (high - low) / across;
     const factor = this.wanted ?? fitting;
@@ -109,14 +109,15 @@ export class SectionView {
   }
 }
 
-/** Lowest and highest of what is to be seen: the surface, and the lens above it as deep again. */
-function span(section: Section): [number, number] {
+/** Lowest and highest point of the surface; at least so far apart that rounding is not seen. */
+function span(section: Section, least: number): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (const z of section.surface_m) {
     low = Math.min(low, z);
     high = Math.max(high, z);
   }
-  return [low, high];
+  const rest = Math.max(0, least - (high - low)) / 2;
+  return [low - rest, high + rest];
 }
 
 function clamp(y: number, height: number): string {

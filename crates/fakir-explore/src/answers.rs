@@ -63,8 +63,8 @@ impl Solved {
     }
 }
 
-/// Solves for a state on the way to the critical one. `interim` is told what
-/// can be shown of it before, `found` the critical state; with the time it took so far, s.
+/// Solves for a state on the way to the critical one. `interim` is told what can be
+/// shown of it before, `found` the critical state; with the time it took so far, s.
 pub(crate) fn solve(
     case: &Case,
     load: LoadPoint,
@@ -124,24 +124,18 @@ fn first_touch(case: &Case) -> f64 {
 
 #[derive(Serialize)]
 struct CriticalLine {
-    critical: Critical,
+    critical: TransitionSummary,
 }
 
 #[derive(Serialize)]
-struct Critical {
-    summary: TransitionSummary,
-    first_touch_indentation_m: f64,
-}
-
-#[derive(Serialize)]
-struct StateLine<'a> {
-    state: State<'a>,
+struct StateLine {
+    state: State,
 }
 
 /// A state as it is drawn.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
-struct State<'a> {
+struct State {
     /// By the punch lattice, until it is solved for in full.
     approximate: bool,
     /// Of the way to the critical state.
@@ -150,7 +144,6 @@ struct State<'a> {
     normalized: [f64; 3],
     pitch_m: f64,
     diameter_m: f64,
-    lens_radius_m: f64,
     offset_m: Point,
     /// Lattice indices of the touched pillars, one after the other.
     pillars: Vec<i64>,
@@ -160,7 +153,6 @@ struct State<'a> {
     /// Where the floor is touched, or would be, with its symmetric copies.
     floor_contacts_m: Vec<Point>,
     warnings: Vec<String>,
-    termination: &'a str,
 }
 
 #[derive(Serialize)]
@@ -219,10 +211,7 @@ pub(crate) fn contact(request: &request::Contact, worker: &Worker) -> Result<(),
     };
     let solved = solve(&case, request.load, worker, &show, |critical, wall_time| {
         worker.send(&CriticalLine {
-            critical: Critical {
-                summary: TransitionSummary::new(critical, wall_time),
-                first_touch_indentation_m: first_touch(&case),
-            },
+            critical: TransitionSummary::new(critical, wall_time),
         });
     })?;
     let Some((state, wall_time)) = solved.state() else {
@@ -276,7 +265,7 @@ fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
     });
 }
 
-fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool) -> State<'_> {
+fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool) -> State {
     let system = &state.system;
     let floor = state.smallest_gap_position;
     let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
@@ -291,7 +280,6 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
         normalized: [reduced.force, reduced.contact_radius, reduced.indentation],
         pitch_m: system.lattice().pitch,
         diameter_m: system.pillar().diameter,
-        lens_radius_m: system.lens().radius,
         offset_m: system.lattice().offset_vector(),
         pillars: state
             .pillars
@@ -309,7 +297,6 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
             .collect(),
         floor_contacts_m: copies(system, floor),
         warnings,
-        termination: state.termination.description(),
     }
 }
 
@@ -566,7 +553,7 @@ pub(crate) fn phase(request: &request::Phase, worker: &Worker) -> Result<(), Fai
         let reduced = Normalized::new(system, force, radius, 0.0);
         [reduced.contact_radius, reduced.force]
     };
-    let curve = spaced([0.1, 300.0], 160).into_iter().map(|ratio| {
+    let curve = spaced([0.01, 1000.0], 200).into_iter().map(|ratio| {
         let radius = ratio * pitch;
         reduced(closed_forms::transition_force(system, radius), radius)
     });

@@ -367,7 +367,8 @@ impl Worker {
         let listener: &(dyn Fn(Progress) + Sync) = &*self.listener;
         Run {
             cancel: self.job.cancel.clone(),
-            progress: (!background).then_some(listener),
+            // Files and curves come without a word before.
+            progress: (self.kind == Kind::Contact).then_some(listener),
             pool: (!background).then_some(&self.job.jobs.pool),
             memory_limit: Some(self.job.jobs.memory_limit),
             ..Run::default()

@@ -2,19 +2,19 @@
 //! contact, the critical state and its curves follow at once.
 //!
 //! [`Explorer`] is a web server for one person at this machine. It listens on the loopback
-//! interface only, and answers only who knows the random token in its address ([`guard`]). The page
-//! is part of the program ([`page`]) and holds all state, in the fragment of its address; the
-//! server keeps nothing but computations under way ([`jobs`]), of which only the newest of its kind
+//! interface only, and answers only who knows the random token in its address (`guard`). The page
+//! is part of the program (`page`) and holds all state, in the fragment of its address; the
+//! server keeps nothing but computations under way (`jobs`), of which only the newest of its kind
 //! is carried on with.
 //!
 //! | request | answer |
 //! |---|---|
 //! | `GET /TOKEN/` and below | the page |
 //! | `GET /TOKEN/start.json` | the case to begin with, presets, colours |
-//! | `POST /api/contact` | critical state, contact under a load, section ([`answers`]) |
+//! | `POST /api/contact` | critical state, contact under a load, section (`answers`) |
 //! | `POST /api/curves` | critical states over the surface fraction, as they are computed |
 //! | `POST /api/phase` | transition curve and loading path |
-//! | `POST /api/export` | a file: case, numbers, figures ([`export`]) |
+//! | `POST /api/export` | a file: case, numbers, figures (`export`) |
 //!
 //! Requests of the API have the token in the header `x-fakir-token` and a JSON object as body.
 //! Answers that take their time come as lines of JSON, progress first. What is wrong comes with a

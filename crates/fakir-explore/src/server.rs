@@ -9,7 +9,7 @@ use axum::body::to_bytes;
 use axum::extract::{Path, Request, State};
 use axum::http::{StatusCode, header};
 use axum::middleware::{self, Next};
-use axum::response::{IntoResponse, Response};
+use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::{get, post};
 use fakir::contact::CancelToken;
 use fakir_case::Case;
@@ -225,6 +225,7 @@ fn router(shared: Shared) -> Router {
         .route("/api/curves", post(curves))
         .route("/api/phase", post(phase))
         .route("/api/export", post(export))
+        .route("/{token}", get(with_slash))
         .route("/{token}/", get(index))
         .route("/{token}/{file}", get(file))
         .fallback(nothing)
@@ -251,6 +252,11 @@ async fn guarded(State(shared): State<Shared>, request: Request, next: Next) -> 
     };
     response.headers_mut().extend(HEADERS);
     response
+}
+
+/// The files of the page are found relative to its address.
+async fn with_slash(Path(token): Path<String>) -> Redirect {
+    Redirect::permanent(&format!("/{token}/"))
 }
 
 async fn index(State(shared): State<Shared>) -> Response {

@@ -134,7 +134,7 @@ async function answer(question) {
         ? { fraction: question.load }
         : {
             fraction: question.load,
-            critical_indentation_m: known.summary.critical_indentation_m,
+            critical_indentation_m: known.critical_indentation_m,
         };
     const body = { case: question.case, load: point };
     const whole = await ask("contact", body, (line) => {
@@ -164,7 +164,7 @@ function picture(next, question) {
     if (next.approximate) {
         const scene = sceneOf(next);
         sketch(scene, scene.contact_radius_m, question);
-        if (question.load === 1) {
+        if (question.load === 1 && question.name !== criticalOf) {
             const { force_N: force, indentation_m: indentation } = next.summary;
             estimate(force, next.summary.contact_radius_m, indentation);
         }
@@ -178,7 +178,7 @@ function picture(next, question) {
     largestOf = question.name;
     state = next;
     const known = question.name === criticalOf ? critical : null;
-    map.show(sceneOf(next), known?.summary.critical_contact_radius_m ?? 0, largestForce);
+    map.show(sceneOf(next), known?.critical_contact_radius_m ?? 0, largestForce);
     largestForce = map.largestForce;
     accept();
     onScreen(question, "exact");
@@ -188,16 +188,18 @@ function picture(next, question) {
 /** Shows what is known at once. */
 function preview(next, question) {
     sketch(sceneOfPreview(next), next.critical_contact_radius_m, question);
-    estimate(next.critical_force_N, next.critical_contact_radius_m, next.critical_indentation_m);
+    if (question.name !== criticalOf) {
+        estimate(next.critical_force_N, next.critical_contact_radius_m, next.critical_indentation_m);
+    }
     onScreen(question, "estimate");
 }
 /** Draws nearly what will be solved for; if more has been asked since, that is enough. */
 function sketch(scene, radius, question) {
     const known = question.name === criticalOf ? critical : null;
     const largest = question.name === largestOf ? largestForce : 0;
-    map.show(scene, known?.summary.critical_contact_radius_m ?? radius, largest);
+    map.show(scene, known?.critical_contact_radius_m ?? radius, largest);
     accept();
-    byId("readouts").classList.add("estimated");
+    byId("readouts").classList.toggle("estimated", known === null);
     if (wanted !== null)
         cancel("contact");
 }
@@ -246,7 +248,7 @@ async function background() {
     curvesOf = name;
     const point = {
         fraction: 1,
-        critical_indentation_m: critical.summary.critical_indentation_m,
+        critical_indentation_m: critical.critical_indentation_m,
     };
     byId("curves-work").textContent = "computing …";
     const path = [];
@@ -311,7 +313,7 @@ function refuse(error) {
 function showNumbers(shown) {
     if (critical === null)
         return;
-    const { summary } = critical;
+    const summary = critical;
     const error = summary.relative_error_estimate;
     const model = summary.method === "homogenised";
     const digits = (value) => (model ? 4 : digitsFor(value));
@@ -401,7 +403,7 @@ function announce(shown) {
     announcing = window.setTimeout(() => {
         if (critical === null)
             return;
-        const { summary } = critical;
+        const summary = critical;
         const force = engineeringText(summary.critical_force_N, "force", 4);
         const radius = engineeringText(summary.critical_contact_radius_m, "length", 4);
         const indentation = engineeringText(summary.critical_indentation_m, "length", 4);
@@ -413,7 +415,7 @@ function announce(shown) {
 function showPhase() {
     if (critical === null || state === null || transition.length === 0)
         return;
-    const { contact_radius: radius, force } = critical.summary.normalized;
+    const { contact_radius: radius, force } = critical.normalized;
     const done = [...loadingPath].sort((a, b) => a[0] - b[0]);
     const below = done.filter(([fraction]) => fraction < 1);
     const at = [radius, force];
@@ -456,7 +458,7 @@ function showCurves() {
     const all = [...curves.small, ...curves.large];
     if (critical === null || all.length === 0)
         return;
-    const { summary } = critical;
+    const summary = critical;
     const fractions = all.map((point) => point.surface_fraction);
     const present = summary.surface_fraction;
     const x = [Math.min(present, ...fractions), Math.max(present, ...fractions)];
@@ -619,7 +621,7 @@ async function save(name) {
     const known = JSON.stringify(controls.case) === criticalOf ? critical : null;
     const point = {
         fraction: load,
-        ...(known && { critical_indentation_m: known.summary.critical_indentation_m }),
+        ...(known && { critical_indentation_m: known.critical_indentation_m }),
     };
     try {
         const file = await fetchFile({ case: controls.case, load: point, file: name });

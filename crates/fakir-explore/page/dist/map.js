@@ -42,15 +42,20 @@ export class ContactMap {
             return;
         if (this.canvas.width !== side)
             this.canvas.width = this.canvas.height = side;
-        const halfWidth = Math.max(1.12 * this.criticalRadius, 1.06 * state.contact_radius_m, 2.3 * state.pitch_m);
+        const contact = Math.max(1.12 * this.criticalRadius, 1.06 * state.contact_radius_m);
+        // A few pillars, unless they are far apart.
+        const few = contact > 0 ? Math.min(2.3 * state.pitch_m, 5 * contact) : 1.3 * state.pitch_m;
+        const halfWidth = Math.max(contact, few);
         this.scale = side / (2 * halfWidth);
         context.setTransform(1, 0, 0, 1, 0, 0);
         context.fillStyle = tint("--floor");
         context.fillRect(0, 0, side, side);
         context.setTransform(this.scale, 0, 0, -this.scale, side / 2, side / 2);
         const pixel = ratio / this.scale;
-        this.drawUntouched(context, state, halfWidth);
-        this.drawPillars(context, state, pixel);
+        // Pillars are always seen, if need be larger than they are.
+        const radius = Math.max(state.diameter_m / 2, 1.2 * pixel);
+        this.drawUntouched(context, state, halfWidth, radius);
+        this.drawPillars(context, state, pixel, radius);
         this.drawMarks(context, state, pixel);
         context.setTransform(1, 0, 0, 1, 0, 0);
         this.drawScaleBar(context, side, ratio);
@@ -58,9 +63,8 @@ export class ContactMap {
         this.canvas.setAttribute("aria-label", state.words);
     }
     /** Every pillar top in view, as if untouched. */
-    drawUntouched(context, state, halfWidth) {
+    drawUntouched(context, state, halfWidth, radius) {
         const { pitch_m: pitch, offset_m: offset } = state;
-        const radius = state.diameter_m / 2;
         const reach = Math.ceil((halfWidth + radius) / (HALF_SQRT_3 * pitch)) + 1;
         const limit = halfWidth + radius;
         const shift = Math.round(offset[0] / (HALF_SQRT_3 * pitch));
@@ -80,8 +84,7 @@ export class ContactMap {
         context.fillStyle = tint("--pillar");
         context.fill();
     }
-    drawPillars(context, state, pixel) {
-        const radius = state.diameter_m / 2;
+    drawPillars(context, state, pixel, radius) {
         const count = colourCount() / 4;
         const groups = Array.from({ length: count }, () => new Path2D());
         const partial = new Path2D();
@@ -202,6 +205,10 @@ export class ContactMap {
 /** A state as it is drawn. */
 export function sceneOf(state) {
     const { summary } = state;
+    if (summary.method === "homogenised") {
+        const { force_N, contact_radius_m } = summary;
+        return sceneOfPreview({ ...state, force_N, contact_radius_m });
+    }
     const { pillars_in_contact: all, pillars_partially_in_contact: part } = summary;
     const radius = engineeringText(summary.contact_radius_m, "length", 3);
     return {
@@ -240,7 +247,11 @@ export function sceneOfPreview(preview) {
         }
     }
     return {
-        ...preview,
+        fraction: preview.fraction,
+        pitch_m: pitch,
+        diameter_m: preview.diameter_m,
+        offset_m: offset,
+        contact_radius_m: radius,
         beyond: false,
         pillars,
         forces_N: forces.map((force) => (force * preview.force_N) / sum),
