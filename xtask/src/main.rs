@@ -1,5 +1,6 @@
 //! `cargo xtask test`: every check, as continuous integration runs it.
 
+mod browser;
 mod python;
 
 use std::ffi::OsStr;
@@ -27,12 +28,21 @@ const CHECKS: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Comes last: it uses the program that the tests were run on.
-const PYTHON: &str = "python";
+/// A check that is no command of cargo: its name, what it runs, and how.
+type Other = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
+
+/// Come last: they use the program that the tests were run on.
+const OTHERS: [Other; 2] = [
+    ("python", "pytest tests/python", python::check),
+    ("browser", "pytest tests/browser", browser::check),
+];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let names = || CHECKS.iter().map(|(name, _)| *name).chain([PYTHON]);
+    let names = || {
+        let checks = CHECKS.iter().map(|(name, _)| *name);
+        checks.chain(OTHERS.map(|(name, ..)| name))
+    };
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => run_checks(|_| true),
         ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
@@ -64,18 +74,12 @@ fn run_checks(wanted: impl Fn(&str) -> bool) -> ExitCode {
             }
         }
     }
-    if wanted(PYTHON) {
-        return run_python(&cargo);
-    }
-    println!("== checks passed");
-    ExitCode::SUCCESS
-}
-
-fn run_python(cargo: &OsStr) -> ExitCode {
-    println!("== {PYTHON}: pytest tests/python");
-    if let Err(problem) = python::check(cargo) {
-        eprintln!("== {PYTHON} failed: {problem}");
-        return ExitCode::FAILURE;
+    for (name, words, check) in OTHERS.iter().filter(|(name, ..)| wanted(name)) {
+        println!("== {name}: {words}");
+        if let Err(problem) = check(&cargo) {
+            eprintln!("== {name} failed: {problem}");
+            return ExitCode::FAILURE;
+        }
     }
     println!("== checks passed");
     ExitCode::SUCCESS

@@ -18,31 +18,44 @@ const OLDEST: (u32, u32) = (3, 11);
 /// Tests of the files that are saved, by the program that was built for the other tests, and of the
 /// package, built as a wheel and installed as users do.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
-    let (python, target, program) = prepare(cargo)?;
-    let wheel = wheel(&python, &target)?;
+    let (python, program) = prepare(cargo, TESTS, "python")?;
+    let wheel = wheel(&python, &target_folder()?)?;
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--no-deps"])
         .args(["--disable-pip-version-check", "--force-reinstall"])
         .arg(&wheel))?;
-    run(Command::new(&python)
-        .args(["-m", "pytest", "--quiet", "--durations=10", "-p"])
-        .args(["no:cacheprovider", TESTS])
-        .env("PYTHONDONTWRITEBYTECODE", "1")
+    run(pytest(&python, TESTS)
         .env("FAKIR", program)
         .env("FAKIR_WHEEL", wheel))
 }
 
-/// The Python of the tests, the target folder, and the program, up to date.
-fn prepare(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), String> {
-    let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
-    let target = executable
-        .ancestors()
-        .nth(2)
-        .ok_or("the target folder is not known")?;
-    let python = environment(target)?;
+/// The Python of the tests in a folder, in an environment of this name, and the program, up to date.
+pub(crate) fn prepare(
+    cargo: &OsStr,
+    tests: &str,
+    name: &str,
+) -> Result<(PathBuf, PathBuf), String> {
+    let target = target_folder()?;
+    let python = environment(&target.join(name), tests)?;
     run(Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]))?;
-    let program = executable.with_file_name(format!("fakir{}", std::env::consts::EXE_SUFFIX));
-    Ok((python, target.to_owned(), program))
+    let program = format!("debug/fakir{}", std::env::consts::EXE_SUFFIX);
+    Ok((python, target.join(program)))
+}
+
+/// The target folder, which this program is in.
+pub(crate) fn target_folder() -> Result<PathBuf, String> {
+    let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
+    let target = executable.ancestors().nth(2).map(Path::to_owned);
+    target.ok_or_else(|| "the target folder is not known".to_owned())
+}
+
+pub(crate) fn pytest(python: &Path, tests: &str) -> Command {
+    let mut command = Command::new(python);
+    command
+        .args(["-m", "pytest", "--quiet", "--durations=10", "-p"])
+        .args(["no:cacheprovider", tests])
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    command
 }
 
 /// Builds the package with the settings of the tests, so that crates compiled for them serve again.
@@ -67,15 +80,14 @@ fn wheel(python: &Path, target: &Path) -> Result<PathBuf, String> {
     Ok(wheel.map_err(unreadable)?.path())
 }
 
-/// The Python of an environment with the packages that the tests need.
-fn environment(target: &Path) -> Result<PathBuf, String> {
+/// The Python of an environment in `folder`, with the packages that the tests need.
+fn environment(folder: &Path, tests: &str) -> Result<PathBuf, String> {
     let system = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let version = version(&system)?;
-    let list = Path::new(TESTS).join("requirements.txt");
+    let list = Path::new(tests).join("requirements.txt");
     let wanted = std::fs::read_to_string(&list)
         .map(|packages| format!("# Python {version}\n{packages}"))
         .map_err(|error| format!("cannot read {}: {error}", list.display()))?;
-    let folder = target.join("python");
     let python = folder.join(if cfg!(windows) {
         "Scripts/python.exe"
     } else {
@@ -87,7 +99,7 @@ fn environment(target: &Path) -> Result<PathBuf, String> {
     }
     run(Command::new(&system)
         .args(["-m", "venv", "--clear"])
-        .arg(&folder))?;
+        .arg(folder))?;
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--no-deps"])
         .args(["--disable-pip-version-check", "--requirement"])
@@ -101,7 +113,7 @@ fn environment(target: &Path) -> Result<PathBuf, String> {
 fn version(python: &str) -> Result<String, String> {
     let oldest = format!("{}.{}", OLDEST.0, OLDEST.1);
     let wanted = format!(
-        "Python {oldest} or later is needed to open the files that fakir saves; name it in the \
+        "Python {oldest} or later is needed for the checks; name it in the \
          environment variable PYTHON if it is not python3"
     );
     let output = Command::new(python)

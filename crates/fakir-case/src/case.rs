@@ -86,8 +86,10 @@ impl Case {
         }
     }
 
-    /// The value of a key in TOML; `None` if the case does without it.
-    pub(crate) fn value(&self, key: Key) -> Option<String> {
+    /// The value of a key as [`to_toml`](Self::to_toml) writes it, such as `"2.2 mm"` with its
+    /// quotes; `None` if the case does without it.
+    #[must_use]
+    pub fn value(&self, key: Key) -> Option<String> {
         let system = &self.system;
         let number = |value: f64| written_number(key, value);
         let word = |word: &str| format!("\"{word}\"");

@@ -78,6 +78,15 @@ pub(crate) enum Command {
     /// for a few hundred pillars, minutes for a few thousand.
     #[command(after_help = "Example: fakir compare case.toml")]
     Compare(Compare),
+    /// The explorer in the browser: every quantity of a case as a slider, the contact at once
+    ///
+    /// A server for this machine alone, whose address holds a random token; the page needs no
+    /// network. It starts with the case, or with the one that `fakir init` writes. Ctrl-C ends it.
+    #[cfg(feature = "explore")]
+    #[command(after_help = "Examples:
+  fakir explore
+  fakir explore case.toml --set texture.surface_fraction=0.2 --port 8080 --no-browser")]
+    Explore(Explore),
     /// What to cite for a result, a case, a study or a method
     #[command(after_help = "Example: fakir cite results --bibtex")]
     Cite(Cite),
@@ -138,6 +147,8 @@ impl Command {
             Self::Verify(_) => "verify",
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
+            #[cfg(feature = "explore")]
+            Self::Explore(_) => "explore",
             Self::Cite(_) => "cite",
             Self::Reproduce(_) => "reproduce",
             Self::Design(_) => "design",
@@ -288,6 +299,31 @@ pub(crate) struct Compare {
     pub(crate) case: CaseArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
+}
+
+#[cfg(feature = "explore")]
+#[derive(Debug, Args)]
+pub(crate) struct Explore {
+    /// Case file (TOML) to begin with; `-` for standard input
+    pub(crate) case: Option<PathBuf>,
+    /// Override a key of the case, as in texture.pitch=20um; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Port to listen on; any free one unless given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) port: Option<u16>,
+    /// Only print the address, and leave the browser alone
+    #[arg(long)]
+    pub(crate) no_browser: bool,
+    /// Threads to share the work between; 0 for as many as there are processors
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) threads: usize,
+    /// Memory a computation may take (kB, MB, GB)
+    #[arg(long, value_name = "SIZE", default_value = "2GB", value_parser = memory)]
+    pub(crate) memory_limit: usize,
+    /// No lines on requests that were refused
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]

@@ -33,6 +33,9 @@ pub(crate) enum Failure {
     Fit(#[from] FitError),
     #[error(transparent)]
     Study(#[from] StudyError),
+    #[cfg(feature = "explore")]
+    #[error(transparent)]
+    Explore(#[from] fakir_explore::ExploreError),
     #[error(transparent)]
     Figure(FigureError),
     #[error("{0}")]
@@ -117,6 +120,8 @@ impl Failure {
         ExitCode::from(match self {
             Self::OutputClosed => 0,
             interrupted if interrupted.is_interruption() => INTERRUPTED,
+            #[cfg(feature = "explore")]
+            Self::Explore(_) => 2,
             Self::Solve(SolveError::InvalidQuantity(_))
             | Self::Surface(SurfaceError::InvalidQuantity(_))
             | Self::Case(_)

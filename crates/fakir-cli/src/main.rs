@@ -19,6 +19,7 @@ use fakir_case::{Case, CaseFile};
 use report::Report;
 use session::Session;
 use std::io::Read;
+use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -35,6 +36,8 @@ fn main() -> ExitCode {
 fn run(command: &Command) -> Result<ExitCode, Failure> {
     match command {
         Command::Init(options) => commands::init::run(options),
+        #[cfg(feature = "explore")]
+        Command::Explore(options) => commands::explore::run(options, explored_case(options)?),
         Command::Cite(options) => commands::cite::run(options),
         Command::Reproduce(options) => commands::reproduce::run(options),
         Command::Transition(options) => {
@@ -169,15 +172,35 @@ fn deliver(
 }
 
 fn read_case(options: &CaseArguments) -> Result<CaseFile, Failure> {
-    let mut file = if options.case.as_os_str() == "-" {
+    case_file(&options.case, &options.set)
+}
+
+fn case_file(path: &Path, set: &[String]) -> Result<CaseFile, Failure> {
+    let mut file = if path.as_os_str() == "-" {
         CaseFile::from_bytes(STANDARD_INPUT, standard_input()?)?
     } else {
-        CaseFile::read(&options.case)?
+        CaseFile::read(path)?
     };
-    for argument in &options.set {
+    for argument in set {
         file.set(argument)?;
     }
     Ok(file)
+}
+
+/// The case to begin with: that of a file, or the one that `fakir init` writes.
+#[cfg(feature = "explore")]
+fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
+    let file = match &options.case {
+        Some(path) => case_file(path, &options.set)?,
+        None => {
+            let mut file = CaseFile::parse("the case of fakir init", &Case::example().to_toml())?;
+            for argument in &options.set {
+                file.set(argument)?;
+            }
+            file
+        }
+    };
+    Ok(file.case()?)
 }
 
 /// What errors call it.

@@ -51,6 +51,7 @@ impl Session {
             progress: Some(&self.listener),
             pool: self.pool.as_ref(),
             memory_limit: Some(self.memory_limit),
+            ..Run::default()
         }
     }
 

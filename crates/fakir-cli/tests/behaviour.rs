@@ -250,3 +250,33 @@ fn help_has_an_example_for_every_command() {
         );
     }
 }
+
+#[test]
+#[cfg(feature = "explore")]
+fn the_explorer_says_what_keeps_it_from_starting() {
+    let bench = Bench::new();
+    let busy = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let port = busy.local_addr().unwrap().port().to_string();
+    let outcome = bench.run(&["explore", "--no-browser", "--port", &port]);
+    assert_eq!(outcome.status, Some(2));
+    let told = outcome.stderr;
+    assert!(
+        told.starts_with(&format!("error: port {port} is in use: port ")),
+        "{told}"
+    );
+    assert!(told.contains(" is free, give --port "), "{told}");
+    let outcome = bench.run(&["explore", "--no-browser", "--set", "lens.raduis=1m"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("did you mean lens.radius?"),
+        "{}",
+        outcome.stderr
+    );
+    let outcome = bench.run(&["explore", "missing.toml"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("cannot read missing.toml"),
+        "{}",
+        outcome.stderr
+    );
+}

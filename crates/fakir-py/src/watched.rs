@@ -59,6 +59,7 @@ pub(crate) fn watched<T: Send>(
         progress: options.progress.as_ref().map(|_| &listener as _),
         pool: pool.as_ref(),
         memory_limit: options.memory_limit,
+        ..Run::default()
     };
     let look = || {
         Python::attach(|py| {

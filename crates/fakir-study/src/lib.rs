@@ -30,7 +30,7 @@
 //!   [`spread`](mod@spread) draws samples about a case; [`fit`](mod@fit) finds moduli and instrument
 //!   parameters from measured loading curves.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
-//! * [`summary`] is what a single answer is as JSON.
+//! * [`summary`] is what a single answer is as JSON, [`pillars`] its table of pillars.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
 //!   files that are there whole or not at all.
 
@@ -43,6 +43,7 @@ pub mod fit;
 mod folder;
 mod journal;
 pub mod output;
+pub mod pillars;
 mod plan;
 pub mod provenance;
 pub mod spread;

@@ -89,6 +89,22 @@ impl Provenance {
         File::new(FILE_NAME, self.to_json())
     }
 
+    /// All of it but the citations in a few lines of text, to be written into figures.
+    #[must_use]
+    pub fn stamp(&self) -> String {
+        let Self {
+            fakir_version,
+            question,
+            method,
+            reference_doi,
+            case,
+            ..
+        } = self;
+        format!(
+            "fakir {fakir_version}: {question}, {method}\nhttps://doi.org/{reference_doi}\n\n{case}"
+        )
+    }
+
     /// Names and texts to be written into files that hold attributes, such as netCDF.
     #[must_use]
     pub fn attributes(&self) -> [(&'static str, String); 5] {

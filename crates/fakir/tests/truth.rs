@@ -716,6 +716,31 @@ fn running_computations_stop() {
     }
 }
 
+/// On the way to a result come the punch lattice's, and the result without its error; listening
+/// changes nothing.
+#[test]
+fn interim_states_lead_to_the_result() {
+    let system = intermediate(0.1, 0.2, 0.0);
+    let told = std::sync::Mutex::new(Vec::new());
+    let listener = |state: &ContactState| told.lock().unwrap().push(state.clone());
+    let run = Run {
+        interim: Some(&listener),
+        ..Run::default()
+    };
+    let load = Load::Indentation(3e-6);
+    let critical = fakir::transition(&system, Method::default(), &run).unwrap();
+    let pressed = fakir::press(&system, load, Method::default(), &run).unwrap();
+    let told = told.into_inner().unwrap();
+    let punch = fakir::transition(&system, PUNCH, &Run::default()).unwrap();
+    let pressed_punch = press(&system, load, PUNCH);
+    let unheard = press(&system, load, Method::default());
+    let forces = [&punch.contact, &critical.contact, &pressed_punch, &unheard].map(|s| s.force);
+    assert_eq!(told.iter().map(|s| s.force).collect::<Vec<_>>(), forces);
+    assert!(told[1].error.force.is_nan() && told[3].error.indentation.is_nan());
+    assert_eq!(pressed.force.to_bits(), unheard.force.to_bits());
+    assert_eq!(pressed.error, unheard.error);
+}
+
 #[test]
 fn memory_is_limited() {
     let system = intermediate(0.1, 0.0, 0.0);

@@ -5,6 +5,8 @@ pub(crate) mod cite;
 mod closed_forms;
 pub(crate) mod compare;
 pub(crate) mod design;
+#[cfg(feature = "explore")]
+pub(crate) mod explore;
 pub(crate) mod fit;
 pub(crate) mod init;
 pub(crate) mod press;

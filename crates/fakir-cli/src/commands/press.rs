@@ -4,15 +4,14 @@ use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{
-    QuantityList, RADIUS_DIGITS, load_words, pillar_table, texture_line, warnings,
-};
+use crate::report::state::{QuantityList, RADIUS_DIGITS, load_words, texture_line, warnings};
 use crate::report::{Report, json};
 use crate::session::Session;
 use fakir::contact::{ContactState, CriticalState, Load, Normalized, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
+use fakir_study::pillars;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::summary::PressSummary;
 use std::time::Instant;
@@ -37,7 +36,7 @@ pub(crate) fn run(
         &[Topic::Method(case.method)],
         case.to_toml(),
     );
-    let mut tables = pillar_table(&state);
+    let mut tables = Vec::from_iter(pillars::table(&state));
     tables.extend(maps.files(&state, &provenance, session)?);
     let figures = figures::files(&state, None, maps, &provenance, session)?;
     tables.extend(figures);

@@ -4,13 +4,14 @@ use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{QuantityList, RADIUS_DIGITS, pillar_table, texture_line, warnings};
+use crate::report::state::{QuantityList, RADIUS_DIGITS, texture_line, warnings};
 use crate::report::{Report, json};
 use crate::session::Session;
 use fakir::contact::{CriticalState, Regime};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
+use fakir_study::pillars;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::summary::TransitionSummary;
 use std::time::Instant;
@@ -26,7 +27,7 @@ pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, 
         &[Topic::Method(case.method)],
         case.to_toml(),
     );
-    let mut tables = pillar_table(state);
+    let mut tables = Vec::from_iter(pillars::table(state));
     tables.extend(maps.files(state, &provenance, session)?);
     let floor_contact = Some(critical.floor_contact);
     let figures = figures::files(state, floor_contact, maps, &provenance, session)?;

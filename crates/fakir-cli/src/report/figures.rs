@@ -51,17 +51,7 @@ pub(crate) fn files(
 
 /// A figure as files.
 pub(crate) fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
-    let Provenance {
-        fakir_version,
-        question,
-        method,
-        reference_doi,
-        case,
-        ..
-    } = provenance;
-    let figure = figure.with_provenance(&format!(
-        "fakir {fakir_version}: {question}, {method}\nhttps://doi.org/{reference_doi}\n\n{case}"
-    ));
+    let figure = figure.with_provenance(&provenance.stamp());
     let name = figure.name();
     [
         File::new(format!("{name}.svg"), figure.svg()),

@@ -1,13 +1,10 @@
 //! What the reports of contact states have in common.
 
-use super::csv;
 use super::table::list;
 use crate::numbers::{DIGITS, digits, scaled, seconds, significant, with_unit};
 use fakir::contact::{ContactState, ErrorEstimate, Load, Method, Normalized};
 use fakir::system::System;
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_study::output::File;
-use serde::Serialize;
 
 /// Digits shown of contact radii, which have no error estimate: where the contact edge crosses
 /// pillars, default and accurate solutions differ in the fourth.
@@ -18,42 +15,6 @@ const MODEL_DIGITS: usize = 4;
 
 /// The version stamped into every result.
 pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// A pillar in `pillars.csv`.
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct PillarRow {
-    i: i64,
-    j: i64,
-    x_m: f64,
-    y_m: f64,
-    status: &'static str,
-    force_N: f64,
-    centre_pressure_Pa: f64,
-    smallest_edge_coefficient_Pa: Option<f64>,
-    largest_edge_coefficient_Pa: Option<f64>,
-}
-
-/// The touched pillars as a table; none from methods that do not resolve pillars.
-pub(crate) fn pillar_table(state: &ContactState) -> Vec<File> {
-    if state.pillars.is_empty() {
-        return Vec::new();
-    }
-    vec![csv(
-        "pillars.csv",
-        state.pillars.iter().map(|pillar| PillarRow {
-            i: pillar.index.0,
-            j: pillar.index.1,
-            x_m: pillar.centre[0],
-            y_m: pillar.centre[1],
-            status: pillar.status.name(),
-            force_N: pillar.force,
-            centre_pressure_Pa: pillar.centre_pressure,
-            smallest_edge_coefficient_Pa: pillar.edge_coefficient.map(|range| range[0]),
-            largest_edge_coefficient_Pa: pillar.edge_coefficient.map(|range| range[1]),
-        }),
-    )]
-}
 
 /// A load in words: `contact under a force of 20 uN`.
 pub(crate) fn load_words(load: Load) -> String {

@@ -30,6 +30,12 @@ use std::sync::Arc;
 /// Relative error claimed for a contact inside one pillar top.
 const PATCH_ERROR: f64 = 1e-8;
 
+/// An error that is not estimated yet.
+const UNKNOWN: ErrorEstimate = ErrorEstimate {
+    force: f64::NAN,
+    indentation: f64::NAN,
+};
+
 /// What the punch lattices leave out, relative, plain and corrected: the largest differences from
 /// the spectral method at surface fractions up to 0.2. They do not refine, so this cannot be
 /// estimated from within.
@@ -141,18 +147,30 @@ fn solve(
     let state = match method {
         PillarMethod::Spectral(accuracy) => {
             let degrees = degrees(accuracy, problem);
-            let mut solution = solve_spectral(problem, target, guess, degrees, run)?;
-            let error = refined(&mut solution, target, degrees, run)?;
-            assemble(system, problem, target, method, solution, error)?
+            let mut punch = solve_punch(problem, target, guess, PunchForm::Corrected, run)?;
+            // Under a prescribed force a state is assembled at the cost of the solution.
+            let listener = run.interim.filter(|_| !matches!(target, Target::Force(_)));
+            if let Some(listener) = listener {
+                let lattice = PillarMethod::Punch(PunchForm::Corrected);
+                let error = punch_error(PunchForm::Corrected, target, &punch);
+                let state = assemble(system, problem, target, lattice, &mut punch, error)?;
+                listener(&state);
+            }
+            let mut solution = solve_spectral(problem, target, punch, degrees, run)?;
+            if let Some(listener) = listener {
+                let mut state = assemble(system, problem, target, method, &mut solution, UNKNOWN)?;
+                listener(&state);
+                state.error = refined(&mut solution, target, degrees, run)?;
+                state
+            } else {
+                let error = refined(&mut solution, target, degrees, run)?;
+                assemble(system, problem, target, method, &mut solution, error)?
+            }
         }
         PillarMethod::Punch(form) => {
-            let solution = solve_punch(problem, target, guess, form, run)?;
-            let error = match form {
-                PunchForm::Plain => PUNCH_ERROR[0],
-                PunchForm::Corrected => PUNCH_ERROR[1],
-            };
-            let error = unknowns_only(target, solution.outcome.termination, [error; 2]);
-            assemble(system, problem, target, method, solution, error)?
+            let mut solution = solve_punch(problem, target, guess, form, run)?;
+            let error = punch_error(form, target, &solution);
+            assemble(system, problem, target, method, &mut solution, error)?
         }
         PillarMethod::Love(mesh) => {
             let solution = pillars::solve(problem, target, guess, mesh, run)?;
@@ -161,6 +179,15 @@ fn solve(
     };
     let alone = state.pillars.len() == 1 && is_under_axis(problem, state.pillars[0].centre);
     Ok((state, alone))
+}
+
+/// What a punch lattice leaves out.
+fn punch_error(form: PunchForm, target: Target, solution: &Solution<'_>) -> ErrorEstimate {
+    let error = match form {
+        PunchForm::Plain => PUNCH_ERROR[0],
+        PunchForm::Corrected => PUNCH_ERROR[1],
+    };
+    unknowns_only(target, solution.outcome.termination, [error; 2])
 }
 
 /// Pillars touched above which the homogenised lattice knows the contact radius well.
@@ -405,11 +432,11 @@ fn assemble(
     problem: &Problem,
     target: Target,
     method: PillarMethod,
-    solution: Solution<'_>,
+    solution: &mut Solution<'_>,
     error: ErrorEstimate,
 ) -> Result<ContactState, SolveError> {
     let Solution {
-        mut newton,
+        newton,
         outcome,
         steps,
     } = solution;
@@ -419,7 +446,7 @@ fn assemble(
         Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(indentation),
     };
     newton.run.check_cancelled()?;
-    let mut touched = touched_pillars(problem, &newton, &outcome);
+    let mut touched = touched_pillars(problem, newton, outcome);
     let force = share_force(&mut touched, target, problem);
     let contact_radius = farthest_contact(&newton, indentation, &touched);
     let ratio = contact_radius / problem.lens.radius;
@@ -455,7 +482,7 @@ fn assemble(
         fields: Some(Arc::new(fields)),
         error,
         termination: outcome.termination,
-        iterations: steps,
+        iterations: *steps,
         warnings: contact_warnings(ratio),
         ..ContactState::untouched(system, method.into(), indentation * problem.length)
     };

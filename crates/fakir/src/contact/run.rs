@@ -1,7 +1,7 @@
 //! How a computation is run, as opposed to what is computed: cancellation,
 //! progress, threads, memory; and how it ended.
 
-use super::SolveError;
+use super::{ContactState, SolveError};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -77,6 +77,10 @@ pub struct Run<'a> {
     pub cancel: CancelToken,
     /// Told what is going on, every Newton step.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+    /// Told what there is on the way to a contact by the spectral method: the contact of the corrected
+    /// punch lattice, from which it starts, and its own solution before the error is estimated (the
+    /// estimate is then NaN). Not told under a prescribed force, or of a contact inside one pillar.
+    pub interim: Option<&'a (dyn Fn(&ContactState) + Sync)>,
     /// Threads to share the work between; without it everything runs on the calling thread.
     pub pool: Option<&'a rayon::ThreadPool>,
     /// Most memory to use, bytes; 8 GB if not set.

@@ -84,11 +84,10 @@ pub(crate) fn solve_punch<'a>(
 pub(crate) fn solve_spectral<'a>(
     problem: &'a Problem,
     target: Target,
-    contact_radius: Option<f64>,
+    punch: Solution<'a>,
     degrees: Degrees,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
-    let punch = solve_punch(problem, target, contact_radius, PunchForm::Corrected, run)?;
     let mut steps = punch.steps;
     let mut coarse = punch.newton;
     let pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);

@@ -1,0 +1,46 @@
+//! `fakir explore`: the explorer in the browser.
+
+use crate::arguments::Explore;
+use crate::failure::{Failure, tell};
+use crate::session::stop_on_interrupt;
+use fakir::contact::CancelToken;
+use fakir_case::Case;
+use fakir_explore::{Explorer, Options};
+use std::process::ExitCode;
+use tracing_subscriber::filter::LevelFilter;
+
+/// Serves until Ctrl-C, which is how it is meant to end.
+pub(crate) fn run(arguments: &Explore, case: Case) -> Result<ExitCode, Failure> {
+    log(arguments.quiet);
+    let explorer = Explorer::bind(&Options {
+        case,
+        port: arguments.port,
+        threads: arguments.threads,
+        memory_limit: arguments.memory_limit,
+    })?;
+    let address = explorer.address();
+    let stop = CancelToken::default();
+    stop_on_interrupt(stop.clone());
+    tell(&format!("exploring at {address}"));
+    tell("Ctrl-C ends it");
+    if !arguments.no_browser && open::that_detached(&address).is_err() {
+        tell("no browser could be opened: go to the address above");
+    }
+    explorer.run(&stop)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Requests that are refused are told on standard error.
+fn log(quiet: bool) {
+    let level = if quiet {
+        LevelFilter::ERROR
+    } else {
+        LevelFilter::WARN
+    };
+    tracing_subscriber::fmt()
+        .with_max_level(level)
+        .with_writer(std::io::stderr)
+        .with_ansi(false)
+        .with_target(false)
+        .init();
+}

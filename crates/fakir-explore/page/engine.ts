@@ -1,0 +1,235 @@
+// Questions to the server: of each kind the newest counts, and answers come line by line.
+
+export type Value = number | string;
+export type Values = Record<string, Value>;
+
+export interface Refusal {
+  readonly key: string | null;
+  readonly message: string;
+  readonly accepted: string | null;
+}
+
+export interface Progress {
+  readonly stage: string;
+  readonly step: number;
+  readonly pillars: number;
+  readonly touched: number;
+}
+
+export interface ErrorEstimate {
+  readonly force: number;
+  readonly indentation: number;
+}
+
+export interface TransitionSummary {
+  readonly method: string;
+  readonly regime: "top_first" | "bottom_first";
+  readonly surface_fraction: number;
+  readonly pitch_m: number;
+  readonly critical_force_N: number;
+  readonly critical_indentation_m: number;
+  readonly critical_contact_radius_m: number;
+  readonly top_contact_radius_m: number;
+  readonly pillars_in_contact: number;
+  readonly pillars_partially_in_contact: number;
+  readonly normalized: { force: number; contact_radius: number; indentation: number };
+  readonly relative_error_estimate: ErrorEstimate;
+  readonly converged: boolean;
+  readonly iterations: number;
+  readonly wall_time_s: number;
+}
+
+export interface PressSummary {
+  readonly method: string;
+  readonly force_N: number;
+  readonly indentation_m: number;
+  readonly contact_radius_m: number;
+  readonly pillars_in_contact: number;
+  readonly pillars_partially_in_contact: number;
+  readonly smallest_floor_gap_m: number;
+  readonly beyond_transition: boolean;
+  readonly relative_error_estimate: ErrorEstimate;
+  readonly converged: boolean;
+  readonly wall_time_s: number;
+}
+
+export type Point = readonly [number, number];
+
+export interface State {
+  /** By the punch lattice, within a per cent or two. */
+  readonly approximate: boolean;
+  readonly fraction: number;
+  readonly summary: PressSummary;
+  /** F gamma_int/(h d), a/e, zeta/h */
+  readonly normalized: readonly [number, number, number];
+  readonly pitch_m: number;
+  readonly diameter_m: number;
+  readonly offset_m: Point;
+  readonly pillars: readonly number[];
+  readonly pillar_forces_N: readonly number[];
+  readonly pillar_statuses: string;
+  readonly floor_contacts_m: readonly Point[];
+  readonly warnings: readonly string[];
+}
+
+/** What is shown until a state is solved for. */
+export interface Preview {
+  readonly fraction: number;
+  readonly critical_force_N: number;
+  readonly critical_indentation_m: number;
+  readonly critical_contact_radius_m: number;
+  readonly force_N: number;
+  readonly contact_radius_m: number;
+  readonly pitch_m: number;
+  readonly diameter_m: number;
+  readonly offset_m: Point;
+}
+
+export interface Section {
+  readonly x_m: readonly number[];
+  readonly lens_m: readonly number[];
+  readonly surface_m: readonly number[];
+}
+
+export interface CurvePoint {
+  readonly surface_fraction: number;
+  readonly force_N: number;
+  readonly contact_radius_m: number;
+  readonly indentation_m: number;
+  readonly normalized: Point;
+}
+
+export interface Texts {
+  readonly toml: string;
+  readonly command: string;
+  readonly python: string;
+}
+
+/** A line of an answer: one of these. */
+export interface Line {
+  readonly progress?: Progress;
+  readonly refused?: Refusal;
+  readonly preview?: Preview;
+  readonly critical?: TransitionSummary;
+  readonly state?: State;
+  readonly case?: Texts;
+  readonly section?: Section | null;
+  readonly formulas?: {
+    readonly method: string;
+    readonly small_contact: readonly CurvePoint[];
+    readonly large_contact: readonly CurvePoint[];
+  };
+  readonly homogenised?: readonly CurvePoint[];
+  readonly point?: CurvePoint;
+  readonly complete?: { readonly largest_surface_fraction: number };
+  readonly transition?: readonly Point[];
+  readonly path?: readonly [number, number, number];
+}
+
+export interface Start {
+  readonly version: string;
+  readonly case: Values;
+  readonly colours: readonly (readonly [number, number, number])[];
+  readonly farthest_load: number;
+}
+
+export type Kind = "contact" | "curves" | "phase" | "export";
+
+const TOKEN = location.pathname.split("/")[1] ?? "";
+
+/** The name of this page among others of the same server. */
+const SESSION = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) =>
+  byte.toString(16).padStart(2, "0"),
+).join("");
+
+/** What goes with the refusal of a request, or the reason why none came. */
+export class Refused extends Error {
+  constructor(readonly refusal: Refusal) {
+    super(refusal.message);
+  }
+}
+
+const running = new Map<Kind, AbortController>();
+let sequence = 0;
+
+/** Calls off a question, on the server too. */
+export function cancel(kind: Kind): void {
+  running.get(kind)?.abort();
+  running.delete(kind);
+}
+
+/** Asks; `listen` is told every line as it comes. False if a newer question took its place. */
+export async function ask(
+  kind: Kind,
+  question: object,
+  listen: (line: Line) => void,
+): Promise<boolean> {
+  const controller = begin(kind);
+  try {
+    const response = await post(kind, question, controller.signal);
+    if (response === null || response.body === null) return false;
+    const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+    let rest = "";
+    for (;;) {
+      const { value, done } = await reader.read();
+      if (done) break;
+      const lines = (rest + value).split("\n");
+      rest = lines.pop() ?? "";
+      for (const text of lines) {
+        const line = JSON.parse(text) as Line;
+        if (line.refused) throw new Refused(line.refused);
+        listen(line);
+      }
+    }
+    return true;
+  } catch (error) {
+    if (controller.signal.aborted) return false;
+    throw error;
+  } finally {
+    if (running.get(kind) === controller) running.delete(kind);
+  }
+}
+
+/** Asks for a file. */
+export async function fetchFile(question: object): Promise<Blob | null> {
+  const controller = begin("export");
+  const response = await post("export", question, controller.signal);
+  return response === null ? null : response.blob();
+}
+
+function begin(kind: Kind): AbortController {
+  cancel(kind);
+  const controller = new AbortController();
+  running.set(kind, controller);
+  return controller;
+}
+
+/** The answer; null if a newer question took its place. */
+async function post(kind: Kind, question: object, signal: AbortSignal): Promise<Response | null> {
+  sequence += 1;
+  const body = JSON.stringify({ ticket: { session: SESSION, sequence }, ...question });
+  let response: Response;
+  try {
+    response = await fetch(`/api/${kind}`, {
+      method: "POST",
+      headers: { "content-type": "application/json", "x-fakir-token": TOKEN },
+      body,
+      signal,
+    });
+  } catch (error) {
+    if (signal.aborted) throw error;
+    throw new Refused({
+      key: null,
+      message: "fakir does not answer",
+      accepted: "start `fakir explore` again; it prints a new address",
+    });
+  }
+  if (response.ok) return response;
+  if (response.status === 409) return null;
+  throw new Refused((await response.json()) as Refusal);
+}
+
+/** What the page begins with. */
+export async function start(): Promise<Start> {
+  return (await (await fetch("start.json")).json()) as Start;
+}

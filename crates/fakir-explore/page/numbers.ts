@@ -1,0 +1,146 @@
+// Numbers for people: units with prefixes, and as many digits as are known.
+
+export type Dimension = "length" | "pressure" | "force" | "angle" | "number";
+
+interface Unit {
+  readonly symbol: string;
+  /** Power of ten in SI units; none for degrees. */
+  readonly power: number | null;
+}
+
+const UNITS: Record<Dimension, readonly Unit[]> = {
+  length: [
+    { symbol: "m", power: 0 },
+    { symbol: "mm", power: -3 },
+    { symbol: "µm", power: -6 },
+    { symbol: "nm", power: -9 },
+  ],
+  pressure: [
+    { symbol: "GPa", power: 9 },
+    { symbol: "MPa", power: 6 },
+    { symbol: "kPa", power: 3 },
+    { symbol: "Pa", power: 0 },
+  ],
+  force: [
+    { symbol: "N", power: 0 },
+    { symbol: "mN", power: -3 },
+    { symbol: "µN", power: -6 },
+    { symbol: "nN", power: -9 },
+  ],
+  angle: [{ symbol: "°", power: null }],
+  number: [],
+};
+
+const DEGREE = Math.PI / 180;
+
+/** A number and its unit, apart. */
+export interface Quantity {
+  readonly number: string;
+  readonly unit: string;
+}
+
+/** Digits of a value with this relative error that mean something, two to six. */
+export function digitsFor(error: number): number {
+  if (!(error > 0)) return 6;
+  return Math.min(6, Math.max(2, Math.ceil(-Math.log10(error))));
+}
+
+/** A number in so many digits, with a power of ten only where zeros would hide it. */
+export function significant(value: number, digits: number): string {
+  if (value === 0) return "0";
+  if (!Number.isFinite(value)) return "–";
+  const [mantissa = "0", exponent = "0"] = value.toExponential(digits - 1).split("e");
+  const power = Number(exponent);
+  if (power < -3 || power >= Math.max(digits, 6)) {
+    return `${minus(mantissa)} · 10^{${minus(String(power))}}`;
+  }
+  const decimals = Math.max(0, digits - 1 - power);
+  return minus(Number(`${mantissa}e${power}`).toFixed(decimals));
+}
+
+/** A number in its shortest form. */
+export function plain(value: number): string {
+  const text = String(value);
+  const [mantissa = "", exponent] = text.split("e");
+  return exponent === undefined ? minus(text) : `${minus(mantissa)}e${exponent}`;
+}
+
+function minus(text: string): string {
+  return text.replace("-", "−");
+}
+
+/** The unit in which a value has one to three digits before the point. */
+function unitFor(value: number, dimension: Dimension): Unit | null {
+  const units = UNITS[dimension];
+  const size = Math.abs(value);
+  const fitting = units.find((unit) => unit.power !== null && size >= 0.9999995 * 10 ** unit.power);
+  return fitting ?? units[units.length - 1] ?? null;
+}
+
+/** A value in the unit that suits it. */
+export function engineering(value: number, dimension: Dimension, digits: number): Quantity {
+  if (dimension === "angle") return { number: significant(value / DEGREE, digits), unit: "°" };
+  const unit = value === 0 ? (UNITS[dimension][0] ?? null) : unitFor(value, dimension);
+  if (unit === null || unit.power === null) return { number: significant(value, digits), unit: "" };
+  return { number: significant(value / 10 ** unit.power, digits), unit: unit.symbol };
+}
+
+/** The same in one text. */
+export function engineeringText(value: number, dimension: Dimension, digits: number): string {
+  const { number, unit } = engineering(value, dimension, digits);
+  return unit === "" ? number : `${number} ${unit}`;
+}
+
+/** A value to be edited: its shortest digits, with the decimal point moved for the unit. */
+export function editable(value: number, dimension: Dimension): string {
+  if (dimension === "number") return String(value);
+  if (dimension === "angle") return `${Number((value / DEGREE).toPrecision(12))} deg`;
+  const unit = unitFor(value, dimension);
+  if (unit === null || unit.power === null) return String(value);
+  const [mantissa = "0", exponent = "0"] = value.toExponential().split("e");
+  return `${Number(`${mantissa}e${Number(exponent) - unit.power}`)} ${unit.symbol}`;
+}
+
+const NUMBER = /^\s*([+-]?(?:\d+\.?\d*|\.\d+))(?:e([+-]?\d+))?\s*(\S*)\s*$/i;
+
+/** The value in SI units of what was typed; null if that cannot be told here. */
+export function parse(text: string, dimension: Dimension): number | null {
+  const parts = NUMBER.exec(text.replace("−", "-"));
+  if (parts === null) return null;
+  const [, digits = "", exponent = "0", symbol = ""] = parts;
+  if (symbol === "") return Number(`${digits}e${exponent}`);
+  if (dimension === "angle") {
+    if (symbol === "°" || symbol === "deg") return Number(`${digits}e${exponent}`) * DEGREE;
+    return symbol === "rad" ? Number(`${digits}e${exponent}`) : null;
+  }
+  const name = symbol.replace(/^[uμ]/, "µ");
+  const unit = UNITS[dimension].find((unit) => unit.symbol === name);
+  if (unit === undefined || unit.power === null) return null;
+  return Number(`${digits}e${Number(exponent) + unit.power}`);
+}
+
+/** Puts a text into an element, with what stands in `^{}` raised and in `_{}` lowered. */
+export function write(element: Element, text: string): void {
+  const svg = element instanceof SVGElement;
+  const parts = text.split(/(\^\{[^}]*\}|_\{[^}]*\})/);
+  element.replaceChildren();
+  let shift = 0;
+  for (const part of parts) {
+    if (part === "") continue;
+    const raised = part.startsWith("^{");
+    const level = raised ? -0.45 : part.startsWith("_{") ? 0.25 : 0;
+    const words = level === 0 ? part : part.slice(2, -1);
+    if (!svg) {
+      const child = level === 0 ? words : document.createElement(raised ? "sup" : "sub");
+      if (child instanceof HTMLElement) child.textContent = words;
+      element.append(child);
+      continue;
+    }
+    const span = document.createElementNS("http://www.w3.org/2000/svg", "tspan");
+    span.textContent = words;
+    if (level !== shift) span.setAttribute("dy", `${(level - shift).toFixed(2)}em`);
+    if (level !== 0) span.setAttribute("class", "small");
+    shift = level;
+    element.append(span);
+  }
+}

@@ -1,0 +1,610 @@
+//! The answers: contacts with their pillars and section, curves over the surface fraction, and the
+//! phase diagram. Everything is in SI units, with the unit in the name.
+
+use crate::jobs::{Failure, Worker};
+use crate::lines;
+use crate::request::{self, LoadPoint, at_fraction, expected_pillars};
+use fakir::contact::{
+    Accuracy, ContactState, CriticalState, Load, Method, Normalized, PillarStatus, Run,
+};
+use fakir::system::{Point, System};
+use fakir::theory::closed_forms::{self, Form, TransitionEstimate};
+use fakir::theory::homogenised;
+use fakir_case::Case;
+use fakir_study::summary::{PressSummary, TransitionSummary};
+use serde::Serialize;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Points across a section, besides those at pillar edges.
+const SECTION_POINTS: usize = 200;
+
+/// Places beside a pillar edge, in pillar radii: the surfaces are steep there.
+const BESIDE: [f64; 2] = [1e-6, 0.08];
+
+/// With more pillars than this there is something to see before they are solved for.
+const PREVIEW_PILLARS: f64 = 800.0;
+
+/// More pillars than this are not solved for in the background.
+const CURVE_PILLARS: f64 = 4000.0;
+
+/// Points of the exact curves, a power of two and one.
+const CURVE_POINTS: usize = 33;
+
+/// Surface fractions of the curves, as in the paper.
+const FRACTIONS: [f64; 2] = [3e-4, 0.25];
+
+/// Where on the way to the critical state and beyond the loading path is computed.
+const PATH_FRACTIONS: [f64; 16] = [
+    0.5, 0.1, 0.02, 0.25, 0.75, 1.25, 0.05, 0.9, 0.35, 0.6, 0.15, 1.1, 0.005, 1.4, 0.001, 0.8,
+];
+
+/// A contact, and how it was come by.
+pub(crate) struct Solved {
+    pub(crate) critical: Option<(CriticalState, f64)>,
+    /// Another state than the critical one, and the time it took, s.
+    pub(crate) pressed: Option<(ContactState, f64)>,
+}
+
+impl Solved {
+    /// The state that is shown, and the time it took, s.
+    pub(crate) fn state(&self) -> Option<(&ContactState, f64)> {
+        let critical = self.critical.as_ref().map(|(c, time)| (&c.contact, *time));
+        let pressed = self.pressed.as_ref().map(|(state, time)| (state, *time));
+        pressed.or(critical)
+    }
+
+    /// Where the floor is touched, if it is just touched in the state that is shown.
+    pub(crate) fn floor_contact(&self) -> Option<Point> {
+        match (&self.critical, &self.pressed) {
+            (Some((critical, _)), None) => Some(critical.floor_contact),
+            _ => None,
+        }
+    }
+}
+
+/// Solves for a state on the way to the critical one. `interim` is told what can be
+/// shown of it before, `found` the critical state; with the time it took so far, s.
+pub(crate) fn solve(
+    case: &Case,
+    load: LoadPoint,
+    worker: &Worker,
+    interim: &(dyn Fn(&ContactState, f64) + Sync),
+    found: impl FnOnce(&CriticalState, f64),
+) -> Result<Solved, Failure> {
+    let known = load.critical_indentation_m;
+    let is_critical = load.is_critical();
+    let start = Instant::now();
+    let listener = |state: &ContactState| interim(state, start.elapsed().as_secs_f64());
+    let listener: &(dyn Fn(&ContactState) + Sync) = &listener;
+    let with = |is_shown: bool| Run {
+        interim: is_shown.then_some(listener),
+        ..worker.run()
+    };
+    let critical = if is_critical || known.is_none() {
+        let critical = fakir::transition(&case.system, case.method, &with(is_critical))?;
+        let wall_time = start.elapsed().as_secs_f64();
+        found(&critical, wall_time);
+        Some((critical, wall_time))
+    } else {
+        None
+    };
+    let target = match &critical {
+        Some((critical, _)) => critical.contact.indentation,
+        None => known.unwrap_or_default(),
+    };
+    let pressed = if is_critical {
+        None
+    } else {
+        let load = Load::Indentation(indentation(case, target, load.fraction));
+        let state = fakir::press(&case.system, load, case.method, &with(true))?;
+        Some((state, start.elapsed().as_secs_f64()))
+    };
+    Ok(Solved { critical, pressed })
+}
+
+/// The indentation, m, at a fraction of the way from first touch to the critical state.
+pub(crate) fn indentation(case: &Case, critical: f64, fraction: f64) -> f64 {
+    let touch = first_touch(case);
+    let touch = if touch < critical { touch } else { 0.0 };
+    touch + fraction * (critical - touch)
+}
+
+/// The indentation, m, at which the nearest pillar is touched.
+fn first_touch(case: &Case) -> f64 {
+    let system = &case.system;
+    if case.method == Method::Homogenised {
+        return 0.0;
+    }
+    let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
+    let [x, y] = system.lattice().centre(i, j);
+    let edge = (x.hypot(y) - 0.5 * system.pillar().diameter).max(0.0);
+    system.lens().sag(edge)
+}
+
+#[derive(Serialize)]
+struct CriticalLine {
+    critical: TransitionSummary,
+}
+
+#[derive(Serialize)]
+struct StateLine {
+    state: State,
+}
+
+/// A state as it is drawn.
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct State {
+    /// By the punch lattice, until it is solved for in full.
+    approximate: bool,
+    /// Of the way to the critical state.
+    fraction: f64,
+    summary: PressSummary,
+    normalized: [f64; 3],
+    pitch_m: f64,
+    diameter_m: f64,
+    offset_m: Point,
+    /// Lattice indices of the touched pillars, one after the other.
+    pillars: Vec<i64>,
+    pillar_forces_N: Vec<f64>,
+    /// One letter for every pillar: `f`ully or `p`artially in contact.
+    pillar_statuses: String,
+    /// Where the floor is touched, or would be, with its symmetric copies.
+    floor_contacts_m: Vec<Point>,
+    warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct PreviewLine {
+    preview: Preview,
+}
+
+/// The same by the homogenised lattice, within a per cent or two and a few ms: what is shown until
+/// the state is solved for. `F_n = F_0 sqrt(1 - (r_n/a)^2)` is near enough to forces on pillars.
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct Preview {
+    fraction: f64,
+    critical_force_N: f64,
+    critical_indentation_m: f64,
+    critical_contact_radius_m: f64,
+    force_N: f64,
+    contact_radius_m: f64,
+    pitch_m: f64,
+    diameter_m: f64,
+    offset_m: Point,
+}
+
+#[derive(Serialize)]
+struct SectionLine {
+    section: Option<Section>,
+}
+
+/// Heights over the undeformed floor along x through the lens axis.
+#[derive(Serialize)]
+struct Section {
+    x_m: Vec<f64>,
+    lens_m: Vec<f64>,
+    surface_m: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct CaseLine {
+    case: lines::Texts,
+}
+
+/// `POST /api/contact`
+pub(crate) fn contact(request: &request::Contact, worker: &Worker) -> Result<(), Failure> {
+    let case = request::case(&request.case)?;
+    request.load.check()?;
+    preview(&case, request.load, worker);
+    let fraction = request.load.fraction;
+    let shown = AtomicBool::new(false);
+    let show = |state: &ContactState, wall_time: f64| {
+        if state.method == case.method {
+            shown.store(true, Ordering::Relaxed);
+        }
+        worker.send(&StateLine {
+            state: drawn(state, wall_time, fraction, state.method != case.method),
+        });
+    };
+    let solved = solve(&case, request.load, worker, &show, |critical, wall_time| {
+        worker.send(&CriticalLine {
+            critical: TransitionSummary::new(critical, wall_time),
+        });
+    })?;
+    let Some((state, wall_time)) = solved.state() else {
+        return Err(Failure::Cancelled);
+    };
+    if !shown.load(Ordering::Relaxed) {
+        show(state, wall_time);
+    }
+    worker.send(&CaseLine {
+        case: lines::texts(&case, &solved),
+    });
+    worker.send(&SectionLine {
+        section: section(state, worker)?,
+    });
+    Ok(())
+}
+
+/// Sends a preview where solving takes long enough for it to be of use.
+fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
+    let system = &case.system;
+    if expected_pillars(system) < PREVIEW_PILLARS || case.method == Method::Homogenised {
+        return;
+    }
+    let run = worker.run();
+    // Where the model does not apply there is no preview.
+    let Ok(critical) = homogenised::transition(system, &run) else {
+        return;
+    };
+    let critical = critical.contact;
+    let state = if load.is_critical() {
+        critical.clone()
+    } else {
+        let indentation = indentation(case, critical.indentation, load.fraction);
+        match homogenised::press(system, Load::Indentation(indentation), &run) {
+            Ok(state) => state,
+            Err(_) => return,
+        }
+    };
+    worker.send(&PreviewLine {
+        preview: Preview {
+            fraction: load.fraction,
+            critical_force_N: critical.force,
+            critical_indentation_m: critical.indentation,
+            critical_contact_radius_m: critical.contact_radius,
+            force_N: state.force,
+            contact_radius_m: state.contact_radius,
+            pitch_m: system.lattice().pitch,
+            diameter_m: system.pillar().diameter,
+            offset_m: system.lattice().offset_vector(),
+        },
+    });
+}
+
+fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool) -> State {
+    let system = &state.system;
+    let floor = state.smallest_gap_position;
+    let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
+    if !state.converged() {
+        warnings.push(format!("the solution {}", state.termination.description()));
+    }
+    let reduced = Normalized::new(system, state.force, state.contact_radius, state.indentation);
+    State {
+        approximate,
+        fraction,
+        summary: PressSummary::new(state, wall_time),
+        normalized: [reduced.force, reduced.contact_radius, reduced.indentation],
+        pitch_m: system.lattice().pitch,
+        diameter_m: system.pillar().diameter,
+        offset_m: system.lattice().offset_vector(),
+        pillars: state
+            .pillars
+            .iter()
+            .flat_map(|pillar| [pillar.index.0, pillar.index.1])
+            .collect(),
+        pillar_forces_N: state.pillars.iter().map(|pillar| pillar.force).collect(),
+        pillar_statuses: state
+            .pillars
+            .iter()
+            .map(|pillar| match pillar.status {
+                PillarStatus::Partial => 'p',
+                _ => 'f',
+            })
+            .collect(),
+        floor_contacts_m: copies(system, floor),
+        warnings,
+    }
+}
+
+/// A point and its images under the symmetry of the lattice.
+fn copies(system: &System, point: Point) -> Vec<Point> {
+    let near = 1e-6 * system.lattice().pitch;
+    let mut copies: Vec<Point> = Vec::new();
+    for [x, y] in system.lattice().symmetry().images(point) {
+        if !copies.iter().any(|[a, b]| (a - x).hypot(b - y) < near) {
+            copies.push([x, y]);
+        }
+    }
+    copies
+}
+
+/// The section of a state; none of methods without fields. The displacement belongs to both bodies,
+/// to each in proportion to its compliance; a pillar top is where the gap puts it.
+fn section(state: &ContactState, worker: &Worker) -> Result<Option<Section>, Failure> {
+    let Some(fields) = state.fields.as_deref() else {
+        return Ok(None);
+    };
+    let system = &state.system;
+    let [gap_x, gap_y] = state.smallest_gap_position;
+    let half_width = (1.3 * state.contact_radius)
+        .max(3.0 * gap_x.hypot(gap_y))
+        .max(6.0 * system.pillar().diameter)
+        .min(0.99 * system.lens().radius);
+    let x_m = places(system, half_width);
+    let samples = fields.on_grid(&x_m, &[0.0], &worker.run())?;
+    let lens_share = system.lens().material.plane_strain_compliance() / system.contact_compliance();
+    let lens_m: Vec<f64> = x_m
+        .iter()
+        .zip(&samples.displacement)
+        .map(|(x, w)| {
+            system.pillar().height + system.lens().sag(x.abs()) - state.indentation + lens_share * w
+        })
+        .collect();
+    let surface_m = lens_m.iter().zip(&samples.gap).map(|(z, gap)| z - gap);
+    Ok(Some(Section {
+        surface_m: surface_m.collect(),
+        lens_m,
+        x_m,
+    }))
+}
+
+/// Where the section is sampled: evenly, and close to the edges of the pillars it cuts.
+fn places(system: &System, half_width: f64) -> Vec<f64> {
+    let mut places: Vec<f64> = (0..=SECTION_POINTS)
+        .map(|k| half_width * (2.0 * k as f64 / SECTION_POINTS as f64 - 1.0))
+        .collect();
+    let radius = 0.5 * system.pillar().diameter;
+    for [start, end] in cut_pillars(system, half_width) {
+        for distance in BESIDE {
+            let step = distance * radius;
+            places.extend([start - step, end + step]);
+        }
+        let inside = 1e-6 * radius;
+        places.extend([start + inside, end - inside]);
+    }
+    places.retain(|x| x.abs() <= half_width);
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    places
+}
+
+/// Where pillars are cut by the section.
+fn cut_pillars(system: &System, half_width: f64) -> Vec<[f64; 2]> {
+    let (lattice, radius) = (system.lattice(), 0.5 * system.pillar().diameter);
+    // Rows of pillars along x are half a pitch apart, so that at most a few meet y = 0.
+    let row_distance = 0.5 * lattice.pitch;
+    let [offset_x, offset_y] = lattice.offset_vector();
+    let nearest_row = (offset_y / row_distance).round() as i64;
+    let rows = (radius / row_distance).ceil() as i64 + 1;
+    let column = 0.5 * 3f64.sqrt() * lattice.pitch;
+    let (first, last) = (
+        ((offset_x - half_width) / column).floor() as i64 - 1,
+        ((offset_x + half_width) / column).ceil() as i64 + 1,
+    );
+    (nearest_row - rows..=nearest_row + rows)
+        .flat_map(|row| (first..=last).map(move |column| (row, column)))
+        // Lattice indices are whole where row and column are both even or both odd.
+        .filter(|(row, column)| (row + column) % 2 == 0)
+        .filter_map(|(row, column)| {
+            let [x, y] = lattice.centre((column + row) / 2, (column - row) / 2);
+            let half = (radius * radius - y * y).max(0.0).sqrt();
+            (half > 0.0).then_some([x - half, x + half])
+        })
+        .collect()
+}
+
+/// A point of a curve.
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct CurvePoint {
+    surface_fraction: f64,
+    force_N: f64,
+    contact_radius_m: f64,
+    indentation_m: f64,
+    /// `a/e` and `F gamma_int/(h d)`, for the phase diagram.
+    normalized: [f64; 2],
+}
+
+impl CurvePoint {
+    fn of_state(critical: &CriticalState) -> Self {
+        let state = &critical.contact;
+        let reduced = critical.normalized();
+        Self {
+            surface_fraction: state.system.texture().surface_fraction(),
+            force_N: state.force,
+            contact_radius_m: critical.contact_radius(),
+            indentation_m: state.indentation,
+            normalized: [reduced.contact_radius, reduced.force],
+        }
+    }
+
+    fn of_formula(system: &System, estimate: &TransitionEstimate) -> Self {
+        let reduced = Normalized::new(
+            system,
+            estimate.force,
+            estimate.contact_radius(),
+            estimate.indentation,
+        );
+        Self {
+            surface_fraction: system.texture().surface_fraction(),
+            force_N: estimate.force,
+            contact_radius_m: estimate.contact_radius(),
+            indentation_m: estimate.indentation,
+            normalized: [reduced.contact_radius, reduced.force],
+        }
+    }
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum CurveLine {
+    Formulas {
+        method: &'static str,
+        small_contact: Vec<CurvePoint>,
+        large_contact: Vec<CurvePoint>,
+    },
+    Homogenised(Vec<CurvePoint>),
+    Point(CurvePoint),
+    Complete {
+        largest_surface_fraction: f64,
+    },
+}
+
+/// `POST /api/curves`: the cheap curves at once, then the exact one, coarse first.
+pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), Failure> {
+    let case = request::case(&request.case)?;
+    let system = &case.system;
+    let present = system.texture().surface_fraction();
+    let range = [FRACTIONS[0].min(0.5 * present), FRACTIONS[1].max(present)];
+    let smooth: Vec<System> = spaced(range, 64)
+        .into_iter()
+        .filter_map(|fraction| at_fraction(system, fraction))
+        .collect();
+    let method = curve_method(case.method);
+    let limit = closed_forms::small_contact_limit(system);
+    let formula = |wanted: &dyn Fn(f64) -> bool,
+                   formula: &dyn Fn(&System) -> TransitionEstimate| {
+        smooth
+            .iter()
+            .filter(|system| wanted(system.texture().surface_fraction()))
+            .map(|system| CurvePoint::of_formula(system, &formula(system)))
+            .collect()
+    };
+    worker.send(&CurveLine::Formulas {
+        method: method.name(),
+        small_contact: formula(&|fraction| fraction <= limit, &closed_forms::small_contact),
+        large_contact: formula(&|fraction| fraction >= limit, &|system| {
+            closed_forms::large_contact(system, Form::Corrected)
+        }),
+    });
+    let run = worker.run();
+    let mut points = Vec::new();
+    // Below, a single pillar is touched, and no lattice of them.
+    let many = |system: &&System| system.texture().surface_fraction() >= limit;
+    for system in smooth.iter().step_by(2).filter(many) {
+        worker.give_way()?;
+        if let Ok(critical) = homogenised::transition(system, &run) {
+            points.push(CurvePoint::of_state(&critical));
+        }
+    }
+    worker.send(&CurveLine::Homogenised(points));
+    let exact = spaced(range, CURVE_POINTS);
+    let mut largest: f64 = 0.0;
+    for index in coarse_first(CURVE_POINTS) {
+        let Some(system) = at_fraction(system, exact[index]) else {
+            continue;
+        };
+        if expected_pillars(&system) > CURVE_PILLARS {
+            continue;
+        }
+        worker.give_way()?;
+        match fakir::transition(&system, method, &run) {
+            Ok(critical) if critical.contact.converged() => {
+                largest = largest.max(exact[index]);
+                worker.send(&CurveLine::Point(CurvePoint::of_state(&critical)));
+            }
+            Ok(_) => {}
+            Err(fakir::contact::SolveError::Interrupted) => return Err(Failure::Cancelled),
+            // Of this surface fraction there is no answer; of others there may be.
+            Err(_) => {}
+        }
+    }
+    worker.send(&CurveLine::Complete {
+        largest_surface_fraction: largest,
+    });
+    Ok(())
+}
+
+/// Love elements take too long for a whole curve.
+fn curve_method(method: Method) -> Method {
+    match method {
+        Method::Love(_) | Method::Spectral(_) => Method::Spectral(Accuracy::Default),
+        other => other,
+    }
+}
+
+/// Numbers evenly spaced on a logarithmic scale, ends included.
+fn spaced([first, last]: [f64; 2], count: usize) -> Vec<f64> {
+    let steps = (count - 1) as f64;
+    (0..count)
+        .map(|k| first * (last / first).powf(k as f64 / steps))
+        .collect()
+}
+
+/// The numbers below `count`, a power of two and one: every 8th first, then what is between.
+fn coarse_first(count: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).step_by(8).collect();
+    for stride in [8, 4, 2] {
+        order.extend((stride / 2..count).step_by(stride));
+    }
+    order
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum PhaseLine {
+    /// `a/e` and `F gamma_int/(h d)` on the transition curve.
+    Transition(Vec<[f64; 2]>),
+    /// A state of the loading path: its place on the way, `a/e` and `F gamma_int/(h d)`.
+    Path([f64; 3]),
+}
+
+/// `POST /api/phase`: the transition curve, and the loading path of the case.
+pub(crate) fn phase(request: &request::Phase, worker: &Worker) -> Result<(), Failure> {
+    let case = request::case(&request.case)?;
+    request.load.check()?;
+    let system = &case.system;
+    let pitch = system.lattice().pitch;
+    let reduced = |force: f64, radius: f64| {
+        let reduced = Normalized::new(system, force, radius, 0.0);
+        [reduced.contact_radius, reduced.force]
+    };
+    let curve = spaced([0.01, 1000.0], 200).into_iter().map(|ratio| {
+        let radius = ratio * pitch;
+        reduced(closed_forms::transition_force(system, radius), radius)
+    });
+    worker.send(&PhaseLine::Transition(curve.collect()));
+    let run = worker.run();
+    let method = curve_method(case.method);
+    let critical = match request.load.critical_indentation_m {
+        Some(critical) => critical,
+        None => {
+            worker.give_way()?;
+            fakir::transition(system, method, &run)?.contact.indentation
+        }
+    };
+    for fraction in PATH_FRACTIONS {
+        worker.give_way()?;
+        let load = Load::Indentation(indentation(&case, critical, fraction));
+        match fakir::press(system, load, method, &run) {
+            Ok(state) => {
+                let [radius, force] = reduced(state.force, state.contact_radius);
+                worker.send(&PhaseLine::Path([fraction, radius, force]));
+            }
+            Err(fakir::contact::SolveError::Interrupted) => return Err(Failure::Cancelled),
+            Err(_) => {}
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_point_of_a_curve_comes_once() {
+        let mut order = coarse_first(CURVE_POINTS);
+        assert_eq!(order[..5], [0, 8, 16, 24, 32]);
+        order.sort_unstable();
+        assert_eq!(order, (0..CURVE_POINTS).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn the_section_knows_the_pillars_it_cuts() {
+        let system = Case::example().system;
+        let cut = cut_pillars(&system, 100e-6);
+        // Along x pillars stand sqrt(3) pitches apart.
+        let distance = 3f64.sqrt() * system.lattice().pitch;
+        assert!(cut.iter().any(|[a, b]| (a + b).abs() < 1e-12));
+        for [start, end] in cut {
+            let steps = 0.5 * (start + end) / distance;
+            assert!((steps - steps.round()).abs() < 1e-9);
+            assert!((end - start - 6e-6).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,450 @@
+//! Computations under way: the newest of every page and kind, in a bounded number, off the threads
+//! that answer requests.
+
+use crate::refusal::Refusal;
+use crate::request::Ticket;
+use axum::body::Body;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
+use fakir::contact::{CancelToken, Progress, Run, SolveError};
+use http_body::Frame;
+use rayon::ThreadPool;
+use serde::Serialize;
+use std::collections::HashMap;
+use std::convert::Infallible;
+use std::pin::Pin;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
+use tokio::sync::Semaphore;
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+
+/// Contacts and files at a time; each has a thread, and all share the pool.
+const SLOTS: usize = 4;
+
+/// Curves and loading paths at a time: of two pages.
+const BACKGROUND_SLOTS: usize = 4;
+
+/// Computations that may wait for a slot.
+const QUEUE: usize = 32;
+
+/// A computation that takes longer is given up.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The same for all points of a curve.
+const BACKGROUND_PATIENCE: Duration = Duration::from_secs(600);
+
+/// No progress is reported before, or more often than, this.
+const PROGRESS_INTERVAL: Duration = Duration::from_millis(120);
+
+/// Longest name of a session.
+const LONGEST_SESSION: usize = 64;
+
+/// Requests of which only the newest counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Kind {
+    Contact,
+    Curves,
+    Phase,
+    Export,
+}
+
+impl Kind {
+    /// Whether it gives way to contacts.
+    fn is_background(self) -> bool {
+        matches!(self, Self::Curves | Self::Phase)
+    }
+}
+
+/// Of all pages.
+#[derive(Debug)]
+pub(crate) struct Jobs {
+    newest: Mutex<HashMap<(String, Kind), (u64, CancelToken)>>,
+    slots: Arc<Semaphore>,
+    background_slots: Arc<Semaphore>,
+    waiting: AtomicUsize,
+    foreground: AtomicUsize,
+    pool: ThreadPool,
+    memory_limit: usize,
+}
+
+impl Jobs {
+    pub(crate) fn new(pool: ThreadPool, memory_limit: usize) -> Self {
+        Self {
+            newest: Mutex::default(),
+            slots: Arc::new(Semaphore::new(SLOTS)),
+            background_slots: Arc::new(Semaphore::new(BACKGROUND_SLOTS)),
+            waiting: AtomicUsize::new(0),
+            foreground: AtomicUsize::new(0),
+            pool,
+            memory_limit,
+        }
+    }
+
+    fn newest(&self) -> MutexGuard<'_, HashMap<(String, Kind), (u64, CancelToken)>> {
+        self.newest.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Calls off everything.
+    pub(crate) fn cancel_all(&self) {
+        self.newest().values().for_each(|(_, job)| job.cancel());
+    }
+
+    /// Makes this request the newest of its kind, and calls off the one before.
+    fn admit(self: &Arc<Self>, ticket: Ticket, kind: Kind) -> Result<Job, Refusal> {
+        if ticket.session.len() > LONGEST_SESSION {
+            return Err(Refusal::malformed(format!(
+                "the name of a session has at most {LONGEST_SESSION} bytes"
+            )));
+        }
+        let cancel = CancelToken::default();
+        let key = (ticket.session, kind);
+        let mut newest = self.newest();
+        if let Some((sequence, before)) = newest.get(&key) {
+            if *sequence >= ticket.sequence {
+                return Err(Refusal::stale());
+            }
+            before.cancel();
+        }
+        newest.insert(key.clone(), (ticket.sequence, cancel.clone()));
+        Ok(Job {
+            jobs: Arc::clone(self),
+            key,
+            sequence: ticket.sequence,
+            cancel,
+        })
+    }
+
+    /// Does `work` and answers with what it sends: its lines as they come, or a single file.
+    ///
+    /// If the connection is closed, the work is called off.
+    pub(crate) async fn answer(
+        self: &Arc<Self>,
+        ticket: Ticket,
+        kind: Kind,
+        work: impl FnOnce(&Worker) -> Result<(), Failure> + Send + 'static,
+    ) -> Response {
+        match self.begin(ticket, kind, work).await {
+            Ok(response) => response,
+            Err(refusal) => refusal.into_response(),
+        }
+    }
+
+    async fn begin(
+        self: &Arc<Self>,
+        ticket: Ticket,
+        kind: Kind,
+        work: impl FnOnce(&Worker) -> Result<(), Failure> + Send + 'static,
+    ) -> Result<Response, Refusal> {
+        let job = self.admit(ticket, kind)?;
+        let connection = CancelOnDrop(job.cancel.clone());
+        let slot = self.slot(kind).await?;
+        if job.cancel.is_cancelled() {
+            return Err(Refusal::stale());
+        }
+        let (sender, mut messages) = unbounded_channel();
+        let worker = Worker::new(job, kind, sender);
+        let (cancel, timed_out) = (worker.job.cancel.clone(), Arc::clone(&worker.timed_out));
+        let patience = if kind.is_background() {
+            BACKGROUND_PATIENCE
+        } else {
+            PATIENCE
+        };
+        let running = tokio::task::spawn_blocking(move || {
+            let _slot = slot;
+            worker.do_work(work);
+        });
+        tokio::spawn(async move {
+            tokio::pin!(running);
+            if tokio::time::timeout(patience, &mut running).await.is_err() {
+                timed_out.store(true, Ordering::Relaxed);
+                cancel.cancel();
+            }
+        });
+        match messages.recv().await {
+            Some(Message::Line(line)) => Ok(stream(Lines {
+                first: Some(line),
+                messages,
+                _connection: connection,
+            })),
+            Some(Message::File(file)) => Ok(file.into_response()),
+            Some(Message::Refused(refusal)) => Err(refusal),
+            None if connection.0.is_cancelled() => Err(Refusal::stale()),
+            None => {
+                tracing::error!("a computation broke off");
+                Err(Refusal::new(
+                    StatusCode::INTERNAL_SERVER_ERROR,
+                    "the computation broke off: this is a mistake in fakir",
+                ))
+            }
+        }
+    }
+
+    /// Waits for a slot, if not too many do.
+    async fn slot(&self, kind: Kind) -> Result<tokio::sync::OwnedSemaphorePermit, Refusal> {
+        let busy = || {
+            Refusal::new(
+                StatusCode::SERVICE_UNAVAILABLE,
+                "too many computations are under way: try again in a moment",
+            )
+        };
+        let waiting = Counted::up(&self.waiting);
+        if waiting.before >= QUEUE {
+            return Err(busy());
+        }
+        let slots = if kind.is_background() {
+            &self.background_slots
+        } else {
+            &self.slots
+        };
+        let slot = Arc::clone(slots).acquire_owned();
+        match tokio::time::timeout(PATIENCE, slot).await {
+            Ok(Ok(slot)) => Ok(slot),
+            _ => Err(busy()),
+        }
+    }
+}
+
+/// A counter that is one higher for as long as this lives.
+struct Counted<'a> {
+    counter: &'a AtomicUsize,
+    before: usize,
+}
+
+impl<'a> Counted<'a> {
+    fn up(counter: &'a AtomicUsize) -> Self {
+        let before = counter.fetch_add(1, Ordering::Relaxed);
+        Self { counter, before }
+    }
+}
+
+impl Drop for Counted<'_> {
+    fn drop(&mut self) {
+        self.counter.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Calls a computation off when nobody reads its answer any more.
+struct CancelOnDrop(CancelToken);
+
+impl Drop for CancelOnDrop {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
+}
+
+/// A computation in the list of the newest, for as long as it lives.
+struct Job {
+    jobs: Arc<Jobs>,
+    key: (String, Kind),
+    sequence: u64,
+    cancel: CancelToken,
+}
+
+impl Drop for Job {
+    fn drop(&mut self) {
+        let mut newest = self.jobs.newest();
+        if newest
+            .get(&self.key)
+            .is_some_and(|(n, _)| *n == self.sequence)
+        {
+            newest.remove(&self.key);
+        }
+    }
+}
+
+/// Why a computation ends without its answer.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    Refused(Refusal),
+    /// It was called off.
+    Cancelled,
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
+    }
+}
+
+impl From<SolveError> for Failure {
+    fn from(error: SolveError) -> Self {
+        Refusal::of(&error).map_or(Self::Cancelled, Self::Refused)
+    }
+}
+
+enum Message {
+    Line(Bytes),
+    File(File),
+    Refused(Refusal),
+}
+
+/// A file to be saved by the browser.
+#[derive(Debug)]
+pub(crate) struct File {
+    pub(crate) kind: &'static str,
+    pub(crate) contents: Vec<u8>,
+}
+
+impl IntoResponse for File {
+    fn into_response(self) -> Response {
+        let mut response = Response::new(Body::from(self.contents));
+        let kind = HeaderValue::from_static(self.kind);
+        response.headers_mut().insert(header::CONTENT_TYPE, kind);
+        response
+    }
+}
+
+/// What a computation has: how to run, and whom to tell.
+pub(crate) struct Worker {
+    job: Job,
+    kind: Kind,
+    messages: UnboundedSender<Message>,
+    timed_out: Arc<AtomicBool>,
+    listener: Box<dyn Fn(Progress) + Sync + Send>,
+}
+
+#[derive(Serialize)]
+struct ProgressLine<'a> {
+    progress: ProgressWords<'a>,
+}
+
+#[derive(Serialize)]
+struct ProgressWords<'a> {
+    stage: &'a str,
+    step: usize,
+    pillars: usize,
+    touched: usize,
+}
+
+impl Worker {
+    fn new(job: Job, kind: Kind, messages: UnboundedSender<Message>) -> Self {
+        let sender = messages.clone();
+        let last = Mutex::new(Instant::now());
+        let listener = move |progress: Progress| {
+            let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+            if last.elapsed() >= PROGRESS_INTERVAL {
+                *last = Instant::now();
+                let progress = ProgressWords {
+                    stage: progress.stage.description(),
+                    step: progress.step,
+                    pillars: progress.pillars,
+                    touched: progress.touched,
+                };
+                // Whoever is gone need not be told.
+                let _ = sender.send(line(&ProgressLine { progress }));
+            }
+        };
+        Self {
+            job,
+            kind,
+            messages,
+            timed_out: Arc::default(),
+            listener: Box::new(listener),
+        }
+    }
+
+    fn do_work(self, work: impl FnOnce(&Self) -> Result<(), Failure>) {
+        let jobs = Arc::clone(&self.job.jobs);
+        let _foreground = (!self.kind.is_background()).then(|| Counted::up(&jobs.foreground));
+        let refusal = match work(&self) {
+            Ok(()) => return,
+            Err(Failure::Refused(refusal)) => refusal,
+            Err(Failure::Cancelled) if self.timed_out.load(Ordering::Relaxed) => {
+                Refusal::impossible(format!("this takes longer than {} s", PATIENCE.as_secs()))
+                    .accepted("fewer pillars, a coarser method, or `fakir transition`")
+            }
+            Err(Failure::Cancelled) => return,
+        };
+        let _ = self.messages.send(Message::Refused(refusal));
+    }
+
+    /// How contacts are to be solved: in the foreground on all threads, in the background on one.
+    pub(crate) fn run(&self) -> Run<'_> {
+        let background = self.kind.is_background();
+        let listener: &(dyn Fn(Progress) + Sync) = &*self.listener;
+        Run {
+            cancel: self.job.cancel.clone(),
+            // Files and curves come without a word before.
+            progress: (self.kind == Kind::Contact).then_some(listener),
+            pool: (!background).then_some(&self.job.jobs.pool),
+            memory_limit: Some(self.job.jobs.memory_limit),
+            ..Run::default()
+        }
+    }
+
+    /// Sends a line of the answer.
+    pub(crate) fn send(&self, value: &impl Serialize) {
+        let _ = self.messages.send(line(value));
+    }
+
+    /// Sends the answer as a file.
+    pub(crate) fn send_file(&self, file: File) {
+        let _ = self.messages.send(Message::File(file));
+    }
+
+    /// Waits until no contact is being solved.
+    pub(crate) fn give_way(&self) -> Result<(), Failure> {
+        loop {
+            if self.job.cancel.is_cancelled() {
+                return Err(Failure::Cancelled);
+            }
+            if self.job.jobs.foreground.load(Ordering::Relaxed) == 0 {
+                return Ok(());
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+fn line(value: &impl Serialize) -> Message {
+    let mut text = serde_json::to_vec(value).unwrap_or_default();
+    text.push(b'\n');
+    Message::Line(text.into())
+}
+
+/// The lines of an answer as they come.
+struct Lines {
+    first: Option<Bytes>,
+    messages: UnboundedReceiver<Message>,
+    _connection: CancelOnDrop,
+}
+
+#[derive(Serialize)]
+struct RefusedLine {
+    refused: Refusal,
+}
+
+impl http_body::Body for Lines {
+    type Data = Bytes;
+    type Error = Infallible;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
+        if let Some(first) = self.first.take() {
+            return Poll::Ready(Some(Ok(Frame::data(first))));
+        }
+        self.messages.poll_recv(context).map(|message| {
+            let bytes = match message? {
+                Message::Line(line) => line,
+                Message::Refused(refused) => match line(&RefusedLine { refused }) {
+                    Message::Line(line) => line,
+                    _ => return None,
+                },
+                Message::File(_) => return None,
+            };
+            Some(Ok(Frame::data(bytes)))
+        })
+    }
+}
+
+fn stream(lines: Lines) -> Response {
+    let mut response = Response::new(Body::new(lines));
+    let kind = HeaderValue::from_static("application/x-ndjson");
+    response.headers_mut().insert(header::CONTENT_TYPE, kind);
+    response
+}

@@ -1,0 +1,142 @@
+//! The same question to the command line and to Python, to be copied.
+
+use crate::answers::Solved;
+use fakir_case::unit::{Dimension, format_quantity};
+use fakir_case::{Case, Key};
+use serde::Serialize;
+
+/// A case in words for other uses of fakir.
+#[derive(Debug, Serialize)]
+pub(crate) struct Texts {
+    /// The case file.
+    toml: String,
+    command: String,
+    python: String,
+}
+
+pub(crate) fn texts(case: &Case, solved: &Solved) -> Texts {
+    let indentation = solved.pressed.as_ref().map(|(state, _)| state.indentation);
+    Texts {
+        toml: case.to_toml(),
+        command: command(case, indentation),
+        python: python(case, indentation),
+    }
+}
+
+/// The command, with what differs from the case that `fakir init` writes.
+fn command(case: &Case, indentation: Option<f64>) -> String {
+    let example = Case::example();
+    let question = match indentation {
+        None => "fakir transition case.toml".to_owned(),
+        Some(indentation) => format!(
+            "fakir press case.toml --indentation {}",
+            format_quantity(indentation, Dimension::Length).replace(' ', "")
+        ),
+    };
+    let changes = Key::ALL.into_iter().filter_map(|key| {
+        let value = case.value(key)?;
+        // The method replaces the whole table of the file.
+        let same = example.value(key).as_ref() == Some(&value);
+        (!same).then(|| format!(" \\\n    --set {}", argument(key, &value)))
+    });
+    let changes: String = changes.collect();
+    format!("fakir init case.toml\n{question}{changes}\n")
+}
+
+/// `key=value` for a shell: a quantity without its space, a word without its quotes.
+fn argument(key: Key, value: &str) -> String {
+    let value = value.trim_matches('"').replace(' ', "");
+    format!("{}={value}", key.path())
+}
+
+/// The lines for Python.
+fn python(case: &Case, indentation: Option<f64>) -> String {
+    let value = |key: Key| case.value(key).unwrap_or_default();
+    let spacing = [Key::SurfaceFraction, Key::Pitch]
+        .into_iter()
+        .find_map(|key| Some(format!("{}={}", key.name(), case.value(key)?)));
+    let method: Vec<String> = [
+        Key::MethodName,
+        Key::Accuracy,
+        Key::Form,
+        Key::CellsPerDiameter,
+        Key::Mesh,
+        Key::Cells,
+    ]
+    .into_iter()
+    .filter_map(|key| {
+        let name = if key == Key::MethodName {
+            "method"
+        } else {
+            key.name()
+        };
+        Some(format!("{name}={}", case.value(key)?))
+    })
+    .collect();
+    let method = method.join(", ");
+    let question = match indentation {
+        None => format!(
+            "critical = system.transition({method})\nprint(critical.force, \"N\", critical.indentation, \"m\")\n"
+        ),
+        Some(indentation) => format!(
+            "state = system.press(indentation=\"{}\", {method})\nprint(state.force, \"N\")\n",
+            format_quantity(indentation, Dimension::Length)
+        ),
+    };
+    format!(
+        "import fakir\n\n\
+         system = fakir.System(\n    \
+             lens=fakir.Lens(radius={}, young_modulus={}, poisson_ratio={}),\n    \
+             substrate=fakir.Substrate(young_modulus={}, poisson_ratio={}),\n    \
+             texture=fakir.HexagonalTexture(\n        \
+                 diameter={}, height={}, {},\n        \
+                 offset={}, offset_angle={}, compliance={},\n    \
+             ),\n\
+         )\n{question}",
+        value(Key::LensRadius),
+        value(Key::LensYoungModulus),
+        value(Key::LensPoissonRatio),
+        value(Key::SubstrateYoungModulus),
+        value(Key::SubstratePoissonRatio),
+        value(Key::PillarDiameter),
+        value(Key::PillarHeight),
+        spacing.unwrap_or_default(),
+        value(Key::Offset),
+        value(Key::OffsetAngle),
+        value(Key::PillarCompliance),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fakir_case::CaseFile;
+
+    #[test]
+    fn the_command_is_the_case() {
+        let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+        let changes = [
+            "texture.pitch=25um",
+            "lens.young_modulus=3.5MPa",
+            "texture.offset_angle=30deg",
+            "method.name=punch",
+        ];
+        for change in changes {
+            file.set(change).unwrap();
+        }
+        let case = file.case().unwrap();
+        let command = command(&case, Some(3e-6));
+        assert!(
+            command.contains("fakir press case.toml --indentation 3um \\\n"),
+            "{command}"
+        );
+        let mut again = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+        let lines = command
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("--set "));
+        for setting in lines {
+            again.set(setting.trim_end_matches(['\\', ' '])).unwrap();
+        }
+        assert_eq!(again.case().unwrap(), case);
+    }
+}

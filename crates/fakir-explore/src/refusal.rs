@@ -1,0 +1,102 @@
+//! What is answered when there is no answer: what is wrong, at which key, and what would be
+//! accepted.
+
+use axum::body::Body;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use fakir::contact::SolveError;
+use fakir_case::{CaseError, Key};
+use fakir_figure::FigureError;
+use serde::Serialize;
+
+/// Why a request is not answered.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Refusal {
+    #[serde(skip)]
+    pub(crate) status: StatusCode,
+    /// The key of the case that is to blame, if one is.
+    key: Option<String>,
+    message: String,
+    accepted: Option<String>,
+}
+
+impl Refusal {
+    pub(crate) fn new(status: StatusCode, message: impl Into<String>) -> Self {
+        Self {
+            status,
+            key: None,
+            message: message.into(),
+            accepted: None,
+        }
+    }
+
+    /// A request that is not understood.
+    pub(crate) fn malformed(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::BAD_REQUEST, message)
+    }
+
+    /// A request that is understood, of a case that has no answer.
+    pub(crate) fn impossible(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, message)
+    }
+
+    /// A newer request of the same kind has come.
+    pub(crate) fn stale() -> Self {
+        Self::new(StatusCode::CONFLICT, "a newer request took its place")
+    }
+
+    pub(crate) fn at(mut self, key: impl Into<String>) -> Self {
+        self.key = Some(key.into());
+        self
+    }
+
+    pub(crate) fn accepted(mut self, accepted: impl Into<String>) -> Self {
+        self.accepted = Some(accepted.into());
+        self
+    }
+
+    pub(crate) fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// The answer to a computation that failed; nothing of one that was called off.
+    pub(crate) fn of(error: &SolveError) -> Option<Self> {
+        let refusal = Self::impossible(error.to_string());
+        match error {
+            SolveError::Interrupted => None,
+            SolveError::TextureTooDense { .. } => Some(refusal.at(Key::MethodName.path())),
+            SolveError::MeshTooCoarse { .. } => Some(refusal.at(Key::CellsPerDiameter.path())),
+            _ => Some(refusal),
+        }
+    }
+
+    /// The answer to a figure that could not be drawn.
+    pub(crate) fn of_figure(error: &FigureError) -> Option<Self> {
+        match error {
+            FigureError::Solve(error) => Self::of(error),
+            other => Some(Self::impossible(other.to_string())),
+        }
+    }
+}
+
+impl From<CaseError> for Refusal {
+    fn from(error: CaseError) -> Self {
+        Self {
+            status: StatusCode::UNPROCESSABLE_ENTITY,
+            key: error.key_path().map(str::to_owned),
+            message: error.problem().to_owned(),
+            accepted: error.what_is_accepted().map(str::to_owned),
+        }
+    }
+}
+
+impl IntoResponse for Refusal {
+    fn into_response(self) -> Response {
+        let text = serde_json::to_vec(&self).unwrap_or_default();
+        let mut response = Response::new(Body::from(text));
+        *response.status_mut() = self.status;
+        let json = HeaderValue::from_static("application/json");
+        response.headers_mut().insert(header::CONTENT_TYPE, json);
+        response
+    }
+}

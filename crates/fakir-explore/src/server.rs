@@ -1,0 +1,354 @@
+//! The server: a port of this machine, connections in a bounded number, and the way of a request.
+
+use crate::guard::{Guard, HEADERS, Token};
+use crate::jobs::{Jobs, Kind};
+use crate::refusal::Refusal;
+use crate::{answers, export, page, request};
+use axum::Router;
+use axum::body::to_bytes;
+use axum::extract::{Path, Request, State};
+use axum::http::{StatusCode, header};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Redirect, Response};
+use axum::routing::{get, post};
+use fakir::contact::CancelToken;
+use fakir_case::Case;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use rayon::ThreadPoolBuilder;
+use serde::de::DeserializeOwned;
+use std::io::{self, ErrorKind};
+use std::net::{Ipv4Addr, TcpListener};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::Semaphore;
+
+/// Connections at a time; more have to wait.
+const CONNECTIONS: usize = 128;
+
+/// Largest body of a request, bytes.
+const LARGEST_BODY: usize = 32 * 1024;
+
+/// Largest head of a request, bytes.
+const LARGEST_HEAD: usize = 32 * 1024;
+
+/// Whoever takes longer to send a request is not waited for.
+const REQUEST_PATIENCE: Duration = Duration::from_secs(10);
+
+/// How often it is looked at whether to stop.
+const STOP_INTERVAL: Duration = Duration::from_millis(50);
+
+/// Ports looked at for a free one.
+const NEXT_PORTS: u16 = 100;
+
+/// How to explore.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The case to begin with.
+    pub case: Case,
+    /// The port to listen on; any free one if not given.
+    pub port: Option<u16>,
+    /// Threads to share the work on a contact between; 0 for as many as there are processors.
+    pub threads: usize,
+    /// Memory a computation may take, bytes.
+    pub memory_limit: usize,
+}
+
+/// Why there is nothing to explore.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExploreError {
+    /// Another program listens on the port.
+    #[error(
+        "port {port} is in use{}",
+        next_free.map(|free| format!(": port {free} is free, give --port {free}")).unwrap_or_default()
+    )]
+    PortInUse {
+        /// The port asked for.
+        port: u16,
+        /// The next one that is free.
+        next_free: Option<u16>,
+    },
+    /// The system refused the port.
+    #[error("cannot listen on port {port}: {error}")]
+    Listen {
+        /// The port asked for; 0 for any.
+        port: u16,
+        /// Why.
+        error: io::Error,
+    },
+    /// The system has no random numbers.
+    #[error("the system has no random numbers for the address: {0}")]
+    Random(String),
+    /// The system refused threads.
+    #[error("no threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The system refused something else.
+    #[error("the server cannot run: {0}")]
+    System(#[from] io::Error),
+}
+
+/// A server that listens, and waits to [run](Self::run).
+#[derive(Debug)]
+pub struct Explorer {
+    listener: TcpListener,
+    port: u16,
+    token: Token,
+    shared: Shared,
+}
+
+/// What requests are answered from.
+#[derive(Debug, Clone)]
+struct Shared {
+    guard: Guard,
+    jobs: Arc<Jobs>,
+    start: Arc<str>,
+}
+
+impl Explorer {
+    /// Takes the port, on the loopback interface.
+    ///
+    /// # Errors
+    /// [`ExploreError`], for a port in use with the next one that is free.
+    pub fn bind(options: &Options) -> Result<Self, ExploreError> {
+        let port = options.port.unwrap_or(0);
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| {
+            if error.kind() == ErrorKind::AddrInUse {
+                let next_free = next_free(port);
+                ExploreError::PortInUse { port, next_free }
+            } else {
+                ExploreError::Listen { port, error }
+            }
+        })?;
+        listener.set_nonblocking(true)?;
+        let port = listener.local_addr()?.port();
+        let token = Token::random().map_err(|error| ExploreError::Random(error.to_string()))?;
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(options.threads)
+            .thread_name(|number| format!("contact {number}"))
+            .build()?;
+        let shared = Shared {
+            guard: Guard::new(token.clone(), port),
+            jobs: Arc::new(Jobs::new(pool, options.memory_limit)),
+            start: page::start(&options.case).into(),
+        };
+        Ok(Self {
+            listener,
+            port,
+            token,
+            shared,
+        })
+    }
+
+    /// The address of the page, with the token.
+    #[must_use]
+    pub fn address(&self) -> String {
+        format!("http://127.0.0.1:{}/{}/", self.port, self.token.text())
+    }
+
+    /// Answers requests until it is told to stop.
+    ///
+    /// # Errors
+    /// [`ExploreError::System`] if the system refuses to go on.
+    pub fn run(self, stop: &CancelToken) -> Result<(), ExploreError> {
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(2)
+            .max_blocking_threads(16)
+            .thread_name("explorer")
+            .enable_io()
+            .enable_time()
+            .build()?;
+        let jobs = Arc::clone(&self.shared.jobs);
+        let result = runtime.block_on(self.serve(stop));
+        jobs.cancel_all();
+        runtime.shutdown_timeout(Duration::from_secs(2));
+        result
+    }
+
+    async fn serve(self, stop: &CancelToken) -> Result<(), ExploreError> {
+        let listener = tokio::net::TcpListener::from_std(self.listener)?;
+        let router = router(self.shared);
+        let places = Arc::new(Semaphore::new(CONNECTIONS));
+        let mut look = tokio::time::interval(STOP_INTERVAL);
+        loop {
+            let connection = async {
+                let place = Arc::clone(&places).acquire_owned().await;
+                (listener.accept().await, place)
+            };
+            let (accepted, place) = tokio::select! {
+                connection = connection => connection,
+                () = stopped(stop, &mut look) => return Ok(()),
+            };
+            let stream = match accepted {
+                Ok((stream, _)) => stream,
+                Err(error) => {
+                    // Such as too many open files: others may be closed soon.
+                    tracing::warn!("a connection could not be accepted: {error}");
+                    tokio::time::sleep(STOP_INTERVAL).await;
+                    continue;
+                }
+            };
+            // Small answers are not to wait for each other.
+            let _ = stream.set_nodelay(true);
+            let service = TowerToHyperService::new(router.clone());
+            tokio::spawn(async move {
+                let _place = place;
+                let connection = http1::Builder::new()
+                    .timer(TokioTimer::new())
+                    .header_read_timeout(REQUEST_PATIENCE)
+                    .max_buf_size(LARGEST_HEAD)
+                    .serve_connection(TokioIo::new(stream), service);
+                if let Err(error) = connection.await {
+                    tracing::debug!("a connection ended: {error}");
+                }
+            });
+        }
+    }
+}
+
+async fn stopped(stop: &CancelToken, look: &mut tokio::time::Interval) {
+    while !stop.is_cancelled() {
+        look.tick().await;
+    }
+}
+
+/// The next port after `port` that is free.
+fn next_free(port: u16) -> Option<u16> {
+    (port.checked_add(1)?..=port.saturating_add(NEXT_PORTS))
+        .find(|port| TcpListener::bind((Ipv4Addr::LOCALHOST, *port)).is_ok())
+}
+
+fn router(shared: Shared) -> Router {
+    Router::new()
+        .route("/api/contact", post(contact))
+        .route("/api/curves", post(curves))
+        .route("/api/phase", post(phase))
+        .route("/api/export", post(export))
+        .route("/{token}", get(with_slash))
+        .route("/{token}/", get(index))
+        .route("/{token}/{file}", get(file))
+        .fallback(nothing)
+        .method_not_allowed_fallback(wrong_method)
+        .layer(middleware::from_fn_with_state(shared.clone(), guarded))
+        .with_state(shared)
+}
+
+/// Lets requests of the page pass; of others remains a line in the log.
+async fn guarded(State(shared): State<Shared>, request: Request, next: Next) -> Response {
+    let path = request.uri().path().to_owned();
+    let method = request.method().clone();
+    let api = path.starts_with("/api/");
+    let mut response = match shared.guard.check(&path, request.headers()) {
+        Ok(()) => next.run(request).await,
+        Err(refusal) if api => {
+            tracing::warn!("refused {method} request of the API: {}", refusal.message());
+            refusal.into_response()
+        }
+        Err(refusal) => {
+            tracing::warn!("refused {method} request of a page: {}", refusal.message());
+            page::message(refusal.status, refusal.message())
+        }
+    };
+    response.headers_mut().extend(HEADERS);
+    response
+}
+
+/// The files of the page are found relative to its address.
+async fn with_slash(Path(token): Path<String>) -> Redirect {
+    Redirect::permanent(&format!("/{token}/"))
+}
+
+async fn index(State(shared): State<Shared>) -> Response {
+    found(page::file("", &shared.start))
+}
+
+async fn file(State(shared): State<Shared>, Path((_, name)): Path<(String, String)>) -> Response {
+    found(page::file(&name, &shared.start))
+}
+
+fn found(file: Option<Response>) -> Response {
+    file.unwrap_or_else(|| page::message(StatusCode::NOT_FOUND, "there is no such file"))
+}
+
+async fn nothing() -> Response {
+    page::message(StatusCode::NOT_FOUND, "there is nothing here")
+}
+
+async fn wrong_method(request: Request) -> Response {
+    tracing::warn!("refused a {} request: wrong method", request.method());
+    page::message(StatusCode::METHOD_NOT_ALLOWED, "not by this method")
+}
+
+async fn contact(State(shared): State<Shared>, request: Request) -> Response {
+    let asked: request::Contact = match body(request).await {
+        Ok(asked) => asked,
+        Err(refusal) => return refused(refusal),
+    };
+    let ticket = asked.ticket.clone();
+    let work = move |worker: &_| answers::contact(&asked, worker);
+    shared.jobs.answer(ticket, Kind::Contact, work).await
+}
+
+async fn curves(State(shared): State<Shared>, request: Request) -> Response {
+    let asked: request::Curves = match body(request).await {
+        Ok(asked) => asked,
+        Err(refusal) => return refused(refusal),
+    };
+    let ticket = asked.ticket.clone();
+    let work = move |worker: &_| answers::curves(&asked, worker);
+    shared.jobs.answer(ticket, Kind::Curves, work).await
+}
+
+async fn phase(State(shared): State<Shared>, request: Request) -> Response {
+    let asked: request::Phase = match body(request).await {
+        Ok(asked) => asked,
+        Err(refusal) => return refused(refusal),
+    };
+    let ticket = asked.ticket.clone();
+    let work = move |worker: &_| answers::phase(&asked, worker);
+    shared.jobs.answer(ticket, Kind::Phase, work).await
+}
+
+async fn export(State(shared): State<Shared>, request: Request) -> Response {
+    let asked: request::Export = match body(request).await {
+        Ok(asked) => asked,
+        Err(refusal) => return refused(refusal),
+    };
+    let ticket = asked.ticket.clone();
+    let work = move |worker: &_| export::export(&asked, worker);
+    shared.jobs.answer(ticket, Kind::Export, work).await
+}
+
+/// A request that was not understood remains in the log.
+fn refused(refusal: Refusal) -> Response {
+    tracing::warn!("refused a request of the API: {}", refusal.message());
+    refusal.into_response()
+}
+
+/// The body of a request: a JSON object of bounded size that comes in bounded time.
+async fn body<T: DeserializeOwned>(request: Request) -> Result<T, Refusal> {
+    let kind = request.headers().get(header::CONTENT_TYPE);
+    let is_json = kind
+        .and_then(|kind| kind.to_str().ok())
+        .is_some_and(|kind| kind.split(';').next().map(str::trim) == Some("application/json"));
+    if !is_json {
+        return Err(Refusal::new(
+            StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            "the body must be application/json",
+        ));
+    }
+    let bytes = to_bytes(request.into_body(), LARGEST_BODY);
+    match tokio::time::timeout(REQUEST_PATIENCE, bytes).await {
+        Ok(Ok(bytes)) => serde_json::from_slice(&bytes)
+            .map_err(|error| Refusal::malformed(format!("not such a request: {error}"))),
+        Ok(Err(_)) => Err(Refusal::new(
+            StatusCode::PAYLOAD_TOO_LARGE,
+            format!("the body broke off, or is larger than {LARGEST_BODY} bytes"),
+        )),
+        Err(_) => Err(Refusal::new(
+            StatusCode::REQUEST_TIMEOUT,
+            "the body did not come in time",
+        )),
+    }
+}

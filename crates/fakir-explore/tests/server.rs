@@ -1,0 +1,596 @@
+//! The server as whoever finds its port meets it: over real sockets of this machine.
+
+#![allow(clippy::unwrap_used)]
+
+use fakir::contact::{CancelToken, Method, Run};
+use fakir_case::Case;
+use fakir_explore::{ExploreError, Explorer, Options};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde_json::{Value, json};
+use std::cell::Cell;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// A server that ends with the test.
+struct Running {
+    port: u16,
+    token: String,
+    sequence: Cell<u64>,
+    stop: CancelToken,
+    thread: Option<JoinHandle<Result<(), ExploreError>>>,
+}
+
+impl Running {
+    fn start() -> Self {
+        let explorer = Explorer::bind(&options(None)).unwrap();
+        let address = explorer.address();
+        let rest = address.strip_prefix("http://127.0.0.1:").unwrap();
+        let (port, token) = rest.trim_end_matches('/').split_once('/').unwrap();
+        let stop = CancelToken::default();
+        let thread = std::thread::spawn({
+            let stop = stop.clone();
+            move || explorer.run(&stop)
+        });
+        Self {
+            port: port.parse().unwrap(),
+            token: token.to_owned(),
+            sequence: Cell::new(0),
+            stop,
+            thread: Some(thread),
+        }
+    }
+
+    /// The number of the next request.
+    fn next(&self) -> u64 {
+        self.sequence.set(self.sequence.get() + 1);
+        self.sequence.get()
+    }
+
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream
+            .set_read_timeout(Some(Duration::from_secs(30)))
+            .unwrap();
+        stream
+    }
+
+    /// Sends bytes and reads what comes back until the connection is closed.
+    fn exchange(&self, request: &[u8]) -> String {
+        let mut stream = self.connect();
+        // Whoever is refused early may be cut off while still sending.
+        let _ = stream.write_all(request);
+        let mut answer = Vec::new();
+        let _ = stream.read_to_end(&mut answer);
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    fn head(&self, line: &str, headers: &[(&str, &str)]) -> String {
+        let mut head = format!("{line} HTTP/1.1\r\nconnection: close\r\n");
+        if !headers.iter().any(|(name, _)| *name == "host") {
+            head.push_str(&format!("host: 127.0.0.1:{}\r\n", self.port));
+        }
+        for (name, value) in headers {
+            head.push_str(&format!("{name}: {value}\r\n"));
+        }
+        head
+    }
+
+    fn get(&self, path: &str, headers: &[(&str, &str)]) -> Answer {
+        let head = self.head(&format!("GET {path}"), headers);
+        Answer::of(&self.exchange(format!("{head}\r\n").as_bytes()))
+    }
+
+    fn post(&self, path: &str, body: &str, headers: &[(&str, &str)]) -> Answer {
+        Answer::of(&self.exchange(self.request(path, body, headers).as_bytes()))
+    }
+
+    fn request(&self, path: &str, body: &str, headers: &[(&str, &str)]) -> String {
+        let head = self.head(&format!("POST {path}"), headers);
+        format!("{head}content-length: {}\r\n\r\n{body}", body.len())
+    }
+
+    /// Asks as the page does.
+    fn ask(&self, path: &str, question: &Value) -> Answer {
+        let headers = [
+            ("content-type", "application/json"),
+            ("x-fakir-token", self.token.as_str()),
+        ];
+        self.post(path, &question.to_string(), &headers)
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.stop.cancel();
+        if let Some(thread) = self.thread.take() {
+            let ended = thread.join();
+            assert!(std::thread::panicking() || ended.is_ok_and(|result| result.is_ok()));
+        }
+    }
+}
+
+fn options(port: Option<u16>) -> Options {
+    Options {
+        case: Case::example(),
+        port,
+        threads: 1,
+        memory_limit: 2_000_000_000,
+    }
+}
+
+struct Answer {
+    status: u16,
+    head: String,
+    body: String,
+}
+
+impl Answer {
+    fn of(text: &str) -> Self {
+        let (head, body) = text.split_once("\r\n\r\n").unwrap_or((text, ""));
+        let status = head.split(' ').nth(1).and_then(|s| s.parse().ok());
+        let body = if head.contains("transfer-encoding: chunked") {
+            unchunked(body)
+        } else {
+            body.to_owned()
+        };
+        Self {
+            status: status.unwrap_or(0),
+            head: head.to_owned(),
+            body,
+        }
+    }
+
+    /// Lines of JSON.
+    fn lines(&self) -> Vec<Value> {
+        self.body
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect()
+    }
+
+    /// The last line that has this name.
+    fn line(&self, name: &str) -> Value {
+        let lines = self.lines();
+        let mut named = lines.iter().filter_map(|line| line.get(name));
+        named.next_back().unwrap().clone()
+    }
+}
+
+fn unchunked(mut text: &str) -> String {
+    let mut body = String::new();
+    while let Some((size, rest)) = text.split_once("\r\n") {
+        let size = usize::from_str_radix(size, 16).unwrap_or(0);
+        if size == 0 || size > rest.len() {
+            break;
+        }
+        body.push_str(&rest[..size]);
+        text = rest[size..].trim_start_matches("\r\n");
+    }
+    body
+}
+
+/// The case of `fakir init`, at another surface fraction.
+fn case(surface_fraction: f64) -> Value {
+    json!({
+        "lens.radius": "2.2 mm",
+        "lens.young_modulus": 2e6,
+        "lens.poisson_ratio": 0.5,
+        "substrate.young_modulus": 2e6,
+        "substrate.poisson_ratio": 0.5,
+        "texture.surface_fraction": surface_fraction,
+        "texture.pillar.diameter": 6e-6,
+        "texture.pillar.height": 2.2e-6,
+    })
+}
+
+fn question(sequence: u64, case: &Value) -> Value {
+    json!({ "ticket": { "session": "test", "sequence": sequence }, "case": case })
+}
+
+#[test]
+fn the_page_needs_its_token_and_nothing_from_elsewhere() {
+    let server = Running::start();
+    let page = server.get(&format!("/{}/", server.token), &[]);
+    assert_eq!(page.status, 200);
+    assert!(
+        page.head
+            .contains("content-security-policy: default-src 'none'"),
+        "{}",
+        page.head
+    );
+    assert!(page.head.contains("cache-control: no-store"));
+    assert!(!page.body.contains("http://") && !page.body.contains("https://"));
+    for file in ["main.js", "style.css", "font.css", "start.json"] {
+        assert_eq!(
+            server.get(&format!("/{}/{file}", server.token), &[]).status,
+            200,
+            "{file}"
+        );
+    }
+    assert_eq!(
+        server
+            .get(&format!("/{}/none.js", server.token), &[])
+            .status,
+        404
+    );
+    let wrong = "0".repeat(32);
+    for path in [
+        "/",
+        &format!("/{wrong}/"),
+        &format!("/{wrong}/main.js"),
+        "/../",
+        "//",
+    ] {
+        assert_eq!(server.get(path, &[]).status, 403, "{path}");
+    }
+}
+
+#[test]
+fn other_origins_hosts_and_methods_are_refused() {
+    let server = Running::start();
+    let body = || question(server.next(), &case(0.01)).to_string();
+    let own = format!("127.0.0.1:{}", server.port);
+    let json = ("content-type", "application/json");
+    let token = ("x-fakir-token", server.token.as_str());
+    let status = |headers: &[(&str, &str)]| server.post("/api/contact", &body(), headers).status;
+    assert_eq!(status(&[json, token]), 200);
+    assert_eq!(
+        status(&[json, token, ("origin", &format!("http://{own}"))]),
+        200
+    );
+    for origin in [
+        "http://example.org",
+        "null",
+        "https://127.0.0.1",
+        &format!("https://{own}"),
+    ] {
+        assert_eq!(status(&[json, token, ("origin", origin)]), 403, "{origin}");
+    }
+    for host in [
+        "example.org",
+        &format!("example.org:{}", server.port),
+        "127.0.0.1",
+        "127.0.0.1:1",
+    ] {
+        assert_eq!(status(&[json, token, ("host", host)]), 403, "{host}");
+    }
+    assert_eq!(status(&[json]), 403);
+    assert_eq!(
+        status(&[json, ("x-fakir-token", "0123456789abcdef0123456789abcdef")]),
+        403
+    );
+    assert_eq!(status(&[json, token, token]), 403);
+    assert_eq!(status(&[("content-type", "text/plain"), token]), 415);
+    assert_eq!(server.get("/api/contact", &[token]).status, 405);
+    assert_eq!(
+        server.post("/api/nothing", &body(), &[json, token]).status,
+        405
+    );
+    let large = format!("{}{}", body(), " ".repeat(100_000));
+    assert_eq!(
+        server.post("/api/contact", &large, &[json, token]).status,
+        413
+    );
+}
+
+#[test]
+fn answers_are_those_of_the_library() {
+    let server = Running::start();
+    let critical = fakir::transition(
+        &{
+            let mut file = fakir_case::CaseFile::parse("case", &Case::example().to_toml()).unwrap();
+            file.set("texture.surface_fraction=0.01").unwrap();
+            file.case().unwrap().system
+        },
+        Method::default(),
+        &Run::default(),
+    )
+    .unwrap();
+    let answer = server.ask("/api/contact", &question(1, &case(0.01)));
+    let summary = &answer.line("critical");
+    assert_eq!(summary["critical_force_N"], json!(critical.contact.force));
+    assert_eq!(
+        summary["critical_indentation_m"],
+        json!(critical.contact.indentation)
+    );
+    assert_eq!(
+        summary["critical_contact_radius_m"],
+        json!(critical.contact_radius())
+    );
+    let state = answer.line("state");
+    let forces: Vec<f64> = critical.contact.pillars.iter().map(|p| p.force).collect();
+    assert_eq!(state["pillar_forces_N"], json!(forces));
+    assert_eq!(
+        state["pillar_statuses"].as_str().unwrap().len(),
+        forces.len()
+    );
+    let section = answer.line("section");
+    let lowest = section["surface_m"].as_array().unwrap().len();
+    assert_eq!(lowest, section["x_m"].as_array().unwrap().len());
+
+    // Half the way from first touch, which is at 0 with a pillar under the lens axis.
+    let mut half = question(2, &case(0.01));
+    half["load"] = json!({ "fraction": 0.5 });
+    let state = server.ask("/api/contact", &half).line("state");
+    assert_eq!(
+        state["summary"]["indentation_m"],
+        json!(0.5 * critical.contact.indentation)
+    );
+    let mut beyond = question(3, &case(0.01));
+    beyond["load"] = json!({ "fraction": 1.2 });
+    let state = server.ask("/api/contact", &beyond).line("state");
+    assert_eq!(state["summary"]["beyond_transition"], json!(true));
+}
+
+#[test]
+fn curves_and_the_loading_path_come_point_by_point() {
+    let server = Running::start();
+    let mut soft = case(0.002);
+    soft["method.name"] = json!("homogenised");
+    let curves = server.ask("/api/curves", &question(1, &soft)).lines();
+    assert!(
+        curves[0]["formulas"]["large_contact"]
+            .as_array()
+            .unwrap()
+            .len()
+            > 10
+    );
+    let points = curves.iter().filter(|line| line.get("point").is_some());
+    assert!(points.count() > 20);
+    assert!(curves.last().unwrap().get("complete").is_some());
+    let phase = server.ask("/api/phase", &question(2, &case(0.002))).lines();
+    assert!(phase[0]["transition"].as_array().unwrap().len() > 100);
+    let path: Vec<&Value> = phase.iter().filter_map(|line| line.get("path")).collect();
+    assert_eq!(path.len(), 16);
+}
+
+#[test]
+fn what_cannot_be_is_refused_at_its_key() {
+    let server = Running::start();
+    let refused = |change: &dyn Fn(&mut Value)| {
+        let mut asked = question(server.next(), &case(0.01));
+        change(&mut asked);
+        let answer = server.ask("/api/contact", &asked);
+        let told: Value = serde_json::from_str(&answer.body).unwrap();
+        (answer.status, told)
+    };
+    let (status, told) = refused(&|q| q["case"]["texture.pillar.height"] = json!("5 mm"));
+    assert_eq!(
+        (status, &told["key"]),
+        (422, &json!("texture.pillar.height"))
+    );
+    assert_eq!(told["message"], "cannot be 5 mm");
+    assert!(
+        told["accepted"]
+            .as_str()
+            .unwrap()
+            .contains("below the lens radius")
+    );
+    let (status, told) = refused(&|q| q["case"]["lens.radius"] = json!("2 MPa"));
+    assert_eq!((status, &told["key"]), (422, &json!("lens.radius")));
+    let (status, told) = refused(&|q| q["case"]["texture.surface_fraction"] = json!(0.6));
+    assert_eq!(
+        (status, &told["key"]),
+        (422, &json!("texture.surface_fraction"))
+    );
+    assert!(
+        told["accepted"].as_str().unwrap().contains("up to 0."),
+        "{told}"
+    );
+    let (status, told) = refused(&|q| q["case"]["lens.raduis"] = json!(1.0));
+    assert_eq!((status, &told["key"]), (422, &json!("lens.raduis")));
+    let (status, told) = refused(&|q| q["load"] = json!({ "fraction": 7.0 }));
+    assert_eq!((status, &told["key"]), (422, &json!("load.fraction")));
+    let (status, _) = refused(&|q| q["extra"] = json!(1));
+    assert_eq!(status, 400);
+    let (status, _) = refused(&|q| q["ticket"]["session"] = json!("x".repeat(100)));
+    assert_eq!(status, 400);
+}
+
+#[test]
+fn files_are_those_of_the_command_line() {
+    let server = Running::start();
+    let file = |name: &str| {
+        let mut asked = question(server.next(), &case(0.01));
+        asked["file"] = json!(name);
+        let answer = server.ask("/api/export", &asked);
+        let told = || format!("{name}: {}\n{}", answer.head, answer.body);
+        assert!(answer.status == 200, "{}", told());
+        answer
+    };
+    let toml = file("case.toml").body;
+    let read = fakir_case::CaseFile::parse("case.toml", &toml)
+        .unwrap()
+        .case()
+        .unwrap();
+    assert!((read.system.texture().surface_fraction() - 0.01).abs() < 1e-15);
+    let summary: Value = serde_json::from_str(&file("summary.json").body).unwrap();
+    assert_eq!(summary["regime"], "top_first");
+    let pillars = file("pillars.csv").body;
+    assert!(
+        pillars.starts_with("i,j,x_m,y_m,status,force_N,"),
+        "{pillars}"
+    );
+    for figure in [
+        "pressure-map",
+        "profiles",
+        "top-view",
+        "floor-gap-map",
+        "phase-diagram",
+    ] {
+        let svg = file(&format!("{figure}.svg"));
+        assert!(svg.status == 200 && svg.body.contains("<svg"), "{figure}");
+        assert!(
+            file(&format!("{figure}.png")).head.contains("image/png"),
+            "{figure}"
+        );
+    }
+    let mut asked = question(server.next(), &case(0.01));
+    asked["file"] = json!("../../etc/passwd");
+    assert_eq!(server.ask("/api/export", &asked).status, 422);
+}
+
+#[test]
+fn the_newest_request_calls_off_those_before() {
+    let server = Running::start();
+    let start = Instant::now();
+    let slow = |sequence| {
+        let mut rigid = case(0.22);
+        rigid["substrate.young_modulus"] = json!(1e9);
+        rigid["method.accuracy"] = json!("accurate");
+        let body = question(sequence, &rigid).to_string();
+        let headers = [
+            ("content-type", "application/json"),
+            ("x-fakir-token", server.token.as_str()),
+        ];
+        let mut stream = server.connect();
+        let request = server.request("/api/contact", &body, &headers);
+        stream.write_all(request.as_bytes()).unwrap();
+        stream
+    };
+    let mut before: Vec<TcpStream> = (1..=6).map(slow).collect();
+    std::thread::sleep(Duration::from_millis(200));
+    // An older one that comes late is stale at once.
+    let late = server.ask("/api/contact", &question(3, &case(0.01)));
+    assert_eq!(late.status, 409);
+    let newest = server.ask("/api/contact", &question(100, &case(0.01)));
+    assert_eq!(newest.status, 200);
+    for stream in &mut before {
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let answer = String::from_utf8_lossy(&answer).into_owned();
+        assert!(!answer.contains("\"state\""), "{answer}");
+    }
+    // One whose connection is closed is called off too: then an older one is no longer stale.
+    drop(slow(200));
+    std::thread::sleep(Duration::from_millis(100));
+    let older = || server.ask("/api/contact", &question(150, &case(0.01)));
+    while older().status != 200 {
+        assert!(start.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// 10,000 requests, of which hardly any makes sense.
+#[test]
+fn ten_thousand_odd_requests_leave_it_as_it_was() {
+    let server = Running::start();
+    let headers = [
+        ("content-type", "application/json"),
+        ("x-fakir-token", server.token.as_str()),
+    ];
+    let good = question(1, &case(0.001)).to_string();
+    let good = server.request("/api/contact", &good, &headers);
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    let mut odd = |server: &Running, number: u64| {
+        let mut bytes = match random.next_u32() % 4 {
+            0 => {
+                let length = random.next_u32() as usize % 600;
+                (0..length).map(|_| random.next_u32() as u8).collect()
+            }
+            1 => {
+                let text = odd_json(&mut random, 0).to_string();
+                server.request("/api/contact", &text, &headers).into_bytes()
+            }
+            2 => {
+                let mut asked = question(number, &case(0.001));
+                let keys = [
+                    "lens.radius",
+                    "texture.pillar.height",
+                    "method.name",
+                    "nothing",
+                ];
+                let key = keys[random.next_u32() as usize % keys.len()];
+                asked["case"][key] = odd_json(&mut random, 2);
+                server
+                    .request("/api/curves", &asked.to_string(), &headers)
+                    .into_bytes()
+            }
+            _ => good.clone().into_bytes(),
+        };
+        for _ in 0..random.next_u32() % 8 {
+            if let Some(at) = (random.next_u32() as usize).checked_rem(bytes.len()) {
+                bytes[at] = random.next_u32() as u8;
+            }
+        }
+        let mut stream = server.connect();
+        let _ = stream.write_all(&bytes);
+        let _ = stream.shutdown(std::net::Shutdown::Write);
+        if !number.is_multiple_of(3) {
+            let mut answer = Vec::new();
+            let _ = stream.read_to_end(&mut answer);
+            let answer = String::from_utf8_lossy(&answer);
+            assert!(!answer.contains(" 500 "), "{answer}");
+        }
+    };
+    let mut used = Vec::new();
+    for number in 0..10_000 {
+        odd(&server, number);
+        if number % 2000 == 1999 {
+            used.push(resident_memory());
+        }
+    }
+    let answer = server.ask("/api/contact", &question(20_000, &case(0.001)));
+    assert_eq!(answer.status, 200);
+    if let (Some(Some(first)), Some(Some(last))) = (used.first(), used.last()) {
+        // kB; allocators keep some of what they once had.
+        assert!(*last < first + 30_000, "{used:?}");
+    }
+}
+
+/// JSON that is not what is asked for.
+fn odd_json(random: &mut ChaCha8Rng, depth: usize) -> Value {
+    match random.next_u32() % if depth < 3 { 8 } else { 6 } {
+        0 => Value::Null,
+        1 => json!(f64::from_bits(random.next_u64())),
+        2 => json!(random.next_u64()),
+        3 => json!("\u{0}\"\\\n[lens]\n".repeat(random.next_u32() as usize % 9)),
+        4 => json!(random.next_u32().is_multiple_of(2)),
+        5 => json!("2.2 mm"),
+        6 => (0..random.next_u32() % 5)
+            .map(|_| odd_json(random, depth + 1))
+            .collect(),
+        _ => {
+            let names = [
+                "ticket",
+                "case",
+                "load",
+                "session",
+                "sequence",
+                "lens.radius",
+            ];
+            let member = |k: usize, random: &mut ChaCha8Rng| {
+                (names[k].to_owned(), odd_json(random, depth + 1))
+            };
+            let count = random.next_u32() as usize % names.len();
+            Value::Object((0..count).map(|k| member(k, random)).collect())
+        }
+    }
+}
+
+/// Memory of this process, kB, where it can be known.
+fn resident_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
+    line.split_whitespace().nth(1)?.parse().ok()
+}
+
+#[test]
+fn a_busy_port_is_named_with_a_free_one() {
+    let first = Explorer::bind(&options(None)).unwrap();
+    let address = first.address();
+    let port: u16 = address.split([':', '/']).nth(4).unwrap().parse().unwrap();
+    let error = Explorer::bind(&options(Some(port))).unwrap_err();
+    let told = error.to_string();
+    assert!(
+        told.starts_with(&format!("port {port} is in use: port ")),
+        "{told}"
+    );
+    let ExploreError::PortInUse { next_free, .. } = error else {
+        panic!("{told}");
+    };
+    assert!(Explorer::bind(&options(next_free)).is_ok());
+}

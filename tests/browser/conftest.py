@@ -1,0 +1,134 @@
+"""The built program and a real browser: their paths are in the environment variables FAKIR and CHROMIUM."""
+
+import os
+import re
+import shutil
+import subprocess
+import time
+from contextlib import contextmanager
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+ARGUMENTS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+NAMES = ["chromium", "chromium-browser", "google-chrome"]
+
+
+@contextmanager
+def exploring(*arguments):
+    """Runs `fakir explore` and gives the address of its page."""
+    command = [os.environ["FAKIR"], "explore", "--no-browser", *arguments]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    try:
+        first = process.stderr.readline()
+        found = re.search(r"http://127\.0\.0\.1:\d+/[0-9a-f]{32}/", first)
+        assert found, first
+        yield found.group(0)
+    finally:
+        process.send_signal(subprocess.signal.SIGINT)
+        assert process.wait(timeout=20) == 0
+        process.stderr.close()
+
+
+@pytest.fixture(scope="session")
+def address():
+    with exploring() as address:
+        yield address
+
+
+@pytest.fixture(scope="session")
+def browser():
+    program = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
+    assert program, "no Chromium: name one in the environment variable CHROMIUM"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+class Explorer:
+    """The page as its user knows it."""
+
+    def __init__(self, page, requests):
+        self.page = page
+        self.requests = requests
+
+    def until(self, condition, seconds=30):
+        """Waits until a condition in JavaScript holds; the page itself allows no such texts."""
+        end = time.monotonic() + seconds
+        while not self.page.evaluate(f"() => {condition}"):
+            assert time.monotonic() < end, f"not within {seconds} s: {condition}"
+            time.sleep(0.02)
+
+    def text(self, name):
+        return self.page.evaluate(f"() => document.getElementById('{name}').textContent")
+
+    def rest(self):
+        """Waits until the page has the answer to all that was asked."""
+        self.until("document.body.dataset.busy === 'no'")
+
+    def enter(self, key, value):
+        field = self.page.locator(f"#{key.replace('.', '-')}")
+        field.fill(value)
+        field.press("Enter")
+        self.rest()
+
+    def slide(self, name, value):
+        """Moves a slider as a pointer does."""
+        self.page.evaluate(
+            """([name, value]) => {
+                const slider = document.getElementById(name);
+                slider.value = value;
+                slider.dispatchEvent(new Event("input", { bubbles: true }));
+            }""",
+            [name, str(value)],
+        )
+        self.rest()
+
+    def results(self):
+        return [self.text(f"{name}-value") for name in ("force", "radius", "indentation")]
+
+
+@pytest.fixture
+def explore(browser, address):
+    """Opens the page; whatever would leave this machine is held back, and fails the test."""
+    contexts = []
+
+    def open_page(fragment="", width=1440, height=900, address=address, **options):
+        context = browser.new_context(
+            viewport={"width": width, "height": height}, accept_downloads=True, **options
+        )
+        requests, problems = [], []
+
+        def route(route):
+            url = route.request.url
+            requests.append(url)
+            if url.startswith(("http://127.0.0.1:", "data:", "blob:")):
+                route.continue_()
+            else:
+                route.abort()
+
+        context.route("**/*", route)
+        page = context.new_page()
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        contexts.append((context, requests, problems))
+        page.goto(address + fragment)
+        explorer = Explorer(page, requests)
+        explorer.until("document.body.dataset.busy === 'no'")
+        return explorer
+
+    yield open_page
+    for context, requests, problems in contexts:
+        context.close()
+        assert not problems
+        assert requests
+        assert all(url.startswith(("http://127.0.0.1:", "data:", "blob:")) for url in requests)

@@ -1,0 +1,288 @@
+"""What a user does with the page, in a real browser."""
+
+import json
+import os
+import re
+import subprocess
+import tomllib
+
+import pytest
+from conftest import exploring
+
+
+def test_starts_with_the_case_of_fakir_init(explore):
+    # The numbers are those of the README: spectral method, checked against Love elements.
+    page = explore()
+    assert page.results() == ["4.44813", "199.2", "15.1643"]
+    assert page.text("force-unit") == "mN"
+    assert page.text("regime").startswith("top first")
+    assert page.text("pillars") == "451 pillars in contact, 30 in part"
+    assert "error" in page.text("force-remark")
+    label = page.page.locator("#map").get_attribute("aria-label")
+    assert label.startswith("Contact from above: 451 pillars in contact")
+
+
+def test_starts_with_the_case_of_a_file(explore, tmp_path):
+    case = tmp_path / "case.toml"
+    subprocess.run([os.environ["FAKIR"], "init", str(case)], check=True, stdout=subprocess.DEVNULL)
+    with exploring(str(case), "--set", "texture.pitch=40um") as address:
+        page = explore(address=address)
+        assert page.page.input_value("#texture-pitch") == "40 µm"
+        assert page.page.locator(".field.derived #texture-surface_fraction").count() == 1
+
+
+def test_presets_are_the_substrates_of_the_paper(explore):
+    page = explore("#" + "&".join(paper(0.001)))
+    forces = {}
+    for name in ("rigid", "intermediate", "soft"):
+        page.page.click(f"[data-preset={name}]")
+        page.rest()
+        assert page.page.get_attribute(f"[data-preset={name}]", "aria-pressed") == "true"
+        forces[name] = (float(page.results()[0]), page.text("force-unit"))
+    # One pillar: rigid about 1e-5 N, soft about 1e-8 N, intermediate below half of rigid.
+    assert forces["rigid"][1] == "µN" and 10 < forces["rigid"][0] < 100
+    assert forces["soft"][1] == "nN" and 10 < forces["soft"][0] < 100
+    assert forces["intermediate"][1] == "µN"
+    assert forces["intermediate"][0] < 0.5 * forces["rigid"][0]
+    assert page.page.input_value("#texture-surface_fraction") == "0.001"
+
+
+def test_sliders_change_the_result(explore):
+    page = explore("#" + "&".join(paper(0.02)))
+    before = page.results()
+    page.slide("texture-pillar-height-slider", 700)
+    assert page.results() != before
+    assert page.page.input_value("#texture-pillar-height") != "2.2 µm"
+    page.enter("texture.pillar.height", "2200 nm")
+    assert page.results() == before
+    # A pitch takes the place of the surface fraction.
+    page.enter("texture.pitch", "40.4 um")
+    assert 'pitch = "40.4 um"' in page.text("case-file")
+    assert "surface_fraction" not in page.text("case-file").split("[texture]")[1].split("#")[0]
+
+
+def test_the_load_goes_from_first_touch_past_the_critical_state(explore):
+    page = explore("#" + "&".join(paper(0.03)))
+    critical = page.results()
+    forces = []
+    for load in (0.2, 0.6, 1, 1.2):
+        page.slide("load", load)
+        numbers = page.text("load-numbers")
+        number, unit = re.search(r"F = ([\d.]+) (\w+)", numbers).groups()
+        forces.append(float(number) * {"µN": 1e-6, "mN": 1e-3}[unit])
+        assert page.results() == critical
+        beyond = page.page.is_visible("#beyond-note")
+        assert beyond == (load > 1)
+    assert forces == sorted(forces)
+    assert "beyond the transition" in page.text("load-words")
+    assert "fakir press case.toml --indentation" in page.text("command")
+    page.page.click("#to-critical")
+    page.rest()
+    assert page.text("load-words") == "critical state"
+
+
+def test_curves_and_path_fill_in(explore):
+    page = explore("#" + "&".join(paper(0.01)))
+    page.until("document.querySelectorAll('#curve-force .exact-point').length > 20", 60)
+    page.until("document.querySelector('#phase path.beyond-path') !== null", 60)
+    assert page.page.locator("#curve-indentation path.homogenised-curve").count() == 1
+
+
+def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
+    page = explore("#" + "&".join(paper(0.03)))
+    page.page.evaluate(
+        """() => {
+            window.told = [];
+            window.longest = 0;
+            let last = performance.now();
+            const frame = (now) => {
+                window.longest = Math.max(window.longest, now - last);
+                last = now;
+                requestAnimationFrame(frame);
+            };
+            requestAnimationFrame(frame);
+            const work = document.getElementById("work");
+            new MutationObserver(() => window.told.push(work.textContent))
+                .observe(work, { childList: true, characterData: true, subtree: true });
+            const method = document.getElementById("method-accuracy");
+            method.value = "accurate";
+            method.dispatchEvent(new Event("change"));
+            const slider = document.getElementById("texture-surface_fraction-slider");
+            slider.value = 915;
+            slider.dispatchEvent(new Event("input"));
+        }"""
+    )
+    page.until("window.told.some((words) => /step \\d+, \\d+ pillars touched/.test(words))")
+    # A newer question is answered at once, whatever is under way.
+    page.enter("texture.surface_fraction", "0.01")
+    assert page.text("pillars").startswith("13 pillars")
+    # Frames go on meanwhile; how fast depends on the machine.
+    assert page.page.evaluate("() => window.longest") < 2000
+
+
+def test_an_error_is_at_its_field_and_the_picture_stays(explore):
+    page = explore("#" + "&".join(paper(0.02)))
+    before = page.results()
+    page.enter("texture.pillar.height", "5 mm")
+    assert page.text("texture-pillar-height-note").startswith("cannot be 5 mm: it must be")
+    assert page.page.get_attribute("#texture-pillar-height", "aria-invalid") == "true"
+    assert "last good picture" in page.text("problem")
+    assert page.results() == before
+    page.enter("texture.pillar.height", "2.2 furlongs")
+    assert "not a known unit" in page.text("texture-pillar-height-note")
+    page.enter("texture.surface_fraction", "0.8")
+    page.enter("texture.pillar.height", "2.2 um")
+    assert "pillars would be touched" in page.text("texture-surface_fraction-note")
+    page.enter("texture.surface_fraction", "0.02")
+    assert not page.page.is_visible("#problem")
+    assert page.results() == before
+
+
+def test_a_link_restores_the_state(explore, browser):
+    page = explore()
+    page.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.enter("texture.surface_fraction", "0.013")
+    page.enter("lens.radius", "3.3 mm")
+    page.slide("load", 0.5)
+    page.slide("exaggeration", 1.5)
+    page.page.click("#copy-link")
+    link = page.page.evaluate("() => navigator.clipboard.readText()")
+    again = explore("#" + link.split("#")[1])
+    assert again.results() == page.results()
+    assert again.text("load-numbers") == page.text("load-numbers")
+    assert again.page.input_value("#lens-radius") == "3.3 mm"
+    assert again.text("exaggeration-words") == page.text("exaggeration-words")
+
+
+@pytest.mark.parametrize(
+    "name, start",
+    [
+        ("case.toml", b"# A lens pressed"),
+        ("summary.json", b"{"),
+        ("pillars.csv", b"i,j,x_m,y_m,status,force_N"),
+        ("pressure-map.svg", b"<svg"),
+        ("profiles.png", b"\x89PNG"),
+        ("top-view.svg", b"<svg"),
+        ("phase-diagram.png", b"\x89PNG"),
+    ],
+)
+def test_exports_are_saved(explore, tmp_path, name, start):
+    page = explore("#" + "&".join(paper(0.01)))
+    page.page.click("#export-menu summary")
+    with page.page.expect_download() as download:
+        page.page.click(f"[data-file='{name}']")
+    assert download.value.suggested_filename == f"fakir-{name}"
+    path = tmp_path / name
+    download.value.save_as(path)
+    contents = path.read_bytes()
+    assert contents.lstrip().startswith(start)
+    if name == "case.toml":
+        case = tomllib.loads(contents.decode())
+        assert case["texture"]["surface_fraction"] == 0.01
+    if name == "summary.json":
+        force = json.loads(contents)["critical_force_N"]
+        assert f"{1e6 * force:.4f}".startswith(page.results()[0][:5])
+
+
+def test_the_command_gives_the_same_result(explore, tmp_path):
+    page = explore("#" + "&".join(paper(0.01)))
+    page.enter("texture.pillar.diameter", "7 um")
+    command = page.text("command").replace("fakir ", os.environ["FAKIR"] + " ")
+    done = subprocess.run(
+        command + " --json", shell=True, cwd=tmp_path, check=True, capture_output=True, text=True
+    )
+    force = json.loads("{" + done.stdout.split("{", 1)[1])["critical_force_N"]
+    number = float(page.results()[0]) * {"µN": 1e-6, "mN": 1e-3}[page.text("force-unit")]
+    assert abs(force / number - 1) < 1e-5
+
+
+def test_everything_is_reached_by_keyboard(explore):
+    page = explore("#" + "&".join(paper(0.01)))
+    seen = []
+    for _ in range(70):
+        page.page.keyboard.press("Tab")
+        seen.append(page.page.evaluate("() => document.activeElement.id"))
+    for name in ("lens-radius", "lens-radius-slider", "load", "exaggeration", "copy-link", "method-name"):
+        assert name in seen, name
+    outline = page.page.evaluate("() => getComputedStyle(document.activeElement).outlineStyle")
+    assert outline != "none"
+    page.page.focus("#load")
+    before = page.text("load-numbers")
+    for _ in range(20):
+        page.page.keyboard.press("ArrowLeft")
+    page.rest()
+    assert page.text("load-numbers") != before
+    unlabelled = page.page.evaluate(
+        """() => [...document.querySelectorAll("input, select, button")]
+            .filter((x) => !x.labels?.length && !x.ariaLabel && !x.textContent.trim())
+            .map((x) => x.id)"""
+    )
+    assert unlabelled == []
+
+
+def test_results_are_announced(explore):
+    page = explore("#" + "&".join(paper(0.01)))
+    page.until("document.getElementById('announcement').textContent.includes('Critical force')")
+
+
+@pytest.mark.parametrize("width, height", [(360, 800), (820, 1180), (1280, 800), (3840, 2160)])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_fits_every_screen(explore, width, height, scheme, tmp_path):
+    page = explore("#" + "&".join(paper(0.02)), width, height, color_scheme=scheme)
+    over = page.page.evaluate("() => document.documentElement.scrollWidth - innerWidth")
+    assert over <= 0
+    dark = page.page.evaluate(
+        "() => getComputedStyle(document.documentElement).backgroundColor.match(/\\d+/g)[0] < 128"
+    )
+    assert dark == (scheme == "dark")
+    overlapping = page.page.evaluate(
+        """() => {
+            const boxes = [...document.querySelectorAll("main > section, header, footer")]
+                .map((x) => x.getBoundingClientRect());
+            return boxes.some((a, i) => boxes.some((b, j) => i < j
+                && a.left < b.right - 1 && b.left < a.right - 1
+                && a.top < b.bottom - 1 && b.top < a.bottom - 1));
+        }"""
+    )
+    assert not overlapping
+    folder = os.environ.get("SCREENSHOTS")
+    if folder:
+        page.page.wait_for_timeout(3000)
+        page.page.screenshot(path=f"{folder}/{width}-{scheme}.png", full_page=True)
+
+
+def test_motion_is_reduced_on_wish(explore):
+    page = explore(reduced_motion="reduce")
+    moving = page.page.evaluate(
+        """() => [...document.querySelectorAll("*")]
+            .some((x) => parseFloat(getComputedStyle(x).transitionDuration) > 0)"""
+    )
+    assert not moving
+
+
+def test_nothing_else_gets_in(explore, browser, address):
+    context = browser.new_context()
+    page = context.new_page()
+    root = address.rsplit("/", 2)[0]
+    assert page.goto(root + "/").status == 403
+    assert page.goto(root + "/" + "0" * 32 + "/").status == 403
+    context.close()
+
+
+def paper(surface_fraction):
+    """The paper's intermediate substrate, as the parts of a link."""
+    return [
+        "lens.radius=0.0022",
+        "lens.young_modulus=2000000",
+        "lens.poisson_ratio=0.5",
+        "substrate.young_modulus=2000000",
+        "substrate.poisson_ratio=0.5",
+        "texture.offset=0",
+        "texture.offset_angle=0",
+        "texture.pillar.diameter=0.000006",
+        "texture.pillar.height=0.0000022",
+        "texture.pillar.compliance=column",
+        "method.name=spectral",
+        "method.accuracy=default",
+        f"texture.surface_fraction={surface_fraction}",
+    ]

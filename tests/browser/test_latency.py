@@ -1,0 +1,57 @@
+"""How long it takes from moving a slider to the new contact map on the screen.
+
+The map comes up to three times: where pillars are many as an estimate by the homogenised lattice, then
+with every pillar by the punch lattice, whose forces are good to a per cent, and then exact.
+
+The time is that from the input event until the frame with the new map has been drawn, of moves that
+wait for each other. It is printed; how much it may be depends on the machine, so that only
+far too much fails, unless the environment variable STRICT_LATENCY is set.
+"""
+
+import os
+import statistics
+
+import pytest
+from test_explorer import paper
+
+MOVES = 25
+
+MEASURE = """async ([moves]) => {
+    const slider = document.getElementById("texture-pillar-height-slider");
+    const start = Number(slider.value);
+    const times = { estimate: [], pillars: [], exact: [] };
+    for (let move = 0; move < moves; move += 1) {
+        slider.value = String(start + (move % 2 === 0 ? 1 : 0));
+        const begin = performance.now();
+        await new Promise((resolve) => {
+            const listen = (event) => {
+                const { stage } = event.detail;
+                times[stage].push(performance.now() - begin);
+                if (stage !== "exact") return;
+                document.removeEventListener("picture", listen);
+                resolve();
+            };
+            document.addEventListener("picture", listen);
+            slider.dispatchEvent(new Event("input", { bubbles: true }));
+        });
+        while (document.body.dataset.busy !== "no") {
+            await new Promise((resolve) => setTimeout(resolve, 5));
+        }
+        await new Promise((resolve) => setTimeout(resolve, 30));
+    }
+    return times;
+}"""
+
+
+@pytest.mark.parametrize("surface_fraction, wanted", [(0.1, 50), (0.2, 400)])
+def test_the_map_follows_the_slider(explore, capsys, surface_fraction, wanted):
+    page = explore("#" + "&".join(paper(surface_fraction)))
+    page.page.evaluate(MEASURE, [3])
+    times = page.page.evaluate(MEASURE, [MOVES])
+    median = {stage: statistics.median(of) for stage, of in times.items() if of}
+    words = ", ".join(f"{stage} {time:.0f} ms" for stage, time in median.items())
+    with capsys.disabled():
+        print(f"\nslider to map at a surface fraction of {surface_fraction}: median {words}")
+    strict = "STRICT_LATENCY" in os.environ
+    assert median["pillars"] < (wanted if strict else 10 * wanted)
+    assert median["exact"] < 20 * wanted

@@ -1,0 +1,137 @@
+//! The explorer in a real browser: `tests/browser`; and whether the page that is part of the program is
+//! what its source builds to.
+
+use crate::python::{self, run};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+const TESTS: &str = "tests/browser";
+const PAGE: &str = "crates/fakir-explore/page";
+
+/// Names of Chromium, and of browsers that will do.
+const NAMES: [&str; 4] = [
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+];
+
+/// Tests of the page, by the program that was built for the other tests.
+pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
+    page_is_built()?;
+    let chromium = chromium()?;
+    let (python, program) = python::prepare(cargo, TESTS, "browser")?;
+    run(python::pytest(&python, TESTS)
+        .env("FAKIR", program)
+        .env("CHROMIUM", chromium))
+}
+
+/// The browser: that named in CHROMIUM, one that is installed, or else Debian's, installed now.
+fn chromium() -> Result<PathBuf, String> {
+    if let Some(named) = std::env::var_os("CHROMIUM") {
+        return Ok(named.into());
+    }
+    if let Some(found) = installed() {
+        return Ok(found);
+    }
+    println!("no Chromium is installed: trying the package chromium by apt-get");
+    let apt = |arguments: &[&str]| {
+        let mut command = Command::new("apt-get");
+        command
+            .args(arguments)
+            .env("DEBIAN_FRONTEND", "noninteractive")
+            .stdout(Stdio::null());
+        run(&mut command)
+    };
+    let package = ["install", "--yes", "--no-install-recommends", "chromium"];
+    // Lists of packages may be there already; if not, they are fetched.
+    let result = apt(&package).or_else(|_| apt(&["update"]).and_then(|()| apt(&package)));
+    match (result, installed()) {
+        (Ok(()), Some(found)) => Ok(found),
+        (result, _) => Err(format!(
+            "the explorer is tested in Chromium, which is not installed{}: install it (the package \
+             chromium of most distributions) or name it in the environment variable CHROMIUM",
+            result.err().map(|e| format!(" ({e})")).unwrap_or_default()
+        )),
+    }
+}
+
+fn installed() -> Option<PathBuf> {
+    let paths = std::env::var_os("PATH")?;
+    std::env::split_paths(&paths)
+        .flat_map(|folder| NAMES.map(|name| folder.join(name)))
+        .find(|program| program.is_file())
+}
+
+/// Whether `page/dist` is what the scripts of the page build to. Only users of the page's source have
+/// node: without it that is said, and nothing is wrong.
+fn page_is_built() -> Result<(), String> {
+    let available = |program: &str| {
+        let mut command = Command::new(program);
+        command.arg("--version").stdout(Stdio::null());
+        command
+            .stderr(Stdio::null())
+            .status()
+            .is_ok_and(|s| s.success())
+    };
+    if !(available("node") && available("npm")) {
+        println!(
+            "node is not installed: not looked at whether the page is what its source builds to"
+        );
+        return Ok(());
+    }
+    let folder = python::target_folder()?.join("page");
+    fresh_copy(Path::new(PAGE), &folder)?;
+    run(Command::new("npm")
+        .args(["ci", "--no-audit", "--no-fund", "--loglevel=error"])
+        .current_dir(&folder)
+        .stdout(Stdio::null()))?;
+    run(Command::new("npm")
+        .args(["run", "--silent", "build"])
+        .current_dir(&folder))?;
+    let built = scripts(&folder.join("dist"), "js")?;
+    if built != scripts(&Path::new(PAGE).join("dist"), "js")? {
+        return Err(format!(
+            "{PAGE}/dist is not what the source builds to: run `npm ci && npm run build` in {PAGE}"
+        ));
+    }
+    Ok(())
+}
+
+/// The source of the page without what is built from it.
+fn fresh_copy(from: &Path, to: &Path) -> Result<(), String> {
+    let problem = |error| {
+        format!(
+            "cannot copy {} to {}: {error}",
+            from.display(),
+            to.display()
+        )
+    };
+    if to.exists() {
+        std::fs::remove_dir_all(to).map_err(problem)?;
+    }
+    std::fs::create_dir_all(to).map_err(problem)?;
+    for extension in ["ts", "json"] {
+        for (name, contents) in scripts(from, extension)? {
+            std::fs::write(to.join(name), contents).map_err(problem)?;
+        }
+    }
+    Ok(())
+}
+
+/// Names and contents of the files with an extension, by name.
+fn scripts(folder: &Path, extension: &str) -> Result<Vec<(String, Vec<u8>)>, String> {
+    let unreadable = |error| format!("cannot read {}: {error}", folder.display());
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if path.extension().is_some_and(|found| found == extension) {
+            let name = path.file_name().unwrap_or_default();
+            let contents = std::fs::read(&path).map_err(unreadable)?;
+            files.push((name.to_string_lossy().into_owned(), contents));
+        }
+    }
+    files.sort();
+    Ok(files)
+}
