@@ -55,9 +55,7 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let (compiler, expected) = parse(&recorded)?;
     let present = compiler_here()?;
     if compiler != present {
-        println!(
-            "{RECORDED} was counted with {compiler}; this is {present}: nothing is compared"
-        );
+        println!("{RECORDED} was counted with {compiler}; this is {present}: nothing is compared");
         return Ok(());
     }
     let counted = count(cargo)?;
@@ -135,9 +133,13 @@ fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
     valgrind()?;
     let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
     // What the other tests are run on.
-    crate::python::run(
-        Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]),
-    )?;
+    crate::python::run(Command::new(cargo).args([
+        "test",
+        "--workspace",
+        "--locked",
+        "--no-run",
+        "--quiet",
+    ]))?;
     let program = executable.with_file_name("fakir");
     let kernels = executable.with_file_name("examples").join("kernels");
     let mut counts = Vec::new();

@@ -1,9 +1,10 @@
 //! `cargo xtask test`: every check, as continuous integration runs it.
 
 mod browser;
+mod instructions;
 mod python;
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::process::{Command, ExitCode};
 
 /// One check: what it is called, and the arguments to cargo.
@@ -32,7 +33,8 @@ const CHECKS: &[(&str, &[&str])] = &[
 type Other = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
 
 /// Come last: they use the program that the tests were run on.
-const OTHERS: [Other; 2] = [
+const OTHERS: [Other; 3] = [
+    ("instructions", "counts of valgrind", instructions::check),
     ("python", "pytest tests/python", python::check),
     ("browser", "pytest tests/browser", browser::check),
 ];
@@ -44,18 +46,22 @@ fn main() -> ExitCode {
         checks.chain(OTHERS.map(|(name, ..)| name))
     };
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["record", "instructions"] => run_one(&cargo(), "instructions", instructions::record),
         ["test"] => run_checks(|_| true),
         ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
         _ => {
             let names = names().collect::<Vec<_>>().join(", ");
-            eprintln!("usage: cargo xtask test [CHECK]    every check, or one of: {names}");
+            eprintln!(
+                "usage: cargo xtask test [CHECK]          every check, or one of: {names}\n       \
+                 cargo xtask record instructions    the counts to compare with from now on"
+            );
             ExitCode::from(2)
         }
     }
 }
 
 fn run_checks(wanted: impl Fn(&str) -> bool) -> ExitCode {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let cargo = cargo();
     for (name, arguments) in CHECKS.iter().filter(|(name, _)| wanted(name)) {
         println!("== {name}: cargo {}", arguments.join(" "));
         let status = Command::new(&cargo)
@@ -76,11 +82,24 @@ fn run_checks(wanted: impl Fn(&str) -> bool) -> ExitCode {
     }
     for (name, words, check) in OTHERS.iter().filter(|(name, ..)| wanted(name)) {
         println!("== {name}: {words}");
-        if let Err(problem) = check(&cargo) {
-            eprintln!("== {name} failed: {problem}");
+        if run_one(&cargo, name, *check) != ExitCode::SUCCESS {
             return ExitCode::FAILURE;
         }
     }
     println!("== checks passed");
     ExitCode::SUCCESS
+}
+
+fn cargo() -> OsString {
+    std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
+}
+
+fn run_one(cargo: &OsStr, name: &str, check: fn(&OsStr) -> Result<(), String>) -> ExitCode {
+    match check(cargo) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("== {name} failed: {problem}");
+            ExitCode::FAILURE
+        }
+    }
 }
