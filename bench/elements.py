@@ -176,7 +176,7 @@ def solution_table(rows):
             continue
         time = median(answers, "total_s")
         lines.append(
-            start + f"| {time:.2f} | {first['iterations']} | {first.get('products', '')} "
+            start + f"| {time:.2f} | {first['iterations']} | {first.get('products') or ''} "
             f"| {median(answers, 'memory_bytes') / 1e6:.0f} | {tolerance:.0e} | {first['error']:.0e} "
             f"| {time / own[problem['name'], threads]:.1f} |"
         )

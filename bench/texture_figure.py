@@ -30,14 +30,14 @@ def draw(axes, found, cost):
         for way, style in [("", "o-"), (texture_rows.EXTRAPOLATED, "o:")]:
             known = sorted((p for p in found if p.program == program + way), key=lambda p: int(p.setting))
             face = colour if not way else "white"
-            axes.loglog([cost(p) for p in known], [abs(p.force_error) for p in known], style, color=colour,
+            axes.loglog([cost(p) for p in known], [p.shown_error for p in known], style, color=colour,
                         mfc=face, ms=4.5, lw=1.2, label=program + (", extrapolated" if way else ""))
     for setting, (colour, marker, label) in FAKIR.items():
         known = [p for p in found if (p.program, p.setting) == ("fakir", setting)]
-        axes.loglog([cost(p) for p in known], [abs(p.force_error) for p in known], marker, color=colour,
+        axes.loglog([cost(p) for p in known], [p.shown_error for p in known], marker, color=colour,
                     ms=9 if marker == "*" else 5, ls="none", label=label)
     love = [p for p in found if p.program == "fakir" and p.setting.startswith("love")]
-    axes.loglog([cost(p) for p in love], [abs(p.force_error) for p in love], "^-", color="#5a8f3d", ms=5, lw=1.2,
+    axes.loglog([cost(p) for p in love], [p.shown_error for p in love], "^-", color="#5a8f3d", ms=5, lw=1.2,
                 label="fakir, Love elements: 8, 16, 32 cells\nacross a pillar")
     for error in [1e-2, 1e-3]:
         axes.axhline(error, color="0.75", lw=0.8, zorder=0)

@@ -22,7 +22,9 @@ def number(value):
     return f"{float(f'{value:.3g}'):,.10g}" if value < 1e7 else f"{value:.1e}"
 
 
-def percent(error):
+def percent(error, resolution=0.0):
+    if abs(error) < resolution:
+        return f"< {100 * resolution:.0e} %"
     return f"{100 * error:+.2g} %" if abs(error) < 0.0995 else f"{100 * error:+.0f} %"
 
 
@@ -90,7 +92,7 @@ def headline(rows):
                 continue
             name = own.setting if len(methods) == 1 else f"cheapest that does: {own.setting}"
             for peer in peers:
-                cells = [f"{100 * target:g} %", name, f"{abs(own.force_error):.1g}", f"{own.processor_s:.3g}"]
+                cells = [f"{100 * target:g} %", name, f"{own.shown_error:.1g}", f"{own.processor_s:.3g}"]
                 cells += [number(own.memory / 1e6), peer]
                 cells += [ratio(found, peer, target, cost, own) for cost in [seconds, memory]]
                 lines.append("| " + " | ".join(cells) + " |")

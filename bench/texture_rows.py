@@ -100,8 +100,14 @@ class Point:
     net_bytes: float
     force_error: float
     indentation_error: float
+    # Smaller errors cannot be told from those of the truth.
+    resolution: float
     runs: int
-    solutions: int | None = None
+    solutions: int | None
+
+    @property
+    def shown_error(self):
+        return max(abs(self.force_error), self.resolution)
 
     @property
     def memory(self):
@@ -122,7 +128,8 @@ def points(rows, fraction, question):
     def point(name, group, force, indentation):
         costs = [median(getattr(row, key) for row in group) for key in COSTS]
         errors = [force / truth.force_N - 1, indentation / truth.indentation_m - 1]
-        return Point(name, group[0].setting, *costs, *errors, len(group), group[0].solutions)
+        first = group[0]
+        return Point(name, first.setting, *costs, *errors, truth.estimated_force_error, len(group), first.solutions)
 
     found = [point(program, group, group[0].force_N, group[0].indentation_m) for (program, _), group in groups.items()]
     for (program, setting), group in groups.items():
@@ -143,7 +150,7 @@ def points(rows, fraction, question):
 def curve(found, program):
     """Errors that are not undercut by luck: of a grid, the largest of it and all finer ones."""
     known = sorted((p for p in found if p.program == program), key=lambda p: int(p.setting))
-    errors = [max(abs(p.force_error) for p in known[place:]) for place in range(len(known))]
+    errors = [max(p.shown_error for p in known[place:]) for place in range(len(known))]
     return known, errors
 
 
@@ -174,5 +181,5 @@ def extrapolated_cost(found, program, error, cost):
 
 
 def best_of_fakir(found, error, cost, methods):
-    able = [p for p in found if p.program == "fakir" and p.setting in methods and abs(p.force_error) <= error]
+    able = [p for p in found if p.program == "fakir" and p.setting in methods and p.shown_error <= error]
     return min(able, key=cost, default=None)
