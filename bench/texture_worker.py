@@ -26,8 +26,8 @@ COARSEST = 2.4
 # Steps of the load, relative, that need no other solution.
 STEP = 1e-2
 MOST_SOLUTIONS = 20
-# How much the square is wider than the contact.
-MARGIN = 1.02
+# How much the square may be wider than the contact.
+MARGINS = np.linspace(1.005, 1.045, 21)
 BLOCK = 64
 
 
@@ -41,12 +41,34 @@ def processor_time():
     return usage.ru_utime + usage.ru_stime
 
 
+def fitting_width(order, cells):
+    """Width of the square for which the cells on the tops of the pillars in contact have the area of these, as
+    nearly as can be: where cells and lattice are in step, all pillars would be too large, or too small."""
+    radius, diameter, pitch = order["contact_radius"], order["diameter"], order["pitch"]
+    count = math.ceil(radius / pitch) + 1
+    i, j = np.meshgrid(*[np.arange(-2 * count, 2 * count + 1)] * 2)
+    x, y = math.sqrt(3) / 2 * pitch * (i + j), pitch / 2 * (i - j)
+    near = np.hypot(x, y) < radius
+    x, y = x[near], y[near]
+
+    def excess(width):
+        cell = width / cells
+        reach = math.ceil(diameter / cell / 2) + 1
+        local = np.arange(-reach, reach + 1) + 0.5
+        squared = [((local - (c / cell % 1.0)[:, None]) * cell) ** 2 for c in (x, y)]
+        pairs = zip(*squared)
+        counts = sum(np.count_nonzero(row[:, None] + column < diameter**2 / 4) for row, column in pairs)
+        return abs(counts * cell**2 / (len(x) * math.pi * diameter**2 / 4) - 1.0)
+
+    return min((2 * margin * radius for margin in MARGINS), key=excess)
+
+
 class Texture:
     """The lens over the pillars, on a grid."""
 
     def __init__(self, order, cells):
         self.lens, self.height = order["lens_radius"], order["height"]
-        self.cells, self.width = cells, 2 * MARGIN * order["contact_radius"]
+        self.cells, self.width = cells, order["width"]
         self.cell = self.width / cells
         self.modulus = order["contact_modulus"]
         self.line = (np.arange(cells) + 0.5) * self.cell - self.width / 2
@@ -232,7 +254,7 @@ class Search:
 
     def run(self):
         cells = [self.order["cells"]]
-        width = 2 * MARGIN * self.order["contact_radius"]
+        width = self.order["width"]
         alone = self.question == "press" and self.kind.takes == "indentation"
         while not alone and cells[0] % 2 == 0 and cells[0] / 2 * self.order["diameter"] / width > COARSEST:
             cells.insert(0, cells[0] // 2)
@@ -260,10 +282,11 @@ def extrapolated(found):
 def main():
     order = json.loads(sys.argv[1])
     # The modules are loaded by a small problem of the same kind, which is not counted.
-    small = Search({**order, "cells": 16, "diameter": order["contact_radius"], "question": "press"})
-    small.on(Texture(small.order, 16), None)
+    radius = order["contact_radius"]
+    small = {**order, "cells": 16, "width": 2.04 * radius, "diameter": radius, "question": "press"}
+    Search(small).on(Texture(small, 16), None)
     baseline, start = status("VmRSS"), processor_time()
-    search = Search(order)
+    search = Search({**order, "width": fitting_width(order, order["cells"])})
     state = search.run()
     print(
         json.dumps(
