@@ -57,15 +57,13 @@ def table(found, question):
     return lines
 
 
-def ratio(found, peer, target, cost, own):
-    """Cost of a peer over fakir's, or what can be said of it."""
+def costs(found, peer, target, cost):
+    """Cost of a peer, whether that is but a lower bound, and where it does not get further."""
     reached = texture_rows.at_error(found, peer, target, cost)
     if reached is not None:
-        return number(reached / cost(own))
-    known, errors = texture_rows.curve(found, peer)
-    text = f"> {number(cost(known[-1]) / cost(own))} (not reached: {percent(errors[-1]).lstrip('+')} at {known[-1].setting}²)"
-    further = texture_rows.extrapolated_cost(found, peer, target, cost)
-    return text + (f"; by its order {number(further / cost(own))}" if further else "")
+        return reached, False
+    known, _ = texture_rows.curve(found, peer)
+    return cost(known[-1]), True
 
 
 def headline(rows):
@@ -74,29 +72,44 @@ def headline(rows):
     peers = [peer for peer in peers if any(p.program == peer for p in found)]
     if not peers:
         return []
-    ways = [["spectral"], [setting for setting in texture_rows.FAKIR if setting != texture_rows.TRUTH]]
     lines = [
         "## Critical state at a surface fraction of 0.1, at equal error of the force",
         "",
-        "Cost of a peer over that of fakir, interpolated on the peer's curve. Where a peer does not reach the error within "
-        f"{texture_rows.MOST_SECONDS:.0f} s and {texture_rows.MOST_BYTES / 1e9:.0f} GB, the first number is what its finest grid takes, a lower "
-        "bound; what follows *by its order* is no measurement but that curve drawn on with the slope of its last grids.",
-        "",
-        "| error | fakir's method | its error | its time, s | its memory, MB | peer | time ratio | memory ratio |",
-        "|---|---|---|---|---|---|---|---|",
+        "Processor time and memory that a peer takes to an error, interpolated on its curve, and over those of fakir. Where a peer "
+        f"does not reach the error within {texture_rows.MOST_SECONDS:.0f} s and {texture_rows.MOST_BYTES / 1e9:.0f} GB, the cost of its finest grid "
+        "is a lower bound, marked `>`. *By its order* is no measurement: its curve drawn on with the order that its last grids show, "
+        "where that is near the first.",
     ]
+    others = [setting for setting in texture_rows.FAKIR if setting != texture_rows.TRUTH]
     for target in TARGETS:
-        for methods in ways:
-            own = texture_rows.best_of_fakir(found, target, seconds, methods)
-            if own is None:
-                continue
-            name = own.setting if len(methods) == 1 else f"cheapest that does: {own.setting}"
-            for peer in peers:
-                cells = [f"{100 * target:g} %", name, f"{own.shown_error:.1g}", f"{own.processor_s:.3g}"]
-                cells += [number(own.memory / 1e6), peer]
-                cells += [ratio(found, peer, target, cost, own) for cost in [seconds, memory]]
-                lines.append("| " + " | ".join(cells) + " |")
+        own = [texture_rows.best_of_fakir(found, target, seconds, methods) for methods in [["spectral"], others]]
+        lines += ["", f"### To {100 * target:g} %", ""]
+        lines += [
+            f"* fakir, {p.setting}: error {p.shown_error:.1g}, {p.processor_s:.3g} s, {number(p.memory / 1e6)} MB."
+            + ("" if p is own[0] else " The cheapest of its methods that does.")
+            for p in own
+            if p
+        ]
+        names = [p.setting for p in own if p]
+        lines += ["", "| peer | finest grid, error | time, s | memory, MB | " + " | ".join(f"time over {n}'s | memory over {n}'s" for n in names)
+                  + " | by its order, not measured: time, s; memory, MB |"]
+        lines.append("|" + "---|" * (lines[-1].count("|") - 1))
+        lines += [peer_line(found, peer, target, [p for p in own if p]) for peer in peers]
     return lines
+
+
+def peer_line(found, peer, target, own):
+    known, errors = texture_rows.curve(found, peer)
+    cells = [peer, f"{known[-1].setting}², {percent(errors[-1]).lstrip('+')}"]
+    time, bound = costs(found, peer, target, seconds)
+    size, _ = costs(found, peer, target, memory)
+    mark = "> " if bound else ""
+    cells += [mark + number(time), mark + number(size / 1e6)]
+    for p in own:
+        cells += [mark + number(time / p.processor_s), mark + number(size / p.memory)]
+    further = [texture_rows.extrapolated_cost(found, peer, target, cost) for cost in [seconds, memory]]
+    cells.append(f"{number(further[0])}; {number(further[1] / 1e6)}" if bound and all(further) else "")
+    return "| " + " | ".join(cells) + " |"
 
 
 def text(rows):

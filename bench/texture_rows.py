@@ -170,14 +170,17 @@ def at_error(found, program, error, cost):
 
 
 def extrapolated_cost(found, program, error, cost):
-    """Cost at an error beyond the finest grid, by the slope of the last grids, at least two octaves."""
+    """Cost at an error beyond the finest grid, by the order of the last grids over two octaves; None where they show
+    no order near the first."""
     known, errors = curve(found, program)
-    first = next((i for i, p in enumerate(known) if int(p.setting) * 4 >= int(known[-1].setting)), 0)
-    change = math.log(errors[-1] / errors[first])
-    if len(known) - first < 3 or change >= 0:
+    sizes = [int(point.setting) for point in known]
+    first = next((place for place, size in enumerate(sizes) if 4 * size >= sizes[-1]), 0)
+    octaves = math.log(sizes[-1] / sizes[first])
+    order = math.log(errors[first] / errors[-1]) / octaves if octaves else 0.0
+    if not 0.7 < order < 1.5:
         return None
-    slope = math.log(cost(known[-1]) / cost(known[first])) / change
-    return cost(known[-1]) * (error / errors[-1]) ** slope
+    growth = math.log(cost(known[-1]) / cost(known[first])) / octaves
+    return cost(known[-1]) * (errors[-1] / error) ** (growth / order)
 
 
 def best_of_fakir(found, error, cost, methods):

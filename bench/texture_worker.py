@@ -8,10 +8,11 @@ are in um, moduli in MPa, forces in uN.
 The grid is a square that just holds the contact. Its cells on pillar tops are those whose centre
 is on one. The others are lowered so far that they bear nothing, and the gap to the real floor is
 read from the displacements there; so states past the critical one are solved, and can be
-interpolated between. The pressure starts from that of the next coarser grid, which is solved
-first, in the same process and time; the coarsest starts from Hertz's at the true load. The load
-starts where the coarser grids point to, and is moved along the slope that they had, until the
-step left is so small that it can be taken without another solution.
+interpolated between. Each grid starts from Hertz's pressure on the tops and, on the same grid, from the
+solution before. The load starts at the true one on the coarsest grid, and where the coarser grids
+point to on the others, which are solved first, in the same process and time. It is moved along the
+slope that the gap had, until the step left is so small that it can be taken without another
+solution.
 """
 
 import json
@@ -109,9 +110,6 @@ class Texture:
         radius = (3 * force * self.lens / (4 * self.modulus)) ** (1 / 3)
         squared = (self.line[:, None] ** 2 + self.line**2) / radius**2
         return self.scaled(np.sqrt(np.maximum(0.0, 1.0 - squared)), force)
-
-    def refined(self, pressure, force):
-        return self.scaled(np.repeat(np.repeat(pressure, 2, axis=0), 2, axis=1), force)
 
     def scaled(self, pressure, force):
         pressure *= self.top
@@ -227,19 +225,16 @@ class Search:
             return loads[-1] if loads else self.order[self.kind.takes]
         return loads[-1] + 0.5 * (loads[-1] - loads[-2])
 
-    def on(self, texture, pressure):
+    def on(self, texture):
         peer = self.kind(texture, self.order["tolerance"])
         load, previous = self.first_load(), None
-        if pressure is None:
-            pressure = texture.hertz(self.order["force"])
-        else:
-            pressure = texture.refined(pressure, self.found[-1]["force"])
+        pressure = texture.hertz(self.found[-1]["force"] if self.found else self.order["force"])
         for _ in range(MOST_SOLUTIONS):
             state, pressure = peer.solve(load, pressure)
             self.solutions += 1
             self.log.append({"cells": texture.cells, **state})
             if self.question == "press" and self.kind.takes == "indentation":
-                return state, pressure
+                return state
             here = (load, residual(self.question, self.order, state), state)
             if previous:
                 self.slopes = slopes(previous, here)
@@ -248,7 +243,7 @@ class Search:
             if self.slopes and abs(step) < STEP:
                 for key in ["force", "indentation"]:
                     state[key] *= math.exp(self.slopes[key] * step)
-                return state, pressure
+                return state
             previous, load = here, load * math.exp(max(-0.2, min(0.2, step)))
         raise RuntimeError(f"no load found with {MOST_SOLUTIONS} solutions on one grid")
 
@@ -258,11 +253,9 @@ class Search:
         alone = self.question == "press" and self.kind.takes == "indentation"
         while not alone and cells[0] % 2 == 0 and cells[0] / 2 * self.order["diameter"] / width > COARSEST:
             cells.insert(0, cells[0] // 2)
-        pressure = None
         for count in cells:
-            state, pressure = self.on(Texture(self.order, count), pressure)
-            self.found.append(state)
-        return state
+            self.found.append(self.on(Texture(self.order, count)))
+        return self.found[-1]
 
 
 def slopes(previous, here):
@@ -284,7 +277,7 @@ def main():
     # The modules are loaded by a small problem of the same kind, which is not counted.
     radius = order["contact_radius"]
     small = {**order, "cells": 16, "width": 2.04 * radius, "diameter": radius, "question": "press"}
-    Search(small).on(Texture(small, 16), None)
+    Search(small).on(Texture(small, 16))
     baseline, start = status("VmRSS"), processor_time()
     search = Search({**order, "width": fitting_width(order, order["cells"])})
     state = search.run()
