@@ -136,7 +136,7 @@ def solve_contact_mechanics(separation, cell, boundary, load, tolerance, _thread
         result = system.minimize_proxy(pentol=gap, maxiter=100_000, external_force=load["force"])
         forces = result.jac
     else:
-        # Several times faster than minimize_proxy; it takes no force.
+        # Needs fewer products than minimize_proxy; it takes no force.
         nothing = np.zeros(separation.shape)
         result = system.dual_minimize_proxy(load["indentation"], init_force=nothing, gtol=gap, maxiter=100_000)
         forces = result.x.reshape(separation.shape)

@@ -40,7 +40,7 @@ SIDES = {
     0.1: [256, 512, 768, 1024, 1536, 2048, 3072, 4096],
 }
 QUICK_SIDES = [128, 256, 512]
-# The force at an indentation is within 0.1 % there.
+# The force at an indentation needs no finer grid.
 FINEST_PRESSED = 2048
 # Runs of what takes less than so many seconds.
 RUNS = [(1.0, 5), (10.0, 3), (math.inf, 1)]
