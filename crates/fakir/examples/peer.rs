@@ -1,4 +1,4 @@
-//! One product or one solution on a grid, timed: fakir's side of `benches/peers`.
+//! One product or one solution on a grid, timed: fakir's side of `bench/elements.py`.
 //!
 //! ```text
 //! peer product side=512 threads=1 repeats=20

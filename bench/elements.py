@@ -1,22 +1,16 @@
-"""fakir beside its peers: one product, one solution; see README.md.
+"""Solvers of elements beside each other: one product, one solution; see README.md.
 
 Everything is measured in one session, one process at a time, the programs taking turns; medians
-of the repeats are written to RESULTS.md.
+of the repeats are written to results/elements.md.
 """
 
-import argparse
 import json
-import os
 import statistics
 import subprocess
-import sys
-import tempfile
-import venv
-from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
-PEERS = ["ContactMechanics", "Tamaas"]
+import common
+from common import HERE, PEERS, RESULTS, say
+
 SIDES = [256, 512, 1024, 2048]
 THREADS = [1, 2]
 
@@ -26,34 +20,17 @@ ERROR = 1e-5
 LADDER = [10.0 ** (-k) for k in range(1, 12)]
 
 
-def environment(threads):
-    settings = dict(os.environ)
-    for name in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"]:
-        settings[name] = str(threads)
-    return settings
-
-
 class Programs:
     """Starts a program on a task and reads its answer."""
 
     def __init__(self, folder):
-        python = folder / "environment"
-        if not python.exists():
-            venv.create(python, with_pip=True)
-        self.python = python / "bin" / "python"
-        requirements = HERE / "requirements.txt"
-        subprocess.run([self.python, "-m", "pip", "install", "-q", "-r", requirements], check=True)
-        build = ["cargo", "build", "--release", "-q", "-p", "fakir", "--example", "peer"]
-        subprocess.run(build, cwd=ROOT, check=True)
-        metadata = ["cargo", "metadata", "--format-version", "1", "--no-deps"]
-        text = subprocess.run(metadata, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-        self.metadata = json.loads(text)
-        self.peer = Path(self.metadata["target_directory"]) / "release" / "examples" / "peer"
+        self.python = common.environment(folder)
+        self.peer = common.build("-p", "fakir", "--example", "peer") / "examples" / "peer"
 
     def run(self, command, threads):
         command = [str(word) for word in command]
         done = subprocess.run(
-            command, env=environment(threads), capture_output=True, text=True, check=False
+            command, env=common.settings(threads), capture_output=True, text=True, check=False
         )
         if done.returncode != 0:
             raise RuntimeError(f"{command}\n{done.stderr}")
@@ -83,23 +60,11 @@ class Programs:
         return self.worker({**order, "tolerance": tolerance, "threads": threads, "verbose": verbose}, threads)
 
     def worker(self, order, threads):
-        return self.run([self.python, HERE / "worker.py", json.dumps(order)], threads)
+        return self.run([self.python, HERE / "elements_worker.py", json.dumps(order)], threads)
 
     def problems(self, folder):
         command = [self.python, HERE / "problems.py", folder]
         return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-
-    def versions(self):
-        fakir = next(p["version"] for p in self.metadata["packages"] if p["name"] == "fakir")
-        pinned = (HERE / "requirements.txt").read_text().split()
-        rust = subprocess.run(["rustc", "--version"], capture_output=True, text=True, check=True)
-        compiler = " ".join(rust.stdout.split()[:2])
-        python = sys.version.split()[0]
-        return f"fakir {fakir} ({compiler}), Python {python}, " + ", ".join(pinned)
-
-
-def say(text):
-    print(text, file=sys.stderr, flush=True)
 
 
 def median(answers, key):
@@ -115,9 +80,9 @@ def in_turns(measure, programs, repeats):
     return answers
 
 
-def products(programs, repeats):
+def products(programs, repeats, sides):
     rows = []
-    for side in SIDES:
+    for side in sides:
         inner = max(3, 4_000_000 // side**2)
         answers = in_turns(
             lambda program, threads: programs.product(program, side, threads, inner),
@@ -211,41 +176,33 @@ def solution_table(rows):
             continue
         time = median(answers, "total_s")
         lines.append(
-            start + f"| {time:.2f} | {first['iterations']} | {first.get('products', '')} "
+            start + f"| {time:.2f} | {first['iterations']} | {first.get('products') or ''} "
             f"| {median(answers, 'memory_bytes') / 1e6:.0f} | {tolerance:.0e} | {first['error']:.0e} "
             f"| {time / own[problem['name'], threads]:.1f} |"
         )
     return lines
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--folder", type=Path, default=Path(tempfile.gettempdir()) / "fakir-peers",
-                        help="where the environment and the problems are put (default: %(default)s)")
-    parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--problem", action="append", default=[], help="only these (repeatable)")
-    parser.add_argument("--no-products", action="store_true")
-    parser.add_argument("--output", type=Path, default=HERE / "RESULTS.md")
-    arguments = parser.parse_args()
-    arguments.folder.mkdir(parents=True, exist_ok=True)
-    programs = Programs(arguments.folder)
-    load = os.getloadavg()[2]
-    lines = [
-        "# Measured",
+def run(options):
+    """Measures and writes the table."""
+    results = options.folder / "quick" if options.quick else RESULTS
+    names = options.problem or (["sphere 512"] if options.quick else [])
+    repeats = 1 if options.quick else options.repeats
+    programs = Programs(options.folder)
+    before = common.load_average()
+    parts = []
+    if not options.no_products:
+        rows = products(programs, repeats, SIDES[:2] if options.quick else SIDES)
+        parts += ["", "## One product with the free half-space", "", *product_table(rows)]
+    rows = solutions(programs, options.folder, repeats, names)
+    parts += ["", f"## One solution to a relative error of {ERROR:.0e}", "", *solution_table(rows)]
+    head = [
+        "# Solvers of elements, measured",
         "",
-        f"{programs.versions()}; {os.cpu_count()} processors; medians of {arguments.repeats} runs, the programs "
-        f"taking turns. Command: `python3 benches/peers/run.py --repeats {arguments.repeats}`. "
-        "What is compared, and how: [README.md](README.md).",
+        f"{common.versions()}; {common.processor()}; {common.now()[:10]}; medians of {repeats} runs, the programs "
+        f"taking turns. Command: `python3 bench/run.py elements --repeats {repeats}`. "
+        "What is compared, and how: [README.md](../README.md).",
+        f"Load average of the machine before and after: {before:.1f} and {common.load_average():.1f}.",
     ]
-    if not arguments.no_products:
-        lines += ["", "## One product with the free half-space", ""]
-        lines += product_table(products(programs, arguments.repeats))
-    lines += ["", f"## One solution to a relative error of {ERROR:.0e}", ""]
-    lines += solution_table(solutions(programs, arguments.folder, arguments.repeats, arguments.problem))
-    before, after = load, os.getloadavg()[2]
-    lines.insert(3, f"Load of the machine by all work, before and after: {before:.1f} and {after:.1f}.")
-    arguments.output.write_text("\n".join(lines) + "\n")
-
-
-if __name__ == "__main__":
-    main()
+    results.mkdir(parents=True, exist_ok=True)
+    (results / "elements.md").write_text("\n".join(head + parts) + "\n")
