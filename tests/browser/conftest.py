@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import subprocess
 import time
 from contextlib import contextmanager
@@ -34,7 +35,7 @@ def exploring(*arguments):
         assert found, first
         yield found.group(0)
     finally:
-        process.send_signal(subprocess.signal.SIGINT)
+        process.send_signal(signal.SIGINT)
         assert process.wait(timeout=20) == 0
         process.stderr.close()
 

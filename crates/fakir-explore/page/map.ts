@@ -62,7 +62,14 @@ export class ContactMap {
     const side = Math.round(this.canvas.clientWidth * ratio);
     if (side === 0) return;
     if (this.canvas.width !== side) this.canvas.width = this.canvas.height = side;
-    const contact = Math.max(1.12 * this.criticalRadius, 1.06 * state.contact_radius_m);
+    const floor = touchesFloor(state)
+      ? Math.max(0, ...state.floor_contacts_m.map(([x, y]) => Math.hypot(x, y)))
+      : 0;
+    const contact = Math.max(
+      1.12 * this.criticalRadius,
+      1.12 * state.contact_radius_m,
+      1.3 * floor,
+    );
     // A few pillars, unless they are far apart.
     const few = contact > 0 ? Math.min(2.3 * state.pitch_m, 5 * contact) : 1.3 * state.pitch_m;
     const halfWidth = Math.max(contact, few);
@@ -158,7 +165,7 @@ export class ContactMap {
       context.setLineDash([]);
     }
     const size = letterSize() * 0.32 * pixel;
-    const touches = Math.abs(state.fraction - 1) < 1e-9 || state.beyond;
+    const touches = touchesFloor(state);
     for (const [x, y] of state.floor_contacts_m) {
       circle(x, y, size);
       context.lineWidth = 1.6 * pixel;
@@ -298,6 +305,10 @@ export function sceneOfPreview(preview: Smooth): Scene {
     floor_contacts_m: [],
     words: "Contact from above, estimated by the homogenised lattice",
   };
+}
+
+function touchesFloor(scene: Scene): boolean {
+  return Math.abs(scene.fraction - 1) < 1e-9 || scene.beyond;
 }
 
 /** Centre of the k-th touched pillar, m. */

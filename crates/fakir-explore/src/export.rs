@@ -4,7 +4,7 @@ use crate::answers::{Solved, solve};
 use crate::jobs::{Failure, File, Worker};
 use crate::refusal::Refusal;
 use crate::request;
-use fakir::contact::{ContactState, Run};
+use fakir::contact::{ContactState, Normalized, Run};
 use fakir_case::Case;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_figure::{
@@ -152,7 +152,7 @@ fn figure(name: &str, case: &Case, solved: &Solved, run: &Run<'_>) -> Result<Fig
 
 /// The phase diagram with the state that is shown.
 fn phase(case: &Case, state: &ContactState) -> Figure {
-    let reduced = fakir::contact::Normalized::new(
+    let reduced = Normalized::new(
         &case.system,
         state.force,
         state.contact_radius,

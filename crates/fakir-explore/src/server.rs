@@ -1,8 +1,9 @@
 //! The server: a port of this machine, connections in a bounded number, and the way of a request.
 
 use crate::guard::{Guard, HEADERS, Token};
-use crate::jobs::{Jobs, Kind};
+use crate::jobs::{Failure, Jobs, Kind, Worker};
 use crate::refusal::Refusal;
+use crate::request::Ticket;
 use crate::{answers, export, page, request};
 use axum::Router;
 use axum::body::to_bytes;
@@ -199,8 +200,12 @@ impl Explorer {
                     .header_read_timeout(REQUEST_PATIENCE)
                     .max_buf_size(LARGEST_HEAD)
                     .serve_connection(TokioIo::new(stream), service);
-                if let Err(error) = connection.await {
-                    tracing::debug!("a connection ended: {error}");
+                match connection.await {
+                    Err(error) if error.is_parse() => {
+                        tracing::warn!("refused what is no request: {error}");
+                    }
+                    Err(error) => tracing::debug!("a connection ended: {error}"),
+                    Ok(()) => {}
                 }
             });
         }
@@ -281,49 +286,43 @@ async fn wrong_method(request: Request) -> Response {
 }
 
 async fn contact(State(shared): State<Shared>, request: Request) -> Response {
-    let asked: request::Contact = match body(request).await {
-        Ok(asked) => asked,
-        Err(refusal) => return refused(refusal),
-    };
-    let ticket = asked.ticket.clone();
-    let work = move |worker: &_| answers::contact(&asked, worker);
-    shared.jobs.answer(ticket, Kind::Contact, work).await
+    let ticket = |asked: &request::Contact| asked.ticket.clone();
+    answer(&shared, request, Kind::Contact, ticket, answers::contact).await
 }
 
 async fn curves(State(shared): State<Shared>, request: Request) -> Response {
-    let asked: request::Curves = match body(request).await {
-        Ok(asked) => asked,
-        Err(refusal) => return refused(refusal),
-    };
-    let ticket = asked.ticket.clone();
-    let work = move |worker: &_| answers::curves(&asked, worker);
-    shared.jobs.answer(ticket, Kind::Curves, work).await
+    let ticket = |asked: &request::Curves| asked.ticket.clone();
+    answer(&shared, request, Kind::Curves, ticket, answers::curves).await
 }
 
 async fn phase(State(shared): State<Shared>, request: Request) -> Response {
-    let asked: request::Phase = match body(request).await {
-        Ok(asked) => asked,
-        Err(refusal) => return refused(refusal),
-    };
-    let ticket = asked.ticket.clone();
-    let work = move |worker: &_| answers::phase(&asked, worker);
-    shared.jobs.answer(ticket, Kind::Phase, work).await
+    let ticket = |asked: &request::Phase| asked.ticket.clone();
+    answer(&shared, request, Kind::Phase, ticket, answers::phase).await
 }
 
 async fn export(State(shared): State<Shared>, request: Request) -> Response {
-    let asked: request::Export = match body(request).await {
-        Ok(asked) => asked,
-        Err(refusal) => return refused(refusal),
-    };
-    let ticket = asked.ticket.clone();
-    let work = move |worker: &_| export::export(&asked, worker);
-    shared.jobs.answer(ticket, Kind::Export, work).await
+    let ticket = |asked: &request::Export| asked.ticket.clone();
+    answer(&shared, request, Kind::Export, ticket, export::export).await
 }
 
-/// A request that was not understood remains in the log.
-fn refused(refusal: Refusal) -> Response {
-    tracing::warn!("refused a request of the API: {}", refusal.message());
-    refusal.into_response()
+/// Reads a question and has it answered.
+async fn answer<T: DeserializeOwned + Send + 'static>(
+    shared: &Shared,
+    request: Request,
+    kind: Kind,
+    ticket: fn(&T) -> Ticket,
+    work: fn(&T, &Worker) -> Result<(), Failure>,
+) -> Response {
+    let asked: T = match body(request).await {
+        Ok(asked) => asked,
+        Err(refusal) => {
+            tracing::warn!("refused a request of the API: {}", refusal.message());
+            return refusal.into_response();
+        }
+    };
+    let ticket = ticket(&asked);
+    let work = move |worker: &Worker| work(&asked, worker);
+    shared.jobs.answer(ticket, kind, work).await
 }
 
 /// The body of a request: a JSON object of bounded size that comes in bounded time.

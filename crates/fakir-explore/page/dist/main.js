@@ -358,7 +358,8 @@ function showNumbers(shown) {
         : "top first: the lens rests on pillar tops before it reaches the floor";
     byId("regime").classList.toggle("beyond", bottom);
     byId("pillars").textContent =
-        `${summary.pillars_in_contact} pillars in contact, ` +
+        `${summary.pillars_in_contact} ${summary.pillars_in_contact === 1 ? "pillar" : "pillars"} ` +
+            "in contact, " +
             `${summary.pillars_partially_in_contact} in part`;
     const warnings = [...shown.warnings];
     byId("warnings").textContent = warnings.join("; ");
@@ -423,7 +424,7 @@ function showPhase() {
     const beyond = done.filter(([fraction]) => fraction > 1).map(([, x, y]) => [x, y]);
     const xs = [...path, ...beyond].map(([x]) => x);
     const ys = [...path, ...beyond].map(([, y]) => y);
-    const x = range([0.4, 12, ...xs.filter((value) => value > 0.02)]);
+    const x = range([0.4, 12, ...xs.filter((value) => value > 0.004)]);
     const floor = transition[0]?.[1] ?? 1;
     const y = range([0.2 * floor, 30 * floor, ...ys.filter((value) => value > 1e-3 * floor)], 1.8);
     const curve = transition.filter(([a]) => a > x[0] / 2 && a < x[1] * 2);
@@ -443,7 +444,9 @@ function showPhase() {
         {
             kind: "points",
             style: state.fraction > 1 + 1e-9 ? "load-point beyond" : "load-point",
-            points: [[state.normalized[1], state.normalized[0]]],
+            points: [
+                Math.abs(state.fraction - 1) < 1e-9 ? at : [state.normalized[1], state.normalized[0]],
+            ],
         },
     ];
     const at40 = inside[Math.floor(inside.length * 0.3)] ?? [1, floor];
