@@ -88,7 +88,7 @@ impl Fitted {
     /// The case with the fitted values.
     #[getter]
     fn case(&self) -> Case {
-        self.case.clone().into()
+        self.case.into()
     }
 
     /// The column that is the load: `"displacement_m"`, `"indentation_m"` or `"force_N"`.

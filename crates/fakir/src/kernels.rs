@@ -102,8 +102,11 @@ fn elements() -> f64 {
     displacement[0]
 }
 
-/// All of them, by name.
-pub const KERNELS: [(&str, fn() -> f64); 5] = [
+/// A piece of work and its name.
+pub type Kernel = (&'static str, fn() -> f64);
+
+/// All of them.
+pub const KERNELS: [Kernel; 5] = [
     ("coupling", coupling),
     ("products", products),
     ("one_pillar", one_pillar),

@@ -448,7 +448,7 @@ fn assemble(
     newton.run.check_cancelled()?;
     let mut touched = touched_pillars(problem, newton, outcome);
     let force = share_force(&mut touched, target, problem);
-    let contact_radius = farthest_contact(&newton, indentation, &touched);
+    let contact_radius = farthest_contact(newton, indentation, &touched);
     let ratio = contact_radius / problem.lens.radius;
     if ratio > LARGEST_CONTACT {
         return Err(SolveError::ContactExceedsLens {
