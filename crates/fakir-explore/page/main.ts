@@ -170,7 +170,10 @@ async function solve(): Promise<void> {
     }
   }
   solving = false;
-  document.body.dataset["busy"] = "no";
+  // After what is still to be drawn.
+  requestAnimationFrame(() => {
+    if (!solving) document.body.dataset["busy"] = "no";
+  });
   calm = window.setTimeout(() => void background(), CALM);
 }
 

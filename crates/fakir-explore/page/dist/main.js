@@ -125,7 +125,11 @@ async function solve() {
         }
     }
     solving = false;
-    document.body.dataset["busy"] = "no";
+    // After what is still to be drawn.
+    requestAnimationFrame(() => {
+        if (!solving)
+            document.body.dataset["busy"] = "no";
+    });
     calm = window.setTimeout(() => void background(), CALM);
 }
 async function answer(question) {
