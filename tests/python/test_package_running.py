@@ -17,6 +17,8 @@ CHILD = textwrap.dedent("""
     import fakir
 
     warnings.simplefilter("ignore")
+    # Shells have background jobs ignore it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     system = fakir.System(
         fakir.Lens("2.2 mm", "2 MPa", 0.5),
         fakir.Substrate("2 MPa", 0.5),
@@ -63,6 +65,7 @@ def test_ctrl_c_is_answered_within_a_fifth_of_a_second():
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise")
 def test_ctrl_c_stops_a_sweep_and_keeps_the_journal(tmp_path):
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     study = {
         "system": fakir.System.from_file(EXAMPLE),
         "axes": {"surface_fraction": {"from": 0.005, "to": 0.02, "points": 2000}},
@@ -72,8 +75,11 @@ def test_ctrl_c_stops_a_sweep_and_keeps_the_journal(tmp_path):
         if done > 3:
             os.kill(os.getpid(), signal.SIGINT)
 
-    with pytest.raises(KeyboardInterrupt):
-        fakir.sweep(study, output=tmp_path / "out", progress=interrupt)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            fakir.sweep(study, output=tmp_path / "out", progress=interrupt)
+    finally:
+        signal.signal(signal.SIGINT, before)
     lines = (tmp_path / "out" / "journal.jsonl").read_text().splitlines()
     assert 4 <= len(lines) < 2000
 
