@@ -4,6 +4,8 @@
 //! are rounded before they are added.
 
 use pulp::Arch;
+use rayon::ThreadPool;
+use rayon::prelude::*;
 use std::ops::{Add, AddAssign, Mul, Sub};
 
 /// Does the work with the widest vectors there are, as far as all that it calls is inlined.
@@ -85,8 +87,83 @@ impl AddAssign for Lanes {
     }
 }
 
-/// Sum of products, in [`LANES`] partial sums.
+/// Elements of a vector that one thread takes at a time.
+const CHUNK: usize = 16_384;
+
+/// Vectors of fewer elements are not worth sharing.
+const SHARED: usize = 8 * CHUNK;
+
+/// Vectors whose elements are shared between threads, if they are long and there are threads. Sums are
+/// taken chunk by chunk either way, and so do not depend on that.
+#[derive(Clone, Copy)]
+pub(crate) struct Vectors<'p> {
+    pool: Option<&'p ThreadPool>,
+}
+
+impl<'p> Vectors<'p> {
+    pub(crate) fn new(pool: Option<&'p ThreadPool>, length: usize) -> Self {
+        Self {
+            pool: pool.filter(|pool| length >= SHARED && pool.current_num_threads() > 1),
+        }
+    }
+
+    /// Sum of products.
+    pub(crate) fn dot(self, a: &[f64], b: &[f64]) -> f64 {
+        match self.pool {
+            Some(pool) => {
+                let chunks = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK));
+                let sums: Vec<f64> =
+                    pool.install(|| chunks.map(|(a, b)| dot_of_chunk(a, b)).collect());
+                sums.iter().sum()
+            }
+            None => dot(a, b),
+        }
+    }
+
+    /// `a -= b`
+    pub(crate) fn subtract(self, a: &mut [f64], b: &[f64]) {
+        self.each(a, b, subtract);
+    }
+
+    /// `a += factor b`
+    pub(crate) fn add_scaled(self, a: &mut [f64], factor: f64, b: &[f64]) {
+        self.each(a, b, |a, b| add_scaled(a, factor, b));
+    }
+
+    /// `a = factor a + b`
+    pub(crate) fn scale_and_add(self, a: &mut [f64], factor: f64, b: &[f64]) {
+        self.each(a, b, |a, b| {
+            widest(
+                #[inline(always)]
+                || {
+                    for (x, y) in a.iter_mut().zip(b) {
+                        *x = factor * *x + y;
+                    }
+                },
+            );
+        });
+    }
+
+    fn each(self, a: &mut [f64], b: &[f64], one: impl Fn(&mut [f64], &[f64]) + Sync) {
+        match self.pool {
+            Some(pool) => pool.install(|| {
+                a.par_chunks_mut(CHUNK)
+                    .zip(b.par_chunks(CHUNK))
+                    .for_each(|(a, b)| one(a, b));
+            }),
+            None => one(a, b),
+        }
+    }
+}
+
+/// Sum of products.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let chunks = a.chunks(CHUNK).zip(b.chunks(CHUNK));
+    chunks.map(|(a, b)| dot_of_chunk(a, b)).sum()
+}
+
+/// In [`LANES`] partial sums.
+fn dot_of_chunk(a: &[f64], b: &[f64]) -> f64 {
     widest(
         #[inline(always)]
         || {
@@ -126,33 +203,28 @@ pub(crate) fn add_scaled(a: &mut [f64], factor: f64, b: &[f64]) {
     );
 }
 
-/// `a = factor a + b`
-pub(crate) fn scale_and_add(a: &mut [f64], factor: f64, b: &[f64]) {
-    widest(
-        #[inline(always)]
-        || {
-            for (x, y) in a.iter_mut().zip(b) {
-                *x = factor * *x + y;
-            }
-        },
-    );
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn every_element_counts_once() {
-        for length in [0, 1, 3, 4, 5, 8, 11] {
-            let a: Vec<f64> = (0..length).map(|k| f64::from(k) + 1.0).collect();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+        let pool = pool.unwrap();
+        for length in [0, 1, 3, 4, 5, 8, 11, SHARED + 7] {
+            let a: Vec<f64> = (0..length).map(|k| (k % 97) as f64 + 1.0).collect();
             let squares: f64 = a.iter().map(|x| x * x).sum();
-            assert!((dot(&a, &a) - squares).abs() < 1e-12);
-            let mut b = a.clone();
-            add_scaled(&mut b, 2.0, &a);
-            subtract(&mut b, &a);
-            scale_and_add(&mut b, -0.5, &a);
-            assert!(b.iter().all(|x| x.abs() < 1e-12), "{length}");
+            let sums = [None, Some(&pool)].map(|pool| {
+                let vectors = Vectors::new(pool, length);
+                let mut b = a.clone();
+                vectors.add_scaled(&mut b, 2.0, &a);
+                vectors.subtract(&mut b, &a);
+                vectors.scale_and_add(&mut b, -0.5, &a);
+                assert!(b.iter().all(|x| x.abs() < 1e-12), "{length}");
+                vectors.dot(&a, &a)
+            });
+            assert!((sums[0] - squares).abs() <= 1e-12 * squares);
+            assert_eq!(sums[0].to_bits(), sums[1].to_bits());
         }
     }
 }

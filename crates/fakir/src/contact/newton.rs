@@ -18,7 +18,7 @@ use crate::disc::basis::UNIT_FORCE;
 use crate::disc::exterior::Exterior;
 use crate::disc::unilateral::{LocalSolver, PillarTop};
 use crate::system::Point;
-use crate::vector::{add_scaled, dot, scale_and_add, subtract};
+use crate::vector::{Vectors, add_scaled, dot, subtract};
 use rayon::prelude::*;
 
 /// Relative energy of the residual at which a linear solution counts as exact.
@@ -37,6 +37,9 @@ const FLOOR_TOLERANCE: f64 = 1e-10;
 
 /// Newton steps before giving up. One to six are typical.
 const STEP_LIMIT: usize = 60;
+
+/// Loads of fewer coefficients are not worth sharing between threads.
+const SHARED_LOADS: usize = 100_000;
 
 /// Iterations of the conjugate gradient method before giving up; 10 to 25 are typical.
 const LINEAR_LIMIT: usize = 600;
@@ -440,21 +443,22 @@ impl<'a> Newton<'a> {
         work: &mut Work,
     ) -> Result<bool, SolveError> {
         let Response { coefficients, far } = response;
+        let vectors = Vectors::new(self.run.pool, coefficients.len());
         // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
         self.coupling.apply(coefficients, far, self.run);
         self.right_side(part, &mut work.load);
-        subtract(&mut work.load, far);
+        vectors.subtract(&mut work.load, far);
         self.precondition(&work.load, coefficients);
         self.add_constants(part, coefficients);
-        let scale = dot(&work.load, coefficients).abs();
+        let scale = vectors.dot(&work.load, coefficients).abs();
         work.residual.copy_from_slice(far);
         self.coupling.apply(coefficients, far, self.run);
         self.run.check_cancelled()?;
-        subtract(&mut work.residual, far);
+        vectors.subtract(&mut work.residual, far);
         self.precondition(&work.residual, &mut work.preconditioned);
         work.direction.copy_from_slice(&work.preconditioned);
         work.direction_load.copy_from_slice(&work.residual);
-        let mut energy = dot(&work.residual, &work.preconditioned);
+        let mut energy = vectors.dot(&work.residual, &work.preconditioned);
         for _ in 0..LINEAR_LIMIT {
             if energy <= tolerance * tolerance * scale.max(f64::MIN_POSITIVE) {
                 return Ok(true);
@@ -463,22 +467,22 @@ impl<'a> Newton<'a> {
                 .apply(&work.direction, &mut work.product, self.run);
             self.run.check_cancelled()?;
             // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
-            let curvature =
-                dot(&work.direction, &work.product) + dot(&work.direction, &work.direction_load);
+            let curvature = vectors.dot(&work.direction, &work.product)
+                + vectors.dot(&work.direction, &work.direction_load);
             if curvature <= 0.0 {
                 return Ok(false);
             }
             let length = energy / curvature;
-            add_scaled(coefficients, length, &work.direction);
-            add_scaled(far, length, &work.product);
-            add_scaled(&mut work.residual, -length, &work.product);
-            add_scaled(&mut work.residual, -length, &work.direction_load);
+            vectors.add_scaled(coefficients, length, &work.direction);
+            vectors.add_scaled(far, length, &work.product);
+            vectors.add_scaled(&mut work.residual, -length, &work.product);
+            vectors.add_scaled(&mut work.residual, -length, &work.direction_load);
             self.precondition(&work.residual, &mut work.preconditioned);
-            let next = dot(&work.residual, &work.preconditioned);
+            let next = vectors.dot(&work.residual, &work.preconditioned);
             let ratio = next / energy;
             energy = next;
-            scale_and_add(&mut work.direction, ratio, &work.preconditioned);
-            scale_and_add(&mut work.direction_load, ratio, &work.residual);
+            vectors.scale_and_add(&mut work.direction, ratio, &work.preconditioned);
+            vectors.scale_and_add(&mut work.direction_load, ratio, &work.residual);
         }
         Ok(false)
     }
@@ -518,12 +522,8 @@ impl<'a> Newton<'a> {
     fn precondition(&self, load: &[f64], result: &mut [f64]) {
         let modes = self.modes;
         let compliance = self.top.lead_compliance();
-        for (pillar, (load, result)) in load
-            .chunks_exact(modes)
-            .zip(result.chunks_exact_mut(modes))
-            .enumerate()
-        {
-            match self.status[pillar] {
+        let one =
+            |(pillar, (result, load)): (usize, (&mut [f64], &[f64]))| match self.status[pillar] {
                 PillarStatus::Untouched => result.fill(0.0),
                 PillarStatus::Full => {
                     for ((c, s), lambda) in result.iter_mut().zip(load).zip(compliance) {
@@ -536,10 +536,24 @@ impl<'a> Newton<'a> {
                         .iter_mut()
                         .zip(partial.derivative.chunks_exact(modes))
                     {
-                        *c = dot(row, load);
+                        *c = row.iter().zip(load).map(|(p, s)| p * s).sum();
                     }
                 }
-            }
+            };
+        match self.run.pool.filter(|_| load.len() > SHARED_LOADS) {
+            Some(pool) => pool.install(|| {
+                result
+                    .par_chunks_exact_mut(modes)
+                    .zip(load.par_chunks_exact(modes))
+                    .enumerate()
+                    .with_min_len(1000)
+                    .for_each(one);
+            }),
+            None => result
+                .chunks_exact_mut(modes)
+                .zip(load.chunks_exact(modes))
+                .enumerate()
+                .for_each(one),
         }
     }
 

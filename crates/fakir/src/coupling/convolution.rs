@@ -7,7 +7,8 @@
 //!
 //! A product makes three passes: rows of all modes are transformed (only those of the window
 //! hold anything); then, column by column, all modes are transformed, multiplied by the kernels
-//! and transformed back while they are in the cache; then the rows of the window back.
+//! and transformed back while they are in the cache; then the rows of the window back. Each pass is
+//! shared between threads, and turns its array over in pieces of whole cache lines as it reads it.
 
 use super::pair::PairCoupling;
 use super::window::Window;
@@ -18,10 +19,14 @@ use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
+use std::ops::Range;
 use std::sync::Arc;
 
-/// Rows transformed together, so that whole cache lines of the transposed array are written.
+/// Rows transformed back together, so that whole cache lines of the transposed array are read.
 const ROW_BLOCK: usize = 8;
+
+/// Columns taken from the transformed rows together, for the same reason.
+const COLUMN_BLOCK: usize = 4;
 
 /// Padded arrays of fewer points than this are not worth sharing between threads.
 const PARALLEL_POINTS: usize = 40_000;
@@ -36,12 +41,16 @@ pub(crate) struct LatticeConvolution {
     /// Complex columns kept of a real transform, `padded.1/2 + 1`.
     half: usize,
     places: Vec<(usize, usize)>,
+    /// The pillars of every row.
+    ranges: Vec<Range<usize>>,
     /// Whether the kernel of an upper-triangle pair of modes is odd.
     odd: Vec<bool>,
     /// Transformed kernels: for every column, every pair of modes, every row; its real part
     /// where even, its imaginary part where odd. With the normalisation of the inverse.
     kernel: Vec<f64>,
-    /// Row transforms: for every column, every mode, the rows of the window.
+    /// Transformed rows: for every row of the window, every mode, the columns.
+    rows: Vec<Complex64>,
+    /// The same turned over, multiplied: for every column, every mode, the rows of the window.
     spectrum: Vec<Complex64>,
     transforms: Transforms,
 }
@@ -98,8 +107,10 @@ impl LatticeConvolution {
             padded,
             half,
             places: window.places().to_vec(),
+            ranges: row_ranges(window.places(), shape.0),
             odd,
             kernel: vec![0.0; pair.entry_count() * half * padded.0],
+            rows: vec![Complex64::default(); shape.0 * modes * half],
             spectrum: vec![Complex64::default(); half * modes * shape.0],
             transforms,
         };
@@ -154,91 +165,122 @@ impl LatticeConvolution {
     }
 
     pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], run: &Run<'_>) {
-        self.rows_forward(coefficients, &run.cancel);
-        self.columns(self.shared(run.pool), &run.cancel);
-        self.rows_back(far, &run.cancel);
+        let pool = self.shared(run.pool);
+        self.rows_forward(coefficients, pool, &run.cancel);
+        self.columns(pool, &run.cancel);
+        self.rows_back(far, pool, &run.cancel);
     }
 
-    fn row_ranges(&self) -> Vec<std::ops::Range<usize>> {
-        let mut ranges = Vec::with_capacity(self.shape.0);
-        let mut start = 0;
-        for row in 0..self.shape.0 {
-            let end = start + self.places[start..].partition_point(|place| place.0 == row);
-            ranges.push(start..end);
-            start = end;
-        }
-        ranges
-    }
-
-    fn rows_forward(&mut self, coefficients: &[f64], cancel: &CancelToken) {
-        let (modes, rows, half) = (self.modes, self.shape.0, self.half);
-        let ranges = self.row_ranges();
-        let mut input = self.transforms.row.make_input_vec();
-        let mut output = vec![Complex64::default(); half * ROW_BLOCK];
-        let mut scratch = self.transforms.row.make_scratch_vec();
-        for mode in (0..modes).take_while(|_| !cancel.is_cancelled()) {
-            for first in (0..rows).step_by(ROW_BLOCK) {
-                let block = ROW_BLOCK.min(rows - first);
-                for k in 0..block {
-                    input.fill(0.0);
-                    for pillar in ranges[first + k].clone() {
-                        input[self.places[pillar].1] = coefficients[pillar * modes + mode];
-                    }
-                    // Lengths are those the plan was made for, so this cannot fail.
-                    let _ = self.transforms.row.process_with_scratch(
-                        &mut input,
-                        &mut output[k * half..(k + 1) * half],
-                        &mut scratch,
-                    );
+    fn rows_forward(
+        &mut self,
+        coefficients: &[f64],
+        pool: Option<&ThreadPool>,
+        cancel: &CancelToken,
+    ) {
+        let (modes, half) = (self.modes, self.half);
+        let (transform, places) = (&self.transforms.row, &self.places);
+        let work = || (transform.make_input_vec(), transform.make_scratch_vec());
+        type Work = (Vec<f64>, Vec<Complex64>);
+        let one = |(input, scratch): &mut Work, (row, range): (&mut [Complex64], &Range<usize>)| {
+            if cancel.is_cancelled() {
+                return;
+            }
+            for (mode, output) in row.chunks_exact_mut(half).enumerate() {
+                input.fill(0.0);
+                for pillar in range.clone() {
+                    input[places[pillar].1] = coefficients[pillar * modes + mode];
                 }
-                for column in 0..half {
-                    let start = (column * modes + mode) * rows + first;
-                    for k in 0..block {
-                        self.spectrum[start + k] = output[k * half + column];
-                    }
-                }
+                // Lengths are those the plan was made for, so this cannot fail.
+                let _ = transform.process_with_scratch(input, output, scratch);
+            }
+        };
+        match pool {
+            Some(pool) => pool.install(|| {
+                self.rows
+                    .par_chunks_mut(modes * half)
+                    .zip(&self.ranges)
+                    .for_each_init(work, one);
+            }),
+            None => {
+                let mut work = work();
+                self.rows
+                    .chunks_mut(modes * half)
+                    .zip(&self.ranges)
+                    .for_each(|row| one(&mut work, row));
             }
         }
     }
 
-    fn rows_back(&self, far: &mut [f64], cancel: &CancelToken) {
+    fn rows_back(&self, far: &mut [f64], pool: Option<&ThreadPool>, cancel: &CancelToken) {
+        let transform = &self.transforms.row_back;
+        let work = || BackWork {
+            input: vec![Complex64::default(); self.half * ROW_BLOCK],
+            output: transform.make_output_vec(),
+            scratch: transform.make_scratch_vec(),
+        };
+        let mut blocks = Vec::with_capacity(self.ranges.len().div_ceil(ROW_BLOCK));
+        let mut rest = far;
+        for ranges in self.ranges.chunks(ROW_BLOCK) {
+            let pillars: usize = ranges.iter().map(ExactSizeIterator::len).sum();
+            let (block, after) = rest.split_at_mut(pillars * self.modes);
+            blocks.push(block);
+            rest = after;
+        }
+        let one = |work: &mut BackWork, (block, far): (usize, &mut [f64])| {
+            if !cancel.is_cancelled() {
+                self.block_back(block * ROW_BLOCK, far, work);
+            }
+        };
+        match pool {
+            Some(pool) => pool.install(|| {
+                blocks.into_par_iter().enumerate().for_each_init(work, one);
+            }),
+            None => {
+                let mut work = work();
+                let blocks = blocks.into_iter().enumerate();
+                blocks.for_each(|block| one(&mut work, block));
+            }
+        }
+    }
+
+    /// Transforms some rows back; `far` are the loads on the pillars in them.
+    fn block_back(&self, first: usize, far: &mut [f64], work: &mut BackWork) {
         let (modes, rows, half) = (self.modes, self.shape.0, self.half);
-        let ranges = self.row_ranges();
-        let mut input = vec![Complex64::default(); half * ROW_BLOCK];
-        let mut output = self.transforms.row_back.make_output_vec();
-        let mut scratch = self.transforms.row_back.make_scratch_vec();
-        for mode in (0..modes).take_while(|_| !cancel.is_cancelled()) {
-            for first in (0..rows).step_by(ROW_BLOCK) {
-                let block = ROW_BLOCK.min(rows - first);
-                for column in 0..half {
-                    let start = (column * modes + mode) * rows + first;
-                    for k in 0..block {
-                        input[k * half + column] = self.spectrum[start + k];
-                    }
+        let BackWork {
+            input,
+            output,
+            scratch,
+        } = work;
+        let ranges = &self.ranges[first..rows.min(first + ROW_BLOCK)];
+        let start = ranges[0].start;
+        for mode in 0..modes {
+            for column in 0..half {
+                let place = (column * modes + mode) * rows + first;
+                let values = &self.spectrum[place..place + ranges.len()];
+                for (k, value) in values.iter().enumerate() {
+                    input[k * half + column] = *value;
                 }
-                for k in 0..block {
-                    let row = &mut input[k * half..(k + 1) * half];
-                    // The transform of real data has real ends; rounding must not say otherwise.
-                    row[0].im = 0.0;
-                    row[half - 1].im = 0.0;
-                    let _ = self.transforms.row_back.process_with_scratch(
-                        row,
-                        &mut output,
-                        &mut scratch,
-                    );
-                    for pillar in ranges[first + k].clone() {
-                        far[pillar * modes + mode] = output[self.places[pillar].1];
-                    }
+            }
+            for (range, row) in ranges.iter().zip(input.chunks_exact_mut(half)) {
+                // The transform of real data has real ends; rounding must not say otherwise.
+                row[0].im = 0.0;
+                row[half - 1].im = 0.0;
+                let _ = self
+                    .transforms
+                    .row_back
+                    .process_with_scratch(row, output, scratch);
+                for pillar in range.clone() {
+                    far[(pillar - start) * modes + mode] = output[self.places[pillar].1];
                 }
             }
         }
     }
 
     fn columns(&mut self, pool: Option<&ThreadPool>, cancel: &CancelToken) {
-        let (modes, rows) = (self.modes, self.shape.0);
+        let (modes, rows, half) = (self.modes, self.shape.0, self.half);
         let padded = self.padded.0;
         let entries = self.odd.len();
-        let (transforms, odd) = (&self.transforms, &self.odd);
+        let (transforms, odd, transformed) = (&self.transforms, &self.odd, &self.rows);
         let scratch_len = transforms
             .column
             .get_inplace_scratch_len()
@@ -248,10 +290,7 @@ impl LatticeConvolution {
             output: vec![Complex64::default(); modes * padded],
             scratch: vec![Complex64::default(); scratch_len],
         };
-        let one = |work: &mut ColumnWork, (spectrum, kernel): (&mut [Complex64], &[f64])| {
-            if cancel.is_cancelled() {
-                return;
-            }
+        let one = |work: &mut ColumnWork, spectrum: &mut [Complex64], kernel: &[f64]| {
             for (values, column) in spectrum
                 .chunks_exact(rows)
                 .zip(work.input.chunks_exact_mut(padded))
@@ -273,23 +312,66 @@ impl LatticeConvolution {
                 values.copy_from_slice(&column[..rows]);
             }
         };
+        let some =
+            |work: &mut ColumnWork,
+             (block, (spectrum, kernel)): (usize, (&mut [Complex64], &[f64]))| {
+                if cancel.is_cancelled() {
+                    return;
+                }
+                let first = block * COLUMN_BLOCK;
+                let count = COLUMN_BLOCK.min(half - first);
+                for (place, row) in transformed.chunks_exact(half).enumerate() {
+                    let (row_number, mode) = (place / modes, place % modes);
+                    for (k, value) in row[first..first + count].iter().enumerate() {
+                        spectrum[(k * modes + mode) * rows + row_number] = *value;
+                    }
+                }
+                for (spectrum, kernel) in spectrum
+                    .chunks_exact_mut(modes * rows)
+                    .zip(kernel.chunks_exact(entries * padded))
+                {
+                    one(work, spectrum, kernel);
+                }
+            };
+        let (spectra, kernels) = (COLUMN_BLOCK * modes * rows, COLUMN_BLOCK * entries * padded);
         let kernel = &self.kernel;
         match pool {
             Some(pool) => pool.install(|| {
                 self.spectrum
-                    .par_chunks_mut(modes * rows)
-                    .zip(kernel.par_chunks(entries * padded))
-                    .for_each_init(work, one);
+                    .par_chunks_mut(spectra)
+                    .zip(kernel.par_chunks(kernels))
+                    .enumerate()
+                    .for_each_init(work, some);
             }),
             None => {
                 let mut work = work();
                 self.spectrum
-                    .chunks_mut(modes * rows)
-                    .zip(kernel.chunks(entries * padded))
-                    .for_each(|pair| one(&mut work, pair));
+                    .chunks_mut(spectra)
+                    .zip(kernel.chunks(kernels))
+                    .enumerate()
+                    .for_each(|block| some(&mut work, block));
             }
         }
     }
+}
+
+/// The pillars of every row of the window.
+fn row_ranges(places: &[(usize, usize)], rows: usize) -> Vec<Range<usize>> {
+    let mut start = 0;
+    (0..rows)
+        .map(|row| {
+            let end = start + places[start..].partition_point(|place| place.0 == row);
+            let range = start..end;
+            start = end;
+            range
+        })
+        .collect()
+}
+
+struct BackWork {
+    input: Vec<Complex64>,
+    output: Vec<f64>,
+    scratch: Vec<Complex64>,
 }
 
 struct ColumnWork {

@@ -23,7 +23,7 @@ const DIRECT_LIMIT: usize = 24;
 /// The displacement that every pillar of a window sees from all others.
 pub(crate) enum LatticeCoupling {
     Direct(DirectCoupling),
-    Convolution(LatticeConvolution),
+    Convolution(Box<LatticeConvolution>),
 }
 
 impl LatticeCoupling {
@@ -32,7 +32,7 @@ impl LatticeCoupling {
         if window.len() <= DIRECT_LIMIT {
             Self::Direct(DirectCoupling::new(window, pair))
         } else {
-            Self::Convolution(LatticeConvolution::new(window, pair, run))
+            Self::Convolution(Box::new(LatticeConvolution::new(window, pair, run)))
         }
     }
 
@@ -56,7 +56,7 @@ pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
     let pairs = 0.5 * modes * (modes + 1.0);
     let kernels = 8.0 * pairs * (2.0 * side) * (side + 1.0);
     let build = 8.0 * pairs * (2.0 * side).powi(2);
-    let spectrum = 16.0 * modes * side * (side + 1.0);
+    let spectrum = 2.0 * 16.0 * modes * side * (side + 1.0);
     let vectors = 12.0 * 8.0 * modes * pillars;
     kernels + build + spectrum + vectors
 }
