@@ -1,6 +1,7 @@
 //! The explorer in a real browser: `tests/browser`; and whether the page that is part of the program is
 //! what its source builds to.
 
+use crate::package;
 use crate::python::{self, run};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -32,36 +33,12 @@ fn chromium() -> Result<PathBuf, String> {
     if let Some(named) = std::env::var_os("CHROMIUM") {
         return Ok(named.into());
     }
-    if let Some(found) = installed() {
-        return Ok(found);
-    }
-    println!("no Chromium is installed: trying the package chromium by apt-get");
-    let apt = |arguments: &[&str]| {
-        let mut command = Command::new("apt-get");
-        command
-            .args(arguments)
-            .env("DEBIAN_FRONTEND", "noninteractive")
-            .stdout(Stdio::null());
-        run(&mut command)
-    };
-    let package = ["install", "--yes", "--no-install-recommends", "chromium"];
-    // Lists of packages may be there already; if not, they are fetched.
-    let result = apt(&package).or_else(|_| apt(&["update"]).and_then(|()| apt(&package)));
-    match (result, installed()) {
-        (Ok(()), Some(found)) => Ok(found),
-        (result, _) => Err(format!(
-            "the explorer is tested in Chromium, which is not installed{}: install it (the package \
-             chromium of most distributions) or name it in the environment variable CHROMIUM",
-            result.err().map(|e| format!(" ({e})")).unwrap_or_default()
-        )),
-    }
-}
-
-fn installed() -> Option<PathBuf> {
-    let paths = std::env::var_os("PATH")?;
-    std::env::split_paths(&paths)
-        .flat_map(|folder| NAMES.map(|name| folder.join(name)))
-        .find(|program| program.is_file())
+    package::program(&NAMES, "chromium").map_err(|why| {
+        format!(
+            "the explorer is tested in Chromium, which is not installed{why}: install it (the package \
+             chromium of most distributions) or name it in the environment variable CHROMIUM"
+        )
+    })
 }
 
 /// Whether `page/dist` is what the scripts of the page build to. Only users of the page's source have

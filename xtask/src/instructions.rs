@@ -4,6 +4,7 @@
 //! clock would not tell. Counts are comparable for one compiler and one kind of processor only;
 //! elsewhere the check says so and compares nothing.
 
+use crate::package;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -130,7 +131,9 @@ fn vectors() -> &'static str {
 }
 
 fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
-    valgrind()?;
+    let valgrind = package::program(&["valgrind"], "valgrind").map_err(|why| {
+        format!("valgrind counts instructions, and is not installed{why}: install the package")
+    })?;
     let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
     // What the other tests are run on.
     crate::python::run(Command::new(cargo).args([
@@ -144,17 +147,23 @@ fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
     let kernels = executable.with_file_name("examples").join("kernels");
     let mut counts = Vec::new();
     for kernel in KERNELS {
-        counts.push((kernel.to_owned(), instructions(&kernels, &[kernel])?));
+        counts.push((
+            kernel.to_owned(),
+            instructions(&valgrind, &kernels, &[kernel])?,
+        ));
     }
     for (name, arguments) in RUNS {
         let arguments = [arguments, &["--threads", "1", "--quiet", "--json"]].concat();
-        counts.push((name.to_owned(), instructions(&program, &arguments)?));
+        counts.push((
+            name.to_owned(),
+            instructions(&valgrind, &program, &arguments)?,
+        ));
     }
     Ok(counts)
 }
 
-fn instructions(program: &Path, arguments: &[&str]) -> Result<u64, String> {
-    let output = Command::new("valgrind")
+fn instructions(valgrind: &Path, program: &Path, arguments: &[&str]) -> Result<u64, String> {
+    let output = Command::new(valgrind)
         .args(["--tool=cachegrind", "--cache-sim=no"])
         .arg("--cachegrind-out-file=/dev/null")
         .arg(program)
@@ -170,19 +179,4 @@ fn instructions(program: &Path, arguments: &[&str]) -> Result<u64, String> {
         Some(count) if output.status.success() => Ok(count),
         _ => Err(format!("{} {arguments:?}:\n{log}", program.display())),
     }
-}
-
-/// That there is a valgrind; where packages can be installed it is.
-fn valgrind() -> Result<(), String> {
-    let there = || Command::new("valgrind").arg("--version").output().is_ok();
-    if there() {
-        return Ok(());
-    }
-    let install = Command::new("apt-get")
-        .args(["install", "--yes", "--quiet", "valgrind"])
-        .status();
-    if install.is_ok_and(|status| status.success()) && there() {
-        return Ok(());
-    }
-    Err("valgrind is needed to count instructions: install the package of that name".to_owned())
 }

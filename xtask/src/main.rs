@@ -2,6 +2,7 @@
 
 mod browser;
 mod instructions;
+mod package;
 mod python;
 
 use std::ffi::{OsStr, OsString};
