@@ -81,6 +81,7 @@ fn floor() -> f64 {
         centres: window.centres(),
         radius: 1.0,
         coefficients: [&c, &c],
+        run: &Run::default(),
     };
     (0..200)
         .map(|k| {

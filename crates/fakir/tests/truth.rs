@@ -716,11 +716,11 @@ fn running_computations_stop() {
     }
 }
 
-/// On the way to a result come the punch lattice's, and the result without its error; listening
-/// changes nothing.
+/// On the way to a result come the punch lattice's, if there are many pillars, and the result without its
+/// error; listening changes nothing.
 #[test]
 fn interim_states_lead_to_the_result() {
-    let system = intermediate(0.1, 0.2, 0.0);
+    let system = intermediate(0.15, 0.2, 0.0);
     let told = std::sync::Mutex::new(Vec::new());
     let listener = |state: &ContactState| told.lock().unwrap().push(state.clone());
     let run = Run {
@@ -732,11 +732,14 @@ fn interim_states_lead_to_the_result() {
     let pressed = fakir::press(&system, load, Method::default(), &run).unwrap();
     let told = told.into_inner().unwrap();
     let punch = fakir::transition(&system, PUNCH, &Run::default()).unwrap();
-    let pressed_punch = press(&system, load, PUNCH);
+    assert!(punch.contact.pillars_in_contact > 1000 && pressed.pillars_in_contact < 1000);
     let unheard = press(&system, load, Method::default());
-    let forces = [&punch.contact, &critical.contact, &pressed_punch, &unheard].map(|s| s.force);
-    assert_eq!(told.iter().map(|s| s.force).collect::<Vec<_>>(), forces);
-    assert!(told[1].error.force.is_nan() && told[3].error.indentation.is_nan());
+    // The start is a punch lattice to three digits.
+    assert!((told[0].force / punch.contact.force - 1.0).abs() < 2e-3);
+    assert_eq!(told[0].method, PUNCH);
+    let forces = [critical.contact.force, unheard.force];
+    assert_eq!([told[1].force, told[2].force], forces);
+    assert!(told[1].error.force.is_nan() && told[2].error.indentation.is_nan());
     assert_eq!(pressed.force.to_bits(), unheard.force.to_bits());
     assert_eq!(pressed.error, unheard.error);
 }

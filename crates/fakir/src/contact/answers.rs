@@ -3,7 +3,7 @@
 use super::estimate::estimate;
 use super::fields::{Disc, Fields, degree_with};
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
-use super::newton::{Degrees, MISMATCH_TOLERANCE, Newton, Outcome, Target};
+use super::newton::{COSTLY_PILLARS, Degrees, MISMATCH_TOLERANCE, Newton, Purpose, Target};
 use super::problem::Problem;
 use super::run::{CancelToken, Progress, Run, Stage, Termination};
 use super::spectral::{
@@ -147,12 +147,15 @@ fn solve(
     let state = match method {
         PillarMethod::Spectral(accuracy) => {
             let degrees = degrees(accuracy, problem);
-            let mut punch = solve_punch(problem, target, guess, PunchForm::Corrected, run)?;
+            let form = PunchForm::Corrected;
+            let mut punch = solve_punch(problem, target, guess, form, Purpose::Start, run)?;
             // Under a prescribed force a state is assembled at the cost of the solution.
             let listener = run.interim.filter(|_| !matches!(target, Target::Force(_)));
-            if let Some(listener) = listener {
-                let lattice = PillarMethod::Punch(PunchForm::Corrected);
-                let error = punch_error(PunchForm::Corrected, target, &punch);
+            if let Some(listener) = listener
+                && punch.newton.touched() > MANY_TO_WAIT_FOR
+            {
+                let lattice = PillarMethod::Punch(form);
+                let error = punch_error(form, target, &punch);
                 let state = assemble(system, problem, target, lattice, &mut punch, error)?;
                 listener(&state);
             }
@@ -168,7 +171,8 @@ fn solve(
             }
         }
         PillarMethod::Punch(form) => {
-            let mut solution = solve_punch(problem, target, guess, form, run)?;
+            let purpose = Purpose::Answer;
+            let mut solution = solve_punch(problem, target, guess, form, purpose, run)?;
             let error = punch_error(form, target, &solution);
             assemble(system, problem, target, method, &mut solution, error)?
         }
@@ -192,6 +196,10 @@ fn punch_error(form: PunchForm, target: Target, solution: &Solution<'_>) -> Erro
 
 /// Pillars touched above which the homogenised lattice knows the contact radius well.
 const MANY_PILLARS: f64 = 40.0;
+
+/// Pillars touched up to which nobody wants to see the punch lattice before the solution: that takes a few
+/// tens of milliseconds.
+const MANY_TO_WAIT_FOR: usize = 1000;
 
 /// Contact radius of the homogenised lattice, where it can be trusted.
 fn homogenised_radius(
@@ -285,6 +293,7 @@ fn without_contact(
         centres: &[],
         radius: 1.0,
         coefficients: [&[], &[]],
+        run: &Run::default(),
     };
     let lowest = FloorSearch::default().lowest(problem, &discs, &CancelToken::default());
     let fields = Fields::new(problem.clone(), indentation, Vec::new(), 0, 0);
@@ -369,6 +378,7 @@ fn patch_floor(problem: &Problem, exterior: &Exterior, patch: &Patch) -> Option<
         centres: &[[0.0, 0.0]],
         radius: patch.radius,
         coefficients: [&zeros, &patch.coefficients],
+        run: &Run::default(),
     };
     FloorSearch::default().lowest(problem, &discs, &CancelToken::default())
 }
@@ -443,12 +453,12 @@ fn assemble(
     let indentation = outcome.indentation;
     let lowest = match target {
         Target::Floor => outcome.floor,
-        Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(indentation),
+        Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(),
     };
     newton.run.check_cancelled()?;
-    let mut touched = touched_pillars(problem, newton, outcome);
+    let mut touched = touched_pillars(problem, newton);
     let force = share_force(&mut touched, target, problem);
-    let contact_radius = farthest_contact(newton, indentation, &touched);
+    let contact_radius = farthest_contact(newton, &touched);
     let ratio = contact_radius / problem.lens.radius;
     if ratio > LARGEST_CONTACT {
         return Err(SolveError::ContactExceedsLens {
@@ -534,14 +544,10 @@ fn elements(
 
 /// Sorts pillars by their distance from the lens axis; those equally far by their indices.
 fn nearest_first<T>(pillars: &mut [T], state: impl Fn(&T) -> &PillarState, length: f64) {
-    let distance = |pillar: &T| {
-        let [x, y] = state(pillar).centre;
-        (x.hypot(y) / length * 1e6).round()
-    };
-    pillars.sort_by(|a, b| {
-        distance(a)
-            .total_cmp(&distance(b))
-            .then(state(a).index.cmp(&state(b).index))
+    pillars.sort_by_cached_key(|pillar| {
+        let PillarState { centre, index, .. } = state(pillar);
+        let [x, y] = centre;
+        ((x.hypot(*y) / length * 1e6).round() as u64, *index)
     });
 }
 
@@ -571,59 +577,53 @@ struct TouchedPillar {
 }
 
 /// The touched pillars, nearest to the lens axis first.
-fn touched_pillars(
-    problem: &Problem,
-    newton: &Newton<'_>,
-    outcome: &Outcome,
-) -> Vec<TouchedPillar> {
+fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<TouchedPillar> {
     let modes = newton.modes;
-    let total = newton.total_coefficients(outcome.indentation);
-    let mut solver = LocalSolver::new(&newton.top);
+    let total = newton.coefficients();
     let lead = DiscSamples::new(newton.degree());
     let all = DiscSamples::new(degree_with(newton.top.count()));
-    let mut touched: Vec<TouchedPillar> = (0..newton.window.len())
+    let places: Vec<usize> = (0..newton.window.len())
         .filter(|&pillar| newton.status[pillar] != PillarStatus::Untouched)
-        .map(|pillar| {
-            let status = newton.status[pillar];
-            let (samples, coefficients) = if status == PillarStatus::Partial {
-                let indentation = outcome.indentation;
-                (
-                    &all,
-                    newton.partial_coefficients(pillar, indentation, &mut solver),
-                )
-            } else {
-                let range = pillar * modes..(pillar + 1) * modes;
-                (&lead, total[range].to_vec())
-            };
-            let centre = newton.window.centres()[pillar];
-            let disc = Disc {
-                index: newton.window.index(pillar),
-                centre,
-                radius: 1.0,
-                coefficients,
-            };
-            let state = PillarState {
-                index: disc.index,
-                centre: problem.metres(centre),
-                status,
-                force: disc.force() * problem.force(),
-                centre_pressure: samples.centre_density(&disc) * problem.pressure,
-                edge_coefficient: Some(samples.edge_range(&disc).map(|q| q * problem.pressure)),
-            };
-            TouchedPillar {
-                place: pillar,
-                state,
-                disc,
-            }
-        })
         .collect();
+    let solver = || LocalSolver::new(&newton.top);
+    let one = |solver: &mut LocalSolver, number: usize| {
+        let pillar = places[number];
+        let status = newton.status[pillar];
+        let (samples, coefficients) = if status == PillarStatus::Partial {
+            (&all, newton.partial_coefficients(pillar, solver))
+        } else {
+            let range = pillar * modes..(pillar + 1) * modes;
+            (&lead, total[range].to_vec())
+        };
+        let centre = newton.window.centres()[pillar];
+        let disc = Disc {
+            index: newton.window.index(pillar),
+            centre,
+            radius: 1.0,
+            coefficients,
+        };
+        let state = PillarState {
+            index: disc.index,
+            centre: problem.metres(centre),
+            status,
+            force: disc.force() * problem.force(),
+            centre_pressure: samples.centre_density(&disc) * problem.pressure,
+            edge_coefficient: Some(samples.edge_range(&disc).map(|q| q * problem.pressure)),
+        };
+        TouchedPillar {
+            place: pillar,
+            state,
+            disc,
+        }
+    };
+    let mut touched = newton.run.map(places.len(), COSTLY_PILLARS, solver, one);
     nearest_first(&mut touched, |pillar| &pillar.state, problem.length);
     touched
 }
 
 /// Distance from the lens axis of the farthest point in contact, pillar radii. The pillars are in the
 /// order of their distance.
-fn farthest_contact(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar]) -> f64 {
+fn farthest_contact(newton: &Newton<'_>, touched: &[TouchedPillar]) -> f64 {
     let degree = degree_with(newton.top.count());
     let mut basis = BasisEvaluator::new(degree);
     let line = RayLine::new(degree);
@@ -638,7 +638,7 @@ fn farthest_contact(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPil
         farthest = farthest.max(match pillar.state.status {
             PillarStatus::Partial => {
                 let coefficients = &pillar.disc.coefficients;
-                let gap = newton.gap_coefficients(pillar.place, indentation, coefficients);
+                let gap = newton.gap_coefficients(pillar.place, coefficients);
                 // Of a contact too small to be seen, its nearest point.
                 contact_reach(pillar.disc.centre, &gap, &mut basis, &line).max(distance - 1.0)
             }

@@ -12,7 +12,7 @@
 
 use super::answers::unknowns_only;
 use super::fields::degree_with;
-use super::newton::{Newton, Outcome, Response, Target};
+use super::newton::{COSTLY_PILLARS, Newton, Outcome, Response, Target};
 use super::{ErrorEstimate, PillarStatus, SolveError};
 use crate::coupling::pair::PairCoupling;
 use crate::disc::basis::{compliances, mode_count};
@@ -54,15 +54,15 @@ pub(crate) fn estimate(
     target: Target,
     check_nodes: usize,
 ) -> Result<ErrorEstimate, SolveError> {
-    let force = newton.force(outcome.indentation);
+    let force = newton.force();
     if force <= 0.0 || outcome.indentation <= 0.0 {
         // The contact is smaller than the distance of nodes: nothing is known of it.
         return Ok(unknowns_only(target, outcome.termination, [1.0; 2]));
     }
-    let total = newton.total_coefficients(outcome.indentation);
+    let total = newton.coefficients().to_vec();
     let [of_force, of_indentation] = adjoints(newton, outcome, target)?;
     let adjoints = [&of_force, &of_indentation];
-    let nodes = node_changes(newton, outcome, check_nodes, &total, adjoints)?;
+    let nodes = node_changes(newton, check_nodes, &total, adjoints)?;
     let degree = degree_changes(newton, outcome, &total, adjoints)?;
     let floor = floor_changes(newton, outcome, adjoints);
     let relative = |k: usize, value: f64| {
@@ -98,7 +98,7 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
         .map(|(pillar, offset)| {
             exterior.values(offset, &mut displacement);
             newton
-                .partial_coefficients(pillar, outcome.indentation, &mut solver)
+                .partial_coefficients(pillar, &mut solver)
                 .iter()
                 .zip(&displacement)
                 .skip(newton.modes)
@@ -115,19 +115,11 @@ fn adjoints(
     outcome: &Outcome,
     target: Target,
 ) -> Result<[Adjoint; 2], SolveError> {
-    let slope = match target {
-        Target::Indentation(_) => {
-            newton.solve_unit(ADJOINT_TOLERANCE)?;
-            0.0
-        }
-        Target::Force(_) | Target::Floor => newton.force(1.0) - newton.force(0.0),
-    };
+    newton.solve_unit(ADJOINT_TOLERANCE)?;
+    let stiffness = newton.stiffness();
     let size = newton.unit.far.len();
     let mut load = vec![0.0; size];
-    let mut response = Response {
-        coefficients: vec![0.0; size],
-        far: vec![0.0; size],
-    };
+    let mut response = Response::none(size);
     let mut factor = 0.0;
     if let Some(point) = outcome.floor {
         load = newton.point_load(point.position);
@@ -150,8 +142,8 @@ fn adjoints(
             .collect(),
     };
     Ok(match target {
-        Target::Force(_) => [combine(0.0, 0.0), combine(-1.0 / slope, 0.0)],
-        Target::Floor => [combine(1.0, slope * factor), combine(0.0, factor)],
+        Target::Force(_) => [combine(0.0, 0.0), combine(-1.0 / stiffness, 0.0)],
+        Target::Floor => [combine(1.0, stiffness * factor), combine(0.0, factor)],
         Target::Indentation(_) => [combine(1.0, 0.0), combine(0.0, 0.0)],
     })
 }
@@ -160,7 +152,6 @@ fn adjoints(
 /// the larger of the sum, and of the sum as if signs were random.
 fn node_changes(
     newton: &Newton<'_>,
-    outcome: &Outcome,
     check_nodes: usize,
     total: &[f64],
     adjoints: [&Adjoint; 2],
@@ -178,26 +169,34 @@ fn node_changes(
         newton.problem.column_compliance_ratio,
         0.0,
     );
-    let mut solver = LocalSolver::new(&top);
-    let mut sums = [0.0; 2];
-    let mut squares = [0.0; 2];
-    let mut refined = vec![0.0; modes];
-    for pillar in partial {
-        newton.run.check_cancelled()?;
-        let load = newton.full_load(pillar, outcome.indentation);
+    let work = || (LocalSolver::new(&top), vec![0.0; modes]);
+    let one = |(solver, refined): &mut (LocalSolver, Vec<f64>), number: usize| {
+        let pillar = partial[number];
+        if newton.run.cancel.is_cancelled() {
+            return [0.0; 2];
+        }
+        let load = newton.full_load(pillar);
         let load = &load[..load.len().min(top.count())];
         let mut active = solver.first_guess(&top, load);
         solver.solve(&top, load, &mut active);
-        solver.coefficients(&top, load, &mut refined);
-        for (k, adjoint) in adjoints.iter().enumerate() {
-            let change: f64 = (0..modes)
+        solver.coefficients(&top, load, refined);
+        adjoints.map(|adjoint| {
+            (0..modes)
                 .map(|i| {
                     let index = pillar * modes + i;
                     adjoint.sensitivity[index] * (refined[i] - total[index])
                 })
-                .sum();
-            sums[k] += change;
-            squares[k] += change * change;
+                .sum::<f64>()
+        })
+    };
+    let changes = newton.run.map(partial.len(), 1, work, one);
+    newton.run.check_cancelled()?;
+    let mut sums = [0.0; 2];
+    let mut squares = [0.0; 2];
+    for change in changes {
+        for k in 0..2 {
+            sums[k] += change[k];
+            squares[k] += change[k] * change[k];
         }
     }
     Ok([0, 1].map(|k| f64::max(f64::abs(sums[k]), f64::sqrt(squares[k]))))
@@ -215,37 +214,37 @@ fn degree_changes(
     let neighbours = Neighbours::new(newton, extended);
     let compliance = compliances(extended, 0.0);
     let exterior = Exterior::new(extended);
-    let mut floor_load = vec![0.0; count];
-    let mut loads = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
     let fields = [
         total,
         adjoints[0].coefficients.as_slice(),
         adjoints[1].coefficients.as_slice(),
     ];
-    let mut sums = [0.0; 2];
-    for pillar in 0..newton.window.len() {
-        if newton.status[pillar] != PillarStatus::Full {
-            continue;
+    let loads = || std::array::from_fn(|_| vec![0.0; count]);
+    let one = |[floor_load, loads @ ..]: &mut [Vec<f64>; 4], pillar: usize| {
+        if newton.status[pillar] != PillarStatus::Full || newton.run.cancel.is_cancelled() {
+            return [0.0; 2];
         }
-        newton.run.check_cancelled()?;
-        neighbours.loads(newton, pillar, fields, &mut loads);
+        neighbours.loads(newton, pillar, fields, loads);
         if let Some(point) = outcome.floor {
             let [x, y] = newton.window.centres()[pillar];
-            exterior.values(
-                [point.position[0] - x, point.position[1] - y],
-                &mut floor_load,
-            );
+            exterior.values([point.position[0] - x, point.position[1] - y], floor_load);
         }
-        for (k, adjoint) in adjoints.iter().enumerate() {
+        [0, 1].map(|k| {
             // Loads are - B c; the sign of the product of two of them does not show.
-            sums[k] += (modes..count)
+            (modes..count)
                 .map(|i| {
-                    let sensitivity = adjoint.floor * floor_load[i] - loads[k + 1][i];
+                    let sensitivity = adjoints[k].floor * floor_load[i] - loads[k + 1][i];
                     -loads[0][i] * sensitivity / compliance[i]
                 })
-                .sum::<f64>();
-        }
-    }
+                .sum::<f64>()
+        })
+    };
+    let pillars = newton.window.len();
+    let changes = newton.run.map(pillars, COSTLY_PILLARS, loads, one);
+    newton.run.check_cancelled()?;
+    let sums = changes
+        .into_iter()
+        .fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
     Ok(sums.map(f64::abs))
 }
 

@@ -6,10 +6,12 @@
 //! indentation for frozen contact. With `c1 = 0` the same function is the gap plus `zeta`.
 
 use super::problem::Problem;
-use super::run::CancelToken;
-use crate::disc::exterior::{Exterior, FieldJet, LaneJets};
+use super::run::{CancelToken, Run};
+use crate::disc::basis::mode_count;
+use crate::disc::exterior::{Exterior, FieldJet, LaneJets, MAXIMUM_DEGREE};
 use crate::system::Point;
 use crate::vector::{LANES, Lanes, widest};
+use std::ops::Range;
 
 /// Newton steps from one starting point.
 const STEP_LIMIT: usize = 60;
@@ -50,6 +52,7 @@ pub(crate) struct LoadedDiscs<'a> {
     pub(crate) radius: f64,
     /// Coefficients `c1` and `c0`, disc by disc.
     pub(crate) coefficients: [&'a [f64]; 2],
+    pub(crate) run: &'a Run<'a>,
 }
 
 /// A point of the floor with its indentation of contact.
@@ -73,12 +76,13 @@ impl LoadedDiscs<'_> {
         &self.coefficients[set][disc * self.modes..(disc + 1) * self.modes]
     }
 
+    /// What some discs do.
     #[inline(always)]
-    fn sums(&self, [x, y]: Point) -> [LaneJets; 2] {
+    fn sums(&self, discs: Range<usize>, [x, y]: Point) -> [LaneJets; 2] {
         let mut sums = [LaneJets::default(); 2];
         let scale = self.radius.recip();
         let zeros = [0.0; NO_LOAD];
-        for first in (0..self.centres.len()).step_by(LANES) {
+        for first in discs.step_by(LANES) {
             // Where there are no more discs, one far away that bears nothing.
             let centre = |lane: usize| self.centres.get(first + lane);
             let offset = |along: usize, at: f64| {
@@ -102,24 +106,41 @@ impl LoadedDiscs<'_> {
     }
 }
 
+/// Discs that are summed up together, a multiple of [`LANES`].
+const BLOCK: usize = 1024;
+
+/// Blocks a thread takes at a time, at the least.
+const BLOCKS: usize = 4;
+
 /// Coefficients of a disc that is not there, enough for every degree.
-const NO_LOAD: usize = 160;
+const NO_LOAD: usize = mode_count(MAXIMUM_DEGREE);
 
 /// Where it is, pillar radii.
 const FAR_AWAY: f64 = 1e3;
 
 impl FloorDisplacement for LoadedDiscs<'_> {
     fn displacement(&self, position: Point) -> [FieldJet; 2] {
+        let count = self.centres.len();
+        let block = |(): &mut (), number: usize| {
+            let discs = number * BLOCK..count.min((number + 1) * BLOCK);
+            widest(
+                #[inline(always)]
+                || self.sums(discs, position),
+            )
+            .map(|sums| sums.sum())
+        };
+        let blocks = self.run.map(count.div_ceil(BLOCK), BLOCKS, || (), block);
+        let mut sums = [FieldJet::default(); 2];
+        for block in blocks {
+            for (sum, part) in sums.iter_mut().zip(block) {
+                sum.add_scaled(1.0, &part);
+            }
+        }
         let scale = self.radius.recip();
-        widest(
-            #[inline(always)]
-            || self.sums(position),
-        )
-        .map(|sums| {
-            let mut sum = sums.sum();
-            sum.value *= self.radius;
-            sum.hessian = sum.hessian.map(|h| h * scale);
-            sum
+        sums.map(|sum| FieldJet {
+            value: sum.value * self.radius,
+            hessian: sum.hessian.map(|h| h * scale),
+            ..sum
         })
     }
 }

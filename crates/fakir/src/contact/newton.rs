@@ -3,9 +3,11 @@
 //! The unknowns are the leading pressure coefficients `c` of every pillar. A pillar under the
 //! load `s = zeta b1 + bs - B c` answers with the solution of its own unilateral problem, whose
 //! derivative is `P` (see [`unilateral`](crate::disc::unilateral)). With the status and active nodes
-//! of every pillar frozen, `c + P B c = P b + cb` is linear; it is solved for the parts of `c` that
-//! go with the indentation (`c1`) and without (`c0`), the indentation follows from what is
-//! prescribed, and the local problems give the next statuses and active nodes.
+//! of every pillar frozen, `c + P B c = P b + cb` is linear in the indentation: `c = c* + (zeta - zeta*) c1`.
+//! It is solved for the response `c*` at the last indentation `zeta*` and for that to a unit indentation,
+//! `c1`; the indentation follows from what is prescribed, and the local problems give the next statuses
+//! and active nodes. `c*` changes little from step to step, and `c1` need not be exact, as `zeta - zeta*`
+//! tends to zero.
 
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
 use super::problem::{LensProjector, Problem};
@@ -19,12 +21,20 @@ use crate::disc::exterior::Exterior;
 use crate::disc::unilateral::{LocalSolver, PillarTop};
 use crate::system::Point;
 use crate::vector::{Vectors, add_scaled, dot, subtract};
-use rayon::prelude::*;
 
 /// Relative energy of the residual at which a linear solution counts as exact.
 const LINEAR_TOLERANCE: f64 = 1e-10;
 
-/// Tolerance of the first linear solution, when the statuses are still a guess.
+/// Relative error of the indentation by the punch lattice, about.
+const START_ERROR: f64 = 0.02;
+
+/// A start is good enough when a step changes the status of one pillar in so many.
+const START_CHANGES: usize = 300;
+
+/// Largest tolerance of the response to a unit indentation.
+const UNIT_TOLERANCE: f64 = 1e-2;
+
+/// Tolerance of the first linear solution, when the statuses are still a guess, and of a start.
 const FIRST_LINEAR_TOLERANCE: f64 = 1e-3;
 
 /// Largest difference, relative to the largest coefficient, between the local and the global
@@ -38,8 +48,11 @@ const FLOOR_TOLERANCE: f64 = 1e-10;
 /// Newton steps before giving up. One to six are typical.
 const STEP_LIMIT: usize = 60;
 
-/// Loads of fewer coefficients are not worth sharing between threads.
-const SHARED_LOADS: usize = 100_000;
+/// Pillars a thread takes at a time, at the least, where little is done for each ...
+const PILLARS: usize = 4000;
+
+/// ... and where more is.
+pub(crate) const COSTLY_PILLARS: usize = 200;
 
 /// Iterations of the conjugate gradient method before giving up; 10 to 25 are typical.
 const LINEAR_LIMIT: usize = 600;
@@ -90,6 +103,16 @@ pub(crate) struct Response {
     pub(crate) far: Vec<f64>,
 }
 
+impl Response {
+    /// None at all.
+    pub(crate) fn none(size: usize) -> Self {
+        Self {
+            coefficients: vec![0.0; size],
+            far: vec![0.0; size],
+        }
+    }
+}
+
 /// What a Newton solution ended with.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Outcome {
@@ -100,6 +123,15 @@ pub(crate) struct Outcome {
     pub(crate) floor: Option<FloorPoint>,
     /// Largest difference between local and global coefficients, relative to the largest.
     pub(crate) mismatch: f64,
+}
+
+/// What a solution is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// To be told.
+    Answer,
+    /// To start another one from.
+    Start,
 }
 
 /// Degrees of the discretisation.
@@ -131,11 +163,10 @@ pub(crate) struct Newton<'a> {
     partial_of: Vec<u32>,
     /// Response to a unit indentation.
     pub(crate) unit: Response,
-    /// Response without indentation, or the whole response at a given indentation.
-    pub(crate) rest: Response,
+    /// Response at the indentation `base`.
+    present: Response,
+    base: f64,
     pub(crate) floor: FloorSearch,
-    /// Whether `rest` holds the whole response at the solved indentation.
-    whole: bool,
     work: Work,
 }
 
@@ -173,23 +204,16 @@ impl<'a> Newton<'a> {
         let projector = LensProjector::new(degree);
         let size = window.len() * modes;
         let mut own_load = vec![0.0; size];
-        for (centre, load) in window
-            .centres()
-            .iter()
-            .zip(own_load.chunks_exact_mut(modes))
-        {
-            projector.project(problem, *centre, load);
-        }
+        let project = |(): &mut (), pillar: usize, load: &mut [f64]| {
+            projector.project(problem, window.centres()[pillar], load);
+        };
+        run.fill(&mut own_load, modes, COSTLY_PILLARS, || (), project);
         run.report(Progress {
             stage: Stage::Coupling,
             step: 0,
             pillars: window.len(),
             touched: 0,
         });
-        let response = Response {
-            coefficients: vec![0.0; size],
-            far: vec![0.0; size],
-        };
         let work = Work {
             load: vec![0.0; size],
             residual: vec![0.0; size],
@@ -210,10 +234,10 @@ impl<'a> Newton<'a> {
             status: vec![PillarStatus::Untouched; window.len()],
             partial: Vec::new(),
             partial_of: vec![NOT_PARTIAL; window.len()],
-            unit: response.clone(),
-            rest: response,
+            unit: Response::none(size),
+            present: Response::none(size),
+            base: 0.0,
             floor: FloorSearch::default(),
-            whole: false,
             work,
             top,
             window,
@@ -241,13 +265,19 @@ impl<'a> Newton<'a> {
             .count()
     }
 
-    /// Force for the present responses at an indentation.
-    pub(crate) fn force(&self, indentation: f64) -> f64 {
-        let total = |response: &Response| -> f64 {
-            let firsts = response.coefficients.iter().step_by(self.modes);
-            UNIT_FORCE * firsts.sum::<f64>()
-        };
-        self.unit_factor(indentation) * total(&self.unit) + total(&self.rest)
+    /// Force at the solved indentation.
+    pub(crate) fn force(&self) -> f64 {
+        self.force_of(&self.present)
+    }
+
+    /// Change of the force with the indentation, statuses and active nodes frozen.
+    pub(crate) fn stiffness(&self) -> f64 {
+        self.force_of(&self.unit)
+    }
+
+    fn force_of(&self, response: &Response) -> f64 {
+        let firsts = response.coefficients.iter().step_by(self.modes);
+        UNIT_FORCE * firsts.sum::<f64>()
     }
 
     /// Distance from the lens axis of the farthest touched pillar centre.
@@ -261,40 +291,61 @@ impl<'a> Newton<'a> {
             .fold(0.0, f64::max)
     }
 
-    /// Iterates from the present statuses until the contact conditions hold.
-    pub(crate) fn solve(&mut self, target: Target) -> Result<Outcome, SolveError> {
+    /// Iterates from the present statuses until the contact conditions hold; for a start, on
+    /// most pillars.
+    pub(crate) fn solve(
+        &mut self,
+        target: Target,
+        purpose: Purpose,
+    ) -> Result<Outcome, SolveError> {
         let mut tolerance = FIRST_LINEAR_TOLERANCE;
+        let finest = match purpose {
+            Purpose::Answer => LINEAR_TOLERANCE,
+            Purpose::Start => FIRST_LINEAR_TOLERANCE,
+        };
         let mut fewest = usize::MAX;
         let mut outcome = Outcome {
-            indentation: 0.0,
+            indentation: self.base,
             termination: Termination::IterationLimit,
             steps: 0,
             floor: None,
             mismatch: f64::INFINITY,
         };
+        // By how much the indentation changed, relatively: nothing is known of a start from none.
+        let mut change_of_indentation = if self.base > 0.0 { START_ERROR } else { 1.0 };
         for step in 1..=STEP_LIMIT {
             outcome.steps = step;
             self.run.check_cancelled()?;
             self.report(step);
-            if !self.linear_step(target, tolerance)? {
+            let unit_tolerance =
+                (tolerance / change_of_indentation).clamp(tolerance, UNIT_TOLERANCE);
+            if !self.linear_step(target, tolerance, unit_tolerance)? {
                 outcome.termination = Termination::Stagnated;
                 return Ok(outcome);
             }
             let Some((indentation, floor)) = self.close(target) else {
                 // A response to three digits may make the floor recede from the lens where an
                 // exact one does not.
-                if tolerance > LINEAR_TOLERANCE {
-                    tolerance = LINEAR_TOLERANCE;
+                if tolerance > finest {
+                    tolerance = finest;
+                    change_of_indentation = 1.0;
                     continue;
                 }
                 outcome.termination = Termination::Stagnated;
                 return Ok(outcome);
             };
+            change_of_indentation = ((indentation / self.base - 1.0).abs()).clamp(1e-12, 1.0);
+            self.rebase(indentation);
             (outcome.indentation, outcome.floor) = (indentation, floor);
-            let change = self.local_pass(indentation);
+            let change = self.local_pass();
             self.run.check_cancelled()?;
             outcome.mismatch = change.mismatch;
-            let exact = tolerance <= LINEAR_TOLERANCE;
+            if purpose == Purpose::Start && change.pillars * START_CHANGES <= self.touched() {
+                outcome.termination = Termination::Converged;
+                return Ok(outcome);
+            }
+            let exact = tolerance <= LINEAR_TOLERANCE
+                && unit_tolerance * change_of_indentation <= LINEAR_TOLERANCE;
             if change.pillars == 0
                 && exact
                 && change.mismatch < MISMATCH_TOLERANCE
@@ -308,12 +359,12 @@ impl<'a> Newton<'a> {
                 return Ok(outcome);
             }
             tolerance = if change.pillars == 0 {
-                LINEAR_TOLERANCE
+                finest
             } else if change.pillars < fewest {
                 fewest = change.pillars;
-                (0.03 * tolerance).max(LINEAR_TOLERANCE)
+                (0.03 * tolerance).max(finest)
             } else {
-                LINEAR_TOLERANCE
+                finest
             };
         }
         Ok(outcome)
@@ -340,37 +391,39 @@ impl<'a> Newton<'a> {
         });
     }
 
-    /// Factor of the unit response in the whole one.
-    fn unit_factor(&self, indentation: f64) -> f64 {
-        if self.whole { 0.0 } else { indentation }
-    }
-
     /// Degree of the coupling.
     pub(crate) fn degree(&self) -> usize {
         self.exterior.degree()
     }
 
-    /// `c` at an indentation, pillar by pillar.
-    pub(crate) fn total_coefficients(&self, indentation: f64) -> Vec<f64> {
-        let factor = self.unit_factor(indentation);
-        self.unit
-            .coefficients
-            .iter()
-            .zip(&self.rest.coefficients)
-            .map(|(unit, rest)| factor * unit + rest)
-            .collect()
+    /// `c` at the solved indentation, pillar by pillar.
+    pub(crate) fn coefficients(&self) -> &[f64] {
+        &self.present.coefficients
+    }
+
+    /// Makes `present` the response at another indentation.
+    fn rebase(&mut self, indentation: f64) {
+        let change = indentation - self.base;
+        let vectors = Vectors::new(self.run.pool, self.unit.far.len());
+        let Response { coefficients, far } = &mut self.present;
+        vectors.add_scaled(coefficients, change, &self.unit.coefficients);
+        vectors.add_scaled(far, change, &self.unit.far);
+        self.base = indentation;
     }
 
     /// Responses with the present statuses and active nodes. `false` if the linear solver failed.
-    fn linear_step(&mut self, target: Target, tolerance: f64) -> Result<bool, SolveError> {
-        self.whole = matches!(target, Target::Indentation(_));
-        match target {
-            Target::Indentation(indentation) => {
-                self.solve_linear(Part::Whole(indentation), tolerance)
-            }
-            Target::Force(_) | Target::Floor => Ok(self.solve_linear(Part::Unit, tolerance)?
-                && self.solve_linear(Part::Rest, tolerance)?),
+    fn linear_step(
+        &mut self,
+        target: Target,
+        tolerance: f64,
+        unit_tolerance: f64,
+    ) -> Result<bool, SolveError> {
+        if let Target::Indentation(indentation) = target {
+            self.rebase(indentation);
+            return self.solve_linear(Part::Present, tolerance);
         }
+        Ok(self.solve_linear(Part::Unit, unit_tolerance)?
+            && self.solve_linear(Part::Present, tolerance)?)
     }
 
     /// Response to a unit indentation for the present statuses, to the given tolerance.
@@ -384,10 +437,7 @@ impl<'a> Newton<'a> {
         load: &[f64],
         tolerance: f64,
     ) -> Result<Response, SolveError> {
-        let mut response = Response {
-            coefficients: vec![0.0; load.len()],
-            far: vec![0.0; load.len()],
-        };
+        let mut response = Response::none(load.len());
         let mut work = std::mem::take(&mut self.work);
         let solved =
             self.conjugate_gradients(Part::Source(load), tolerance, &mut response, &mut work);
@@ -406,15 +456,13 @@ impl<'a> Newton<'a> {
     /// `W(x)` of every pillar: what its coefficients move a point of the floor by.
     pub(crate) fn point_load(&self, position: Point) -> Vec<f64> {
         let mut load = vec![0.0; self.unit.far.len()];
-        for ([x, y], load) in self
-            .window
-            .centres()
-            .iter()
-            .zip(load.chunks_exact_mut(self.modes))
-        {
+        let one = |(): &mut (), pillar: usize, load: &mut [f64]| {
+            let [x, y] = self.window.centres()[pillar];
             self.exterior
                 .values([position[0] - x, position[1] - y], load);
-        }
+        };
+        self.run
+            .fill(&mut load, self.modes, COSTLY_PILLARS, || (), one);
         load
     }
 
@@ -424,12 +472,12 @@ impl<'a> Newton<'a> {
         let mut work = std::mem::take(&mut self.work);
         let mut response = std::mem::take(match part {
             Part::Unit => &mut self.unit,
-            _ => &mut self.rest,
+            _ => &mut self.present,
         });
         let solved = self.conjugate_gradients(part, tolerance, &mut response, &mut work);
         match part {
             Part::Unit => self.unit = response,
-            _ => self.rest = response,
+            _ => self.present = response,
         }
         self.work = work;
         solved
@@ -445,7 +493,6 @@ impl<'a> Newton<'a> {
         let Response { coefficients, far } = response;
         let vectors = Vectors::new(self.run.pool, coefficients.len());
         // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
-        self.coupling.apply(coefficients, far, self.run);
         self.right_side(part, &mut work.load);
         vectors.subtract(&mut work.load, far);
         self.precondition(&work.load, coefficients);
@@ -495,12 +542,11 @@ impl<'a> Newton<'a> {
                     .step_by(self.modes)
                     .for_each(|b| *b = UNIT_FORCE);
             }
-            Part::Rest => load.copy_from_slice(&self.own_load),
-            Part::Whole(indentation) => {
+            Part::Present => {
                 load.copy_from_slice(&self.own_load);
                 load.iter_mut()
                     .step_by(self.modes)
-                    .for_each(|b| *b += indentation * UNIT_FORCE);
+                    .for_each(|b| *b += self.base * UNIT_FORCE);
             }
             Part::Source(source) => load.copy_from_slice(source),
         }
@@ -522,8 +568,9 @@ impl<'a> Newton<'a> {
     fn precondition(&self, load: &[f64], result: &mut [f64]) {
         let modes = self.modes;
         let compliance = self.top.lead_compliance();
-        let one =
-            |(pillar, (result, load)): (usize, (&mut [f64], &[f64]))| match self.status[pillar] {
+        let one = |(): &mut (), pillar: usize, result: &mut [f64]| {
+            let load = &load[pillar * modes..(pillar + 1) * modes];
+            match self.status[pillar] {
                 PillarStatus::Untouched => result.fill(0.0),
                 PillarStatus::Full => {
                     for ((c, s), lambda) in result.iter_mut().zip(load).zip(compliance) {
@@ -539,22 +586,9 @@ impl<'a> Newton<'a> {
                         *c = row.iter().zip(load).map(|(p, s)| p * s).sum();
                     }
                 }
-            };
-        match self.run.pool.filter(|_| load.len() > SHARED_LOADS) {
-            Some(pool) => pool.install(|| {
-                result
-                    .par_chunks_exact_mut(modes)
-                    .zip(load.par_chunks_exact(modes))
-                    .enumerate()
-                    .with_min_len(1000)
-                    .for_each(one);
-            }),
-            None => result
-                .chunks_exact_mut(modes)
-                .zip(load.chunks_exact(modes))
-                .enumerate()
-                .for_each(one),
-        }
+            }
+        };
+        self.run.fill(result, modes, PILLARS, || (), one);
     }
 
     /// The indentation that meets the target with the present responses.
@@ -562,9 +596,9 @@ impl<'a> Newton<'a> {
         match target {
             Target::Indentation(indentation) => Some((indentation, None)),
             Target::Force(force) => {
-                let at_zero = self.force(0.0);
-                let slope = self.force(1.0) - at_zero;
-                (slope > 0.0).then(|| ((force - at_zero) / slope, None))
+                let stiffness = self.stiffness();
+                let missing = force - self.force();
+                (stiffness > 0.0).then(|| (self.base + missing / stiffness, None))
             }
             Target::Floor => {
                 let lowest = self.lowest_floor_point()?;
@@ -573,72 +607,71 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// The lowest point of the floor: its indentation of contact, or, when `rest` is the whole
-    /// response, its gap plus the indentation.
-    pub(crate) fn lowest_floor_point(&mut self) -> Option<FloorPoint> {
-        let mut search = std::mem::take(&mut self.floor);
-        let lowest = self.with_discs(|discs| search.lowest(self.problem, discs, &self.run.cancel));
-        self.floor = search;
-        lowest
+    /// The lowest point of the floor, with its indentation of contact.
+    fn lowest_floor_point(&mut self) -> Option<FloorPoint> {
+        self.search_floor(true)
     }
 
-    /// Calls `consume` with the touched pillars as loaded discs.
-    pub(crate) fn with_discs<T>(&self, consume: impl FnOnce(&LoadedDiscs<'_>) -> T) -> T {
+    /// The point of the smallest floor gap at the solved indentation, with the gap plus the
+    /// indentation.
+    pub(crate) fn lowest_gap(&mut self) -> Option<FloorPoint> {
+        self.search_floor(false)
+    }
+
+    /// Searches the floor with pressures that go with the indentation, or do not.
+    fn search_floor(&mut self, with_indentation: bool) -> Option<FloorPoint> {
         let modes = self.modes;
-        let touched =
-            || (0..self.window.len()).filter(|&p| self.status[p] != PillarStatus::Untouched);
-        let centres: Vec<Point> = touched().map(|p| self.window.centres()[p]).collect();
-        let gather = |response: &Response| -> Vec<f64> {
-            touched()
-                .flat_map(|p| {
-                    response.coefficients[p * modes..(p + 1) * modes]
-                        .iter()
-                        .copied()
-                })
+        let touched: Vec<usize> = (0..self.window.len())
+            .filter(|&p| self.status[p] != PillarStatus::Untouched)
+            .collect();
+        let gather = |coefficients: &[f64]| -> Vec<f64> {
+            touched
+                .iter()
+                .flat_map(|p| &coefficients[p * modes..(p + 1) * modes])
+                .copied()
                 .collect()
         };
-        let second = gather(&self.rest);
-        let first = if self.whole {
-            vec![0.0; second.len()]
+        let mut without = gather(&self.present.coefficients);
+        let along = if with_indentation {
+            let unit = gather(&self.unit.coefficients);
+            add_scaled(&mut without, -self.base, &unit);
+            unit
         } else {
-            gather(&self.unit)
+            vec![0.0; without.len()]
         };
-        consume(&LoadedDiscs {
+        let centres: Vec<Point> = touched.iter().map(|&p| self.window.centres()[p]).collect();
+        let discs = LoadedDiscs {
             exterior: &self.exterior,
             modes,
             centres: &centres,
             radius: 1.0,
-            coefficients: [&first, &second],
-        })
+            coefficients: [&along, &without],
+            run: self.run,
+        };
+        self.floor.lowest(self.problem, &discs, &self.run.cancel)
     }
 
-    /// Leading load on a pillar at an indentation, `zeta b1 + bs - B c`.
-    pub(crate) fn load(&self, pillar: usize, indentation: f64, load: &mut [f64]) {
-        let factor = self.unit_factor(indentation);
+    /// Leading load on a pillar at the solved indentation, `zeta b1 + bs - B c`.
+    fn load(&self, pillar: usize, load: &mut [f64]) {
         for (k, slot) in (pillar * self.modes..).zip(load.iter_mut()) {
-            *slot = self.own_load[k] - self.rest.far[k] - factor * self.unit.far[k];
+            *slot = self.own_load[k] - self.present.far[k];
         }
-        load[0] += indentation * UNIT_FORCE;
+        load[0] += self.base * UNIT_FORCE;
     }
 
     /// Load on a pillar with all modes of the lens shape over its top.
-    pub(crate) fn full_load(&self, pillar: usize, indentation: f64) -> Vec<f64> {
+    pub(crate) fn full_load(&self, pillar: usize) -> Vec<f64> {
         let count = self.projector.count().min(self.top.count());
         let mut load = vec![0.0; count];
         self.projector
             .project(self.problem, self.window.centres()[pillar], &mut load);
-        self.load(pillar, indentation, &mut load[..self.modes]);
+        self.load(pillar, &mut load[..self.modes]);
         load
     }
 
     /// All coefficients of a partially touched pillar.
-    pub(crate) fn partial_coefficients(
-        &self,
-        pillar: usize,
-        indentation: f64,
-        solver: &mut LocalSolver,
-    ) -> Vec<f64> {
-        let load = self.full_load(pillar, indentation);
+    pub(crate) fn partial_coefficients(&self, pillar: usize, solver: &mut LocalSolver) -> Vec<f64> {
+        let load = self.full_load(pillar);
         let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
             Some(partial) => partial.active.clone(),
             None => solver.first_guess(&self.top, &load),
@@ -650,13 +683,8 @@ impl<'a> Newton<'a> {
     }
 
     /// Coefficients of the gap over a pillar top, `Lam c - b`.
-    pub(crate) fn gap_coefficients(
-        &self,
-        pillar: usize,
-        indentation: f64,
-        coefficients: &[f64],
-    ) -> Vec<f64> {
-        let load = self.full_load(pillar, indentation);
+    pub(crate) fn gap_coefficients(&self, pillar: usize, coefficients: &[f64]) -> Vec<f64> {
+        let load = self.full_load(pillar);
         let mut gap: Vec<f64> = coefficients
             .iter()
             .zip(self.top.compliance())
@@ -666,47 +694,28 @@ impl<'a> Newton<'a> {
         gap
     }
 
-    /// The point of the smallest floor gap at a solved indentation, with the gap plus the
-    /// indentation.
-    pub(crate) fn lowest_gap(&mut self, indentation: f64) -> Option<FloorPoint> {
-        if !self.whole {
-            self.rest.coefficients = self.total_coefficients(indentation);
-            add_scaled(&mut self.rest.far, indentation, &self.unit.far);
-            self.whole = true;
-        }
-        self.lowest_floor_point()
-    }
-
     /// Solves every pillar under its present load, and takes over statuses and active nodes.
-    fn local_pass(&mut self, indentation: f64) -> Change {
+    fn local_pass(&mut self) -> Change {
         let before = std::mem::take(&mut self.status);
-        self.status = self.statuses(indentation);
+        self.status = self.statuses();
         let partial: Vec<usize> = (0..self.window.len())
             .filter(|&p| self.status[p] == PillarStatus::Partial)
             .collect();
         let guess = |pillar: usize| -> Option<&Partial> {
             self.partial.get(self.partial_of[pillar] as usize)
         };
-        let solve = |solver: &mut LocalSolver, pillar: &usize| {
-            self.solve_partial(solver, *pillar, indentation, guess(*pillar))
-        };
         let solver = || LocalSolver::new(&self.top);
-        let solved: Vec<(Partial, Vec<f64>, bool)> = match self.run.pool {
-            Some(pool) if partial.len() > 1 => {
-                pool.install(|| partial.par_iter().map_init(solver, solve).collect())
-            }
-            _ => {
-                let mut solver = solver();
-                partial.iter().map(|p| solve(&mut solver, p)).collect()
-            }
-        };
+        let solved = self.run.map(partial.len(), 1, solver, |solver, number| {
+            let pillar = partial[number];
+            self.solve_partial(solver, pillar, guess(pillar))
+        });
         let changed = before
             .iter()
             .zip(&self.status)
             .filter(|(before, after)| before != after)
             .count();
         let moved = solved.iter().filter(|(_, _, moved)| *moved).count();
-        let mismatch = self.mismatch(indentation, &solved);
+        let mismatch = self.mismatch(&solved);
         self.partial_of.fill(NOT_PARTIAL);
         self.partial = solved.into_iter().map(|(partial, _, _)| partial).collect();
         for (index, partial) in self.partial.iter().enumerate() {
@@ -719,26 +728,13 @@ impl<'a> Newton<'a> {
         }
     }
 
-    fn statuses(&self, indentation: f64) -> Vec<PillarStatus> {
-        let status = |load: &mut Vec<f64>, pillar: usize| {
-            self.load(pillar, indentation, load);
-            self.top.status(load)
-        };
+    fn statuses(&self) -> Vec<PillarStatus> {
         let load = || vec![0.0; self.modes];
-        match self.run.pool {
-            Some(pool) if self.window.len() > 1000 => pool.install(|| {
-                (0..self.window.len())
-                    .into_par_iter()
-                    .map_init(load, status)
-                    .collect()
-            }),
-            _ => {
-                let mut load = load();
-                (0..self.window.len())
-                    .map(|pillar| status(&mut load, pillar))
-                    .collect()
-            }
-        }
+        let count = self.window.len();
+        self.run.map(count, PILLARS, load, |load, pillar| {
+            self.load(pillar, load);
+            self.top.status(load)
+        })
     }
 
     /// The unilateral problem of one pillar: its new state, its leading coefficients, and
@@ -747,14 +743,13 @@ impl<'a> Newton<'a> {
         &self,
         solver: &mut LocalSolver,
         pillar: usize,
-        indentation: f64,
         guess: Option<&Partial>,
     ) -> (Partial, Vec<f64>, bool) {
         let modes = self.modes;
         if self.run.cancel.is_cancelled() {
             return (Partial::unsolved(pillar, modes), vec![0.0; modes], true);
         }
-        let load = self.full_load(pillar, indentation);
+        let load = self.full_load(pillar);
         let mut active = match guess {
             Some(partial) if partial.pillar == pillar => partial.active.clone(),
             _ => solver.first_guess(&self.top, &load),
@@ -782,38 +777,41 @@ impl<'a> Newton<'a> {
 
     /// Largest difference between the coefficients of the local problems and those of the
     /// linear solution, relative to the largest coefficient.
-    fn mismatch(&self, indentation: f64, solved: &[(Partial, Vec<f64>, bool)]) -> f64 {
+    fn mismatch(&self, solved: &[(Partial, Vec<f64>, bool)]) -> f64 {
         let modes = self.modes;
-        let factor = self.unit_factor(indentation);
-        let (mut largest, mut difference) = (f64::MIN_POSITIVE, 0.0_f64);
-        let mut load = vec![0.0; modes];
-        let mut partial = solved.iter();
-        for pillar in 0..self.window.len() {
-            let local = match self.status[pillar] {
-                PillarStatus::Untouched => {
-                    load.fill(0.0);
-                    &load
-                }
+        let of_pillar = |local: &mut Vec<f64>, pillar: usize| {
+            match self.status[pillar] {
+                PillarStatus::Untouched => local.fill(0.0),
                 PillarStatus::Full => {
-                    self.load(pillar, indentation, &mut load);
-                    for (c, lambda) in load.iter_mut().zip(self.top.lead_compliance()) {
+                    self.load(pillar, local);
+                    for (c, lambda) in local.iter_mut().zip(self.top.lead_compliance()) {
                         *c /= lambda;
                     }
-                    &load
                 }
-                // The partial pillars were solved in the order of the window.
-                PillarStatus::Partial => match partial.next() {
-                    Some((_, coefficients, _)) => coefficients,
-                    None => &load,
-                },
-            };
-            for (k, c) in local.iter().enumerate() {
-                let index = pillar * modes + k;
-                let global = factor * self.unit.coefficients[index] + self.rest.coefficients[index];
-                largest = largest.max(c.abs());
-                difference = difference.max((c - global).abs());
+                PillarStatus::Partial => {
+                    let found =
+                        solved.binary_search_by_key(&pillar, |(partial, ..)| partial.pillar);
+                    if let Ok(place) = found {
+                        local.copy_from_slice(&solved[place].1);
+                    }
+                }
             }
-        }
+            let global = &self.present.coefficients[pillar * modes..(pillar + 1) * modes];
+            local
+                .iter()
+                .zip(global)
+                .fold([0.0_f64; 2], |[largest, difference], (c, global)| {
+                    [largest.max(c.abs()), difference.max((c - global).abs())]
+                })
+        };
+        let local = || vec![0.0; modes];
+        let count = self.window.len();
+        let of_pillars = self.run.map(count, PILLARS, local, of_pillar);
+        let [largest, difference] = of_pillars
+            .into_iter()
+            .fold([f64::MIN_POSITIVE, 0.0], |[a, b], [c, d]| {
+                [a.max(c), b.max(d)]
+            });
         difference / largest
     }
 
@@ -829,13 +827,18 @@ impl<'a> Newton<'a> {
             };
             for (fine, coarse_response) in [
                 (&mut self.unit, &coarse.unit),
-                (&mut self.rest, &coarse.rest),
+                (&mut self.present, &coarse.present),
             ] {
                 let shared = self.modes.min(coarse.modes);
                 fine.coefficients[pillar * self.modes..][..shared].copy_from_slice(
                     &coarse_response.coefficients[from * coarse.modes..][..shared],
                 );
             }
+        }
+        self.base = coarse.base;
+        for response in [&mut self.unit, &mut self.present] {
+            let Response { coefficients, far } = response;
+            self.coupling.apply(coefficients, far, self.run);
         }
     }
 
@@ -860,10 +863,8 @@ impl<'a> Newton<'a> {
 enum Part<'a> {
     /// `c1`
     Unit,
-    /// `c0`
-    Rest,
-    /// `zeta c1 + c0`
-    Whole(f64),
+    /// `c*`
+    Present,
     /// The response to a given load.
     Source(&'a [f64]),
 }

@@ -2,6 +2,7 @@
 //! progress, threads, memory; and how it ended.
 
 use super::{ContactState, SolveError};
+use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -77,9 +78,10 @@ pub struct Run<'a> {
     pub cancel: CancelToken,
     /// Told what is going on, every Newton step.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
-    /// Told what there is on the way to a contact by the spectral method: the contact of the corrected
-    /// punch lattice, from which it starts, and its own solution before the error is estimated (the
-    /// estimate is then NaN). Not told under a prescribed force, or of a contact inside one pillar.
+    /// Told what there is on the way to a contact by the spectral method: with more than a thousand
+    /// pillars the contact of the corrected punch lattice, from which it starts (solved to three digits), and
+    /// its own solution before the error is estimated (the estimate is then NaN). Not told under a prescribed force, or of a
+    /// contact inside one pillar.
     pub interim: Option<&'a (dyn Fn(&ContactState) + Sync)>,
     /// Threads to share the work between; without it everything runs on the calling thread.
     pub pool: Option<&'a rayon::ThreadPool>,
@@ -92,6 +94,59 @@ impl Run<'_> {
     #[must_use]
     pub fn memory_limit(&self) -> usize {
         self.memory_limit.unwrap_or(8_000_000_000)
+    }
+
+    /// The threads, if there are enough `tasks` for more than one.
+    fn threads(&self, tasks: usize) -> Option<&rayon::ThreadPool> {
+        self.pool
+            .filter(|pool| tasks > 1 && pool.current_num_threads() > 1)
+    }
+
+    /// `one` of every number below `count`, in their order. A thread takes at least `least` of them at a
+    /// time, and makes itself a `work` to do them with.
+    pub(crate) fn map<W, T: Send>(
+        &self,
+        count: usize,
+        least: usize,
+        work: impl Fn() -> W + Sync + Send,
+        one: impl Fn(&mut W, usize) -> T + Sync + Send,
+    ) -> Vec<T> {
+        match self.threads(count / least) {
+            Some(pool) => pool.install(|| {
+                let numbers = (0..count).into_par_iter().with_min_len(least);
+                numbers.map_init(work, one).collect()
+            }),
+            None => {
+                let mut work = work();
+                (0..count).map(|number| one(&mut work, number)).collect()
+            }
+        }
+    }
+
+    /// Does `one` to every piece of `length` values, which it is told by number; threads as in
+    /// [`Self::map`].
+    pub(crate) fn fill<W, T: Send>(
+        &self,
+        values: &mut [T],
+        length: usize,
+        least: usize,
+        work: impl Fn() -> W + Sync + Send,
+        one: impl Fn(&mut W, usize, &mut [T]) + Sync + Send,
+    ) {
+        match self.threads(values.len().div_ceil(length) / least) {
+            Some(pool) => pool.install(|| {
+                let pieces = values.par_chunks_mut(length).enumerate();
+                pieces
+                    .with_min_len(least)
+                    .for_each_init(work, |work, (number, piece)| one(work, number, piece));
+            }),
+            None => {
+                let mut work = work();
+                for (number, piece) in values.chunks_mut(length).enumerate() {
+                    one(&mut work, number, piece);
+                }
+            }
+        }
     }
 
     pub(crate) fn report(&self, progress: Progress) {

@@ -1,7 +1,7 @@
 //! The spectral method and the punch lattice: windows, starts and growth around
 //! [`Newton`](super::newton::Newton).
 
-use super::newton::{Degrees, Newton, Outcome, Target};
+use super::newton::{Degrees, Newton, Outcome, Purpose, Target};
 use super::problem::Problem;
 use super::run::{Run, Stage};
 use super::{Accuracy, PunchForm, SolveError};
@@ -40,12 +40,13 @@ pub(crate) struct Solution<'a> {
     pub(crate) steps: usize,
 }
 
-/// Solves the punch lattice.
+/// Solves the punch lattice, in which pillars are touched or not as a whole.
 pub(crate) fn solve_punch<'a>(
     problem: &'a Problem,
     target: Target,
     contact_radius: Option<f64>,
     form: PunchForm,
+    purpose: Purpose,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
     let pitch = problem.lattice.pitch;
@@ -65,7 +66,7 @@ pub(crate) fn solve_punch<'a>(
             newton.load_at_centres();
         }
         newton.touch_within(contact);
-        let outcome = newton.solve(target)?;
+        let outcome = newton.solve(target, purpose)?;
         steps += outcome.steps;
         match growth(problem, &newton)? {
             Some(larger) => (radius, contact) = (larger, newton.reach()),
@@ -103,7 +104,7 @@ pub(crate) fn solve_spectral<'a>(
         );
         let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
         newton.start_from(&coarse);
-        let outcome = newton.solve(target)?;
+        let outcome = newton.solve(target, Purpose::Answer)?;
         steps += outcome.steps;
         match growth(problem, &newton)? {
             Some(larger) => {

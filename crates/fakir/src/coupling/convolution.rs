@@ -12,10 +12,8 @@
 
 use super::pair::PairCoupling;
 use super::window::Window;
-use crate::contact::{CancelToken, Run};
+use crate::contact::Run;
 use crate::vector::widest;
-use rayon::ThreadPool;
-use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
@@ -26,10 +24,13 @@ use std::sync::Arc;
 const ROW_BLOCK: usize = 8;
 
 /// Columns taken from the transformed rows together, for the same reason.
-const COLUMN_BLOCK: usize = 4;
+const COLUMN_BLOCK: usize = 8;
 
 /// Padded arrays of fewer points than this are not worth sharing between threads.
 const PARALLEL_POINTS: usize = 40_000;
+
+/// Distances a thread takes at a time, at the least.
+const DISTANCES: usize = 200;
 
 pub(crate) struct LatticeConvolution {
     /// Number of modes.
@@ -107,7 +108,7 @@ impl LatticeConvolution {
             padded,
             half,
             places: window.places().to_vec(),
-            ranges: row_ranges(window.places(), shape.0),
+            ranges: window.rows().to_vec(),
             odd,
             kernel: vec![0.0; pair.entry_count() * half * padded.0],
             rows: vec![Complex64::default(); shape.0 * modes * half],
@@ -118,100 +119,115 @@ impl LatticeConvolution {
         convolution
     }
 
-    fn shared<'p>(&self, pool: Option<&'p ThreadPool>) -> Option<&'p ThreadPool> {
-        pool.filter(|pool| {
-            pool.current_num_threads() > 1 && self.padded.0 * self.padded.1 >= PARALLEL_POINTS
-        })
+    /// Pieces of work a thread takes at a time, at the least.
+    fn least(&self) -> usize {
+        if self.padded.0 * self.padded.1 >= PARALLEL_POINTS {
+            1
+        } else {
+            usize::MAX
+        }
     }
 
-    /// Kernels of all pairs of modes, transformed one after the other.
+    /// Transformed kernels of all pairs of modes. As `B_ij(-D) = (-1)^(l+l') B_ij(D)`, rows on one
+    /// side are enough until the columns are transformed.
     fn fill_kernels(&mut self, pair: &PairCoupling, run: &Run<'_>) {
         let (rows, columns) = self.padded;
-        let entries = pair.entry_count();
-        let mut grids = vec![0.0; entries * rows * columns];
-        fill_grids(pair, self.shape, self.padded, &mut grids, &run.cancel);
+        let (entries, half) = (pair.entry_count(), self.half);
+        let reach = (self.shape.0 as i64 - 1, self.shape.1 as i64 - 1);
+        let least = self.least();
+        let radial = radial_parts(pair, reach.0.max(reach.1), run);
+        // For every row, every pair, the columns.
+        let mut transformed = vec![Complex64::default(); self.shape.0 * entries * half];
+        let transform = &self.transforms.row;
+        let work = || RowWork {
+            grids: vec![0.0; entries * columns],
+            block: vec![0.0; entries],
+            scratch: transform.make_scratch_vec(),
+        };
+        run.fill(
+            &mut transformed,
+            entries * half,
+            least,
+            work,
+            |work, row, output| {
+                if run.cancel.is_cancelled() {
+                    return;
+                }
+                work.fill_row(pair, &radial, row as i64, reach.1, columns);
+                let grids = work.grids.chunks_exact_mut(columns);
+                for (grid, output) in grids.zip(output.chunks_exact_mut(half)) {
+                    // Lengths are those the plan was made for, so this cannot fail.
+                    let _ = transform.process_with_scratch(grid, output, &mut work.scratch);
+                }
+            },
+        );
         let scale = 1.0 / (rows * columns) as f64;
-        let (half, transforms, odd) = (self.half, &self.transforms, &self.odd);
-        let transformed = |(entry, grid): (usize, &mut [f64])| -> Vec<f64> {
-            if run.cancel.is_cancelled() {
-                return Vec::new();
-            }
-            transform_kernel(transforms, grid, rows, columns, odd[entry], scale)
+        let (odd, transform) = (&self.odd, &self.transforms.column);
+        let work = || {
+            let scratch = vec![Complex64::default(); transform.get_inplace_scratch_len()];
+            (vec![Complex64::default(); entries * rows], scratch)
         };
-        let transformed: Vec<Vec<f64>> = match self.shared(run.pool) {
-            Some(pool) => pool.install(|| {
-                grids
-                    .par_chunks_mut(rows * columns)
-                    .enumerate()
-                    .map(transformed)
-                    .collect()
-            }),
-            None => grids
-                .chunks_mut(rows * columns)
-                .enumerate()
-                .map(transformed)
-                .collect(),
-        };
-        if run.cancel.is_cancelled() {
-            return;
-        }
-        for column in 0..half {
-            for (entry, values) in transformed.iter().enumerate() {
-                let start = (column * entries + entry) * rows;
-                self.kernel[start..start + rows]
-                    .copy_from_slice(&values[column * rows..(column + 1) * rows]);
-            }
-        }
+        run.fill(
+            &mut self.kernel,
+            entries * rows,
+            least,
+            work,
+            |(input, scratch), column, kernel| {
+                if run.cancel.is_cancelled() {
+                    return;
+                }
+                for (entry, (input, &odd)) in input.chunks_exact_mut(rows).zip(odd).enumerate() {
+                    let sign = if odd { -1.0 } else { 1.0 };
+                    input.fill(Complex64::default());
+                    for (row, values) in transformed.chunks_exact(entries * half).enumerate() {
+                        let value = values[entry * half + column];
+                        input[row] = value;
+                        if row > 0 {
+                            input[rows - row] = sign * value.conj();
+                        }
+                    }
+                }
+                transform.process_with_scratch(input, scratch);
+                let values = input.chunks_exact(rows).zip(odd);
+                for (kernel, (values, &odd)) in kernel.chunks_exact_mut(rows).zip(values) {
+                    for (k, value) in kernel.iter_mut().zip(values) {
+                        *k = scale * if odd { value.im } else { value.re };
+                    }
+                }
+            },
+        );
     }
 
     pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], run: &Run<'_>) {
-        let pool = self.shared(run.pool);
-        self.rows_forward(coefficients, pool, &run.cancel);
-        self.columns(pool, &run.cancel);
-        self.rows_back(far, pool, &run.cancel);
+        self.rows_forward(coefficients, run);
+        self.columns(run);
+        self.rows_back(far, run);
     }
 
-    fn rows_forward(
-        &mut self,
-        coefficients: &[f64],
-        pool: Option<&ThreadPool>,
-        cancel: &CancelToken,
-    ) {
-        let (modes, half) = (self.modes, self.half);
-        let (transform, places) = (&self.transforms.row, &self.places);
-        let work = || (transform.make_input_vec(), transform.make_scratch_vec());
-        type Work = (Vec<f64>, Vec<Complex64>);
-        let one = |(input, scratch): &mut Work, (row, range): (&mut [Complex64], &Range<usize>)| {
-            if cancel.is_cancelled() {
-                return;
-            }
-            for (mode, output) in row.chunks_exact_mut(half).enumerate() {
-                input.fill(0.0);
-                for pillar in range.clone() {
-                    input[places[pillar].1] = coefficients[pillar * modes + mode];
+    fn rows_forward(&mut self, coefficients: &[f64], run: &Run<'_>) {
+        let (modes, half, least) = (self.modes, self.half, self.least());
+        let (transform, places, ranges) = (&self.transforms.row, &self.places, &self.ranges);
+        run.fill(
+            &mut self.rows,
+            modes * half,
+            least,
+            || (transform.make_input_vec(), transform.make_scratch_vec()),
+            |(input, scratch), row, output| {
+                if run.cancel.is_cancelled() {
+                    return;
                 }
-                // Lengths are those the plan was made for, so this cannot fail.
-                let _ = transform.process_with_scratch(input, output, scratch);
-            }
-        };
-        match pool {
-            Some(pool) => pool.install(|| {
-                self.rows
-                    .par_chunks_mut(modes * half)
-                    .zip(&self.ranges)
-                    .for_each_init(work, one);
-            }),
-            None => {
-                let mut work = work();
-                self.rows
-                    .chunks_mut(modes * half)
-                    .zip(&self.ranges)
-                    .for_each(|row| one(&mut work, row));
-            }
-        }
+                for (mode, output) in output.chunks_exact_mut(half).enumerate() {
+                    input.fill(0.0);
+                    for pillar in ranges[row].clone() {
+                        input[places[pillar].1] = coefficients[pillar * modes + mode];
+                    }
+                    let _ = transform.process_with_scratch(input, output, scratch);
+                }
+            },
+        );
     }
 
-    fn rows_back(&self, far: &mut [f64], pool: Option<&ThreadPool>, cancel: &CancelToken) {
+    fn rows_back(&self, far: &mut [f64], run: &Run<'_>) {
         let transform = &self.transforms.row_back;
         let work = || BackWork {
             input: vec![Complex64::default(); self.half * ROW_BLOCK],
@@ -226,21 +242,11 @@ impl LatticeConvolution {
             blocks.push(block);
             rest = after;
         }
-        let one = |work: &mut BackWork, (block, far): (usize, &mut [f64])| {
-            if !cancel.is_cancelled() {
-                self.block_back(block * ROW_BLOCK, far, work);
+        run.fill(&mut blocks, 1, self.least(), work, |work, number, block| {
+            if !run.cancel.is_cancelled() {
+                self.block_back(number * ROW_BLOCK, block[0], work);
             }
-        };
-        match pool {
-            Some(pool) => pool.install(|| {
-                blocks.into_par_iter().enumerate().for_each_init(work, one);
-            }),
-            None => {
-                let mut work = work();
-                let blocks = blocks.into_iter().enumerate();
-                blocks.for_each(|block| one(&mut work, block));
-            }
-        }
+        });
     }
 
     /// Transforms some rows back; `far` are the loads on the pillars in them.
@@ -276,10 +282,10 @@ impl LatticeConvolution {
         }
     }
 
-    fn columns(&mut self, pool: Option<&ThreadPool>, cancel: &CancelToken) {
+    fn columns(&mut self, run: &Run<'_>) {
         let (modes, rows, half) = (self.modes, self.shape.0, self.half);
         let padded = self.padded.0;
-        let entries = self.odd.len();
+        let (least, entries) = (self.least(), self.odd.len());
         let (transforms, odd, transformed) = (&self.transforms, &self.odd, &self.rows);
         let scratch_len = transforms
             .column
@@ -312,10 +318,14 @@ impl LatticeConvolution {
                 values.copy_from_slice(&column[..rows]);
             }
         };
-        let some =
-            |work: &mut ColumnWork,
-             (block, (spectrum, kernel)): (usize, (&mut [Complex64], &[f64]))| {
-                if cancel.is_cancelled() {
+        let kernels = &self.kernel;
+        run.fill(
+            &mut self.spectrum,
+            COLUMN_BLOCK * modes * rows,
+            least,
+            work,
+            |work, block, spectra| {
+                if run.cancel.is_cancelled() {
                     return;
                 }
                 let first = block * COLUMN_BLOCK;
@@ -323,49 +333,54 @@ impl LatticeConvolution {
                 for (place, row) in transformed.chunks_exact(half).enumerate() {
                     let (row_number, mode) = (place / modes, place % modes);
                     for (k, value) in row[first..first + count].iter().enumerate() {
-                        spectrum[(k * modes + mode) * rows + row_number] = *value;
+                        spectra[(k * modes + mode) * rows + row_number] = *value;
                     }
                 }
-                for (spectrum, kernel) in spectrum
-                    .chunks_exact_mut(modes * rows)
-                    .zip(kernel.chunks_exact(entries * padded))
-                {
+                let kernels = kernels[first * entries * padded..].chunks_exact(entries * padded);
+                for (spectrum, kernel) in spectra.chunks_exact_mut(modes * rows).zip(kernels) {
                     one(work, spectrum, kernel);
                 }
-            };
-        let (spectra, kernels) = (COLUMN_BLOCK * modes * rows, COLUMN_BLOCK * entries * padded);
-        let kernel = &self.kernel;
-        match pool {
-            Some(pool) => pool.install(|| {
-                self.spectrum
-                    .par_chunks_mut(spectra)
-                    .zip(kernel.par_chunks(kernels))
-                    .enumerate()
-                    .for_each_init(work, some);
-            }),
-            None => {
-                let mut work = work();
-                self.spectrum
-                    .chunks_mut(spectra)
-                    .zip(kernel.chunks(kernels))
-                    .enumerate()
-                    .for_each(|block| some(&mut work, block));
-            }
-        }
+            },
+        );
     }
 }
 
-/// The pillars of every row of the window.
-fn row_ranges(places: &[(usize, usize)], rows: usize) -> Vec<Range<usize>> {
-    let mut start = 0;
-    (0..rows)
-        .map(|row| {
-            let end = start + places[start..].partition_point(|place| place.0 == row);
-            let range = start..end;
-            start = end;
-            range
-        })
-        .collect()
+struct RowWork {
+    /// One row of every pair.
+    grids: Vec<f64>,
+    block: Vec<f64>,
+    scratch: Vec<Complex64>,
+}
+
+impl RowWork {
+    /// The kernels between pillars that many rows and up to `reach` columns apart.
+    fn fill_row(
+        &mut self,
+        pair: &PairCoupling,
+        radial: &[f64],
+        row: i64,
+        reach: i64,
+        columns: usize,
+    ) {
+        self.grids.fill(0.0);
+        let parts = pair.radial_count();
+        for column in -reach..=reach {
+            if (row, column) == (0, 0) {
+                continue;
+            }
+            let norm = ((row * row + row * column + column * column) as f64).sqrt();
+            let direction = [
+                0.5 * 3f64.sqrt() * (row + column) as f64 / norm,
+                0.5 * (row - column) as f64 / norm,
+            ];
+            let radial = &radial[distance_number(row, column) * parts..][..parts];
+            pair.upper_block(radial, direction, &mut self.block);
+            let place = column.rem_euclid(columns as i64) as usize;
+            for (grid, value) in self.grids.chunks_exact_mut(columns).zip(&self.block) {
+                grid[place] = *value;
+            }
+        }
+    }
 }
 
 struct BackWork {
@@ -457,84 +472,35 @@ fn add(
     }
 }
 
-/// Kernels on the padded array, one grid for every entry: each distinct distance is computed
-/// once and used for its twelve (or six) places.
-fn fill_grids(
-    pair: &PairCoupling,
-    shape: (usize, usize),
-    padded: (usize, usize),
-    grids: &mut [f64],
-    cancel: &CancelToken,
-) {
-    let entries = pair.entry_count();
-    let (rows, columns) = padded;
-    let reach = (shape.0 as i64 - 1, shape.1 as i64 - 1);
-    let most = reach.0.max(reach.1);
-    let mut radial = vec![0.0; pair.radial_count()];
-    let mut block = vec![0.0; entries];
-    for i in 1..=most {
-        if cancel.is_cancelled() {
+/// The parts of the coupling that depend on distances alone, for each distance in the lattice between
+/// pillars up to `most` rows and columns apart, by [`distance_number`].
+fn radial_parts(pair: &PairCoupling, most: i64, run: &Run<'_>) -> Vec<f64> {
+    let parts = pair.radial_count();
+    let count = distance_number(most + 1, 0);
+    let mut radial = vec![0.0; count * parts];
+    // Numbers of distances by rows: `(i, j)` for all `0 <= j <= i`.
+    let row_of = |number: usize| (((8 * number + 1) as f64).sqrt() as i64 - 1) / 2;
+    let one = |(): &mut (), number: usize, radial: &mut [f64]| {
+        if number == 0 || run.cancel.is_cancelled() {
             return;
         }
-        for j in 0..=i {
-            let norm = ((i * i + i * j + j * j) as f64).sqrt();
-            pair.radial(norm * pair.pitch(), &mut radial);
-            for (u, v) in images(i, j) {
-                if u.abs() > reach.0 || v.abs() > reach.1 {
-                    continue;
-                }
-                let direction = [
-                    0.5 * 3f64.sqrt() * (u + v) as f64 / norm,
-                    0.5 * (u - v) as f64 / norm,
-                ];
-                pair.upper_block(&radial, direction, &mut block);
-                let row = u.rem_euclid(rows as i64) as usize;
-                let column = v.rem_euclid(columns as i64) as usize;
-                for (entry, value) in block.iter().enumerate() {
-                    grids[(entry * rows + row) * columns + column] = *value;
-                }
-            }
-        }
-    }
+        let i = row_of(number);
+        let j = number as i64 - i * (i + 1) / 2;
+        let norm = ((i * i + i * j + j * j) as f64).sqrt();
+        pair.radial(norm * pair.pitch(), radial);
+    };
+    run.fill(&mut radial, parts, DISTANCES, || (), one);
+    radial
 }
 
-/// The images of a lattice vector under the rotations and mirrors of the lattice. Some
-/// coincide on mirror lines.
-fn images(i: i64, j: i64) -> [(i64, i64); 12] {
-    let mut images = [(0, 0); 12];
-    let (mut u, mut v) = (i, j);
-    for k in 0..6 {
-        images[2 * k] = (u, v);
-        images[2 * k + 1] = (v, u);
-        (u, v) = (-v, u + v);
-    }
-    images
-}
-
-/// Two-dimensional transform of one kernel: for every column kept, its rows.
-fn transform_kernel(
-    transforms: &Transforms,
-    grid: &mut [f64],
-    rows: usize,
-    columns: usize,
-    odd: bool,
-    scale: f64,
-) -> Vec<f64> {
-    let half = columns / 2 + 1;
-    let mut spectrum = vec![Complex64::default(); half * rows];
-    let mut output = transforms.row.make_output_vec();
-    let mut scratch = transforms.row.make_scratch_vec();
-    for (row, input) in grid.chunks_exact_mut(columns).enumerate() {
-        let _ = transforms
-            .row
-            .process_with_scratch(input, &mut output, &mut scratch);
-        for (column, value) in output.iter().enumerate() {
-            spectrum[column * rows + row] = *value;
-        }
-    }
-    transforms.column.process(&mut spectrum);
-    spectrum
-        .iter()
-        .map(|value| scale * if odd { value.im } else { value.re })
-        .collect()
+/// Pillars `(u, v)` and `(i, j)` rows and columns apart have the same distance if they are images of each
+/// other under the rotations and mirrors of the lattice. One of twelve (or six) images has
+/// `0 <= j <= i`; they are numbered by these.
+fn distance_number(u: i64, v: i64) -> usize {
+    let [a, b, c] = [u.abs(), v.abs(), (u + v).abs()];
+    // The largest is the sum of the others.
+    let largest = a.max(b).max(c);
+    let smallest = a.min(b).min(c);
+    let i = largest - smallest;
+    (i * (i + 1) / 2 + smallest) as usize
 }

@@ -1,6 +1,7 @@
 //! The pillars that may be touched: those within a radius of the lens axis.
 
 use crate::system::{HexagonalLattice, Point};
+use std::ops::Range;
 
 /// The pillars whose centres lie within a radius of the lens axis, as a list and as places in a
 /// rectangular array of lattice indices.
@@ -12,6 +13,8 @@ pub(crate) struct Window {
     shape: (usize, usize),
     /// Row and column of every pillar; row by row.
     places: Vec<(usize, usize)>,
+    /// The pillars of every row; they stand in columns that follow each other.
+    rows: Vec<Range<usize>>,
     centres: Vec<Point>,
     radius: f64,
 }
@@ -43,13 +46,19 @@ impl Window {
                 })
         };
         let ((low_i, high_i), (low_j, high_j)) = (bounds(|v| v.0), bounds(|v| v.1));
+        let shape = ((high_i - low_i + 1) as usize, (high_j - low_j + 1) as usize);
+        let places: Vec<(usize, usize)> = indexed
+            .iter()
+            .map(|((i, j), _)| ((i - low_i) as usize, (j - low_j) as usize))
+            .collect();
+        let from_row = |row: usize| places.partition_point(|place| place.0 < row);
         Self {
             origin: (low_i, low_j),
-            shape: ((high_i - low_i + 1) as usize, (high_j - low_j + 1) as usize),
-            places: indexed
-                .iter()
-                .map(|((i, j), _)| ((i - low_i) as usize, (j - low_j) as usize))
+            shape,
+            rows: (0..shape.0)
+                .map(|row| from_row(row)..from_row(row + 1))
                 .collect(),
+            places,
             centres: indexed.into_iter().map(|(_, centre)| centre).collect(),
             radius,
         }
@@ -75,6 +84,11 @@ impl Window {
         &self.places
     }
 
+    /// The pillars of every row.
+    pub(crate) fn rows(&self) -> &[Range<usize>] {
+        &self.rows
+    }
+
     /// Centre of every pillar.
     pub(crate) fn centres(&self) -> &[Point] {
         &self.centres
@@ -90,7 +104,10 @@ impl Window {
     pub(crate) fn find(&self, (i, j): (i64, i64)) -> Option<usize> {
         let row = usize::try_from(i - self.origin.0).ok()?;
         let column = usize::try_from(j - self.origin.1).ok()?;
-        self.places.binary_search(&(row, column)).ok()
+        let pillars = self.rows.get(row)?;
+        let first = self.places.get(pillars.start)?.1;
+        let pillar = pillars.start + column.checked_sub(first)?;
+        pillars.contains(&pillar).then_some(pillar)
     }
 
     /// Radius within which it holds all pillars.

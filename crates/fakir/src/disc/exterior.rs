@@ -233,7 +233,7 @@ pub(crate) struct Exterior {
 }
 
 /// Highest degree of which derivatives are evaluated.
-const MAXIMUM_DEGREE: usize = 16;
+pub(crate) const MAXIMUM_DEGREE: usize = 16;
 
 impl Exterior {
     pub(crate) fn new(degree: usize) -> Self {
