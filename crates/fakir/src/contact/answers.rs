@@ -143,7 +143,7 @@ fn solve(
         let alone = is_under_axis(problem, state.pillars[0].centre);
         return Ok((state, alone));
     }
-    let guess = homogenised_radius(system, problem, target, run);
+    let guess = homogenised_radius(system, problem, target);
     let state = match method {
         PillarMethod::Spectral(accuracy) => {
             let degrees = degrees(accuracy, problem);
@@ -202,27 +202,18 @@ const MANY_PILLARS: f64 = 40.0;
 const MANY_TO_WAIT_FOR: usize = 1000;
 
 /// Contact radius of the homogenised lattice, where it can be trusted.
-fn homogenised_radius(
-    system: &System,
-    problem: &Problem,
-    target: Target,
-    run: &Run<'_>,
-) -> Option<f64> {
+fn homogenised_radius(system: &System, problem: &Problem, target: Target) -> Option<f64> {
     let rough = rough_contact_radius(problem, target);
     if Window::expected_len(&problem.lattice, rough) < MANY_PILLARS {
         return None;
     }
-    let contact = match target {
-        Target::Floor => homogenised::transition(system, run).ok()?.contact,
-        Target::Force(force) => {
-            homogenised::press(system, Load::Force(force * problem.force()), run).ok()?
-        }
-        Target::Indentation(indentation) => {
-            let load = Load::Indentation(indentation * problem.length);
-            homogenised::press(system, load, run).ok()?
-        }
+    let load = match target {
+        Target::Floor => None,
+        Target::Force(force) => Some(Load::Force(force * problem.force())),
+        Target::Indentation(indentation) => Some(Load::Indentation(indentation * problem.length)),
     };
-    Some(contact.contact_radius / problem.length).filter(|radius| *radius > 0.0)
+    let radius = homogenised::rough_contact_radius(system, load)? / problem.length;
+    Some(radius).filter(|radius| *radius > 0.0)
 }
 
 /// Whether a pillar stands under the lens axis.

@@ -19,6 +19,7 @@ use crate::disc::basis::{compliances, mode_count};
 use crate::disc::exterior::Exterior;
 use crate::disc::unilateral::{LocalSolver, PillarTop};
 use crate::system::Point;
+use crate::vector::widest;
 
 /// Relative error of linear algebra, quadrature and the lens shape together; nothing is claimed
 /// to be better.
@@ -253,7 +254,6 @@ struct Neighbours {
     /// Lattice steps from receiver to source, and the block of each: for every present mode, the
     /// modes beyond.
     blocks: Vec<((i64, i64), Vec<f64>)>,
-    count: usize,
 }
 
 impl Neighbours {
@@ -283,7 +283,7 @@ impl Neighbours {
                 blocks.push(((i, j), block));
             }
         }
-        Self { blocks, count }
+        Self { blocks }
     }
 
     /// Loads on the modes beyond, under several fields of coefficients.
@@ -305,15 +305,23 @@ impl Neighbours {
             };
             for (load, field) in loads.iter_mut().zip(fields) {
                 let coefficients = &field[source * modes..(source + 1) * modes];
-                for (coefficient, column) in coefficients
-                    .iter()
-                    .zip(block.chunks_exact(self.count - modes))
-                {
-                    for (value, b) in load[modes..].iter_mut().zip(column) {
-                        *value += coefficient * b;
-                    }
-                }
+                add_columns(block, coefficients, &mut load[modes..]);
             }
         }
     }
+}
+
+/// Adds columns of a matrix times coefficients.
+fn add_columns(matrix: &[f64], coefficients: &[f64], sum: &mut [f64]) {
+    widest(
+        #[inline(always)]
+        || {
+            let columns = matrix.chunks_exact(sum.len());
+            for (coefficient, column) in coefficients.iter().zip(columns) {
+                for (value, b) in sum.iter_mut().zip(column) {
+                    *value += coefficient * b;
+                }
+            }
+        },
+    );
 }

@@ -38,6 +38,10 @@ const LOWEST_HOLES: usize = 6;
 /// Lowest points from which a search goes on after the first one.
 const REMEMBERED: usize = 3;
 
+/// Relative difference of indentations of contact up to which a low point may become the lowest as the
+/// pressures change. (One that is farther off and does is found in the end, by a search from scratch.)
+const RIVALS: f64 = 2e-3;
+
 /// Relative difference of indentations of contact up to which two holes are alike, being copies of
 /// each other under a symmetry of the lattice.
 const ALIKE: f64 = 1e-9;
@@ -180,11 +184,15 @@ impl FloorSearch {
         }
         minima.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
         minima.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
+        let lowest = minima.first().copied();
+        minima.retain(|point| {
+            lowest.is_some_and(|low| point.indentation < low.indentation * (1.0 + RIVALS))
+        });
         minima.truncate(REMEMBERED);
         self.starts.clear();
         self.starts
             .extend(minima.iter().map(|point| point.position));
-        minima.first().copied()
+        lowest
     }
 }
 

@@ -195,6 +195,20 @@ pub fn press(system: &System, load: Load, run: &Run<'_>) -> Result<ContactState,
     Ok(contact)
 }
 
+/// Contact radius under a load, or at the transition, to three digits, m: a first guess for other
+/// methods. None where the model does not apply.
+pub(crate) fn rough_contact_radius(system: &System, load: Option<Load>) -> Option<f64> {
+    let lattice = HomogenisedLattice::new(system).ok()?;
+    let target = match load {
+        Some(Load::Indentation(zeta)) => Target::Indentation(zeta),
+        Some(Load::Force(force)) => Target::Force(force),
+        None => Target::CentralPressure(lattice.critical_central_pressure),
+    };
+    let modes = LayerModes::rough();
+    let (contact, _) = bisect(system, lattice.layer_compliance, modes, target).ok()?;
+    Some(contact.radius)
+}
+
 /// What decides the contact radius.
 #[derive(Debug, Clone, Copy)]
 enum Target {
