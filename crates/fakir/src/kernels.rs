@@ -1,9 +1,10 @@
-//! Work of a fixed size for counts of instructions, from `examples/kernels.rs`. Not part of the
-//! interface: it changes with what is inside.
+//! Work of a fixed size for counts of instructions, from `examples/kernels.rs`, and beside what it needs at
+//! the least, from `examples/limits.rs`. Not part of the interface: it changes with what is inside.
 
 use crate::contact::Run;
 use crate::contact::floor::{FloorDisplacement, LoadedDiscs};
 use crate::coupling::LatticeCoupling;
+use crate::coupling::convolution::LatticeConvolution;
 use crate::coupling::pair::PairCoupling;
 use crate::coupling::window::Window;
 use crate::disc::basis::mode_count;
@@ -11,6 +12,7 @@ use crate::disc::exterior::Exterior;
 use crate::disc::unilateral::{LocalSolver, PillarTop};
 use crate::love::{Cells, FreeSpaceConvolution, Grid, Operator};
 use crate::system::HexagonalLattice;
+use crate::vector::{LANES, Lanes, widest};
 
 /// Degree of the coupling of the spectral method, and its nodes.
 const DEGREE: usize = 2;
@@ -50,6 +52,20 @@ fn products() -> f64 {
     far[0]
 }
 
+/// A thousand loads under which a pillar is touched in part.
+fn loads() -> impl Iterator<Item = [f64; 6]> {
+    (0..1000).map(|k| {
+        [
+            1.0,
+            0.6 + 0.8 * f64::from(k) / 1000.0,
+            0.1,
+            -0.05,
+            0.02,
+            0.01,
+        ]
+    })
+}
+
 /// Solutions of one pillar that the edge of the contact crosses, with their derivatives.
 fn one_pillar() -> f64 {
     let top = PillarTop::new(NODES, DEGREE, 0.5, 0.0);
@@ -57,9 +73,7 @@ fn one_pillar() -> f64 {
     let modes = mode_count(DEGREE);
     let (mut c, mut derivative) = (vec![0.0; modes], vec![0.0; modes * modes]);
     let mut sum = 0.0;
-    for k in 0..1000 {
-        let tilt = 0.6 + 0.8 * f64::from(k) / 1000.0;
-        let load = [1.0, tilt, 0.1, -0.05, 0.02, 0.01];
+    for load in loads() {
         let mut active = solver.first_guess(&top, &load);
         solver.solve(&top, &load, &mut active);
         solver.coefficients(&top, &load, &mut c);
@@ -114,3 +128,133 @@ pub const KERNELS: [Kernel; 5] = [
     ("floor", floor),
     ("elements", elements),
 ];
+
+/// A piece of work beside what it needs at the least: so many operations on numbers (a multiplication and
+/// an addition are two) and so many bytes to and from memory.
+#[derive(Debug, Clone)]
+pub struct Limit {
+    /// What is done.
+    pub name: String,
+    /// Operations of one time.
+    pub operations: f64,
+    /// Bytes of one time.
+    pub bytes: f64,
+    /// Bytes of all arrays, which decide what caches they fit.
+    pub working_set: f64,
+    /// Seconds it took, the least of several times.
+    pub seconds: f64,
+}
+
+/// The convolution of about `pillars` pillars, and the unilateral problem of one, on one thread.
+#[must_use]
+pub fn limits(pillars: &[f64]) -> Vec<Limit> {
+    let mut limits: Vec<Limit> = pillars.iter().map(|&count| product_limit(count)).collect();
+    limits.push(one_pillar_limit());
+    limits
+}
+
+fn product_limit(pillars: f64) -> Limit {
+    let radius = (pillars * lattice().cell_area() / std::f64::consts::PI).sqrt();
+    let window = Window::new(&lattice(), radius);
+    let run = Run::default();
+    let pair = PairCoupling::new(DEGREE, lattice().pitch);
+    let mut coupling = LatticeConvolution::new(&window, &pair, &run);
+    let c = coefficients(window.len() * mode_count(DEGREE));
+    let mut far = vec![0.0; c.len()];
+    let seconds = least_time(|| coupling.apply(&c, &mut far, &run));
+    let [operations, bytes] = coupling.least_work();
+    Limit {
+        name: format!("convolution, {} pillars", window.len()),
+        operations,
+        bytes: bytes + 16.0 * c.len() as f64,
+        working_set: bytes,
+        seconds,
+    }
+}
+
+/// The problems of [`one_pillar`].
+fn one_pillar_limit() -> Limit {
+    let top = PillarTop::new(NODES, DEGREE, 0.5, 0.0);
+    let mut solver = LocalSolver::new(&top);
+    let (nodes, modes) = (top.count() as f64, mode_count(DEGREE) as f64);
+    let mut operations = 0.0;
+    for load in loads() {
+        let mut active = solver.first_guess(&top, &load);
+        let steps = solver.solve(&top, &load, &mut active).steps as f64;
+        let size = active.iter().filter(|active| **active).count() as f64;
+        // Unconstrained pressures twice; a factorisation, two triangular solutions and the pressures
+        // elsewhere in every step; coefficients; the derivative.
+        let step = size.powi(3) / 3.0 + 2.0 * size * size + 2.0 * size * (nodes - size);
+        operations += 4.0 * nodes * modes
+            + steps * step
+            + 2.0 * size * modes
+            + size * size * modes
+            + 2.0 * size * modes * modes;
+    }
+    let seconds = least_time(|| {
+        std::hint::black_box(one_pillar());
+    });
+    let count = loads().count() as f64;
+    Limit {
+        name: "unilateral problem of one pillar".into(),
+        operations: operations / count,
+        bytes: 0.0,
+        working_set: 0.0,
+        seconds: seconds / count,
+    }
+}
+
+/// Operations a second that one thread does on numbers in registers.
+#[must_use]
+pub fn operation_rate() -> f64 {
+    const ROUNDS: usize = 1_000_000;
+    const CHAINS: usize = 8;
+    let seconds = least_time(|| {
+        widest(
+            #[inline(always)]
+            || {
+                let factor = Lanes::splat(std::hint::black_box(0.999_999));
+                let mut chains = [Lanes::splat(1.0); CHAINS];
+                for _ in 0..ROUNDS {
+                    for chain in &mut chains {
+                        *chain = *chain * factor + factor;
+                    }
+                }
+                std::hint::black_box(chains);
+            },
+        );
+    });
+    (ROUNDS * CHAINS * LANES * 2) as f64 / seconds
+}
+
+/// Bytes a second that one thread reads and writes, of arrays of so many bytes.
+#[must_use]
+pub fn byte_rate(working_set: f64) -> f64 {
+    let length = (working_set / 16.0) as usize + 1;
+    let (mut to, from) = (vec![0.0_f64; length], vec![1.0_f64; length]);
+    let rounds = 1 + 4_000_000 / length;
+    let seconds = least_time(|| {
+        for _ in 0..rounds {
+            to.copy_from_slice(std::hint::black_box(&from));
+            std::hint::black_box(&mut to);
+        }
+    });
+    (rounds * length * 16) as f64 / seconds
+}
+
+/// The least of some times, s.
+fn least_time(mut work: impl FnMut()) -> f64 {
+    let mut times = 0.0;
+    let mut least = f64::INFINITY;
+    for round in 0.. {
+        let start = std::time::Instant::now();
+        work();
+        let time = start.elapsed().as_secs_f64();
+        least = least.min(time);
+        times += time;
+        if round >= 5 && times > 1.0 {
+            break;
+        }
+    }
+    least
+}

@@ -12,6 +12,7 @@
 //! * [`patch`]: a contact that lies wholly inside one pillar top.
 
 pub(crate) mod basis;
+mod cholesky;
 pub(crate) mod exterior;
 pub(crate) mod nodes;
 pub(crate) mod patch;

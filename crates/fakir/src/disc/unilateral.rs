@@ -9,15 +9,10 @@
 //! Pires, Comput. Oper. Res. 21, 587 (1994)).
 
 use super::basis::{BasisEvaluator, compliances, mode_count};
+use super::cholesky::{factorise, solve_lower, solve_upper};
 use super::nodes::bos_array;
 use crate::contact::PillarStatus;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor as llt;
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{Accum, MatMut, MatRef, Par};
+use crate::vector::{add_scaled, dot};
 
 /// A pressure may be this far below zero at a node, relative to the largest unconstrained
 /// value: rounding of the node values, not tension.
@@ -41,6 +36,8 @@ pub(crate) struct PillarTop {
     compliance: Vec<f64>,
     /// `V`, one row of `count` values per node.
     values: Vec<f64>,
+    /// `V Lam^-1`, likewise.
+    pressures: Vec<f64>,
     /// `G`, symmetric.
     response: Vec<f64>,
 }
@@ -53,7 +50,6 @@ pub(crate) struct LocalSolver {
     indices: Vec<usize>,
     factor: Vec<f64>,
     right: Vec<f64>,
-    stack: MemBuffer,
 }
 
 /// How pivoting ended.
@@ -75,24 +71,20 @@ impl PillarTop {
         for (node, row) in nodes.iter().zip(values.chunks_exact_mut(count)) {
             basis.evaluate_polar(node.mu, node.rho, node.direction, row);
         }
-        let scaled: Vec<f64> = values
+        let pressures: Vec<f64> = values
             .chunks_exact(count)
             .flat_map(|row| row.iter().zip(&compliance).map(|(y, lambda)| y / lambda))
             .collect();
-        let mut response = vec![0.0; count * count];
-        matmul(
-            MatMut::from_row_major_slice_mut(&mut response, count, count),
-            Accum::Replace,
-            MatRef::from_row_major_slice(&scaled, count, count),
-            MatRef::from_row_major_slice(&values, count, count).transpose(),
-            1.0,
-            Par::Seq,
-        );
+        let mut response = Vec::with_capacity(count * count);
+        for pressures in pressures.chunks_exact(count) {
+            response.extend(values.chunks_exact(count).map(|row| dot(pressures, row)));
+        }
         Self {
             count,
             lead: mode_count(lead),
             compliance,
             values,
+            pressures,
             response,
         }
     }
@@ -112,8 +104,9 @@ impl PillarTop {
         &self.compliance
     }
 
-    fn row(&self, node: usize) -> &[f64] {
-        &self.values[node * self.count..(node + 1) * self.count]
+    /// Row of a matrix of nodes and modes, or nodes and nodes.
+    fn row<'m>(&self, matrix: &'m [f64], node: usize) -> &'m [f64] {
+        &matrix[node * self.count..(node + 1) * self.count]
     }
 
     /// Status of a pillar under `load`, the displacement it is asked for.
@@ -125,12 +118,9 @@ impl PillarTop {
         let mut smallest = f64::INFINITY;
         let mut largest = 0.0_f64;
         for node in 0..self.count {
-            let mut wanted = 0.0;
-            let mut pressure = 0.0;
-            for ((value, load), lambda) in self.row(node).iter().zip(load).zip(&self.compliance) {
-                wanted += value * load;
-                pressure += value * load / lambda;
-            }
+            let sum = |row: &[f64]| -> f64 { row.iter().zip(load).map(|(y, b)| y * b).sum() };
+            let wanted = sum(self.row(&self.values, node));
+            let pressure = sum(self.row(&self.pressures, node));
             touched |= wanted > 0.0;
             smallest = smallest.min(pressure);
             largest = largest.max(pressure.abs());
@@ -145,14 +135,9 @@ impl PillarTop {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
 impl LocalSolver {
     pub(crate) fn new(top: &PillarTop) -> Self {
         let count = top.count;
-        let scratch = llt::cholesky_in_place_scratch::<f64>(count, Par::Seq, faer::Spec::default());
         Self {
             unconstrained: vec![0.0; count],
             pressure: vec![0.0; count],
@@ -160,7 +145,6 @@ impl LocalSolver {
             indices: Vec::with_capacity(count),
             factor: vec![0.0; count * count],
             right: vec![0.0; count * top.lead.max(1)],
-            stack: MemBuffer::new(scratch),
         }
     }
 
@@ -233,13 +217,8 @@ impl LocalSolver {
     /// `q0 = V Lam^-1 b`.
     fn prepare(&mut self, top: &PillarTop, load: &[f64]) {
         for (node, q) in self.unconstrained.iter_mut().enumerate() {
-            *q = top
-                .row(node)
-                .iter()
-                .zip(load)
-                .zip(&top.compliance)
-                .map(|((value, load), lambda)| value * load / lambda)
-                .sum();
+            let pressures = top.row(&top.pressures, node).iter();
+            *q = pressures.zip(load).map(|(y, b)| y * b).sum();
         }
     }
 
@@ -249,30 +228,20 @@ impl LocalSolver {
             return false;
         }
         let size = self.indices.len();
-        for (slot, &k) in self.right.iter_mut().zip(&self.indices) {
+        let right = &mut self.right[..size];
+        for (slot, &k) in right.iter_mut().zip(&self.indices) {
             *slot = -self.unconstrained[k];
         }
-        let factor = MatRef::from_column_major_slice(&self.factor[..size * size], size, size);
-        let mut right = MatMut::from_column_major_slice_mut(&mut self.right[..size], size, 1);
-        solve_lower_triangular_in_place(factor, right.as_mut(), Par::Seq);
-        solve_upper_triangular_in_place(factor.transpose(), right.as_mut(), Par::Seq);
+        solve_lower(&self.factor[..size * size], size, right);
+        solve_upper(&self.factor[..size * size], size, right);
         self.multiplier.fill(0.0);
-        for (slot, &k) in self.indices.iter().enumerate() {
-            self.multiplier[k] = self.right[slot];
+        self.pressure.copy_from_slice(&self.unconstrained);
+        for (&s, &k) in right.iter().zip(&self.indices) {
+            self.multiplier[k] = s;
+            add_scaled(&mut self.pressure, s, top.row(&top.response, k));
         }
-        for k in 0..top.count {
-            self.pressure[k] = if active[k] {
-                0.0
-            } else {
-                let row = &top.response[k * top.count..(k + 1) * top.count];
-                let pushed: f64 = self
-                    .indices
-                    .iter()
-                    .zip(&self.right)
-                    .map(|(&l, s)| row[l] * s)
-                    .sum();
-                self.unconstrained[k] + pushed
-            };
+        for &k in &self.indices {
+            self.pressure[k] = 0.0;
         }
         true
     }
@@ -283,7 +252,7 @@ impl LocalSolver {
         self.indices.extend((0..top.count).filter(|&k| active[k]));
         let size = self.indices.len();
         for (column, &k) in self.indices.iter().enumerate() {
-            let row = &top.response[k * top.count..(k + 1) * top.count];
+            let row = top.row(&top.response, k);
             for (slot, &l) in self.factor[column * size..(column + 1) * size]
                 .iter_mut()
                 .zip(&self.indices)
@@ -291,14 +260,7 @@ impl LocalSolver {
                 *slot = row[l];
             }
         }
-        llt::cholesky_in_place(
-            MatMut::from_column_major_slice_mut(&mut self.factor[..size * size], size, size),
-            llt::LltRegularization::default(),
-            Par::Seq,
-            MemStack::new(&mut self.stack),
-            faer::Spec::default(),
-        )
-        .is_ok()
+        factorise(&mut self.factor[..size * size], size)
     }
 
     /// Coefficients of the solution, `Lam^-1 (b + V' s)`: as many as `coefficients` holds.
@@ -308,7 +270,7 @@ impl LocalSolver {
         coefficients[..load.len().min(count)].copy_from_slice(&load[..load.len().min(count)]);
         for &k in &self.indices {
             let s = self.multiplier[k];
-            for (c, value) in coefficients.iter_mut().zip(top.row(k)) {
+            for (c, value) in coefficients.iter_mut().zip(top.row(&top.values, k)) {
                 *c += value * s;
             }
         }
@@ -323,15 +285,12 @@ impl LocalSolver {
         let (size, lead) = (self.indices.len(), top.lead);
         for i in 0..lead {
             for (slot, &k) in self.indices.iter().enumerate() {
-                self.right[i * size + slot] = top.row(k)[i] / top.compliance[i];
+                self.right[i * size + slot] = top.row(&top.pressures, k)[i];
             }
         }
-        let factor = MatRef::from_column_major_slice(&self.factor[..size * size], size, size);
-        solve_lower_triangular_in_place(
-            factor,
-            MatMut::from_column_major_slice_mut(&mut self.right[..size * lead], size, lead),
-            Par::Seq,
-        );
+        for right in self.right[..size * lead].chunks_exact_mut(size.max(1)) {
+            solve_lower(&self.factor[..size * size], size, right);
+        }
         for i in 0..lead {
             for j in 0..lead {
                 let free = if i == j {

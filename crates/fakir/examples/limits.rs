@@ -1,0 +1,38 @@
+//! Times of the convolution and of one-pillar problems beside what operations and bytes allow at the
+//! least on this machine, one thread: `cargo run --release -p fakir --example limits`.
+//!
+//! The floor is the longer of two times: all operations at the rate of multiplications and additions in
+//! registers, and all bytes at the rate of a copy of arrays of that size.
+
+use fakir::kernels::{byte_rate, limits, operation_rate};
+
+fn main() {
+    let rate = operation_rate();
+    println!(
+        "operations in registers: {:.1} billion a second",
+        rate * 1e-9
+    );
+    println!();
+    println!(
+        "| work | operations | bytes | floor by operations | floor by bytes | measured | measured over floor |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for limit in limits(&[500.0, 3.5e3, 1e5, 1e6]) {
+        let by_operations = limit.operations / rate;
+        let by_bytes = if limit.bytes > 0.0 {
+            limit.bytes / byte_rate(limit.working_set)
+        } else {
+            0.0
+        };
+        println!(
+            "| {} | {:.3e} | {:.3e} | {:.3e} s | {:.3e} s | {:.3e} s | {:.1} |",
+            limit.name,
+            limit.operations,
+            limit.bytes,
+            by_operations,
+            by_bytes,
+            limit.seconds,
+            limit.seconds / by_operations.max(by_bytes),
+        );
+    }
+}
