@@ -8,7 +8,8 @@
 //! A product makes three passes: rows of all modes are transformed (only those of the window
 //! hold anything); then, column by column, all modes are transformed, multiplied by the kernels
 //! and transformed back while they are in the cache; then the rows of the window back. Each pass is
-//! shared between threads, and turns its array over in pieces of whole cache lines as it reads it.
+//! shared between threads. Between them the transformed rows lie in tiles of a few rows and columns, so
+//! that rows and columns both are whole cache lines, and few pages.
 
 use super::pair::PairCoupling;
 use super::window::Window;
@@ -20,11 +21,8 @@ use rustfft::{Fft, FftPlanner};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Rows transformed back together, so that whole cache lines of the transposed array are read.
-const ROW_BLOCK: usize = 8;
-
-/// Columns taken from the transformed rows together, for the same reason.
-const COLUMN_BLOCK: usize = 8;
+/// Rows and columns of a tile: a row of it is a cache line.
+const TILE: (usize, usize) = (8, 4);
 
 /// Padded arrays of fewer points than this are not worth sharing between threads.
 const PARALLEL_POINTS: usize = 40_000;
@@ -49,14 +47,12 @@ pub(crate) struct LatticeConvolution {
     /// Transformed kernels: for every column, every pair of modes, every row; its real part
     /// where even, its imaginary part where odd. With the normalisation of the inverse.
     kernel: Vec<f64>,
-    /// Transformed rows: for every row of the window, every mode, the columns.
-    rows: Vec<Complex64>,
-    /// The same turned over, multiplied: for every column, every mode, the rows of the window.
-    spectrum: Vec<Complex64>,
+    /// Transformed rows, and what becomes of them. In tiles: for every [`TILE`]`.1` columns, every
+    /// [`TILE`]`.0` rows of the window, every mode, these rows of these columns.
+    tiles: Vec<Complex64>,
     transforms: Transforms,
 }
 
-#[derive(Clone)]
 struct Transforms {
     row: Arc<dyn RealToComplex<f64>>,
     row_back: Arc<dyn ComplexToReal<f64>>,
@@ -111,8 +107,10 @@ impl LatticeConvolution {
             ranges: window.rows().to_vec(),
             odd,
             kernel: vec![0.0; pair.entry_count() * half * padded.0],
-            rows: vec![Complex64::default(); shape.0 * modes * half],
-            spectrum: vec![Complex64::default(); half * modes * shape.0],
+            tiles: vec![
+                Complex64::default();
+                half.div_ceil(TILE.1) * shape.0.div_ceil(TILE.0) * modes * TILE.0 * TILE.1
+            ],
             transforms,
         };
         convolution.fill_kernels(pair, run);
@@ -213,29 +211,58 @@ impl LatticeConvolution {
         let columns_there_and_back = 2.0 * half * modes * 5.0 * long * long.log2();
         let multiplied = 4.0 * modes * modes * half * long;
         let operations = rows_there_and_back + columns_there_and_back + multiplied;
-        let transformed = 16 * (self.rows.len() + self.spectrum.len());
-        let bytes = 8 * self.kernel.len() + 2 * transformed;
+        // Tiles are written, read and written again, and read.
+        let bytes = 8 * self.kernel.len() + 4 * 16 * self.tiles.len();
         [operations, bytes as f64]
+    }
+
+    /// Length of a tile, and of all tiles of a few columns.
+    fn lengths(&self) -> (usize, usize) {
+        let tile = self.modes * TILE.0 * TILE.1;
+        (tile, tile * self.shape.0.div_ceil(TILE.0))
     }
 
     fn rows_forward(&mut self, coefficients: &[f64], run: &Run<'_>) {
         let (modes, half, least) = (self.modes, self.half, self.least());
+        let (tile, strip) = self.lengths();
         let (transform, places, ranges) = (&self.transforms.row, &self.places, &self.ranges);
+        // The tiles of every few rows.
+        let mut blocks: Vec<Vec<&mut [Complex64]>> = ranges
+            .chunks(TILE.0)
+            .map(|_| Vec::with_capacity(half.div_ceil(TILE.1)))
+            .collect();
+        for strip in self.tiles.chunks_exact_mut(strip) {
+            for (block, tile) in blocks.iter_mut().zip(strip.chunks_exact_mut(tile)) {
+                block.push(tile);
+            }
+        }
+        let work = || {
+            let input = transform.make_input_vec();
+            let output = transform.make_output_vec();
+            (input, output, transform.make_scratch_vec())
+        };
         run.fill(
-            &mut self.rows,
-            modes * half,
+            &mut blocks,
+            1,
             least,
-            || (transform.make_input_vec(), transform.make_scratch_vec()),
-            |(input, scratch), row, output| {
+            work,
+            |(input, output, scratch), number, block| {
                 if run.cancel.is_cancelled() {
                     return;
                 }
-                for (mode, output) in output.chunks_exact_mut(half).enumerate() {
-                    input.fill(0.0);
-                    for pillar in ranges[row].clone() {
-                        input[places[pillar].1] = coefficients[pillar * modes + mode];
+                let ranges = ranges.iter().skip(number * TILE.0).take(TILE.0);
+                for (row, range) in ranges.enumerate() {
+                    for mode in 0..modes {
+                        input.fill(0.0);
+                        for pillar in range.clone() {
+                            input[places[pillar].1] = coefficients[pillar * modes + mode];
+                        }
+                        let _ = transform.process_with_scratch(input, output, scratch);
+                        let line = (mode * TILE.0 + row) * TILE.1;
+                        for (tile, values) in block[0].iter_mut().zip(output.chunks(TILE.1)) {
+                            tile[line..line + values.len()].copy_from_slice(values);
+                        }
                     }
-                    let _ = transform.process_with_scratch(input, output, scratch);
                 }
             },
         );
@@ -244,13 +271,13 @@ impl LatticeConvolution {
     fn rows_back(&self, far: &mut [f64], run: &Run<'_>) {
         let transform = &self.transforms.row_back;
         let work = || BackWork {
-            input: vec![Complex64::default(); self.half * ROW_BLOCK],
+            input: transform.make_input_vec(),
             output: transform.make_output_vec(),
             scratch: transform.make_scratch_vec(),
         };
-        let mut blocks = Vec::with_capacity(self.ranges.len().div_ceil(ROW_BLOCK));
+        let mut blocks = Vec::with_capacity(self.ranges.len().div_ceil(TILE.0));
         let mut rest = far;
-        for ranges in self.ranges.chunks(ROW_BLOCK) {
+        for ranges in self.ranges.chunks(TILE.0) {
             let pillars: usize = ranges.iter().map(ExactSizeIterator::len).sum();
             let (block, after) = rest.split_at_mut(pillars * self.modes);
             blocks.push(block);
@@ -258,37 +285,37 @@ impl LatticeConvolution {
         }
         run.fill(&mut blocks, 1, self.least(), work, |work, number, block| {
             if !run.cancel.is_cancelled() {
-                self.block_back(number * ROW_BLOCK, block[0], work);
+                self.block_back(number, block[0], work);
             }
         });
     }
 
-    /// Transforms some rows back; `far` are the loads on the pillars in them.
-    fn block_back(&self, first: usize, far: &mut [f64], work: &mut BackWork) {
-        let (modes, rows, half) = (self.modes, self.shape.0, self.half);
+    /// Transforms the rows of a block back; `far` are the loads on the pillars in them.
+    fn block_back(&self, number: usize, far: &mut [f64], work: &mut BackWork) {
+        let (modes, half) = (self.modes, self.half);
+        let (tile, strip) = self.lengths();
         let BackWork {
             input,
             output,
             scratch,
         } = work;
-        let ranges = &self.ranges[first..rows.min(first + ROW_BLOCK)];
+        let first = number * TILE.0;
+        let ranges = &self.ranges[first..self.shape.0.min(first + TILE.0)];
         let start = ranges[0].start;
-        for mode in 0..modes {
-            for column in 0..half {
-                let place = (column * modes + mode) * rows + first;
-                let values = &self.spectrum[place..place + ranges.len()];
-                for (k, value) in values.iter().enumerate() {
-                    input[k * half + column] = *value;
+        for (row, range) in ranges.iter().enumerate() {
+            for mode in 0..modes {
+                let line = number * tile + (mode * TILE.0 + row) * TILE.1;
+                let strips = self.tiles.chunks_exact(strip);
+                for (values, strip) in input.chunks_mut(TILE.1).zip(strips) {
+                    values.copy_from_slice(&strip[line..line + values.len()]);
                 }
-            }
-            for (range, row) in ranges.iter().zip(input.chunks_exact_mut(half)) {
                 // The transform of real data has real ends; rounding must not say otherwise.
-                row[0].im = 0.0;
-                row[half - 1].im = 0.0;
+                input[0].im = 0.0;
+                input[half - 1].im = 0.0;
                 let _ = self
                     .transforms
                     .row_back
-                    .process_with_scratch(row, output, scratch);
+                    .process_with_scratch(input, output, scratch);
                 for pillar in range.clone() {
                     far[(pillar - start) * modes + mode] = output[self.places[pillar].1];
                 }
@@ -298,64 +325,69 @@ impl LatticeConvolution {
 
     fn columns(&mut self, run: &Run<'_>) {
         let (modes, rows, half) = (self.modes, self.shape.0, self.half);
+        let (tile, strip) = self.lengths();
         let padded = self.padded.0;
         let (least, entries) = (self.least(), self.odd.len());
-        let (transforms, odd, transformed) = (&self.transforms, &self.odd, &self.rows);
+        let (transforms, odd, kernels) = (&self.transforms, &self.odd, &self.kernel);
         let scratch_len = transforms
             .column
             .get_inplace_scratch_len()
             .max(transforms.column_back.get_inplace_scratch_len());
         let work = || ColumnWork {
-            input: vec![Complex64::default(); modes * padded],
-            output: vec![Complex64::default(); modes * padded],
+            columns: vec![Complex64::default(); TILE.1 * modes * padded],
+            product: vec![Complex64::default(); modes * padded],
             scratch: vec![Complex64::default(); scratch_len],
         };
-        let one = |work: &mut ColumnWork, spectrum: &mut [Complex64], kernel: &[f64]| {
-            for (values, column) in spectrum
-                .chunks_exact(rows)
-                .zip(work.input.chunks_exact_mut(padded))
-            {
-                column[..rows].copy_from_slice(values);
-                column[rows..].fill(Complex64::default());
+        let one = |work: &mut ColumnWork, number: usize, strip: &mut [Complex64]| {
+            if run.cancel.is_cancelled() {
+                return;
             }
-            transforms
-                .column
-                .process_with_scratch(&mut work.input, &mut work.scratch);
-            multiply(kernel, odd, modes, padded, &work.input, &mut work.output);
-            transforms
-                .column_back
-                .process_with_scratch(&mut work.output, &mut work.scratch);
-            for (values, column) in spectrum
-                .chunks_exact_mut(rows)
-                .zip(work.output.chunks_exact(padded))
-            {
-                values.copy_from_slice(&column[..rows]);
-            }
-        };
-        let kernels = &self.kernel;
-        run.fill(
-            &mut self.spectrum,
-            COLUMN_BLOCK * modes * rows,
-            least,
-            work,
-            |work, block, spectra| {
-                if run.cancel.is_cancelled() {
-                    return;
-                }
-                let first = block * COLUMN_BLOCK;
-                let count = COLUMN_BLOCK.min(half - first);
-                for (place, row) in transformed.chunks_exact(half).enumerate() {
-                    let (row_number, mode) = (place / modes, place % modes);
-                    for (k, value) in row[first..first + count].iter().enumerate() {
-                        spectra[(k * modes + mode) * rows + row_number] = *value;
+            let ColumnWork {
+                columns,
+                product,
+                scratch,
+            } = work;
+            let first = number * TILE.1;
+            let lines = |tile: usize| {
+                (0..modes).flat_map(move |mode| {
+                    (0..TILE.0.min(rows - tile * TILE.0)).map(move |row| {
+                        let line = (mode * TILE.0 + row) * TILE.1;
+                        (line, mode * padded + tile * TILE.0 + row)
+                    })
+                })
+            };
+            for (number, tile) in strip.chunks_exact(tile).enumerate() {
+                for (line, place) in lines(number) {
+                    for (k, value) in tile[line..line + TILE.1].iter().enumerate() {
+                        columns[k * modes * padded + place] = *value;
                     }
                 }
-                let kernels = kernels[first * entries * padded..].chunks_exact(entries * padded);
-                for (spectrum, kernel) in spectra.chunks_exact_mut(modes * rows).zip(kernels) {
-                    one(work, spectrum, kernel);
+            }
+            let kernels = kernels[first * entries * padded..].chunks_exact(entries * padded);
+            for (column, kernel) in columns.chunks_exact_mut(modes * padded).zip(kernels) {
+                for values in column.chunks_exact_mut(padded) {
+                    values[rows..].fill(Complex64::default());
                 }
-            },
-        );
+                transforms.column.process_with_scratch(column, scratch);
+                multiply(kernel, odd, modes, padded, column, product);
+                transforms
+                    .column_back
+                    .process_with_scratch(product, scratch);
+                let products = product.chunks_exact(padded);
+                for (values, product) in column.chunks_exact_mut(padded).zip(products) {
+                    values[..rows].copy_from_slice(&product[..rows]);
+                }
+            }
+            for (number, tile) in strip.chunks_exact_mut(tile).enumerate() {
+                for (line, place) in lines(number) {
+                    for (k, value) in tile[line..line + TILE.1].iter_mut().enumerate() {
+                        *value = columns[k * modes * padded + place];
+                    }
+                }
+            }
+        };
+        debug_assert_eq!(self.tiles.len(), half.div_ceil(TILE.1) * strip);
+        run.fill(&mut self.tiles, strip, least, work, one);
     }
 }
 
@@ -404,8 +436,9 @@ struct BackWork {
 }
 
 struct ColumnWork {
-    input: Vec<Complex64>,
-    output: Vec<Complex64>,
+    /// A few columns of all modes, one after the other.
+    columns: Vec<Complex64>,
+    product: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
 

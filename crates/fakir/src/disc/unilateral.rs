@@ -356,7 +356,7 @@ mod tests {
             assert!(pivoting.converged);
             let top = PillarTop::new(degree, 2, 0.0, 0.0);
             let pressure: Vec<f64> = (0..top.count())
-                .map(|node| dot(top.row(node), &coefficients))
+                .map(|node| dot(top.row(&top.values, node), &coefficients))
                 .collect();
             for (q, active) in pressure.iter().zip(&active) {
                 assert!(*q > -1e-9, "tension {q}");
