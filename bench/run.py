@@ -3,6 +3,7 @@
     python3 bench/run.py                  # everything
     python3 bench/run.py texture --surface-fraction 0.1
     python3 bench/run.py elements
+    python3 bench/run.py limits
 """
 
 import argparse
@@ -10,9 +11,10 @@ import tempfile
 from pathlib import Path
 
 import elements
+import limits
 import texture
 
-PARTS = {"texture": texture.run, "elements": elements.run}
+PARTS = {"texture": texture.run, "elements": elements.run, "limits": limits.run}
 
 
 def main():

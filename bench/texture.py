@@ -81,7 +81,8 @@ class Programs:
             found = self.ask_fakir(fraction, question, setting)
         else:
             found = self.ask_peer(fraction, question, program, int(setting))
-        return {"date": common.now(), "load_average": common.load_average(), "version": self.versions[program], **found}
+        here = {"date": common.now(), "load_average": common.load_average(), "processor": common.processor()}
+        return {**here, "version": self.versions[program], **found}
 
     def ask_fakir(self, fraction, question, setting):
         words = [f"texture.surface_fraction={fraction}", *FAKIR[setting]]

@@ -31,11 +31,13 @@ def percent(error, resolution=0.0):
 def machine(rows):
     loads = [row.load_average for row in rows]
     days = sorted({row.date[:10] for row in rows})
+    processors = sorted({row.processor for row in rows} - {""})
     versions = sorted({(row.program, row.version) for row in rows}, key=lambda pair: (pair[0] != "fakir", pair))
     return (
         ", ".join(f"{name} {version}" for name, version in versions)
         + f"; {days[0] if len(days) == 1 else days[0] + ' to ' + days[-1]}; "
-        + f"load average of the machine {min(loads):.1f} to {max(loads):.1f}"
+        + "".join(f"{processor}; " for processor in processors)
+        + f"load average {min(loads):.1f} to {max(loads):.1f}"
     )
 
 

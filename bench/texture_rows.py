@@ -49,6 +49,8 @@ class Row:
     date: str
     load_average: float
     version: str
+    # Unknown of the first runs.
+    processor: str = ""
 
     @property
     def what(self):

@@ -195,7 +195,7 @@ struct CaseLine {
 }
 
 /// `POST /api/contact`
-pub(crate) fn contact(request: &request::Contact, worker: &Worker) -> Result<(), Failure> {
+pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
     let case = request::case(&request.case)?;
     request.load.check()?;
     preview(&case, request.load, worker);
@@ -544,7 +544,7 @@ enum PhaseLine {
 }
 
 /// `POST /api/phase`: the transition curve, and the loading path of the case.
-pub(crate) fn phase(request: &request::Phase, worker: &Worker) -> Result<(), Failure> {
+pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
     let case = request::case(&request.case)?;
     request.load.check()?;
     let system = &case.system;

@@ -36,10 +36,10 @@ pub(crate) enum Value {
 /// A case by its keys, as `{"lens.radius": 2.2e-3, ...}`.
 pub(crate) type Values = BTreeMap<String, Value>;
 
-/// `POST /api/contact`
+/// `POST /api/contact`, and `/api/phase`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Contact {
+pub(crate) struct AtLoad {
     pub(crate) ticket: Ticket,
     pub(crate) case: Values,
     #[serde(default)]
@@ -52,16 +52,6 @@ pub(crate) struct Contact {
 pub(crate) struct Curves {
     pub(crate) ticket: Ticket,
     pub(crate) case: Values,
-}
-
-/// `POST /api/phase`
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Phase {
-    pub(crate) ticket: Ticket,
-    pub(crate) case: Values,
-    #[serde(default)]
-    pub(crate) load: LoadPoint,
 }
 
 /// `POST /api/export`

@@ -286,7 +286,7 @@ async fn wrong_method(request: Request) -> Response {
 }
 
 async fn contact(State(shared): State<Shared>, request: Request) -> Response {
-    let ticket = |asked: &request::Contact| asked.ticket.clone();
+    let ticket = |asked: &request::AtLoad| asked.ticket.clone();
     answer(&shared, request, Kind::Contact, ticket, answers::contact).await
 }
 
@@ -296,7 +296,7 @@ async fn curves(State(shared): State<Shared>, request: Request) -> Response {
 }
 
 async fn phase(State(shared): State<Shared>, request: Request) -> Response {
-    let ticket = |asked: &request::Phase| asked.ticket.clone();
+    let ticket = |asked: &request::AtLoad| asked.ticket.clone();
     answer(&shared, request, Kind::Phase, ticket, answers::phase).await
 }
 

@@ -25,7 +25,7 @@ fn main() {
             0.0
         };
         println!(
-            "| {} | {:.3e} | {:.3e} | {:.3e} s | {:.3e} s | {:.3e} s | {:.1} |",
+            "| {} | {:.2e} | {:.2e} | {:.2e} | {:.2e} | {:.2e} | {:.1} | {} |",
             limit.name,
             limit.operations,
             limit.bytes,
@@ -33,6 +33,9 @@ fn main() {
             by_bytes,
             limit.seconds,
             limit.seconds / by_operations.max(by_bytes),
+            limit
+                .transforms
+                .map_or_else(String::new, |time| format!("{time:.2e}")),
         );
     }
 }

@@ -171,10 +171,7 @@ fn figure(data: &Measurements, fitted: &Fit) -> Figure {
     let curve = |scatter: &fakir_study::fit::Scatter| {
         let quantity = scatter.quantity;
         let point = |row: &FittedRow| {
-            let compared = match quantity {
-                Quantity::Force => row.force,
-                Quantity::ContactRadius => row.contact_radius,
-            }?;
+            let compared = row.compared(quantity)?;
             let load = match load {
                 FittedLoad::Force => row.measurement.force,
                 _ => row.measurement.position,

@@ -246,6 +246,17 @@ pub struct FittedRow {
     pub converged: bool,
 }
 
+impl FittedRow {
+    /// A quantity as measured and as computed, if it was measured.
+    #[must_use]
+    pub fn compared(&self, quantity: Quantity) -> Option<Compared> {
+        match quantity {
+            Quantity::Force => self.force,
+            Quantity::ContactRadius => self.contact_radius,
+        }
+    }
+}
+
 /// A point of a computed curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {

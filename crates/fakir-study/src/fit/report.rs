@@ -1,8 +1,7 @@
 //! A fit as a JSON object, as a table and in warnings: what command line and Python package show.
 
 use super::{
-    Compared, Estimate, Fit, FittedRow, Measured, Measurements, Parameter, Position, Quantity,
-    Scatter,
+    Estimate, Fit, FittedRow, Measured, Measurements, Parameter, Position, Quantity, Scatter,
 };
 use crate::VERSION;
 use crate::table::{Column, Table, Values};
@@ -101,24 +100,18 @@ impl Fit {
                     Quantity::ContactRadius => row.measurement.contact_radius,
                 }
             };
-            let compared = |row: &FittedRow| -> Option<Compared> {
-                match quantity {
-                    Quantity::Force => row.force,
-                    Quantity::ContactRadius => row.contact_radius,
-                }
-            };
             columns.extend([
                 numbers(&format!("{name}{suffix}"), &|row| {
                     measured(row).map(|measured| measured.value)
                 }),
                 numbers(&format!("{name}_error{suffix}"), &|row| {
-                    compared(row).map(|compared| compared.error)
+                    row.compared(quantity).map(|compared| compared.error)
                 }),
                 numbers(&format!("fitted_{name}{suffix}"), &|row| {
-                    compared(row).map(|compared| compared.computed)
+                    row.compared(quantity).map(|compared| compared.computed)
                 }),
                 numbers(&format!("{name}_residual{suffix}"), &|row| {
-                    compared(row).map(|compared| compared.residual())
+                    row.compared(quantity).map(|compared| compared.residual())
                 }),
             ]);
         }

@@ -331,6 +331,10 @@ fn find_patch(problem: &Problem, target: Target) -> Option<Patch> {
         Target::Indentation(value) => solver.find(largest, sag, |patch| patch.indentation, value),
         Target::Force(value) => solver.find(largest, sag, |patch| patch.force, value),
         Target::Floor => {
+            // The pressure moves the floor away from the lens, which has to come down by its height at least.
+            if solver.with_radius(largest, sag).indentation < problem.height {
+                return None;
+            }
             let exterior = Exterior::new(patch_degree());
             let reached = |patch: &Patch| {
                 patch_floor(problem, &exterior, patch).map_or(f64::NEG_INFINITY, |point| {

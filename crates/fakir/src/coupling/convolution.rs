@@ -216,6 +216,26 @@ impl LatticeConvolution {
         [operations, bytes as f64]
     }
 
+    /// The transforms of a product and nothing else, of numbers that stay in the cache.
+    pub(crate) fn transforms_alone(&self) {
+        let Transforms {
+            row,
+            row_back,
+            column,
+            column_back,
+        } = &self.transforms;
+        let (mut real, mut complex) = (row.make_input_vec(), row.make_output_vec());
+        for _ in 0..self.shape.0 * self.modes {
+            let _ = row.process(&mut real, &mut complex);
+            let _ = row_back.process(&mut complex, &mut real);
+        }
+        let mut columns = vec![Complex64::default(); self.modes * self.padded.0];
+        for _ in 0..self.half {
+            column.process(&mut columns);
+            column_back.process(&mut columns);
+        }
+    }
+
     /// Length of a tile, and of all tiles of a few columns.
     fn lengths(&self) -> (usize, usize) {
         let tile = self.modes * TILE.0 * TILE.1;

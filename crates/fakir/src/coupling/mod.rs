@@ -55,8 +55,8 @@ pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
     let modes = modes as f64;
     let pairs = 0.5 * modes * (modes + 1.0);
     let kernels = 8.0 * pairs * (2.0 * side) * (side + 1.0);
-    let build = 8.0 * pairs * (2.0 * side).powi(2);
-    let spectrum = 2.0 * 16.0 * modes * side * (side + 1.0);
+    let build = 16.0 * pairs * side * (side + 1.0);
+    let spectrum = 16.0 * modes * side * (side + 1.0);
     let vectors = 12.0 * 8.0 * modes * pillars;
     kernels + build + spectrum + vectors
 }
