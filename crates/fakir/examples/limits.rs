@@ -14,9 +14,10 @@ fn main() {
     );
     println!();
     println!(
-        "| work | operations | bytes | floor by operations | floor by bytes | measured | measured over floor |"
+        "| work | operations | bytes | floor by operations, s | floor by bytes, s | measured, s | over the \
+         floor | transforms alone, s |"
     );
-    println!("|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|");
     for limit in limits(&[500.0, 3.5e3, 1e5, 1e6]) {
         let by_operations = limit.operations / rate;
         let by_bytes = if limit.bytes > 0.0 {

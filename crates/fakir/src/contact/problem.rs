@@ -50,8 +50,8 @@ impl Problem {
     }
 
     /// Height of the undeformed lens at a point, above its lowest point.
-    pub(crate) fn sag(&self, point: Point) -> f64 {
-        self.lens.sag(point[0].hypot(point[1]))
+    pub(crate) fn sag(&self, [x, y]: Point) -> f64 {
+        self.lens.sag_at_square(x * x + y * y)
     }
 
     /// Distance of the nearest pillar top from the lens axis; 0 if the axis is on one.

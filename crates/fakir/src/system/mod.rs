@@ -65,7 +65,11 @@ impl Lens {
     /// beyond the equator, where the lens has no lower surface.
     #[must_use]
     pub fn sag(&self, distance: f64) -> f64 {
-        let squared = distance * distance;
+        self.sag_at_square(distance * distance)
+    }
+
+    /// The same at the square of a distance.
+    pub(crate) fn sag_at_square(&self, squared: f64) -> f64 {
         let rest = self.radius * self.radius - squared;
         if rest < 0.0 {
             return f64::INFINITY;
