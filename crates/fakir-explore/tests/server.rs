@@ -2,193 +2,16 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir::contact::{CancelToken, Method, Run};
+mod running;
+
+use fakir::contact::{Method, Run};
 use fakir_case::Case;
-use fakir_explore::{ExploreError, Explorer, Options};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use fakir_explore::{ExploreError, Explorer};
+use running::{Running, case, options, question};
 use serde_json::{Value, json};
-use std::cell::Cell;
 use std::io::{Read, Write};
 use std::net::TcpStream;
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-
-/// A server that ends with the test.
-struct Running {
-    port: u16,
-    token: String,
-    sequence: Cell<u64>,
-    stop: CancelToken,
-    thread: Option<JoinHandle<Result<(), ExploreError>>>,
-}
-
-impl Running {
-    fn start() -> Self {
-        let explorer = Explorer::bind(&options(None)).unwrap();
-        let address = explorer.address();
-        let rest = address.strip_prefix("http://127.0.0.1:").unwrap();
-        let (port, token) = rest.trim_end_matches('/').split_once('/').unwrap();
-        let stop = CancelToken::default();
-        let thread = std::thread::spawn({
-            let stop = stop.clone();
-            move || explorer.run(&stop)
-        });
-        Self {
-            port: port.parse().unwrap(),
-            token: token.to_owned(),
-            sequence: Cell::new(0),
-            stop,
-            thread: Some(thread),
-        }
-    }
-
-    /// The number of the next request.
-    fn next(&self) -> u64 {
-        self.sequence.set(self.sequence.get() + 1);
-        self.sequence.get()
-    }
-
-    fn connect(&self) -> TcpStream {
-        let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        stream
-            .set_read_timeout(Some(Duration::from_secs(30)))
-            .unwrap();
-        stream
-    }
-
-    /// Sends bytes and reads what comes back until the connection is closed.
-    fn exchange(&self, request: &[u8]) -> String {
-        let mut stream = self.connect();
-        // Whoever is refused early may be cut off while still sending.
-        let _ = stream.write_all(request);
-        let mut answer = Vec::new();
-        let _ = stream.read_to_end(&mut answer);
-        String::from_utf8_lossy(&answer).into_owned()
-    }
-
-    fn head(&self, line: &str, headers: &[(&str, &str)]) -> String {
-        let mut head = format!("{line} HTTP/1.1\r\nconnection: close\r\n");
-        if !headers.iter().any(|(name, _)| *name == "host") {
-            head.push_str(&format!("host: 127.0.0.1:{}\r\n", self.port));
-        }
-        for (name, value) in headers {
-            head.push_str(&format!("{name}: {value}\r\n"));
-        }
-        head
-    }
-
-    fn get(&self, path: &str, headers: &[(&str, &str)]) -> Answer {
-        let head = self.head(&format!("GET {path}"), headers);
-        Answer::of(&self.exchange(format!("{head}\r\n").as_bytes()))
-    }
-
-    fn post(&self, path: &str, body: &str, headers: &[(&str, &str)]) -> Answer {
-        Answer::of(&self.exchange(self.request(path, body, headers).as_bytes()))
-    }
-
-    fn request(&self, path: &str, body: &str, headers: &[(&str, &str)]) -> String {
-        let head = self.head(&format!("POST {path}"), headers);
-        format!("{head}content-length: {}\r\n\r\n{body}", body.len())
-    }
-
-    /// Asks as the page does.
-    fn ask(&self, path: &str, question: &Value) -> Answer {
-        let headers = [
-            ("content-type", "application/json"),
-            ("x-fakir-token", self.token.as_str()),
-        ];
-        self.post(path, &question.to_string(), &headers)
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        self.stop.cancel();
-        if let Some(thread) = self.thread.take() {
-            let ended = thread.join();
-            assert!(std::thread::panicking() || ended.is_ok_and(|result| result.is_ok()));
-        }
-    }
-}
-
-fn options(port: Option<u16>) -> Options {
-    Options {
-        case: Case::example(),
-        port,
-        threads: 1,
-        memory_limit: 2_000_000_000,
-    }
-}
-
-struct Answer {
-    status: u16,
-    head: String,
-    body: String,
-}
-
-impl Answer {
-    fn of(text: &str) -> Self {
-        let (head, body) = text.split_once("\r\n\r\n").unwrap_or((text, ""));
-        let status = head.split(' ').nth(1).and_then(|s| s.parse().ok());
-        let body = if head.contains("transfer-encoding: chunked") {
-            unchunked(body)
-        } else {
-            body.to_owned()
-        };
-        Self {
-            status: status.unwrap_or(0),
-            head: head.to_owned(),
-            body,
-        }
-    }
-
-    /// Lines of JSON.
-    fn lines(&self) -> Vec<Value> {
-        self.body
-            .lines()
-            .map(|line| serde_json::from_str(line).unwrap())
-            .collect()
-    }
-
-    /// The last line that has this name.
-    fn line(&self, name: &str) -> Value {
-        let lines = self.lines();
-        let mut named = lines.iter().filter_map(|line| line.get(name));
-        named.next_back().unwrap().clone()
-    }
-}
-
-fn unchunked(mut text: &str) -> String {
-    let mut body = String::new();
-    while let Some((size, rest)) = text.split_once("\r\n") {
-        let size = usize::from_str_radix(size, 16).unwrap_or(0);
-        if size == 0 || size > rest.len() {
-            break;
-        }
-        body.push_str(&rest[..size]);
-        text = rest[size..].trim_start_matches("\r\n");
-    }
-    body
-}
-
-/// The case of `fakir init`, at another surface fraction.
-fn case(surface_fraction: f64) -> Value {
-    json!({
-        "lens.radius": "2.2 mm",
-        "lens.young_modulus": 2e6,
-        "lens.poisson_ratio": 0.5,
-        "substrate.young_modulus": 2e6,
-        "substrate.poisson_ratio": 0.5,
-        "texture.surface_fraction": surface_fraction,
-        "texture.pillar.diameter": 6e-6,
-        "texture.pillar.height": 2.2e-6,
-    })
-}
-
-fn question(sequence: u64, case: &Value) -> Value {
-    json!({ "ticket": { "session": "test", "sequence": sequence }, "case": case })
-}
 
 #[test]
 fn the_page_needs_its_token_and_nothing_from_elsewhere() {
@@ -462,7 +285,8 @@ fn the_newest_request_calls_off_those_before() {
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).unwrap();
         let answer = String::from_utf8_lossy(&answer).into_owned();
-        assert!(!answer.contains("\"state\""), "{answer}");
+        // Estimates may have come, but not the answer.
+        assert!(!answer.contains("\"approximate\":false"), "{answer}");
     }
     // One whose connection is closed is called off too: then an older one is no longer stale.
     drop(slow(200));
@@ -472,110 +296,6 @@ fn the_newest_request_calls_off_those_before() {
         assert!(start.elapsed() < Duration::from_secs(20));
         std::thread::sleep(Duration::from_millis(20));
     }
-}
-
-/// 10,000 requests, of which hardly any makes sense.
-#[test]
-fn ten_thousand_odd_requests_leave_it_as_it_was() {
-    let server = Running::start();
-    let headers = [
-        ("content-type", "application/json"),
-        ("x-fakir-token", server.token.as_str()),
-    ];
-    let good = question(1, &case(0.001)).to_string();
-    let good = server.request("/api/contact", &good, &headers);
-    let mut random = ChaCha8Rng::seed_from_u64(6);
-    let mut odd = |server: &Running, number: u64| {
-        let mut bytes = match random.next_u32() % 4 {
-            0 => {
-                let length = random.next_u32() as usize % 600;
-                (0..length).map(|_| random.next_u32() as u8).collect()
-            }
-            1 => {
-                let text = odd_json(&mut random, 0).to_string();
-                server.request("/api/contact", &text, &headers).into_bytes()
-            }
-            2 => {
-                let mut asked = question(number, &case(0.001));
-                let keys = [
-                    "lens.radius",
-                    "texture.pillar.height",
-                    "method.name",
-                    "nothing",
-                ];
-                let key = keys[random.next_u32() as usize % keys.len()];
-                asked["case"][key] = odd_json(&mut random, 2);
-                server
-                    .request("/api/curves", &asked.to_string(), &headers)
-                    .into_bytes()
-            }
-            _ => good.clone().into_bytes(),
-        };
-        for _ in 0..random.next_u32() % 8 {
-            if let Some(at) = (random.next_u32() as usize).checked_rem(bytes.len()) {
-                bytes[at] = random.next_u32() as u8;
-            }
-        }
-        let mut stream = server.connect();
-        let _ = stream.write_all(&bytes);
-        let _ = stream.shutdown(std::net::Shutdown::Write);
-        if !number.is_multiple_of(3) {
-            let mut answer = Vec::new();
-            let _ = stream.read_to_end(&mut answer);
-            let answer = String::from_utf8_lossy(&answer);
-            assert!(!answer.contains(" 500 "), "{answer}");
-        }
-    };
-    let mut used = Vec::new();
-    for number in 0..10_000 {
-        odd(&server, number);
-        if number % 2000 == 1999 {
-            used.push(resident_memory());
-        }
-    }
-    let answer = server.ask("/api/contact", &question(20_000, &case(0.001)));
-    assert_eq!(answer.status, 200);
-    if let (Some(Some(first)), Some(Some(last))) = (used.first(), used.last()) {
-        // kB; allocators keep some of what they once had.
-        assert!(*last < first + 30_000, "{used:?}");
-    }
-}
-
-/// JSON that is not what is asked for.
-fn odd_json(random: &mut ChaCha8Rng, depth: usize) -> Value {
-    match random.next_u32() % if depth < 3 { 8 } else { 6 } {
-        0 => Value::Null,
-        1 => json!(f64::from_bits(random.next_u64())),
-        2 => json!(random.next_u64()),
-        3 => json!("\u{0}\"\\\n[lens]\n".repeat(random.next_u32() as usize % 9)),
-        4 => json!(random.next_u32().is_multiple_of(2)),
-        5 => json!("2.2 mm"),
-        6 => (0..random.next_u32() % 5)
-            .map(|_| odd_json(random, depth + 1))
-            .collect(),
-        _ => {
-            let names = [
-                "ticket",
-                "case",
-                "load",
-                "session",
-                "sequence",
-                "lens.radius",
-            ];
-            let member = |k: usize, random: &mut ChaCha8Rng| {
-                (names[k].to_owned(), odd_json(random, depth + 1))
-            };
-            let count = random.next_u32() as usize % names.len();
-            Value::Object((0..count).map(|k| member(k, random)).collect())
-        }
-    }
-}
-
-/// Memory of this process, kB, where it can be known.
-fn resident_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
-    line.split_whitespace().nth(1)?.parse().ok()
 }
 
 #[test]
