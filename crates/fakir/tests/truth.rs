@@ -744,6 +744,29 @@ fn interim_states_lead_to_the_result() {
     assert_eq!(pressed.error, unheard.error);
 }
 
+/// A contact that outgrows the lens is known by the punch lattice: nothing is solved in full before it is
+/// refused.
+#[test]
+fn contacts_too_wide_are_refused_early() {
+    let system = intermediate(0.65, 0.0, 0.0);
+    let in_full = std::sync::atomic::AtomicBool::new(false);
+    let listener = |progress: fakir::contact::Progress| {
+        if progress.stage == Stage::Spectral {
+            in_full.store(true, std::sync::atomic::Ordering::Relaxed);
+        }
+    };
+    let run = Run {
+        progress: Some(&listener),
+        ..Run::default()
+    };
+    let refused = fakir::transition(&system, Method::default(), &run).err();
+    assert!(matches!(
+        refused,
+        Some(SolveError::ContactExceedsLens { .. })
+    ));
+    assert!(!in_full.into_inner());
+}
+
 #[test]
 fn memory_is_limited() {
     let system = intermediate(0.1, 0.0, 0.0);

@@ -299,7 +299,7 @@ impl<'a> Newton<'a> {
         purpose: Purpose,
     ) -> Result<Outcome, SolveError> {
         let mut tolerance = FIRST_LINEAR_TOLERANCE;
-        let finest = match purpose {
+        let mut finest = match purpose {
             Purpose::Answer => LINEAR_TOLERANCE,
             Purpose::Start => FIRST_LINEAR_TOLERANCE,
         };
@@ -326,7 +326,8 @@ impl<'a> Newton<'a> {
             let Some((indentation, floor)) = self.close(target) else {
                 // A response to three digits may make the floor recede from the lens where an
                 // exact one does not.
-                if tolerance > finest {
+                if tolerance > LINEAR_TOLERANCE {
+                    finest = LINEAR_TOLERANCE;
                     tolerance = finest;
                     change_of_indentation = 1.0;
                     continue;
