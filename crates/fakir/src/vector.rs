@@ -3,9 +3,8 @@
 //! Results do not depend on the processor: sums are taken in the same order everywhere, and products
 //! are rounded before they are added.
 
+use crate::contact::Run;
 use pulp::Arch;
-use rayon::ThreadPool;
-use rayon::prelude::*;
 use std::ops::{Add, AddAssign, Mul, Sub};
 
 /// Does the work with the widest vectors there are, as far as all that it calls is inlined.
@@ -87,37 +86,29 @@ impl AddAssign for Lanes {
     }
 }
 
-/// Elements of a vector that one thread takes at a time.
+/// Elements of a vector that are summed up together.
 const CHUNK: usize = 16_384;
 
-/// Vectors of fewer elements are not worth sharing.
-const SHARED: usize = 8 * CHUNK;
+/// Chunks a thread takes at a time, at the least.
+const CHUNKS: usize = 4;
 
 /// Vectors whose elements are shared between threads, if they are long and there are threads. Sums are
 /// taken chunk by chunk either way, and so do not depend on that.
 #[derive(Clone, Copy)]
-pub(crate) struct Vectors<'p> {
-    pool: Option<&'p ThreadPool>,
-}
+pub(crate) struct Vectors<'r>(pub(crate) &'r Run<'r>);
 
-impl<'p> Vectors<'p> {
-    pub(crate) fn new(pool: Option<&'p ThreadPool>, length: usize) -> Self {
-        Self {
-            pool: pool.filter(|pool| length >= SHARED && pool.current_num_threads() > 1),
-        }
-    }
-
+impl Vectors<'_> {
     /// Sum of products.
     pub(crate) fn dot(self, a: &[f64], b: &[f64]) -> f64 {
-        match self.pool {
-            Some(pool) => {
-                let chunks = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK));
-                let sums: Vec<f64> =
-                    pool.install(|| chunks.map(|(a, b)| dot_of_chunk(a, b)).collect());
-                sums.iter().sum()
-            }
-            None => dot(a, b),
+        let count = a.len().div_ceil(CHUNK);
+        if count < 2 * CHUNKS {
+            return dot(a, b);
         }
+        let chunk = |(): &mut (), number: usize| {
+            let elements = number * CHUNK..a.len().min((number + 1) * CHUNK);
+            dot_of_chunk(&a[elements.clone()], &b[elements])
+        };
+        self.0.map(count, CHUNKS, || (), chunk).iter().sum()
     }
 
     /// `a -= b`
@@ -144,15 +135,11 @@ impl<'p> Vectors<'p> {
         });
     }
 
-    fn each(self, a: &mut [f64], b: &[f64], one: impl Fn(&mut [f64], &[f64]) + Sync) {
-        match self.pool {
-            Some(pool) => pool.install(|| {
-                a.par_chunks_mut(CHUNK)
-                    .zip(b.par_chunks(CHUNK))
-                    .for_each(|(a, b)| one(a, b));
-            }),
-            None => one(a, b),
-        }
+    fn each(self, a: &mut [f64], b: &[f64], one: impl Fn(&mut [f64], &[f64]) + Sync + Send) {
+        let chunk = |(): &mut (), number: usize, a: &mut [f64]| {
+            one(a, &b[number * CHUNK..][..a.len()]);
+        };
+        self.0.fill(a, CHUNK, CHUNKS, || (), chunk);
     }
 }
 
@@ -211,11 +198,15 @@ mod tests {
     fn every_element_counts_once() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
         let pool = pool.unwrap();
-        for length in [0, 1, 3, 4, 5, 8, 11, SHARED + 7] {
+        for length in [0, 1, 3, 4, 5, 8, 11, 2 * CHUNKS * CHUNK + 7] {
             let a: Vec<f64> = (0..length).map(|k| (k % 97) as f64 + 1.0).collect();
             let squares: f64 = a.iter().map(|x| x * x).sum();
             let sums = [None, Some(&pool)].map(|pool| {
-                let vectors = Vectors::new(pool, length);
+                let run = Run {
+                    pool,
+                    ..Run::default()
+                };
+                let vectors = Vectors(&run);
                 let mut b = a.clone();
                 vectors.add_scaled(&mut b, 2.0, &a);
                 vectors.subtract(&mut b, &a);

@@ -166,7 +166,7 @@ pub(crate) struct Newton<'a> {
     /// Response at the indentation `base`.
     present: Response,
     base: f64,
-    pub(crate) floor: FloorSearch,
+    floor: FloorSearch,
     work: Work,
 }
 
@@ -335,7 +335,7 @@ impl<'a> Newton<'a> {
                 outcome.termination = Termination::Stagnated;
                 return Ok(outcome);
             };
-            change_of_indentation = ((indentation / self.base - 1.0).abs()).clamp(1e-12, 1.0);
+            change_of_indentation = (indentation / self.base - 1.0).abs().clamp(1e-12, 1.0);
             self.rebase(indentation);
             (outcome.indentation, outcome.floor) = (indentation, floor);
             let change = self.local_pass();
@@ -405,7 +405,7 @@ impl<'a> Newton<'a> {
     /// Makes `present` the response at another indentation.
     fn rebase(&mut self, indentation: f64) {
         let change = indentation - self.base;
-        let vectors = Vectors::new(self.run.pool, self.unit.far.len());
+        let vectors = Vectors(self.run);
         let Response { coefficients, far } = &mut self.present;
         vectors.add_scaled(coefficients, change, &self.unit.coefficients);
         vectors.add_scaled(far, change, &self.unit.far);
@@ -492,7 +492,7 @@ impl<'a> Newton<'a> {
         work: &mut Work,
     ) -> Result<bool, SolveError> {
         let Response { coefficients, far } = response;
-        let vectors = Vectors::new(self.run.pool, coefficients.len());
+        let vectors = Vectors(self.run);
         // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
         self.right_side(part, &mut work.load);
         vectors.subtract(&mut work.load, far);

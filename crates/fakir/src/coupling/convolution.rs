@@ -107,12 +107,11 @@ impl LatticeConvolution {
             ranges: window.rows().to_vec(),
             odd,
             kernel: vec![0.0; pair.entry_count() * half * padded.0],
-            tiles: vec![
-                Complex64::default();
-                half.div_ceil(TILE.1) * shape.0.div_ceil(TILE.0) * modes * TILE.0 * TILE.1
-            ],
+            tiles: Vec::new(),
             transforms,
         };
+        let (_, strip) = convolution.lengths();
+        convolution.tiles = vec![Complex64::default(); half.div_ceil(TILE.1) * strip];
         convolution.fill_kernels(pair, run);
         convolution
     }
@@ -344,7 +343,7 @@ impl LatticeConvolution {
     }
 
     fn columns(&mut self, run: &Run<'_>) {
-        let (modes, rows, half) = (self.modes, self.shape.0, self.half);
+        let (modes, rows) = (self.modes, self.shape.0);
         let (tile, strip) = self.lengths();
         let padded = self.padded.0;
         let (least, entries) = (self.least(), self.odd.len());
@@ -406,7 +405,6 @@ impl LatticeConvolution {
                 }
             }
         };
-        debug_assert_eq!(self.tiles.len(), half.div_ceil(TILE.1) * strip);
         run.fill(&mut self.tiles, strip, least, work, one);
     }
 }
