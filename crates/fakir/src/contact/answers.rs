@@ -3,7 +3,7 @@
 use super::estimate::estimate;
 use super::fields::{Disc, Fields, degree_with};
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
-use super::newton::{COSTLY_PILLARS, Degrees, MISMATCH_TOLERANCE, Newton, Purpose, Target};
+use super::newton::{COSTLY_PILLARS, MISMATCH_TOLERANCE, Newton, Purpose, Target};
 use super::problem::Problem;
 use super::run::{CancelToken, Progress, Run, Stage, Termination};
 use super::spectral::{
@@ -163,10 +163,10 @@ fn solve(
             if let Some(listener) = listener {
                 let mut state = assemble(system, problem, target, method, &mut solution, UNKNOWN)?;
                 listener(&state);
-                state.error = refined(&mut solution, target, degrees, run)?;
+                state.error = refined(&mut solution, target, run)?;
                 state
             } else {
-                let error = refined(&mut solution, target, degrees, run)?;
+                let error = refined(&mut solution, target, run)?;
                 assemble(system, problem, target, method, &mut solution, error)?
             }
         }
@@ -249,7 +249,6 @@ pub(crate) fn unknowns_only(
 fn refined(
     solution: &mut Solution<'_>,
     target: Target,
-    degrees: Degrees,
     run: &Run<'_>,
 ) -> Result<ErrorEstimate, SolveError> {
     let termination = solution.outcome.termination;
@@ -262,12 +261,7 @@ fn refined(
         pillars: solution.newton.window.len(),
         touched: solution.newton.touched(),
     });
-    let check_nodes = if degrees.nodes <= 16 {
-        degrees.nodes + 4
-    } else {
-        degrees.nodes - 8
-    };
-    estimate(&mut solution.newton, &solution.outcome, target, check_nodes)
+    estimate(&mut solution.newton, &solution.outcome, target)
 }
 
 /// A state without any contact: the lens above, or just at, the pillar tops.

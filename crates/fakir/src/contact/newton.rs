@@ -201,7 +201,7 @@ impl<'a> Newton<'a> {
     ) -> Self {
         let modes = pair.modes().len();
         let degree = pair.modes().last().map_or(0, |mode| mode.degree);
-        let projector = LensProjector::new(degree);
+        let projector = LensProjector::new(problem, degree);
         let size = window.len() * modes;
         let mut own_load = vec![0.0; size];
         let project = |(): &mut (), pillar: usize, load: &mut [f64]| {

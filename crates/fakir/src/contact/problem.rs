@@ -5,9 +5,20 @@ use crate::disc::basis::{BasisEvaluator, mode_count};
 use crate::quadrature::hemisphere;
 use crate::system::{HexagonalLattice, Lens, Point, System};
 
+/// Lens radius, in pillar radii, below which the sphere differs from a paraboloid over a single pillar top:
+/// by `1/(2R)^2`, so that truncation at degree 2 makes an error of 2e-5 at 8 and 1e-6 here.
+pub(crate) const SMALL_LENS: f64 = 40.0;
+
 /// Degree up to which the lens shape is projected on the modes of a pillar top. The sag is
-/// quadratic over a pillar top but for terms of order `(d/2R)^2`, which degree 4 carries.
-pub(crate) const LOAD_DEGREE: usize = 4;
+/// quadratic over a pillar top but for terms of order `(d/2R)^2`, which degree 4 carries, and of `(d/2R)^4` and
+/// more, which matter for small lenses only.
+fn load_degree(problem: &Problem) -> usize {
+    if problem.lens.radius < SMALL_LENS {
+        8
+    } else {
+        4
+    }
+}
 
 /// A system in scaled units.
 #[derive(Debug, Clone)]
@@ -81,8 +92,8 @@ pub(crate) struct LensProjector {
 }
 
 impl LensProjector {
-    pub(crate) fn new(degree: usize) -> Self {
-        let degree = degree.max(LOAD_DEGREE);
+    pub(crate) fn new(problem: &Problem, degree: usize) -> Self {
+        let degree = degree.max(load_degree(problem));
         let count = mode_count(degree);
         let mut basis = BasisEvaluator::new(degree);
         let rule = hemisphere(degree / 2 + 3, 2 * degree + 5);
@@ -144,7 +155,7 @@ mod tests {
         )
         .unwrap();
         let problem = Problem::new(&system);
-        let projector = LensProjector::new(2);
+        let projector = LensProjector::new(&problem, 2);
         let mut load = vec![0.0; projector.count()];
         projector.project(&problem, [30.0, 40.0], &mut load);
         let expected = -UNIT_FORCE * (2500.0 + 2.0 / 3.0) / (2.0 * radius);

@@ -2,7 +2,7 @@
 //! [`Newton`](super::newton::Newton).
 
 use super::newton::{Degrees, Newton, Outcome, Purpose, Target};
-use super::problem::Problem;
+use super::problem::{Problem, SMALL_LENS};
 use super::run::{Run, Stage};
 use super::{Accuracy, PunchForm, SolveError};
 use crate::coupling::pair::PairCoupling;
@@ -14,19 +14,20 @@ use crate::disc::unilateral::PillarTop;
 /// Largest contact radius over lens radius that is still solved.
 pub(crate) const LARGEST_CONTACT: f64 = 0.5;
 
-/// Degrees for an accuracy: of the coupling, which has to be finer the denser the texture, and
-/// of the nodes on partially touched pillars.
+/// Degrees for an accuracy: of the coupling, which has to be finer the denser the texture and the more the
+/// lens differs from a paraboloid over a pillar top, and of the nodes on partially touched pillars.
 pub(crate) fn degrees(accuracy: Accuracy, problem: &Problem) -> Degrees {
     // Errors of degree p go as pitch^-(2p + 2); at p = 2 they are 3e-7 for phi = 0.2, where the
     // pitch is 4.26 pillar radii.
     let pitch = problem.lattice.pitch;
+    let small_lens = problem.lens.radius < SMALL_LENS;
     match accuracy {
         Accuracy::Default => Degrees {
-            coupling: if pitch > 3.9 { 2 } else { 4 },
+            coupling: if pitch > 3.9 && !small_lens { 2 } else { 4 },
             nodes: 8,
         },
         Accuracy::Accurate => Degrees {
-            coupling: if pitch > 3.0 { 4 } else { 6 },
+            coupling: if pitch > 3.0 && !small_lens { 4 } else { 6 },
             nodes: 32,
         },
     }

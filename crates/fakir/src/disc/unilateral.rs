@@ -28,6 +28,8 @@ const PIVOT_LIMIT: usize = 4000;
 /// A pillar top with a node array: what every pillar shares.
 #[derive(Debug)]
 pub(crate) struct PillarTop {
+    /// Of the node array.
+    degree: usize,
     /// Number of modes, and of nodes.
     count: usize,
     /// Number of leading modes by which pillars act on each other.
@@ -88,6 +90,7 @@ impl PillarTop {
         };
         let bounds = (0..lead.min(count)).map(largest).collect();
         Self {
+            degree,
             count,
             lead,
             bounds,
@@ -96,6 +99,11 @@ impl PillarTop {
             pressures,
             response,
         }
+    }
+
+    /// Degree of the node array.
+    pub(crate) fn degree(&self) -> usize {
+        self.degree
     }
 
     /// Number of modes and of nodes.

@@ -1,0 +1,327 @@
+//! What is asked twice of a system, and by how much the answers differ.
+
+use crate::draw::{Asked, Drawn, load};
+use fakir::contact::{
+    Accuracy, ContactState, ErrorEstimate, Load, Method, PunchForm, Run, SolveError,
+};
+use fakir::love::ElementMesh;
+use fakir::system::{HexagonalLattice, Lens, Material, Pillar, System, Texture};
+use fakir::{Question, verify};
+use std::f64::consts::FRAC_PI_3;
+
+/// Relative rounding error that is nobody's estimate: of sums, and of what was prescribed.
+const ROUNDING: f64 = 1e-12;
+
+/// Systems with more touched pillars are not asked of elements.
+const PILLARS_FOR_ELEMENTS: usize = 20;
+
+/// One system in so many is asked of elements.
+const ELEMENTS_EVERY: u64 = 5;
+
+/// Two answers to the same question.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pair {
+    /// What was asked twice.
+    pub(crate) check: &'static str,
+    /// Relative difference of the answers.
+    pub(crate) difference: f64,
+    /// Sum of the estimates.
+    pub(crate) allowed: f64,
+}
+
+impl Pair {
+    /// Difference over what the estimates allow.
+    pub(crate) fn ratio(&self) -> f64 {
+        self.difference / (self.allowed + ROUNDING)
+    }
+}
+
+/// Everything found about a system.
+#[derive(Debug, Default)]
+pub(crate) struct Findings {
+    pub(crate) pairs: Vec<Pair>,
+    /// Answers, and those of them that did not converge.
+    pub(crate) answers: usize,
+    pub(crate) unconverged: usize,
+    /// Numbers that are none, and other things that must never be.
+    pub(crate) faults: Vec<String>,
+    /// The verdict of elements, if they were asked.
+    pub(crate) verdict: Option<bool>,
+    /// Why there is no answer.
+    pub(crate) refused: bool,
+    /// Claimed errors of the two accuracies.
+    pub(crate) claimed: Option<[f64; 2]>,
+    pub(crate) touched: [usize; 2],
+}
+
+impl Findings {
+    pub(crate) fn lines(&self) -> Vec<String> {
+        let pairs = self.pairs.iter().map(|pair| {
+            format!(
+                "{:32} {:10.2e} allowed {:10.2e} ratio {:8.3}",
+                pair.check,
+                pair.difference,
+                pair.allowed,
+                pair.ratio()
+            )
+        });
+        let faults = self.faults.iter().cloned();
+        let rest = format!(
+            "{} answers, {} not converged, refused {}, verdict {:?}, claimed {:?}, touched {:?}",
+            self.answers, self.unconverged, self.refused, self.verdict, self.claimed, self.touched
+        );
+        pairs.chain(faults).chain([rest]).collect()
+    }
+
+    /// Takes an answer in: looks at its numbers. `None` if there is none to compare.
+    fn take(&mut self, answer: Result<ContactState, SolveError>) -> Option<ContactState> {
+        match answer {
+            Ok(state) => {
+                self.answers += 1;
+                self.look(&state);
+                if state.converged() {
+                    return Some(state);
+                }
+                self.unconverged += 1;
+                None
+            }
+            Err(SolveError::ContactExceedsLens { .. }) => {
+                self.refused = true;
+                None
+            }
+            Err(error) => {
+                self.faults.push(format!("refused: {error}"));
+                None
+            }
+        }
+    }
+
+    fn look(&mut self, state: &ContactState) {
+        let ErrorEstimate {
+            force, indentation, ..
+        } = state.error;
+        let numbers = [
+            ("force", state.force),
+            ("indentation", state.indentation),
+            ("contact radius", state.contact_radius),
+            ("error of the force", force),
+            ("error of the indentation", indentation),
+            ("smallest floor gap", state.smallest_floor_gap),
+        ];
+        for (name, number) in numbers {
+            if !number.is_finite() || (number < 0.0 && name != "smallest floor gap") {
+                self.faults.push(format!("{name} is {number}"));
+            }
+        }
+        let sum: f64 = state.pillars.iter().map(|pillar| pillar.force).sum();
+        if state.converged() && (sum - state.force).abs() > 1e-9 * state.force {
+            self.faults
+                .push(format!("pillars bear {sum:e} of {:e}", state.force));
+        }
+    }
+
+    /// Compares force and indentation.
+    fn compare(&mut self, checks: [&'static str; 2], one: &ContactState, other: &ContactState) {
+        let values = [
+            (one.force, other.force, one.error.force, other.error.force),
+            (
+                one.indentation,
+                other.indentation,
+                one.error.indentation,
+                other.error.indentation,
+            ),
+        ];
+        for (check, (one, other, error, other_error)) in checks.into_iter().zip(values) {
+            let scale = one.abs().max(other.abs());
+            if scale > 0.0 && (one.to_bits() != other.to_bits()) {
+                self.pairs.push(Pair {
+                    check,
+                    difference: (one - other).abs() / scale,
+                    // Each estimate is of its own value.
+                    allowed: (error * one.abs() + other_error * other.abs()) / scale,
+                });
+            }
+        }
+    }
+}
+
+/// Asks all that is asked of a system.
+pub(crate) fn examine(drawn: &Drawn) -> Findings {
+    let mut findings = Findings::default();
+    let run = Run::default();
+    let system = &drawn.system;
+    let force = match drawn.asked {
+        Asked::ForceNear(indentation) => {
+            let method = Method::Punch(PunchForm::Corrected);
+            let near = fakir::press(system, Load::Indentation(indentation), method, &run);
+            match findings.take(near) {
+                Some(state) => state.force,
+                None => return findings,
+            }
+        }
+        _ => 0.0,
+    };
+    let load = load(drawn.asked, force);
+    let ask = |system: &System, accuracy| {
+        let method = Method::Spectral(accuracy);
+        match load {
+            None => fakir::transition(system, method, &run).map(|critical| critical.contact),
+            Some(load) => fakir::press(system, load, method, &run),
+        }
+    };
+    let Some(state) = findings.take(ask(system, Accuracy::Default)) else {
+        return findings;
+    };
+    findings.touched = [state.pillars_in_contact, state.pillars_partially_in_contact];
+    if let Some(accurate) = findings.take(ask(system, Accuracy::Accurate)) {
+        findings.compare(
+            ["accuracies, force", "accuracies, indentation"],
+            &state,
+            &accurate,
+        );
+        findings.claimed = Some([
+            state.error.force.max(state.error.indentation),
+            accurate.error.force.max(accurate.error.indentation),
+        ]);
+    }
+    let angle = system.lattice().offset_angle;
+    for (copy, checks) in [
+        (
+            angle + FRAC_PI_3,
+            ["turned copy, force", "turned copy, indentation"],
+        ),
+        (
+            -angle,
+            ["mirrored copy, force", "mirrored copy, indentation"],
+        ),
+    ] {
+        if let Some(copy) = findings.take(ask(&turned_to(system, copy), Accuracy::Default)) {
+            findings.compare(checks, &state, &copy);
+        }
+    }
+    units(drawn, load, &state, &mut findings);
+    if let Some(Load::Indentation(indentation)) = load
+        && state.force > 0.0
+    {
+        let press = |load| fakir::press(system, load, Method::default(), &run);
+        if let Some(back) = findings.take(press(Load::Force(state.force))) {
+            let checks = ["force and back, force", "force and back, indentation"];
+            let state = with_error_of(&state, &back);
+            findings.compare(checks, &state, &back);
+        }
+        let deeper = press(Load::Indentation(1.01 * indentation));
+        if let Some(deeper) = findings.take(deeper) {
+            let slack = state.error.force * state.force + deeper.error.force * deeper.force;
+            findings.pairs.push(Pair {
+                check: "force grows with indentation",
+                difference: (state.force - deeper.force).max(0.0) / state.force,
+                allowed: slack / state.force,
+            });
+        }
+    }
+    let asked_of_elements = drawn.number.is_multiple_of(ELEMENTS_EVERY)
+        && state.force > 0.0
+        && state.pillars_in_contact <= PILLARS_FOR_ELEMENTS;
+    if asked_of_elements {
+        elements(system, load, &mut findings);
+    }
+    findings
+}
+
+/// The error of a force at a given indentation is one of the indentation at a given force.
+fn with_error_of(state: &ContactState, back: &ContactState) -> ContactState {
+    let mut state = state.clone();
+    state.error.indentation = state.error.force.min(1.0);
+    state.error.force = back.error.force;
+    state
+}
+
+/// The same system in other units: lengths and moduli times powers of two give the same digits.
+fn units(drawn: &Drawn, load: Option<Load>, state: &ContactState, findings: &mut Findings) {
+    const LENGTH: f64 = 1024.0;
+    const MODULUS: f64 = 0.0625;
+    let system = &drawn.system;
+    let scaled = |material: &Material| Material {
+        young_modulus: material.young_modulus * MODULUS,
+        ..*material
+    };
+    let pillar = system.pillar();
+    let larger = System::new(
+        Lens {
+            radius: system.lens().radius * LENGTH,
+            material: scaled(&system.lens().material),
+        },
+        scaled(system.substrate()),
+        Texture {
+            pillar: Pillar {
+                diameter: pillar.diameter * LENGTH,
+                height: pillar.height * LENGTH,
+                ..*pillar
+            },
+            lattice: HexagonalLattice {
+                pitch: system.lattice().pitch * LENGTH,
+                ..*system.lattice()
+            },
+        },
+    )
+    .expect("as valid as before");
+    let force = LENGTH * LENGTH * MODULUS;
+    let method = Method::default();
+    let run = Run::default();
+    let answer = match load {
+        None => fakir::transition(&larger, method, &run).map(|critical| critical.contact),
+        Some(Load::Indentation(indentation)) => fakir::press(
+            &larger,
+            Load::Indentation(indentation * LENGTH),
+            method,
+            &run,
+        ),
+        Some(Load::Force(f)) => fakir::press(&larger, Load::Force(f * force), method, &run),
+    };
+    if let Some(other) = findings.take(answer) {
+        for (check, one, other) in [
+            ("other units, force", state.force * force, other.force),
+            (
+                "other units, indentation",
+                state.indentation * LENGTH,
+                other.indentation,
+            ),
+        ] {
+            if one.to_bits() != other.to_bits() {
+                findings.pairs.push(Pair {
+                    check,
+                    difference: (other / one - 1.0).abs(),
+                    allowed: 0.0,
+                });
+            }
+        }
+    }
+}
+
+fn elements(system: &System, load: Option<Load>, findings: &mut Findings) {
+    let question = load.map_or(Question::Transition, Question::Press);
+    match verify(system, question, ElementMesh::default(), &Run::default()) {
+        Ok(verification) => {
+            findings.verdict = Some(verification.agrees());
+            for (check, difference) in [
+                ("elements, force", verification.force),
+                ("elements, indentation", verification.indentation),
+            ] {
+                findings.pairs.push(Pair {
+                    check,
+                    difference: difference.relative.abs(),
+                    allowed: difference.allowed,
+                });
+            }
+        }
+        Err(error) => findings.faults.push(format!("elements refused: {error}")),
+    }
+}
+
+fn turned_to(system: &System, offset_angle: f64) -> System {
+    let lattice = HexagonalLattice {
+        offset_angle,
+        ..*system.lattice()
+    };
+    system.with_lattice(lattice).expect("as valid as before")
+}

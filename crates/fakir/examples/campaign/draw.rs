@@ -1,0 +1,216 @@
+//! Random systems and questions, over all that is allowed.
+
+use fakir::contact::Load;
+use fakir::system::{
+    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
+};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::f64::consts::{FRAC_PI_6, PI, TAU};
+
+/// Pillars under the contact, as far as can be told beforehand, above which another system is drawn:
+/// every system is solved some ten times.
+const MOST_PILLARS: f64 = 400.0;
+
+/// What is asked of a system.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Asked {
+    Transition,
+    Indentation(f64),
+    /// The force, of the same order as at this indentation.
+    ForceNear(f64),
+}
+
+/// A system with its question.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drawn {
+    pub(crate) seed: u64,
+    pub(crate) number: u64,
+    pub(crate) system: System,
+    pub(crate) asked: Asked,
+}
+
+impl Drawn {
+    /// The system of a seed and a number: the same every time.
+    pub(crate) fn new(seed: u64, number: u64) -> Self {
+        let mut random = Random(ChaCha8Rng::seed_from_u64(seed));
+        random.0.set_stream(number);
+        loop {
+            let system = random.system();
+            let asked = random.asked(&system);
+            if expected_pillars(&system, asked) < MOST_PILLARS {
+                return Self {
+                    seed,
+                    number,
+                    system,
+                    asked,
+                };
+            }
+        }
+    }
+
+    /// As a case file, and how to ask the question on the command line.
+    pub(crate) fn case_file(&self) -> String {
+        let system = &self.system;
+        let (lens, pillar, lattice) = (system.lens(), system.pillar(), system.lattice());
+        let compliance = match pillar.compliance {
+            PillarCompliance::Column => "column",
+            PillarCompliance::None => "none",
+        };
+        format!(
+            "# seed {}, system {}: {:?}\n[lens]\nradius = {:e}\nyoung_modulus = {:e}\npoisson_ratio = {}\n\
+             [substrate]\nyoung_modulus = {:e}\npoisson_ratio = {}\n\
+             [texture]\nlattice = \"hexagonal\"\npitch = {:e}\noffset = {}\noffset_angle = {}\n\
+             [texture.pillar]\ndiameter = {:e}\nheight = {:e}\ncompliance = \"{compliance}\"\n",
+            self.seed,
+            self.number,
+            self.asked,
+            lens.radius,
+            lens.material.young_modulus,
+            lens.material.poisson_ratio,
+            system.substrate().young_modulus,
+            system.substrate().poisson_ratio,
+            lattice.pitch,
+            lattice.offset,
+            lattice.offset_angle,
+            pillar.diameter,
+            pillar.height,
+        )
+    }
+}
+
+struct Random(ChaCha8Rng);
+
+impl Random {
+    /// Between 0 and 1.
+    fn unit(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// A number whose logarithm is uniform.
+    fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
+        self.uniform(low.ln(), high.ln()).exp()
+    }
+
+    fn one_in(&mut self, many: f64) -> bool {
+        self.unit() * many < 1.0
+    }
+
+    fn poisson_ratio(&mut self) -> f64 {
+        if self.one_in(2.0) {
+            0.5
+        } else {
+            self.uniform(0.0, 0.5)
+        }
+    }
+
+    fn system(&mut self) -> System {
+        let diameter = self.logarithmic(1e-7, 1e-4);
+        let modulus = self.logarithmic(1e3, 1e12);
+        let substrate = modulus * self.logarithmic(1e-6, 1e6);
+        let [lens, substrate] =
+            [modulus, substrate].map(|modulus| Material::new(modulus, self.poisson_ratio()));
+        let radius = diameter * self.logarithmic(4.0, 1e5);
+        let height = diameter * self.logarithmic(0.01, 10.0);
+        let surface_fraction = self.logarithmic(3e-5, 0.6);
+        let (offset, offset_angle) = self.landing();
+        let compliance = if self.one_in(2.0) {
+            PillarCompliance::None
+        } else {
+            PillarCompliance::Column
+        };
+        let lens = Lens {
+            radius,
+            material: lens,
+        };
+        let texture = Texture {
+            pillar: Pillar {
+                diameter,
+                height: height.min(0.5 * radius),
+                compliance,
+            },
+            lattice: HexagonalLattice {
+                offset,
+                offset_angle,
+                ..HexagonalLattice::with_surface_fraction(surface_fraction, diameter)
+            },
+        };
+        System::new(lens, substrate, texture).expect("drawn within what is allowed")
+    }
+
+    /// Offset in pitches and its angle: the sites of symmetry, just beside them, or anywhere.
+    fn landing(&mut self) -> (f64, f64) {
+        const SITES: [(f64, f64); 6] = [
+            (0.0, 0.0),
+            (0.866_025_403_784_438_6, 0.0),
+            (0.5, FRAC_PI_6),
+            (0.577_350_269_189_625_8, 0.0),
+            (0.333_333_333_333_333_3, 0.0),
+            (1.0, FRAC_PI_6),
+        ];
+        if self.one_in(2.0) {
+            return (self.unit(), self.uniform(0.0, TAU));
+        }
+        let (offset, angle) = SITES[self.uniform(0.0, 6.0) as usize];
+        if self.one_in(2.0) {
+            let by = self.logarithmic(1e-12, 1e-2);
+            return (offset + by, angle + by);
+        }
+        (offset, angle)
+    }
+
+    fn asked(&mut self, system: &System) -> Asked {
+        if self.one_in(2.0) {
+            return Asked::Transition;
+        }
+        let first_touch = system.lens().sag(nearest_edge(system));
+        let reach = system.lattice().pitch * self.logarithmic(0.05, 6.0);
+        let radius = system.lens().radius;
+        // Light touches are the hardest: the contact is a sliver of one pillar top.
+        let lightly = self.one_in(4.0) && first_touch > 0.0 && first_touch.is_finite();
+        let indentation = if lightly {
+            first_touch * (1.0 + self.logarithmic(1e-4, 1.0))
+        } else {
+            first_touch.min(radius) + 0.5 * reach * reach / radius
+        };
+        if self.one_in(2.0) {
+            Asked::Indentation(indentation)
+        } else {
+            Asked::ForceNear(indentation)
+        }
+    }
+}
+
+/// Distance from the lens axis of the nearest point of a pillar top.
+pub(crate) fn nearest_edge(system: &System) -> f64 {
+    let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
+    let [x, y]: Point = system.lattice().centre(i, j);
+    (x.hypot(y) - 0.5 * system.pillar().diameter).max(0.0)
+}
+
+/// Pillars under a contact of the radius that the undeformed lens has at the indentation, or, at the
+/// transition, of the paper's `e sqrt(1 + (R h/e^2)^2)`; none where the contact outgrows the lens.
+fn expected_pillars(system: &System, asked: Asked) -> f64 {
+    let lattice = system.lattice();
+    let (lens, pitch) = (system.lens().radius, lattice.pitch);
+    let contact = match asked {
+        Asked::Transition => pitch.hypot(lens * system.pillar().height / pitch),
+        Asked::Indentation(indentation) | Asked::ForceNear(indentation) => {
+            (2.0 * indentation * lens).sqrt()
+        }
+    };
+    PI * contact.min(0.6 * lens).powi(2) / lattice.cell_area()
+}
+
+/// The load of a question about a force that is meant.
+pub(crate) fn load(asked: Asked, force: f64) -> Option<Load> {
+    match asked {
+        Asked::Transition => None,
+        Asked::Indentation(indentation) => Some(Load::Indentation(indentation)),
+        Asked::ForceNear(_) => Some(Load::Force(force)),
+    }
+}

@@ -1,0 +1,141 @@
+//! The sum of a campaign: histograms of error over estimate, and the worst systems.
+
+use crate::checks::Findings;
+use crate::draw::Drawn;
+use std::collections::BTreeMap;
+
+/// Upper ends of the classes of error over estimate.
+const CLASSES: [f64; 7] = [1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, f64::INFINITY];
+
+/// Share of the pairs that estimates have to cover.
+const COVERED: f64 = 0.995;
+
+/// Error over estimate that nothing may exceed.
+const FARTHEST: f64 = 3.0;
+
+/// Share of the answers that have to converge.
+const CONVERGED: f64 = 0.99;
+
+/// Share of the verdicts of elements that may disagree.
+const DISAGREEING: f64 = 0.005;
+
+/// Worst systems that are printed.
+const WORST: usize = 12;
+
+#[derive(Default)]
+pub(crate) struct Report {
+    histograms: BTreeMap<&'static str, [usize; CLASSES.len()]>,
+    systems: usize,
+    refused: usize,
+    answers: usize,
+    unconverged: usize,
+    verdicts: usize,
+    disagreeing: usize,
+    faults: Vec<String>,
+    /// Ratio, and what it is of.
+    worst: Vec<(f64, String)>,
+    /// Claimed errors of both accuracies.
+    claimed: [Vec<f64>; 2],
+}
+
+impl Report {
+    pub(crate) fn add(&mut self, drawn: &Drawn, findings: &Findings) {
+        self.systems += 1;
+        self.refused += usize::from(findings.refused);
+        self.answers += findings.answers;
+        self.unconverged += findings.unconverged;
+        if let Some(agrees) = findings.verdict {
+            self.verdicts += 1;
+            self.disagreeing += usize::from(!agrees);
+        }
+        for fault in &findings.faults {
+            self.faults
+                .push(format!("system {}: {fault}", drawn.number));
+        }
+        for pair in &findings.pairs {
+            let ratio = pair.ratio();
+            // Not even infinity is below the last class for what is no number.
+            let class = CLASSES.iter().position(|end| ratio <= *end);
+            let class = class.unwrap_or(CLASSES.len() - 1);
+            self.histograms.entry(pair.check).or_default()[class] += 1;
+            if ratio.is_nan() || ratio > 1.0 {
+                let text = format!(
+                    "system {:5} {:28} differs by {:.2e}, allowed {:.2e}; touched {:?}",
+                    drawn.number, pair.check, pair.difference, pair.allowed, findings.touched
+                );
+                self.worst.push((ratio, text));
+            }
+        }
+        if let Some(claimed) = findings.claimed {
+            for (list, value) in self.claimed.iter_mut().zip(claimed) {
+                list.push(value);
+            }
+        }
+    }
+
+    fn pairs(&self) -> usize {
+        self.histograms.values().flatten().sum()
+    }
+
+    fn beyond(&self, classes: usize) -> usize {
+        let last = CLASSES.len() - classes;
+        self.histograms.values().flat_map(|h| &h[last..]).sum()
+    }
+
+    pub(crate) fn holds(&self) -> bool {
+        let share = |part: usize, whole: usize| part as f64 <= (1.0 - COVERED) * whole as f64;
+        self.faults.is_empty()
+            && share(self.beyond(2), self.pairs())
+            && self.beyond(1) == 0
+            && self.unconverged as f64 <= (1.0 - CONVERGED) * self.answers as f64
+            && self.disagreeing as f64 <= DISAGREEING * self.verdicts as f64
+    }
+
+    pub(crate) fn print(&mut self) {
+        println!(
+            "{} refused, {} answers, {} of them not converged; elements disagree in {} of {}",
+            self.refused, self.answers, self.unconverged, self.disagreeing, self.verdicts
+        );
+        println!("\nerror over estimate");
+        print!("{:30}", "");
+        for end in CLASSES {
+            print!("{:>8}", format!("<={end}"));
+        }
+        println!();
+        for (check, histogram) in &self.histograms {
+            print!("{check:30}");
+            for count in histogram {
+                print!("{count:>8}");
+            }
+            println!();
+        }
+        let pairs = self.pairs();
+        let covered = pairs - self.beyond(2);
+        println!(
+            "\n{covered} of {pairs} pairs within their estimates ({:.2} %, asked {:.1} %), {} beyond {FARTHEST} times",
+            100.0 * covered as f64 / pairs.max(1) as f64,
+            100.0 * COVERED,
+            self.beyond(1),
+        );
+        for (name, claimed) in ["default", "accurate"].into_iter().zip(&mut self.claimed) {
+            claimed.sort_by(f64::total_cmp);
+            let at = |part: f64| {
+                let place = (part * claimed.len() as f64) as usize;
+                claimed.get(place).copied().unwrap_or(f64::NAN)
+            };
+            println!(
+                "claimed by {name}: median {:.1e}, nine in ten below {:.1e}, 99 in 100 below {:.1e}",
+                at(0.5),
+                at(0.9),
+                at(0.99)
+            );
+        }
+        self.worst.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (ratio, text) in self.worst.iter().take(WORST) {
+            println!("{ratio:10.2} {text}");
+        }
+        for fault in self.faults.iter().take(WORST) {
+            println!("fault: {fault}");
+        }
+    }
+}
