@@ -9,14 +9,18 @@ use crate::coupling::pair::PairCoupling;
 use crate::coupling::window::Window;
 use crate::disc::basis::mode_count;
 use crate::disc::exterior::Exterior;
-use crate::disc::unilateral::{LocalSolver, PillarTop};
+use crate::disc::unilateral::{LocalSolver, PillarTop, Resolution};
 use crate::love::{Cells, FreeSpaceConvolution, Grid, Operator};
 use crate::system::HexagonalLattice;
 use crate::vector::{LANES, Lanes, widest};
 
 /// Degree of the coupling of the spectral method, and its nodes.
 const DEGREE: usize = 2;
-const NODES: usize = 8;
+const TOPS: Resolution = Resolution {
+    nodes: 8,
+    turn: 0.0,
+    rings: 10,
+};
 
 /// The lattice at a surface fraction of 0.2, in pillar radii.
 fn lattice() -> HexagonalLattice {
@@ -68,7 +72,7 @@ fn loads() -> impl Iterator<Item = [f64; 6]> {
 
 /// Solutions of one pillar that the edge of the contact crosses, with their derivatives.
 fn one_pillar() -> f64 {
-    let top = PillarTop::new(NODES, DEGREE, 0.5, 0.0);
+    let top = PillarTop::new(TOPS, DEGREE, 0.5);
     let mut solver = LocalSolver::new(&top);
     let modes = mode_count(DEGREE);
     let (mut c, mut derivative) = (vec![0.0; modes], vec![0.0; modes * modes]);
@@ -177,7 +181,7 @@ fn product_limit(pillars: f64) -> Limit {
 
 /// The problems of [`one_pillar`].
 fn one_pillar_limit() -> Limit {
-    let top = PillarTop::new(NODES, DEGREE, 0.5, 0.0);
+    let top = PillarTop::new(TOPS, DEGREE, 0.5);
     let mut solver = LocalSolver::new(&top);
     let (nodes, modes) = (top.count() as f64, mode_count(DEGREE) as f64);
     let mut operations = 0.0;

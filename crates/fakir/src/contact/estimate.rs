@@ -18,7 +18,7 @@ use super::{ErrorEstimate, PillarStatus, SolveError};
 use crate::coupling::pair::PairCoupling;
 use crate::disc::basis::{compliances, mode_count};
 use crate::disc::exterior::Exterior;
-use crate::disc::unilateral::{LocalSolver, PillarTop};
+use crate::disc::unilateral::{LocalSolver, PillarTop, Resolution};
 use crate::system::Point;
 use crate::vector::widest;
 use std::f64::consts::PI;
@@ -153,20 +153,27 @@ fn adjoints(
     })
 }
 
-/// Node arrays that partially touched pillars are solved on again: degree, and by how much the array
-/// is turned, rad.
+/// How partially touched pillars are resolved again.
 ///
 /// The error of a node array depends on where the edge of the contact falls between its nodes, so that one
 /// other array may happen to err alike. Three do not. Where pillars are many, their errors average out, and
-/// the first array is enough.
-pub(crate) fn check_arrays(nodes: usize, partial: usize) -> Vec<(usize, f64)> {
-    let arrays = if nodes <= 16 {
-        [(nodes + 4, 0.0), (nodes + 4, PI), (nodes + 2, 0.3)]
+/// the first is enough.
+fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
+    let nodes = tops.nodes;
+    let [larger, smaller] = if nodes <= 16 {
+        [nodes + 4, nodes + 2]
     } else {
-        [(nodes - 8, 0.0), (nodes - 8, PI), (nodes - 4, 0.3)]
+        [nodes - 8, nodes - 4]
     };
+    // Coarser cells differ by more than what is left.
+    let others = [
+        (larger, 0.0, tops.rings / 2),
+        (larger, PI, tops.rings / 2),
+        (smaller, 0.3, 2 * tops.rings / 3),
+    ];
     let count = if partial <= FEW_PILLARS { 3 } else { 1 };
-    arrays[..count].to_vec()
+    let of = |(nodes, turn, rings)| Resolution { nodes, turn, rings };
+    others.into_iter().take(count).map(of).collect()
 }
 
 /// Partially touched pillars up to which each is checked on several node arrays.
@@ -188,13 +195,9 @@ fn node_changes(
     }
     let mut of_pillars = vec![[0.0_f64; 2]; partial.len()];
     let mut largest_sum = [0.0_f64; 2];
-    for (degree, turn) in check_arrays(newton.top.degree(), partial.len()) {
-        let top = PillarTop::new(
-            degree,
-            newton.degree(),
-            newton.problem.column_compliance_ratio,
-            turn,
-        );
+    for resolution in other_resolutions(newton.top.resolution(), partial.len()) {
+        let ratio = newton.problem.column_compliance_ratio;
+        let top = PillarTop::new(resolution, newton.degree(), ratio);
         let work = || (LocalSolver::new(&top), vec![0.0; modes]);
         let one = |(solver, refined): &mut (LocalSolver, Vec<f64>), number: usize| {
             let pillar = partial[number];

@@ -1,6 +1,7 @@
 //! Displacement, gap and pressure at any point of a contact state.
 
 use super::problem::Problem;
+pub(super) use crate::disc::basis::degree_with;
 use crate::disc::basis::{BasisEvaluator, compliances};
 use crate::disc::exterior::Exterior;
 use crate::system::{HexagonalLattice, Point};
@@ -220,11 +221,4 @@ impl Fields {
         }
         density / (1.0 - rho_squared).sqrt() * self.problem.pressure
     }
-}
-
-/// The degree whose modes are that many.
-pub(crate) fn degree_with(count: usize) -> usize {
-    (0..)
-        .find(|&degree| crate::disc::basis::mode_count(degree) >= count)
-        .unwrap_or(0)
 }

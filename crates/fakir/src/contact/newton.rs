@@ -18,7 +18,8 @@ use crate::coupling::pair::PairCoupling;
 use crate::coupling::window::Window;
 use crate::disc::basis::UNIT_FORCE;
 use crate::disc::exterior::Exterior;
-use crate::disc::unilateral::{LocalSolver, PillarTop};
+use crate::disc::rim::Rim;
+use crate::disc::unilateral::{LocalSolver, PillarTop, Resolution};
 use crate::system::Point;
 use crate::vector::{Vectors, add_scaled, dot, subtract};
 
@@ -72,7 +73,7 @@ pub(crate) enum Target {
 #[derive(Debug, Clone)]
 struct Partial {
     pillar: usize,
-    /// Nodes without pressure.
+    /// Nodes without pressure, or cells with it.
     active: Vec<bool>,
     /// `P`, row by row.
     derivative: Vec<f64>,
@@ -135,12 +136,12 @@ pub(crate) enum Purpose {
 }
 
 /// Degrees of the discretisation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Degrees {
     /// Modes by which pillars act on each other.
     pub(crate) coupling: usize,
-    /// Nodes of the unilateral condition (even).
-    pub(crate) nodes: usize,
+    /// Of the unilateral condition.
+    pub(crate) tops: Resolution,
 }
 
 /// All pillars of a window with their statuses and responses.
@@ -730,11 +731,11 @@ impl<'a> Newton<'a> {
     }
 
     fn statuses(&self) -> Vec<PillarStatus> {
-        let load = || vec![0.0; self.modes];
+        let work = || (vec![0.0; self.modes], Rim::new(self.degree()));
         let count = self.window.len();
-        self.run.map(count, PILLARS, load, |load, pillar| {
+        self.run.map(count, PILLARS, work, |(load, rim), pillar| {
             self.load(pillar, load);
-            self.top.status(load)
+            self.top.status(load, rim)
         })
     }
 

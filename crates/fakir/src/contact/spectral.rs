@@ -9,7 +9,7 @@ use crate::coupling::pair::PairCoupling;
 use crate::coupling::window::Window;
 use crate::coupling::{self};
 use crate::disc::basis::mode_count;
-use crate::disc::unilateral::PillarTop;
+use crate::disc::unilateral::{PillarTop, Resolution};
 
 /// Largest contact radius over lens radius that is still solved.
 pub(crate) const LARGEST_CONTACT: f64 = 0.5;
@@ -24,11 +24,19 @@ pub(crate) fn degrees(accuracy: Accuracy, problem: &Problem) -> Degrees {
     match accuracy {
         Accuracy::Default => Degrees {
             coupling: if pitch > 3.9 && !small_lens { 2 } else { 4 },
-            nodes: 8,
+            tops: Resolution {
+                nodes: 8,
+                turn: 0.0,
+                rings: 10,
+            },
         },
         Accuracy::Accurate => Degrees {
             coupling: if pitch > 3.0 && !small_lens { 4 } else { 6 },
-            nodes: 32,
+            tops: Resolution {
+                nodes: 32,
+                turn: 0.0,
+                rings: 20,
+            },
         },
     }
 }
@@ -40,6 +48,17 @@ pub(crate) struct Solution<'a> {
     /// Newton steps of all stages.
     pub(crate) steps: usize,
 }
+
+/// Touched pillars above which slivers along rims are left to the nodes: the share of the force that they
+/// bear no longer shows.
+const FEW_PILLARS: usize = 20;
+
+/// Of pillars that are touched at their centre or not at all.
+const CENTRES: Resolution = Resolution {
+    nodes: 0,
+    turn: 0.0,
+    rings: 0,
+};
 
 /// Solves the punch lattice, in which pillars are touched or not as a whole.
 pub(crate) fn solve_punch<'a>(
@@ -61,7 +80,7 @@ pub(crate) fn solve_punch<'a>(
     loop {
         let radius_used = limited(problem, radius);
         let window = checked_window(problem, radius_used, 1, run)?;
-        let top = PillarTop::new(0, 0, problem.column_compliance_ratio, 0.0);
+        let top = PillarTop::new(CENTRES, 0, problem.column_compliance_ratio);
         let mut newton = Newton::new(problem, run, Stage::Punch, window, &pair, top);
         if form == PunchForm::Plain {
             newton.load_at_centres();
@@ -97,12 +116,11 @@ pub(crate) fn solve_spectral<'a>(
     let mut radius = coarse.reach() + 1.5 * problem.lattice.pitch;
     loop {
         let window = checked_window(problem, limited(problem, radius), modes, run)?;
-        let top = PillarTop::new(
-            degrees.nodes,
-            degrees.coupling,
-            problem.column_compliance_ratio,
-            0.0,
-        );
+        let mut tops = degrees.tops;
+        if coarse.touched() > FEW_PILLARS {
+            tops.rings = 0;
+        }
+        let top = PillarTop::new(tops, degrees.coupling, problem.column_compliance_ratio);
         let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
         newton.start_from(&coarse);
         let outcome = newton.solve(target, Purpose::Answer)?;

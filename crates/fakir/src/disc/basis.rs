@@ -29,6 +29,13 @@ pub(crate) const fn mode_count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
+/// The degree whose modes are that many, or the lowest of more.
+pub(crate) fn degree_with(count: usize) -> usize {
+    (0..)
+        .find(|&degree| mode_count(degree) >= count)
+        .unwrap_or(0)
+}
+
 /// All modes up to `degree`, by rising degree: a lower degree is a leading block.
 pub(crate) fn modes(degree: usize) -> Vec<Mode> {
     let mut modes = Vec::with_capacity(mode_count(degree));

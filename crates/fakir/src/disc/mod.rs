@@ -9,6 +9,7 @@
 //! * [`exterior`]: the displacement outside the disc;
 //! * [`nodes`]: the points at which `q >= 0` is asked for;
 //! * [`unilateral`]: the pressure on one pillar top under a given load, with `q >= 0`;
+//! * [`rim`]: a sliver of contact at its rim, by elements;
 //! * [`patch`]: a contact that lies wholly inside one pillar top.
 
 pub(crate) mod basis;
@@ -16,5 +17,7 @@ mod cholesky;
 pub(crate) mod exterior;
 pub(crate) mod nodes;
 pub(crate) mod patch;
+mod pivoting;
+pub(crate) mod rim;
 pub(crate) mod special;
 pub(crate) mod unilateral;

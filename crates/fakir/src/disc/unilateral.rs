@@ -4,32 +4,38 @@
 //! projected on the modes), the pressure minimises `1/2 c' Lam c - c' b` under `q >= 0` at the
 //! nodes of [`bos_array`]. With `V` the modes at the nodes the dual problem is a linear
 //! complementarity problem with the matrix `G = V Lam^-1 V'`, the same for every pillar:
-//! `c = Lam^-1 (b + V' s)`, `q = V Lam^-1 b + G s`, `q >= 0`, `s >= 0`, `q's = 0`. It is solved by
-//! block principal pivoting with Murty's rule as the finite fallback (J. J. Júdice, F. M.
-//! Pires, Comput. Oper. Res. 21, 587 (1994)).
+//! `c = Lam^-1 (b + V' s)`, `q = V Lam^-1 b + G s`, `q >= 0`, `s >= 0`, `q's = 0`, solved by
+//! [block principal pivoting](super::pivoting).
+//!
+//! A sliver of contact along the rim lies between the nodes; it is solved on [cells](super::rim) instead.
 
-use super::basis::{BasisEvaluator, compliances, mode_count};
-use super::cholesky::{factorise, solve_lower, solve_upper};
+use super::basis::{BasisEvaluator, compliances, degree_with, mode_count};
 use super::nodes::bos_array;
+use super::pivoting::{PivotSolver, Pivoting};
+use super::rim::{Rim, RimSolver, Sliver};
 use crate::contact::PillarStatus;
-use crate::vector::{add_scaled, dot};
+use crate::vector::dot;
 
 /// A pressure may be this far below zero at a node, relative to the largest unconstrained
 /// value: rounding of the node values, not tension.
 const PRESSURE_TOLERANCE: f64 = 1e-11;
 
-/// Steps without fewer violations before pivoting one index at a time.
-const PATIENCE: usize = 5;
-
-/// Pivoting steps after which the local problem counts as not converged. Murty's rule is
-/// finite but may be long; the longest seen at degree 32 is some hundred.
-const PIVOT_LIMIT: usize = 4000;
+/// How finely a partially touched pillar top is resolved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Resolution {
+    /// Degree of the node array (even), which is that of the modes.
+    pub(crate) nodes: usize,
+    /// By how much the node array is turned, rad.
+    pub(crate) turn: f64,
+    /// Rings of cells in which a sliver along the rim is divided, into twice as many sectors.
+    pub(crate) rings: usize,
+}
 
 /// A pillar top with a node array: what every pillar shares.
 #[derive(Debug)]
 pub(crate) struct PillarTop {
-    /// Of the node array.
-    degree: usize,
+    resolution: Resolution,
+    column_compliance_ratio: f64,
     /// Number of modes, and of nodes.
     count: usize,
     /// Number of leading modes by which pillars act on each other.
@@ -48,25 +54,23 @@ pub(crate) struct PillarTop {
 
 /// Working storage of the local problem, and its solution.
 pub(crate) struct LocalSolver {
-    unconstrained: Vec<f64>,
-    pressure: Vec<f64>,
-    multiplier: Vec<f64>,
-    indices: Vec<usize>,
-    factor: Vec<f64>,
+    pivot: PivotSolver,
     right: Vec<f64>,
-}
-
-/// How pivoting ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Pivoting {
-    pub(crate) converged: bool,
-    pub(crate) steps: usize,
+    /// Both made when the first load comes.
+    rim: Option<Rim>,
+    cells: Option<Box<RimSolver>>,
+    /// Whether the solution is that of a sliver, on cells.
+    on_cells: bool,
 }
 
 impl PillarTop {
-    /// `degree` is that of the nodes (even), `lead` that of the coupling between pillars;
-    /// `turn` turns the node array, rad.
-    pub(crate) fn new(degree: usize, lead: usize, column_compliance_ratio: f64, turn: f64) -> Self {
+    /// `lead` is the degree of the coupling between pillars.
+    pub(crate) fn new(resolution: Resolution, lead: usize, column_compliance_ratio: f64) -> Self {
+        let Resolution {
+            nodes: degree,
+            turn,
+            ..
+        } = resolution;
         let count = mode_count(degree);
         let nodes = bos_array(degree, turn);
         let compliance = compliances(degree, column_compliance_ratio);
@@ -90,7 +94,8 @@ impl PillarTop {
         };
         let bounds = (0..lead.min(count)).map(largest).collect();
         Self {
-            degree,
+            resolution,
+            column_compliance_ratio,
             count,
             lead,
             bounds,
@@ -101,14 +106,24 @@ impl PillarTop {
         }
     }
 
-    /// Degree of the node array.
-    pub(crate) fn degree(&self) -> usize {
-        self.degree
+    /// How finely it is resolved.
+    pub(crate) fn resolution(&self) -> Resolution {
+        self.resolution
     }
 
     /// Number of modes and of nodes.
     pub(crate) fn count(&self) -> usize {
         self.count
+    }
+
+    /// Number of leading modes.
+    pub(crate) fn lead(&self) -> usize {
+        self.lead
+    }
+
+    /// Column compliance ratio of the pillars.
+    pub(crate) fn column_compliance_ratio(&self) -> f64 {
+        self.column_compliance_ratio
     }
 
     /// Compliances of the leading modes.
@@ -144,11 +159,11 @@ impl PillarTop {
         }
     }
 
-    /// Status of a pillar under `load`, the displacement it is asked for.
+    /// Status of a pillar under `load`, the displacement it is asked for; `rim` is of as many modes.
     ///
     /// Where it is asked to come down nowhere it is not touched; where the pressure without
     /// the condition is nowhere negative it is touched in full.
-    pub(crate) fn status(&self, load: &[f64]) -> PillarStatus {
+    pub(crate) fn status(&self, load: &[f64], rim: &mut Rim) -> PillarStatus {
         if let Some(status) = self.plain_status(load) {
             return status;
         }
@@ -163,9 +178,10 @@ impl PillarTop {
             smallest = smallest.min(pressure);
             largest = largest.max(pressure.abs());
         }
-        if !touched {
+        let on_cells = self.resolution.rings > 0;
+        if !touched && !(on_cells && rim.is_touched(load)) {
             PillarStatus::Untouched
-        } else if smallest >= -PRESSURE_TOLERANCE * largest {
+        } else if touched && smallest >= -PRESSURE_TOLERANCE * largest {
             PillarStatus::Full
         } else {
             PillarStatus::Partial
@@ -175,140 +191,80 @@ impl PillarTop {
 
 impl LocalSolver {
     pub(crate) fn new(top: &PillarTop) -> Self {
-        let count = top.count;
         Self {
-            unconstrained: vec![0.0; count],
-            pressure: vec![0.0; count],
-            multiplier: vec![0.0; count],
-            indices: Vec::with_capacity(count),
-            factor: vec![0.0; count * count],
-            right: vec![0.0; count * top.lead.max(1)],
+            pivot: PivotSolver::new(top.count),
+            right: vec![0.0; top.count * top.lead.max(1)],
+            rim: None,
+            cells: None,
+            on_cells: false,
         }
+    }
+
+    /// The sliver that is all that a load asks to come down, if it is one.
+    fn sliver(&mut self, top: &PillarTop, load: &[f64], active: &[bool]) -> Option<Sliver> {
+        if top.resolution.rings == 0 {
+            return None;
+        }
+        let rim = self
+            .rim
+            .get_or_insert_with(|| Rim::new(degree_with(load.len())));
+        rim.sliver(load, active.len() != top.count)
     }
 
     /// Nodes that would be in tension without the condition: a first guess of the active ones.
     pub(crate) fn first_guess(&mut self, top: &PillarTop, load: &[f64]) -> Vec<bool> {
         self.prepare(top, load);
-        self.unconstrained.iter().map(|q| *q < 0.0).collect()
+        self.pivot.constant.iter().map(|q| *q < 0.0).collect()
     }
 
     /// Finds the pressure under `load` (leading modes suffice; the rest counts as zero).
     ///
     /// `active` marks the nodes without pressure: the first guess on entry, the solution on
-    /// return.
-    pub(crate) fn solve(&mut self, top: &PillarTop, load: &[f64], active: &mut [bool]) -> Pivoting {
+    /// return; or, of a sliver, the cells with pressure.
+    pub(crate) fn solve(
+        &mut self,
+        top: &PillarTop,
+        load: &[f64],
+        active: &mut Vec<bool>,
+    ) -> Pivoting {
+        if let Some(sliver) = self.sliver(top, load, active) {
+            self.on_cells = true;
+            let cells = self
+                .cells
+                .get_or_insert_with(|| Box::new(RimSolver::new(top)));
+            return cells.solve(&sliver, load, active);
+        }
+        self.on_cells = false;
+        if active.len() != top.count {
+            *active = self.first_guess(top, load);
+        }
         self.prepare(top, load);
-        let scale = self
-            .unconstrained
-            .iter()
-            .fold(0.0_f64, |largest, q| largest.max(q.abs()));
-        let mut fewest = usize::MAX;
-        let mut patience = PATIENCE;
-        for steps in 1..=PIVOT_LIMIT {
-            if !self.solve_active(top, active) {
-                return Pivoting {
-                    converged: false,
-                    steps,
-                };
-            }
-            let violated = |k: usize, active: &[bool], solver: &Self| {
-                if active[k] {
-                    solver.multiplier[k] < 0.0
-                } else {
-                    solver.pressure[k] < -PRESSURE_TOLERANCE * scale
-                }
-            };
-            let count = (0..top.count)
-                .filter(|&k| violated(k, active, self))
-                .count();
-            if count == 0 {
-                return Pivoting {
-                    converged: true,
-                    steps,
-                };
-            }
-            if count < fewest {
-                (fewest, patience) = (count, PATIENCE);
-            } else if patience > 0 {
-                patience -= 1;
-            } else {
-                if let Some(last) = (0..top.count).rev().find(|&k| violated(k, active, self)) {
-                    active[last] = !active[last];
-                }
-                continue;
-            }
-            for k in 0..top.count {
-                if violated(k, active, self) {
-                    // Flipping k alone leaves the values of the others as they are.
-                    active[k] = !active[k];
-                    self.multiplier[k] = 0.0;
-                    self.pressure[k] = 0.0;
-                }
-            }
-        }
-        Pivoting {
-            converged: false,
-            steps: PIVOT_LIMIT,
-        }
+        self.pivot.solve(&top.response, active)
+    }
+
+    /// The cells of the sliver that was solved last, if it was one.
+    pub(crate) fn cells(&self) -> Option<&RimSolver> {
+        self.cells.as_deref().filter(|_| self.on_cells)
     }
 
     /// `q0 = V Lam^-1 b`.
     fn prepare(&mut self, top: &PillarTop, load: &[f64]) {
-        for (node, q) in self.unconstrained.iter_mut().enumerate() {
+        for (node, q) in self.pivot.constant.iter_mut().enumerate() {
             let pressures = top.row(&top.pressures, node).iter();
             *q = pressures.zip(load).map(|(y, b)| y * b).sum();
         }
     }
 
-    /// With the pressure zero at the active nodes: their multipliers, the pressure elsewhere.
-    fn solve_active(&mut self, top: &PillarTop, active: &[bool]) -> bool {
-        if !self.factorise(top, active) {
-            return false;
-        }
-        let size = self.indices.len();
-        let right = &mut self.right[..size];
-        for (slot, &k) in right.iter_mut().zip(&self.indices) {
-            *slot = -self.unconstrained[k];
-        }
-        solve_lower(&self.factor[..size * size], size, right);
-        solve_upper(&self.factor[..size * size], size, right);
-        self.multiplier.fill(0.0);
-        self.pressure.copy_from_slice(&self.unconstrained);
-        for (&s, &k) in right.iter().zip(&self.indices) {
-            self.multiplier[k] = s;
-            add_scaled(&mut self.pressure, s, top.row(&top.response, k));
-        }
-        for &k in &self.indices {
-            self.pressure[k] = 0.0;
-        }
-        true
-    }
-
-    /// Cholesky factor of `G` on the active nodes.
-    fn factorise(&mut self, top: &PillarTop, active: &[bool]) -> bool {
-        self.indices.clear();
-        self.indices.extend((0..top.count).filter(|&k| active[k]));
-        let size = self.indices.len();
-        for (column, &k) in self.indices.iter().enumerate() {
-            let row = top.row(&top.response, k);
-            for (slot, &l) in self.factor[column * size..(column + 1) * size]
-                .iter_mut()
-                .zip(&self.indices)
-            {
-                *slot = row[l];
-            }
-        }
-        factorise(&mut self.factor[..size * size], size)
-    }
-
     /// Coefficients of the solution, `Lam^-1 (b + V' s)`: as many as `coefficients` holds.
     pub(crate) fn coefficients(&self, top: &PillarTop, load: &[f64], coefficients: &mut [f64]) {
+        if let Some(cells) = self.cells() {
+            return cells.coefficients(coefficients);
+        }
         let count = coefficients.len();
         coefficients.fill(0.0);
         coefficients[..load.len().min(count)].copy_from_slice(&load[..load.len().min(count)]);
-        for &k in &self.indices {
-            let s = self.multiplier[k];
-            for (c, value) in coefficients.iter_mut().zip(top.row(&top.values, k)) {
+        for (node, s) in self.pivot.multipliers() {
+            for (c, value) in coefficients.iter_mut().zip(top.row(&top.values, node)) {
                 *c += value * s;
             }
         }
@@ -320,28 +276,24 @@ impl LocalSolver {
     /// Derivative of the leading coefficients with respect to the leading load with the active
     /// nodes held, `Lam^-1 - Lam^-1 V_I' G_II^-1 V_I Lam^-1`, row by row into `derivative`.
     pub(crate) fn derivative(&mut self, top: &PillarTop, derivative: &mut [f64]) {
-        let (size, lead) = (self.indices.len(), top.lead);
-        for i in 0..lead {
-            for (slot, &k) in self.indices.iter().enumerate() {
-                self.right[i * size + slot] = top.row(&top.pressures, k)[i];
-            }
+        if self.on_cells
+            && let Some(cells) = &mut self.cells
+        {
+            return cells.derivative(derivative);
         }
-        for right in self.right[..size * lead].chunks_exact_mut(size.max(1)) {
-            solve_lower(&self.factor[..size * size], size, right);
-        }
-        for i in 0..lead {
-            for j in 0..lead {
-                let free = if i == j {
-                    top.compliance[i].recip()
-                } else {
-                    0.0
-                };
-                derivative[i * lead + j] = free
-                    - dot(
-                        &self.right[i * size..(i + 1) * size],
-                        &self.right[j * size..(j + 1) * size],
-                    );
-            }
+        let lead = top.lead;
+        self.pivot
+            .projected_inverse(lead, &mut self.right, derivative, |node, mode| {
+                top.row(&top.pressures, node)[mode]
+            });
+        for (index, value) in derivative.iter_mut().enumerate() {
+            let (row, column) = (index / lead, index % lead);
+            let free = if row == column {
+                top.compliance[row].recip()
+            } else {
+                0.0
+            };
+            *value = free - *value;
         }
     }
 }
@@ -366,8 +318,16 @@ mod tests {
         load
     }
 
+    fn nodes(degree: usize) -> Resolution {
+        Resolution {
+            nodes: degree,
+            turn: 0.0,
+            rings: 0,
+        }
+    }
+
     fn solve(degree: usize, load: &[f64]) -> (Vec<f64>, Vec<bool>, Pivoting) {
-        let top = PillarTop::new(degree, 2, 0.0, 0.0);
+        let top = PillarTop::new(nodes(degree), 2, 0.0);
         let mut solver = LocalSolver::new(&top);
         let mut active = vec![false; top.count()];
         let pivoting = solver.solve(&top, load, &mut active);
@@ -392,7 +352,7 @@ mod tests {
             let load = project(2, |[x, _]| x);
             let (coefficients, active, pivoting) = solve(degree, &load);
             assert!(pivoting.converged);
-            let top = PillarTop::new(degree, 2, 0.0, 0.0);
+            let top = PillarTop::new(nodes(degree), 2, 0.0);
             let pressure: Vec<f64> = (0..top.count())
                 .map(|node| dot(top.row(&top.values, node), &coefficients))
                 .collect();
@@ -413,7 +373,7 @@ mod tests {
     #[test]
     fn derivative_is_that_of_the_solution() {
         // Linear as long as the active nodes stay: a central difference is exact.
-        let top = PillarTop::new(12, 2, 0.3, 0.0);
+        let top = PillarTop::new(nodes(12), 2, 0.3);
         let mut solver = LocalSolver::new(&top);
         let mut load = project(2, |[x, y]| 0.4 + x - 0.2 * y - 0.1 * x * x);
         let mut active = vec![false; top.count()];

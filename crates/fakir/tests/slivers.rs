@@ -1,0 +1,88 @@
+//! The lightest touches: a lens beside a pillar meets its rim, and the contact is a sliver along it.
+
+use fakir::contact::{Accuracy, ContactState, Load, Method, Run};
+use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use std::f64::consts::FRAC_PI_6;
+
+/// The paper's texture at a surface fraction of 0.01 with the lens axis beside a pillar.
+fn beside_a_pillar() -> System {
+    let rubber = Material::new(2e6, 0.5);
+    let lens = Lens {
+        radius: 2.2e-3,
+        material: rubber,
+    };
+    let pillar = Pillar {
+        diameter: 6e-6,
+        height: 2.2e-6,
+        compliance: PillarCompliance::None,
+    };
+    let lattice = HexagonalLattice {
+        offset: 0.3,
+        offset_angle: FRAC_PI_6,
+        ..HexagonalLattice::with_surface_fraction(0.1, 6e-6)
+    };
+    System::new(lens, rubber, Texture { pillar, lattice }).unwrap()
+}
+
+fn first_touch(system: &System) -> f64 {
+    let nearest = 0.3 * system.lattice().pitch - 0.5 * system.pillar().diameter;
+    system.lens().sag(nearest)
+}
+
+fn press(system: &System, indentation: f64, accuracy: Accuracy) -> ContactState {
+    let method = Method::Spectral(accuracy);
+    let load = Load::Indentation(indentation);
+    let state = fakir::press(system, load, method, &Run::default()).unwrap();
+    assert!(state.converged());
+    state
+}
+
+#[test]
+fn light_touches_of_an_edge_are_resolved() {
+    // Love elements of a fine mesh: 3.6e-11 N at 1.1 times the indentation of first touch, 1.4649 nm, and
+    // 1.12e-10 N at 1.2 times; their squares leave a part of the rim uncovered. Nodes on the whole top gave
+    // 4.8e-10 and 1.68e-10 N.
+    let system = beside_a_pillar();
+    let touch = first_touch(&system);
+    assert!((1.1 * touch - 1.4649e-9).abs() < 1e-13, "{touch}");
+    for (times, expected, digits) in [(1.1, 3.6e-11, 0.04), (1.2, 1.12e-10, 0.02)] {
+        for accuracy in [Accuracy::Default, Accuracy::Accurate] {
+            let state = press(&system, times * touch, accuracy);
+            println!(
+                "{times} {accuracy:?}: {:e} +- {:.1e}",
+                state.force, state.error.force
+            );
+            assert!((state.force / expected - 1.0).abs() < digits);
+            assert!(state.error.force < 0.02);
+            assert_eq!(state.pillars_in_contact, 1);
+        }
+    }
+}
+
+#[test]
+fn estimates_cover_from_first_touch_to_a_covered_top() {
+    // The two accuracies resolve the top by different cells and nodes; no jump where one goes over into
+    // the other may exceed the estimates, and the force grows.
+    let system = beside_a_pillar();
+    let touch = first_touch(&system);
+    let mut before = 0.0;
+    for step in 0..40 {
+        let indentation = touch * (1.0 + 1e-4 * (1e6_f64).powf(f64::from(step) / 39.0));
+        let [default, accurate] =
+            [Accuracy::Default, Accuracy::Accurate].map(|a| press(&system, indentation, a));
+        let difference = (default.force - accurate.force).abs();
+        let allowed = default.error.force * default.force + accurate.error.force * accurate.force;
+        println!(
+            "{:.4}: {:e}, {:.1e} of {:.1e}; {:.1e}",
+            indentation / touch,
+            default.force,
+            difference / default.force,
+            allowed / default.force,
+            accurate.error.force
+        );
+        assert!(difference <= allowed, "{step}");
+        assert!(default.error.force < 0.1, "{step}");
+        assert!(default.force > before);
+        before = default.force;
+    }
+}
