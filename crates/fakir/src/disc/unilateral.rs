@@ -12,6 +12,7 @@ use super::basis::{BasisEvaluator, compliances, mode_count};
 use super::cholesky::{factorise, solve_lower, solve_upper};
 use super::nodes::bos_array;
 use crate::contact::PillarStatus;
+use crate::convergence::{larger, largest, smaller, within};
 use crate::vector::{add_scaled, dot};
 
 /// A pressure may be this far below zero at a node, relative to the largest unconstrained
@@ -139,7 +140,8 @@ impl PillarTop {
     /// Status of a pillar under `load`, the displacement it is asked for.
     ///
     /// Where it is asked to come down nowhere it is not touched; where the pressure without
-    /// the condition is nowhere negative it is touched in full.
+    /// the condition is nowhere negative it is touched in full. Under a load that is no number
+    /// it counts as partial, and has no solution.
     pub(crate) fn status(&self, load: &[f64]) -> PillarStatus {
         if let Some(status) = self.plain_status(load) {
             return status;
@@ -151,9 +153,9 @@ impl PillarTop {
             let sum = |row: &[f64]| -> f64 { row.iter().zip(load).map(|(y, b)| y * b).sum() };
             let wanted = sum(self.row(&self.values, node));
             let pressure = sum(self.row(&self.pressures, node));
-            touched |= wanted > 0.0;
-            smallest = smallest.min(pressure);
-            largest = largest.max(pressure.abs());
+            touched |= !within(wanted, 0.0);
+            smallest = smaller(smallest, pressure);
+            largest = larger(largest, pressure.abs());
         }
         if !touched {
             PillarStatus::Untouched
@@ -190,10 +192,7 @@ impl LocalSolver {
     /// return.
     pub(crate) fn solve(&mut self, top: &PillarTop, load: &[f64], active: &mut [bool]) -> Pivoting {
         self.prepare(top, load);
-        let scale = self
-            .unconstrained
-            .iter()
-            .fold(0.0_f64, |largest, q| largest.max(q.abs()));
+        let scale = largest(self.unconstrained.iter().copied());
         let mut fewest = usize::MAX;
         let mut patience = PATIENCE;
         for steps in 1..=PIVOT_LIMIT {
@@ -204,11 +203,13 @@ impl LocalSolver {
                 };
             }
             let violated = |k: usize, active: &[bool], solver: &Self| {
-                if active[k] {
-                    solver.multiplier[k] < 0.0
+                // Asked this way, what is no number is violated.
+                let holds = if active[k] {
+                    solver.multiplier[k] >= 0.0
                 } else {
-                    solver.pressure[k] < -PRESSURE_TOLERANCE * scale
-                }
+                    solver.pressure[k] >= -PRESSURE_TOLERANCE * scale
+                };
+                !holds
             };
             let count = (0..top.count)
                 .filter(|&k| violated(k, active, self))
