@@ -38,6 +38,18 @@ pub enum SurfaceOrigin {
 }
 
 impl SurfaceCase {
+    /// Whether a wider `surface.grid` shows more of the same surface: that of pillars on a lattice
+    /// does. A height map ends with its data, and on another grid pillars at random stand elsewhere.
+    #[must_use]
+    pub fn can_grow(&self) -> bool {
+        match &self.origin {
+            SurfaceOrigin::HeightMap(_) => false,
+            SurfaceOrigin::Pattern(pattern) => {
+                !matches!(pattern.arrangement, Arrangement::Random { .. })
+            }
+        }
+    }
+
     /// The case as a case file, commented. It has what was given, a height map by its absolute
     /// path; reading it gives the same case, bit for bit.
     #[must_use]
@@ -218,6 +230,9 @@ impl CaseFile {
         };
         let mut system = SurfaceSystem::new(indenter, substrate, surface, boundary)
             .map_err(|invalid| self.impossible(&invalid))?;
+        if matches!(origin, SurfaceOrigin::Pattern(_)) {
+            system = system.continued();
+        }
         if let SurfaceOrigin::Pattern(pattern) = &origin
             && let (CrossSection::Circle { diameter }, Top::Flat) =
                 (pattern.pillar.cross_section, pattern.pillar.top)

@@ -22,10 +22,11 @@ Start with `fakir init`, which writes a case file, and `fakir transition case.to
 const EXIT_STATUS: &str = "\
 Exit status:
   0    done
-  1    a solution did not converge, cases of a sweep failed, or verify found a disagreement; the
-       result is still printed and saved
+  1    a solution did not converge, cases of a sweep failed, or verify found a disagreement or
+       cannot tell; the result is still printed and saved
   2    bad input: arguments, case file, or a file that cannot be read or written
-  3    no answer: the contact is too large for the lens or for memory, or the method does not apply
+  3    no answer: the contact is too large for the lens, for the surface or for memory, the method
+       does not apply, or numbers became infinite
   130  interrupted by Ctrl-C; nothing is saved, but a sweep keeps its journal";
 
 #[derive(Debug, Parser)]
@@ -62,8 +63,9 @@ pub(crate) enum Command {
     /// A second opinion: the spectral method and Love elements on the same question
     ///
     /// Elements of constant pressure on two meshes against the accurate spectral method; both
-    /// methods estimate their errors, and exit status 1 says that they differ by more. Of the
-    /// case's [method] only the mesh of elements counts.
+    /// methods estimate their errors. Exit status 1 says that they differ by more, or that it cannot
+    /// be told, as one of them did not converge or knows no digit. Of the case's [method] only the
+    /// mesh of elements counts.
     #[command(after_help = "Example: fakir verify case.toml --cells 32")]
     Verify(Verify),
     /// The formulas: lattice sums, critical state and transition curve in closed form

@@ -44,9 +44,8 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
             if file.is_surface() {
-                let case = file.surface_case(options.run.memory_limit)?;
                 return deliver(command, &options.case, move || {
-                    commands::surface::transition(&case, options.maps(), &session)
+                    commands::surface::transition(&file, options.maps(), &session)
                 });
             }
             answer(command, &options.case, &file, move |case| {
@@ -57,9 +56,8 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
             if file.is_surface() {
-                let case = file.surface_case(options.run.memory_limit)?;
                 return deliver(command, &options.case, move || {
-                    commands::surface::press(&case, options.load(), options.maps(), &session)
+                    commands::surface::press(&file, options.load(), options.maps(), &session)
                 });
             }
             answer(command, &options.case, &file, move |case| {

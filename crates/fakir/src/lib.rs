@@ -44,6 +44,7 @@
 //! [`Run`] hands it a thread pool, a listener for progress and a way to stop.
 
 pub mod contact;
+pub mod convergence;
 mod coupling;
 mod disc;
 #[doc(hidden)]
@@ -56,7 +57,7 @@ pub mod theory;
 mod vector;
 mod verify;
 
-pub use verify::{Difference, Question, Verification, verify};
+pub use verify::{Difference, Doubt, Question, Verdict, Verification, verify};
 
 use contact::{ContactState, CriticalState, Load, Method, PillarMethod, Run, SolveError};
 use system::System;
@@ -76,14 +77,16 @@ pub fn press(
     method: Method,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
+    let load = load.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
     match method {
         Method::Spectral(accuracy) => {
             contact::press(system, load, PillarMethod::Spectral(accuracy), run)
         }
         Method::Punch(form) => contact::press(system, load, PillarMethod::Punch(form), run),
         Method::Love(mesh) => contact::press(system, load, PillarMethod::Love(mesh), run),
-        Method::Homogenised => theory::homogenised::press(system, load, run),
-    }
+        Method::Homogenised => theory::homogenised::pressed(system, load, run),
+    }?
+    .checked()
 }
 
 /// The critical state, in which the lens just reaches the floor, by the given method.
@@ -104,6 +107,7 @@ pub fn transition(
         }
         Method::Punch(form) => contact::transition(system, PillarMethod::Punch(form), run),
         Method::Love(mesh) => contact::transition(system, PillarMethod::Love(mesh), run),
-        Method::Homogenised => theory::homogenised::transition(system, run),
-    }
+        Method::Homogenised => theory::homogenised::critical(system, run),
+    }?
+    .checked()
 }

@@ -2,11 +2,13 @@
 //!
 //! The two have nothing in common but the half-space and the search for the lowest floor gap:
 //! one expands the pressure in functions that are exact for a disc, the other divides the disc
-//! into squares. Where they agree within their own error estimates, both can be believed.
+//! into squares. Where they agree within their own error estimates, both can be believed; where one
+//! of them did not converge, or knows no digit, they cannot tell.
 
 use crate::contact::{
     Accuracy, ContactState, CriticalState, Load, Method, Run, SolveError, Termination,
 };
+use crate::convergence::{larger, within};
 use crate::love::ElementMesh;
 use crate::system::System;
 
@@ -41,16 +43,102 @@ pub struct Difference {
     pub allowed: f64,
 }
 
+/// What two methods say of each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Verdict {
+    /// They agree within their error estimates.
+    Agree,
+    /// They differ by more than their error estimates allow: one of them, or an estimate, is wrong.
+    Disagree,
+    /// Their answers cannot be compared.
+    CannotTell(Doubt),
+}
+
+impl Verdict {
+    /// `"agree"`, `"disagree"` or `"cannot tell"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Agree => "agree",
+            Self::Disagree => "disagree",
+            Self::CannotTell(_) => "cannot tell",
+        }
+    }
+
+    /// Why it cannot be told, if it cannot.
+    #[must_use]
+    pub fn doubt(self) -> Option<Doubt> {
+        match self {
+            Self::CannotTell(doubt) => Some(doubt),
+            Self::Agree | Self::Disagree => None,
+        }
+    }
+}
+
+/// Why two answers cannot be compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// One of them is no solution.
+    NotConverged {
+        /// By which method.
+        method: Method,
+        /// How it ended.
+        termination: Termination,
+    },
+    /// The error estimates allow a difference as large as the numbers themselves.
+    NoDigits {
+        /// Sum of the error estimates, relative.
+        allowed: f64,
+    },
+}
+
+impl std::fmt::Display for Doubt {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotConverged {
+                method: Method::Love(mesh),
+                termination,
+            } => write!(
+                f,
+                "the solution by elements, {} cells across a pillar, {}",
+                mesh.cells_per_diameter,
+                termination.description()
+            ),
+            Self::NotConverged {
+                method,
+                termination,
+            } => write!(
+                f,
+                "the solution by the {} method {}",
+                method.name(),
+                termination.description()
+            ),
+            Self::NoDigits { allowed } => write!(
+                f,
+                "the error estimates leave no digit: they allow a difference of {:.0} %",
+                100.0 * allowed
+            ),
+        }
+    }
+}
+
+/// Sum of error estimates from which there is nothing to compare: the other method could as well
+/// find nothing.
+const NO_DIGITS: f64 = 1.0;
+
 /// Relative rounding error of a sum over many elements: what was prescribed differs by it.
 const ROUNDING: f64 = 1e-12;
 
 impl Difference {
     fn of(elements: f64, spectral: f64, allowed: f64) -> Self {
-        // A state without force has none by either method.
-        let relative = if spectral.abs() > 0.0 {
+        let relative = if spectral != 0.0 {
             elements / spectral - 1.0
+        } else if elements == 0.0 {
+            // A state without force has none by either method.
+            0.0
         } else {
-            elements
+            elements.signum()
         };
         Self { relative, allowed }
     }
@@ -58,18 +146,36 @@ impl Difference {
     /// Whether the difference is no more than the estimates, and rounding, allow.
     #[must_use]
     pub fn is_allowed(&self) -> bool {
-        self.relative.abs() <= self.allowed + ROUNDING
+        within(self.relative.abs(), self.allowed + ROUNDING)
     }
 }
 
 impl Verification {
+    /// What the two methods say of each other. Both answers by elements count, as the second starts
+    /// from the first and estimates its error from it.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        let mut answers = std::iter::once(&self.spectral).chain(&self.elements);
+        if let Some(failed) = answers.find(|state| !state.converged()) {
+            return Verdict::CannotTell(Doubt::NotConverged {
+                method: failed.method,
+                termination: failed.termination,
+            });
+        }
+        if !(self.force.is_allowed() && self.indentation.is_allowed()) {
+            return Verdict::Disagree;
+        }
+        let allowed = larger(self.force.allowed, self.indentation.allowed);
+        if within(NO_DIGITS, allowed) {
+            return Verdict::CannotTell(Doubt::NoDigits { allowed });
+        }
+        Verdict::Agree
+    }
+
     /// Whether both methods converged and agree within their error estimates.
     #[must_use]
     pub fn agrees(&self) -> bool {
-        let converged = std::iter::once(&self.spectral)
-            .chain(&self.elements)
-            .all(|state| state.termination == Termination::Converged);
-        converged && self.force.is_allowed() && self.indentation.is_allowed()
+        self.verdict() == Verdict::Agree
     }
 }
 
@@ -148,7 +254,7 @@ mod tests {
             Question::Press(Load::Force(5e-5)),
         ] {
             let verification = verify(&system, question, ElementMesh::default(), &run).unwrap();
-            assert!(verification.agrees(), "{question:?}");
+            assert_eq!(verification.verdict(), Verdict::Agree, "{question:?}");
             assert!(verification.force.relative.abs() < 1e-4);
             assert!(verification.indentation.relative.abs() < 1e-4);
         }
@@ -160,5 +266,94 @@ mod tests {
         assert!(!Difference::of(1.001, 1.0, 5e-4).is_allowed());
         assert!(!Difference::of(f64::NAN, 1.0, 1.0).is_allowed());
         assert!(Difference::of(0.0, 0.0, 0.0).is_allowed());
+        // However small a force is, it is not none.
+        assert!(!Difference::of(1e-20, 0.0, 0.1).is_allowed());
+    }
+
+    /// One pillar wide enough to bear the lens alone, of much stiffer bodies: on 8 cells its floor is
+    /// not found to be reached.
+    #[test]
+    fn without_a_solution_there_is_no_verdict() {
+        let lens = Lens {
+            radius: 102.131e-6,
+            material: Material::new(2.273_297e9, 0.0),
+        };
+        let substrate = Material::new(246.509_7e9, 0.014_098_381);
+        let pillar = Pillar {
+            diameter: 14.121_329e-6,
+            height: 0.356_405e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let lattice = HexagonalLattice::with_surface_fraction(0.245_161_375_8, pillar.diameter);
+        let system = System::new(lens, substrate, Texture { pillar, lattice }).unwrap();
+        let run = Run::default();
+        let mesh = ElementMesh::default();
+        let verification = verify(&system, Question::Transition, mesh, &run).unwrap();
+        let unconverged = verification.elements.iter().any(|state| !state.converged());
+        let verdict = verification.verdict();
+        if unconverged {
+            assert!(matches!(
+                verdict,
+                Verdict::CannotTell(Doubt::NotConverged { .. })
+            ));
+            assert!(!verification.agrees());
+        } else {
+            assert_ne!(verdict, Verdict::Disagree);
+        }
+    }
+
+    #[test]
+    fn verdicts_need_solutions_with_digits() {
+        let system = paper(0.01);
+        let mesh = ElementMesh::default();
+        let run = Run::default();
+        let good = verify(&system, Question::Transition, mesh, &run).unwrap();
+        for termination in [
+            Termination::IterationLimit,
+            Termination::Stagnated,
+            Termination::NotFinite,
+            Termination::Interrupted,
+        ] {
+            for place in 0..3 {
+                let mut failed = good.clone();
+                match place {
+                    0 => failed.spectral.termination = termination,
+                    place => failed.elements[place - 1].termination = termination,
+                }
+                let doubt = failed.verdict().doubt().unwrap();
+                let told = doubt.to_string();
+                assert!(told.contains(termination.description()), "{told}");
+                assert!(!failed.agrees());
+            }
+        }
+        let mut vague = good.clone();
+        vague.force.allowed = 1.1;
+        assert!(matches!(
+            vague.verdict(),
+            Verdict::CannotTell(Doubt::NoDigits { .. })
+        ));
+        let mut undefined = good;
+        undefined.force.relative = f64::NAN;
+        assert_eq!(undefined.verdict(), Verdict::Disagree);
+    }
+
+    /// Just beyond first touch no centre of a cell is touched: that is not a force of zero.
+    #[test]
+    fn elements_that_touch_nothing_know_nothing() {
+        let system = paper(0.01);
+        let run = Run::default();
+        // The nearest of 16 cells is some 0.19 um from the axis: 8 pm of sag.
+        let load = Load::Indentation(1e-12);
+        let state = crate::press(&system, load, Method::Love(ElementMesh::default()), &run);
+        let state = state.unwrap();
+        assert_eq!(state.pillars_in_contact, 0);
+        assert!(state.error.force >= 1.0);
+        let question = Question::Press(load);
+        let verification = verify(&system, question, ElementMesh::default(), &run).unwrap();
+        assert!(verification.spectral.force > 0.0);
+        assert!(matches!(
+            verification.verdict(),
+            Verdict::CannotTell(Doubt::NoDigits { .. })
+        ));
     }
 }

@@ -8,7 +8,7 @@ use crate::report::{Report, csv, json};
 use crate::session::Session;
 use fakir::contact::{Accuracy, ContactState, Load, Method};
 use fakir::love::ElementMesh;
-use fakir::{Difference, Question, Verification};
+use fakir::{Difference, Question, Verdict, Verification};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
@@ -40,6 +40,10 @@ struct AnswerRow {
 struct VerifyJson<'a> {
     question: &'static str,
     agree: bool,
+    /// `agree`, `disagree` or `cannot tell`.
+    verdict: &'static str,
+    /// Why it cannot be told; none if it can.
+    doubt: Option<String>,
     /// Elements on all cells from the spectral method.
     relative_difference: RelativeErrors,
     /// Sum of both error estimates.
@@ -68,6 +72,7 @@ pub(crate) fn run(
     let verification = fakir::verify(&case.system, question, mesh, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
     let rows: Vec<AnswerRow> = answers(&verification).map(row).collect();
+    let verdict = verification.verdict();
     let Verification {
         force, indentation, ..
     } = verification;
@@ -79,6 +84,8 @@ pub(crate) fn run(
                 Question::Press(Load::Force(_)) => "press under a force",
             },
             agree: verification.agrees(),
+            verdict: verdict.name(),
+            doubt: verdict.doubt().map(|doubt| doubt.to_string()),
             relative_difference: RelativeErrors {
                 force: force.relative,
                 indentation: indentation.relative,
@@ -156,10 +163,10 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
             row.pillars_partially_in_contact.to_string()
         }),
     ];
-    let verdict = if verification.agrees() {
-        "The two methods agree within their error estimates"
-    } else {
-        "THE TWO METHODS DISAGREE beyond their error estimates"
+    let verdict = match verification.verdict() {
+        Verdict::Agree => "The two methods agree within their error estimates".to_owned(),
+        Verdict::Disagree => "THE TWO METHODS DISAGREE beyond their error estimates".to_owned(),
+        Verdict::CannotTell(doubt) => format!("IT CANNOT BE TOLD whether they agree: {doubt}"),
     };
     format!(
         "Verification by an independent method\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",

@@ -6,9 +6,7 @@ use super::{Report, json};
 use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
 use fakir::contact::{Load, Regime};
 use fakir::love::solver::Certificate;
-use fakir::love::{
-    Boundary, Grid, Indenter, Share, Shares, SurfaceContact, SurfaceTransition, SurfaceWarning,
-};
+use fakir::love::{Boundary, Grid, Indenter, Share, Shares, SurfaceContact, SurfaceTransition};
 use fakir::pattern::{Arrangement, CrossSection, Pattern};
 use fakir::system::Point;
 use fakir_case::height_map::to_npy;
@@ -230,9 +228,6 @@ pub(crate) fn reached(
 /// The report of a contact, but for its JSON and text.
 fn report(case: &SurfaceCase, question: &str, contact: &SurfaceContact, maps: Maps) -> Report {
     let mut warnings: Vec<String> = contact.warnings.iter().map(ToString::to_string).collect();
-    if warnings.is_empty() && beyond_border(case, contact) {
-        warnings.push(SurfaceWarning::ReachesBorder.to_string());
-    }
     if !contact.converged() {
         warnings.push(format!(
             "the solution {}",
@@ -286,25 +281,6 @@ fn provenance(case: &SurfaceCase, question: &str) -> Provenance {
         &[topic(case)],
         case.to_toml(),
     )
-}
-
-/// Whether a lens touches points farther from its axis than the nearest border of a grid that
-/// stands free: those at the same distance outside of it are left out, even if no pillar is cut.
-fn beyond_border(case: &SurfaceCase, contact: &SurfaceContact) -> bool {
-    let nearest_border = (0..2)
-        .flat_map(|axis| {
-            let counts = [contact.grid.columns(), contact.grid.rows()];
-            let start = contact.grid.origin()[axis];
-            [
-                -start,
-                start + counts[axis] as f64 * contact.grid.cell()[axis],
-            ]
-        })
-        .fold(f64::INFINITY, f64::min);
-    let free = case.system.boundary() == Boundary::FreeSpace;
-    free && contact
-        .contact_radius
-        .is_some_and(|radius| radius > nearest_border)
 }
 
 fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {

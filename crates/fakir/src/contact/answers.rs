@@ -21,7 +21,7 @@ use crate::disc::patch::{Patch, PatchSolver};
 use crate::disc::unilateral::LocalSolver;
 use crate::love::ElementMesh;
 use crate::love::pillars::{self, ElementSolution};
-use crate::system::{Point, Quantity, Requirement, System};
+use crate::system::{Point, System};
 use crate::theory::homogenised;
 use crate::vector::dot;
 use std::f64::consts::PI;
@@ -59,7 +59,7 @@ impl From<PillarMethod> for Method {
     }
 }
 
-/// The contact under a load.
+/// The contact under a load that has been checked.
 pub(crate) fn press(
     system: &System,
     load: Load,
@@ -68,14 +68,8 @@ pub(crate) fn press(
 ) -> Result<ContactState, SolveError> {
     let problem = Problem::new(system);
     let target = match load {
-        Load::Indentation(indentation) => {
-            Requirement::NotNegative.check(Quantity::Indentation, indentation)?;
-            Target::Indentation(indentation / problem.length)
-        }
-        Load::Force(force) => {
-            Requirement::NotNegative.check(Quantity::Force, force)?;
-            Target::Force(force / problem.force())
-        }
+        Load::Indentation(indentation) => Target::Indentation(indentation / problem.length),
+        Load::Force(force) => Target::Force(force / problem.force()),
     };
     let first_touch = problem.lens.sag(problem.nearest_edge());
     match target {

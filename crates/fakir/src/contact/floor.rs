@@ -206,7 +206,8 @@ fn clearance(problem: &Problem, position: Point) -> f64 {
     distance(problem.lattice.centre(i, j), position) - 1.0
 }
 
-/// `zeta(x)` with derivatives; `None` on pillars and where the floor recedes from the lens.
+/// `zeta(x)` with derivatives; `None` on pillars, where the floor recedes from the lens, and where
+/// they are no numbers.
 fn indentation_of_contact(
     problem: &Problem,
     loaded: &impl FloorDisplacement,
@@ -234,7 +235,9 @@ fn indentation_of_contact(
     ];
     let hessian = [0, 1, 2]
         .map(|k| (numerator.hessian[k] + value * unit.hessian[k] + cross[k]) / denominator);
-    Some(FieldJet {
+    // A sum is finite only if all of its terms are.
+    let sum = value + gradient.iter().sum::<f64>() + hessian.iter().sum::<f64>();
+    sum.is_finite().then_some(FieldJet {
         value,
         gradient,
         hessian,

@@ -9,6 +9,7 @@
 //! indentation at which it vanishes somewhere.
 
 mod answers;
+mod checked;
 mod estimate;
 mod fields;
 pub(crate) mod floor;
@@ -23,10 +24,11 @@ pub use run::{CancelToken, Progress, Run, Stage, Termination};
 pub use samples::FieldSamples;
 
 use crate::love::ElementMesh;
-use crate::system::{InvalidQuantity, Point, System};
+use crate::system::{InvalidQuantity, Point, Quantity, Requirement, System};
 use std::sync::Arc;
 
 pub(crate) use answers::{PillarMethod, press, transition};
+pub(crate) use checked::check_number;
 
 /// How a question is answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,10 +88,37 @@ pub enum PunchForm {
 /// What is prescribed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
-    /// Indentation `zeta`, m, zero or positive.
+    /// Indentation `zeta`, m: zero, or at least 1e-20 of a pillar radius.
     Indentation(f64),
-    /// Normal force `F`, N, zero or positive.
+    /// Normal force `F`, N: zero, or at least 1e-30 of `E*` times a pillar radius squared.
     Force(f64),
+}
+
+/// Smallest contact radius that has a meaning, over the size of what is touched: of a pillar a
+/// metre wide it is the size of an atom, 1e-10 m, and of all others less.
+const SMALLEST_CONTACT: f64 = 1e-10;
+
+impl Load {
+    /// The load, if it can be: a finite number, zero or large enough for a contact of
+    /// [`SMALLEST_CONTACT`] under a lens as small as what is touched. By Hertz's solution that
+    /// takes an indentation of `length SMALLEST_CONTACT^2` and a force of about
+    /// `modulus length^2 SMALLEST_CONTACT^3`. `length` is half the width of what is touched (m),
+    /// `modulus` is `E*` (Pa).
+    pub(crate) fn checked(self, length: f64, modulus: f64) -> Result<Self, InvalidQuantity> {
+        // Adding zero takes the sign from a negative one.
+        match self {
+            Self::Indentation(value) => {
+                let smallest = length * SMALLEST_CONTACT.powi(2);
+                Requirement::ZeroOrIndentation(smallest).check(Quantity::Indentation, value)?;
+                Ok(Self::Indentation(value + 0.0))
+            }
+            Self::Force(value) => {
+                let smallest = modulus * length * length * SMALLEST_CONTACT.powi(3);
+                Requirement::ZeroOrForce(smallest).check(Quantity::Force, value)?;
+                Ok(Self::Force(value + 0.0))
+            }
+        }
+    }
 }
 
 /// How much of a pillar top the lens touches.
@@ -407,6 +436,15 @@ pub enum SolveError {
         surface_fraction: f64,
         /// Where the model ends for this lens and substrate.
         limit: f64,
+    },
+    /// A number of the solution is infinite or undefined, so that there is none.
+    #[error(
+        "the {what} of the solution is infinite or undefined: there is no result; quantities of \
+         the case may be too many orders of magnitude apart"
+    )]
+    NotFinite {
+        /// Which one.
+        what: &'static str,
     },
     /// The caller asked to stop.
     #[error("interrupted")]

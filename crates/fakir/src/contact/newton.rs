@@ -13,6 +13,7 @@ use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
 use super::problem::{LensProjector, Problem};
 use super::run::{Progress, Run, Stage, Termination};
 use super::{PillarStatus, SolveError};
+use crate::convergence::{Judgement, judge, larger, within};
 use crate::coupling::LatticeCoupling;
 use crate::coupling::pair::PairCoupling;
 use crate::coupling::window::Window;
@@ -254,7 +255,7 @@ impl<'a> Newton<'a> {
             .zip(self.own_load.chunks_exact_mut(self.modes))
         {
             load.fill(0.0);
-            load[0] = -UNIT_FORCE * self.problem.sag(*centre);
+            load[0] = -UNIT_FORCE * self.problem.sag_with_brim(*centre);
         }
     }
 
@@ -320,8 +321,12 @@ impl<'a> Newton<'a> {
             self.report(step);
             let unit_tolerance =
                 (tolerance / change_of_indentation).clamp(tolerance, UNIT_TOLERANCE);
-            if !self.linear_step(target, tolerance, unit_tolerance)? {
-                outcome.termination = Termination::Stagnated;
+            outcome.termination = match self.linear_step(target, tolerance, unit_tolerance)? {
+                Judgement::Good => Termination::IterationLimit,
+                Judgement::TooLarge => Termination::Stagnated,
+                Judgement::Undefined => Termination::NotFinite,
+            };
+            if outcome.termination != Termination::IterationLimit {
                 return Ok(outcome);
             }
             let Some((indentation, floor)) = self.close(target) else {
@@ -346,11 +351,16 @@ impl<'a> Newton<'a> {
                 outcome.termination = Termination::Converged;
                 return Ok(outcome);
             }
-            let exact = tolerance <= LINEAR_TOLERANCE
-                && unit_tolerance * change_of_indentation <= LINEAR_TOLERANCE;
+            let mismatch = judge(change.mismatch, MISMATCH_TOLERANCE);
+            if mismatch == Judgement::Undefined {
+                outcome.termination = Termination::NotFinite;
+                return Ok(outcome);
+            }
+            let exact = within(tolerance, LINEAR_TOLERANCE)
+                && within(unit_tolerance * change_of_indentation, LINEAR_TOLERANCE);
             if change.pillars == 0
                 && exact
-                && change.mismatch < MISMATCH_TOLERANCE
+                && mismatch == Judgement::Good
                 && !self.found_lower_floor(&outcome)
             {
                 if change.local_failures == 0 {
@@ -413,24 +423,26 @@ impl<'a> Newton<'a> {
         self.base = indentation;
     }
 
-    /// Responses with the present statuses and active nodes. `false` if the linear solver failed.
+    /// Responses with the present statuses and active nodes.
     fn linear_step(
         &mut self,
         target: Target,
         tolerance: f64,
         unit_tolerance: f64,
-    ) -> Result<bool, SolveError> {
+    ) -> Result<Judgement, SolveError> {
         if let Target::Indentation(indentation) = target {
             self.rebase(indentation);
             return self.solve_linear(Part::Present, tolerance);
         }
-        Ok(self.solve_linear(Part::Unit, unit_tolerance)?
-            && self.solve_linear(Part::Present, tolerance)?)
+        match self.solve_linear(Part::Unit, unit_tolerance)? {
+            Judgement::Good => self.solve_linear(Part::Present, tolerance),
+            failed => Ok(failed),
+        }
     }
 
     /// Response to a unit indentation for the present statuses, to the given tolerance.
     pub(crate) fn solve_unit(&mut self, tolerance: f64) -> Result<bool, SolveError> {
-        self.solve_linear(Part::Unit, tolerance)
+        Ok(self.solve_linear(Part::Unit, tolerance)? == Judgement::Good)
     }
 
     /// Response of the pillars to a given load, with statuses and active nodes frozen.
@@ -470,7 +482,7 @@ impl<'a> Newton<'a> {
 
     /// Preconditioned conjugate gradients on `(P^-1 + B) c = b + P^-1 cb`, in the dual variable
     /// `s = P^-1 (c - cb)`, so that the singular `P` is never inverted.
-    fn solve_linear(&mut self, part: Part<'_>, tolerance: f64) -> Result<bool, SolveError> {
+    fn solve_linear(&mut self, part: Part<'_>, tolerance: f64) -> Result<Judgement, SolveError> {
         let mut work = std::mem::take(&mut self.work);
         let mut response = std::mem::take(match part {
             Part::Unit => &mut self.unit,
@@ -491,7 +503,7 @@ impl<'a> Newton<'a> {
         tolerance: f64,
         response: &mut Response,
         work: &mut Work,
-    ) -> Result<bool, SolveError> {
+    ) -> Result<Judgement, SolveError> {
         let Response { coefficients, far } = response;
         let vectors = Vectors(self.run);
         // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
@@ -509,8 +521,10 @@ impl<'a> Newton<'a> {
         work.direction_load.copy_from_slice(&work.residual);
         let mut energy = vectors.dot(&work.residual, &work.preconditioned);
         for _ in 0..LINEAR_LIMIT {
-            if energy <= tolerance * tolerance * scale.max(f64::MIN_POSITIVE) {
-                return Ok(true);
+            let bound = tolerance * tolerance * larger(scale, f64::MIN_POSITIVE);
+            match judge(energy, bound) {
+                Judgement::TooLarge => {}
+                ended => return Ok(ended),
             }
             self.coupling
                 .apply(&work.direction, &mut work.product, self.run);
@@ -518,8 +532,8 @@ impl<'a> Newton<'a> {
             // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
             let curvature = vectors.dot(&work.direction, &work.product)
                 + vectors.dot(&work.direction, &work.direction_load);
-            if curvature <= 0.0 {
-                return Ok(false);
+            if within(curvature, 0.0) {
+                return Ok(Judgement::TooLarge);
             }
             let length = energy / curvature;
             vectors.add_scaled(coefficients, length, &work.direction);
@@ -533,7 +547,7 @@ impl<'a> Newton<'a> {
             vectors.scale_and_add(&mut work.direction, ratio, &work.preconditioned);
             vectors.scale_and_add(&mut work.direction_load, ratio, &work.residual);
         }
-        Ok(false)
+        Ok(Judgement::TooLarge)
     }
 
     fn right_side(&self, part: Part<'_>, load: &mut [f64]) {
@@ -803,7 +817,10 @@ impl<'a> Newton<'a> {
                 .iter()
                 .zip(global)
                 .fold([0.0_f64; 2], |[largest, difference], (c, global)| {
-                    [largest.max(c.abs()), difference.max((c - global).abs())]
+                    [
+                        larger(largest, c.abs()),
+                        larger(difference, (c - global).abs()),
+                    ]
                 })
         };
         let local = || vec![0.0; modes];
@@ -812,7 +829,7 @@ impl<'a> Newton<'a> {
         let [largest, difference] = of_pillars
             .into_iter()
             .fold([f64::MIN_POSITIVE, 0.0], |[a, b], [c, d]| {
-                [a.max(c), b.max(d)]
+                [larger(a, c), larger(b, d)]
             });
         difference / largest
     }

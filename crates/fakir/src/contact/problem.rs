@@ -1,6 +1,7 @@
 //! The problem in the units of the solvers: lengths in pillar radii, pressures in units of the
 //! reduced modulus, so that forces are in units of `E* (d/2)^2`.
 
+use crate::convergence::smaller;
 use crate::disc::basis::{BasisEvaluator, mode_count};
 use crate::quadrature::hemisphere;
 use crate::system::{HexagonalLattice, Lens, Point, System};
@@ -65,6 +66,13 @@ impl Problem {
         self.lens.sag_at_square(x * x + y * y)
     }
 
+    /// The same with a level brim around the lens at its equator, beyond which it has no lower
+    /// side: what presses on pillars. It is a number everywhere, and no contact that is allowed
+    /// comes near the brim.
+    pub(crate) fn sag_with_brim(&self, point: Point) -> f64 {
+        smaller(self.sag(point), self.lens.radius)
+    }
+
     /// Distance of the nearest pillar top from the lens axis; 0 if the axis is on one.
     pub(crate) fn nearest_edge(&self) -> f64 {
         let (i, j) = self.lattice.nearest_pillar([0.0, 0.0]);
@@ -122,7 +130,7 @@ impl LensProjector {
             .iter()
             .zip(self.weights.chunks_exact(self.count))
         {
-            let sag = problem.sag([centre[0] + point[0], centre[1] + point[1]]);
+            let sag = problem.sag_with_brim([centre[0] + point[0], centre[1] + point[1]]);
             for (value, weight) in load.iter_mut().zip(row) {
                 *value -= weight * sag;
             }

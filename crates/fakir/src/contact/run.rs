@@ -174,6 +174,8 @@ pub enum Termination {
     IterationLimit,
     /// Steps no longer improved the solution; the numbers are not the solution.
     Stagnated,
+    /// A number of the solver became infinite or undefined; the numbers are not the solution.
+    NotFinite,
     /// The caller asked to stop.
     Interrupted,
 }
@@ -186,6 +188,7 @@ impl Termination {
             Self::Converged => "converged",
             Self::IterationLimit => "did not converge: the limit on steps was reached",
             Self::Stagnated => "did not converge: the steps no longer improve the solution",
+            Self::NotFinite => "did not converge: a number became infinite or undefined",
             Self::Interrupted => "interrupted",
         }
     }

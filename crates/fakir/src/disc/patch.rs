@@ -7,10 +7,14 @@
 //! with two modes; further modes carry the shape of the sphere.
 
 use super::basis::{BasisEvaluator, UNIT_FORCE, compliances, mode_count};
+use crate::convergence::within;
 use crate::quadrature::hemisphere;
 
 /// Degree of the modes: those of the sphere fall by `(radius/2R)^2` for each step of two.
 const DEGREE: usize = 8;
+
+/// Relative error of a value to which the bracket of its radius may close.
+const PATCH_TOLERANCE: f64 = 1e-10;
 
 /// A circular contact in equilibrium, in scaled units.
 #[derive(Debug, Clone)]
@@ -96,7 +100,7 @@ impl PatchSolver {
     }
 
     /// The contact in which a monotone `measure` (indentation, force, ...) takes a value; `None`
-    /// if that needs a radius beyond `largest`.
+    /// if that needs a radius beyond `largest`, or is not found.
     pub(crate) fn find(
         &self,
         largest: f64,
@@ -105,9 +109,8 @@ impl PatchSolver {
         value: f64,
     ) -> Option<Patch> {
         let excess = |patch: &Patch| measure(patch) - value;
-        let mut high = self.with_radius(largest, &sag);
-        let mut high_excess = excess(&high);
-        if high_excess < 0.0 {
+        let mut high_excess = excess(&self.with_radius(largest, &sag));
+        if !within(-high_excess, 0.0) {
             return None;
         }
         // Regula falsi (Illinois) on the radius squared, in which indentation is all but linear.
@@ -128,12 +131,13 @@ impl PatchSolver {
                 high_excess *= if last_side == side { 0.5 } else { 1.0 };
             }
             last_side = side;
-            high = patch;
-            if found.abs() <= 1e-14 * value || high_square - low_square <= 1e-15 * high_square {
-                break;
+            let exact = within(found.abs(), 1e-14 * value);
+            let narrow = within(high_square - low_square, 1e-15 * high_square);
+            if exact || narrow && within(found.abs(), PATCH_TOLERANCE * value) {
+                return Some(patch);
             }
         }
-        Some(high)
+        None
     }
 }
 
@@ -152,6 +156,23 @@ mod tests {
             assert!((patch.indentation * lens / (radius * radius) - 1.0).abs() < 1e-13);
             assert!((patch.force * 3.0 * lens / (4.0 * radius.powi(3)) - 1.0).abs() < 1e-13);
         }
+    }
+
+    #[test]
+    fn finds_nothing_among_undefined_numbers() {
+        let solver = PatchSolver::new(0.4);
+        let sag = |r: f64| r * r / 1400.0;
+        let find = |measure: &dyn Fn(&Patch) -> f64, value| solver.find(1.0, sag, measure, value);
+        assert!(find(&|patch| patch.force, 1e-4).is_some());
+        for odd in [f64::NAN, f64::NEG_INFINITY] {
+            assert!(find(&|_| odd, 1e-4).is_none());
+            assert!(find(&|patch| patch.force, odd).is_none());
+            // Of small contacts only.
+            let small = |patch: &Patch| if patch.radius < 0.5 { odd } else { patch.force };
+            assert!(find(&small, 1e-9).is_none());
+        }
+        let none = |_: f64| f64::NAN;
+        assert!(solver.find(1.0, none, |patch| patch.force, 1e-4).is_none());
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! time by Murty's rule, which is finite (J. J. Júdice, F. M. Pires, Comput. Oper. Res. 21, 587 (1994)).
 
 use super::cholesky::{factorise, solve_lower, solve_upper};
+use crate::convergence::largest;
 use crate::vector::{add_scaled, dot};
 
 /// `q` may be this far below zero, relative to the largest `|q0|`: rounding, not a violation.
@@ -56,10 +57,7 @@ impl PivotSolver {
     /// entry, the solution on return.
     pub(crate) fn solve(&mut self, matrix: &[f64], active: &mut [bool]) -> Pivoting {
         let count = self.constant.len();
-        let scale = self
-            .constant
-            .iter()
-            .fold(0.0_f64, |largest, q| largest.max(q.abs()));
+        let scale = largest(self.constant.iter().copied());
         let mut fewest = usize::MAX;
         let mut patience = PATIENCE;
         for steps in 1..=STEP_LIMIT {
@@ -70,11 +68,13 @@ impl PivotSolver {
                 };
             }
             let violated = |k: usize, active: &[bool], solver: &Self| {
-                if active[k] {
-                    solver.multiplier[k] < 0.0
+                // Asked this way, what is no number is violated.
+                let holds = if active[k] {
+                    solver.multiplier[k] >= 0.0
                 } else {
-                    solver.slack[k] < -TOLERANCE * scale
-                }
+                    solver.slack[k] >= -TOLERANCE * scale
+                };
+                !holds
             };
             let violations = (0..count).filter(|&k| violated(k, active, self)).count();
             if violations == 0 {

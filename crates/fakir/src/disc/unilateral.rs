@@ -14,6 +14,7 @@ use super::nodes::bos_array;
 use super::pivoting::{PivotSolver, Pivoting};
 use super::rim::{Rim, RimSolver, Sliver};
 use crate::contact::PillarStatus;
+use crate::convergence::{larger, smaller, within};
 use crate::vector::dot;
 
 /// A pressure may be this far below zero at a node, relative to the largest unconstrained
@@ -162,7 +163,8 @@ impl PillarTop {
     /// Status of a pillar under `load`, the displacement it is asked for; `rim` is of as many modes.
     ///
     /// Where it is asked to come down nowhere it is not touched; where the pressure without
-    /// the condition is nowhere negative it is touched in full.
+    /// the condition is nowhere negative it is touched in full. Under a load that is no number
+    /// it counts as partial, and has no solution.
     pub(crate) fn status(&self, load: &[f64], rim: &mut Rim) -> PillarStatus {
         if let Some(status) = self.plain_status(load) {
             return status;
@@ -174,9 +176,9 @@ impl PillarTop {
             let sum = |row: &[f64]| -> f64 { row.iter().zip(load).map(|(y, b)| y * b).sum() };
             let wanted = sum(self.row(&self.values, node));
             let pressure = sum(self.row(&self.pressures, node));
-            touched |= wanted > 0.0;
-            smallest = smallest.min(pressure);
-            largest = largest.max(pressure.abs());
+            touched |= !within(wanted, 0.0);
+            smallest = smaller(smallest, pressure);
+            largest = larger(largest, pressure.abs());
         }
         let on_cells = self.resolution.rings > 0;
         if !touched && !(on_cells && rim.is_touched(load)) {

@@ -25,6 +25,7 @@ use crate::contact::spectral::{LARGEST_CONTACT, rough_contact_radius};
 use crate::contact::{
     CancelToken, Load, PillarStatus, Progress, Run, SolveError, Stage, Termination,
 };
+use crate::convergence::{Judgement, judge, larger, within};
 use crate::coupling::window::Window;
 use crate::disc::exterior::FieldJet;
 use crate::system::Point;
@@ -198,7 +199,11 @@ impl<'a> Level<'a> {
             MeshLayout::Pillars => on_pillars(problem, mesh, &window, run)?,
             MeshLayout::Pattern => on_pattern(problem, mesh, &window, run)?,
         };
-        let separation = elements.centres.iter().map(|at| problem.sag(*at)).collect();
+        let separation = elements
+            .centres
+            .iter()
+            .map(|at| problem.sag_with_brim(*at))
+            .collect();
         Ok(Self {
             problem,
             window,
@@ -520,8 +525,14 @@ impl ElementSolution<'_> {
     /// the error of a flat punch on the same cells counts as well; and all is doubled: with that
     /// it covers the difference from the spectral method on all but a few of a thousand random
     /// systems and loads.
+    ///
+    /// The lens has come down far enough to touch a pillar. Where it touches no cell of it, between
+    /// the centres of cells, nothing is known.
     pub(crate) fn errors(&self) -> [f64; 2] {
         const SAFETY: f64 = 2.0;
+        if within(self.contact.force, 0.0) {
+            return [1.0; 2];
+        }
         let [force, indentation] = [0, 1].map(|quantity| {
             let value = |level: &[f64; 2]| level[quantity];
             let last = self.levels.last().map_or(f64::NAN, value);
@@ -529,8 +540,8 @@ impl ElementSolution<'_> {
                 .levels
                 .windows(2)
                 .map(|pair| (value(&pair[1]) - value(&pair[0])).abs() / last)
-                .fold(0.0, |error: f64, difference| difference.max(0.5 * error));
-            (SAFETY * difference.max(self.punch_error)).max(TOLERANCE)
+                .fold(0.0, |error, difference| larger(difference, 0.5 * error));
+            larger(SAFETY * larger(difference, self.punch_error), TOLERANCE)
         });
         [force, indentation]
     }
@@ -707,9 +718,22 @@ impl Level<'_> {
             {
                 search.slope = Some((gap - other_gap) / (indentation - other));
             }
-            if gap.abs() <= tolerance {
-                search.indentation = indentation;
-                return Ok((contact, floor));
+            match judge(gap.abs(), tolerance) {
+                Judgement::Good => {
+                    search.indentation = indentation;
+                    return Ok((contact, floor));
+                }
+                Judgement::TooLarge => {}
+                Judgement::Undefined => {
+                    let termination = Termination::NotFinite;
+                    return Ok((
+                        ElementContact {
+                            termination,
+                            ..contact
+                        },
+                        floor,
+                    ));
+                }
             }
             bracket[usize::from(gap < 0.0)] = indentation;
             previous = Some([indentation, gap]);

@@ -30,6 +30,7 @@
 
 use super::operator::Operator;
 use crate::contact::{CancelToken, Load, Termination};
+use crate::convergence::{Judgement, judge, larger, largest, smaller};
 
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,7 +95,9 @@ const HALVINGS: usize = 40;
 /// Solves the contact problem.
 ///
 /// `separation` is that of the undeformed surfaces at each element (m) at no indentation,
-/// `area` that of an element (m^2), `start` pressures to start from (Pa), if any are known.
+/// `area` that of an element (m^2), `start` pressures to start from (Pa), if any are known. All
+/// are finite: elements that can never be touched have no place here. Otherwise it ends with
+/// [`Termination::NotFinite`].
 ///
 /// # Panics
 /// If a length is not that of the operator.
@@ -152,7 +155,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         let mut pressure = start.map_or_else(|| vec![0.0; count], <[f64]>::to_vec);
         assert_eq!(pressure.len(), count);
         for value in &mut pressure {
-            *value = value.max(0.0);
+            *value = larger(*value, 0.0);
         }
         let total = match load {
             Load::Force(force) => force / area,
@@ -219,14 +222,16 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         let mut restart = true;
         loop {
             self.assess();
-            if self.certificate.energy_bound <= settings.tolerance {
-                if fresh {
-                    return Termination::Converged;
+            match judge(self.certificate.energy_bound, settings.tolerance) {
+                Judgement::Good if fresh => return Termination::Converged,
+                Judgement::Good => {
+                    // The displacement was carried along by increments: look again without them.
+                    self.refresh_displacement();
+                    fresh = true;
+                    continue;
                 }
-                // The displacement was carried along by increments: look again without them.
-                self.refresh_displacement();
-                fresh = true;
-                continue;
+                Judgement::Undefined => return Termination::NotFinite,
+                Judgement::TooLarge => {}
             }
             if self.certificate.energy_bound < IMPROVEMENT * best {
                 best = self.certificate.energy_bound;
@@ -274,7 +279,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             .zip(self.separation)
         {
             weighted += p * (u + s);
-            lowest = lowest.min(u + s);
+            lowest = smaller(lowest, u + s);
             sum += p;
             work += p * u;
         }
@@ -283,21 +288,23 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             Load::Force(_) if sum > 0.0 => weighted / sum,
             Load::Force(_) => lowest,
         };
-        let depth = (self.indentation - lowest).max(0.0);
+        let depth = larger(self.indentation - lowest, 0.0);
         // A Σ p (v - m) over the elastic energy A/2 Σ p u, and the work over the distance by
         // which a prescribed indentation is missed.
         let missed = match self.load {
             Load::Indentation(_) => depth,
             Load::Force(_) => 0.0,
         };
-        let bound = (weighted - sum * (self.indentation - depth - missed)).max(0.0);
+        let bound = larger(weighted - sum * (self.indentation - depth - missed), 0.0);
         self.certificate = Certificate {
             energy_bound: if work > 0.0 {
                 2.0 * bound / work
             } else if depth > 0.0 {
                 f64::INFINITY
-            } else {
+            } else if (work + depth + bound).is_finite() {
                 0.0
+            } else {
+                f64::NAN
             },
             interpenetration: depth,
             gap_under_pressure: 0.0,
@@ -360,7 +367,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         let memory = if restart || self.slope <= 0.0 {
             0.0
         } else {
-            ((slope - mixed) / self.slope).max(0.0)
+            larger((slope - mixed) / self.slope, 0.0)
         };
         self.slope = slope;
         for ((direction, search), free) in
@@ -460,7 +467,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             .zip(&self.response)
             .zip(&self.direction)
         {
-            *pressure = (kept + length * t).max(0.0);
+            *pressure = larger(kept + length * t, 0.0);
         }
         self.carry_the_force();
         self.refresh_displacement();
@@ -471,12 +478,12 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             self.displacement[element] = self.gap(element);
         }
         let gap = self.displacement;
-        self.certificate.gap_under_pressure = gap
+        let under_pressure = gap
             .iter()
             .zip(&self.pressure)
             .filter(|(_, pressure)| **pressure > 0.0)
-            .map(|(gap, _)| gap.abs())
-            .fold(0.0, f64::max);
+            .map(|(gap, _)| *gap);
+        self.certificate.gap_under_pressure = largest(under_pressure);
         ElementContact {
             indentation: self.indentation,
             force: self.area * sum(&self.pressure),

@@ -32,7 +32,8 @@ use super::grid::Grid;
 use super::solver::Certificate;
 use super::surface_level::{Level, Pressed, check_fields};
 use super::surface_map::HeightMap;
-use crate::contact::{ErrorEstimate, Load, Regime, Run, Termination, memory};
+use crate::contact::{ErrorEstimate, Load, Regime, Run, Termination, check_number, memory};
+use crate::convergence::larger;
 use crate::system::{InvalidQuantity, Lens, Material, Point, Quantity, Requirement};
 
 /// What is pressed onto a surface.
@@ -121,6 +122,7 @@ pub struct SurfaceSystem {
     surface: HeightMap,
     boundary: Boundary,
     round_tops: Option<f64>,
+    continued: bool,
 }
 
 impl SurfaceSystem {
@@ -145,6 +147,7 @@ impl SurfaceSystem {
             surface,
             boundary,
             round_tops: None,
+            continued: false,
         })
     }
 
@@ -163,6 +166,17 @@ impl SurfaceSystem {
             round_tops: Some(diameter),
             ..self
         })
+    }
+
+    /// The same system, told that the surface goes on around its grid as inside, as a pattern does
+    /// of which the grid shows a part: a lens that could touch the highest of it outside is refused
+    /// with [`SurfaceError::SurfaceEnds`]. Otherwise that is judged by what lies near the border.
+    #[must_use]
+    pub fn continued(self) -> Self {
+        Self {
+            continued: true,
+            ..self
+        }
     }
 
     /// What is pressed onto the surface.
@@ -193,6 +207,10 @@ impl SurfaceSystem {
         self.round_tops
     }
 
+    pub(super) fn is_continued(&self) -> bool {
+        self.continued
+    }
+
     /// `c = 1/E*`, the sum of the `(1 - nu^2)/E` of both bodies, 1/Pa.
     #[must_use]
     pub fn contact_compliance(&self) -> f64 {
@@ -214,7 +232,7 @@ impl SurfaceSystem {
     /// allowed, or interruption: see [`SurfaceError`]. A solution that did not converge is not an
     /// error: it says so in [`SurfaceContact::termination`].
     pub fn press(&self, load: Load, run: &Run<'_>) -> Result<SurfaceContact, SurfaceError> {
-        self.check_load(load)?;
+        let load = self.checked(load)?;
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
         check_fields(&self.surface, run)?;
@@ -240,7 +258,7 @@ impl SurfaceSystem {
                 0.0
             },
         });
-        level.finish(&pressed, error)
+        level.finish(&pressed, error)?.checked()
     }
 
     /// The critical state: the first indentation at which the floor bears pressure. The state is
@@ -275,7 +293,7 @@ impl SurfaceSystem {
         let (level, pressed, cell) = solved.ok_or(SurfaceError::NoFloor)?;
         let columns = self.surface.grid().columns();
         let floor_contact = self.surface.grid().centre(cell % columns, cell / columns);
-        let contact = level.finish(&pressed, estimate(&history))?;
+        let contact = level.finish(&pressed, estimate(&history))?.checked()?;
         Ok(SurfaceTransition {
             regime: if contact.force > 0.0 {
                 Regime::TopFirst
@@ -308,13 +326,10 @@ impl SurfaceSystem {
         levels
     }
 
-    fn check_load(&self, load: Load) -> Result<(), SurfaceError> {
-        let (quantity, value) = match load {
-            Load::Indentation(value) => (Quantity::Indentation, value),
-            Load::Force(value) => (Quantity::Force, value),
-        };
-        Requirement::NotNegative.check(quantity, value)?;
-        Ok(())
+    /// The load, relative to the size of a cell.
+    fn checked(&self, load: Load) -> Result<Load, SurfaceError> {
+        let [width, height] = self.surface.grid().cell();
+        Ok(load.checked(0.5 * width.min(height), self.reduced_modulus())?)
     }
 }
 
@@ -325,14 +340,27 @@ const LEVELS: usize = 3;
 const FEWEST_CELLS: usize = 16;
 
 /// Relative errors of the last of the forces and indentations on smaller and smaller cells.
+#[expect(
+    clippy::float_cmp,
+    reason = "zero is what no cell in contact gives, and nothing else"
+)]
 fn estimate(history: &[[f64; 2]]) -> Option<ErrorEstimate> {
     let (&last, coarser) = history.split_last()?;
     let &before = coarser.last()?;
     let first = coarser.first().copied().unwrap_or(before);
     let relative = |k: usize| {
-        let change = (last[k] - before[k]).abs();
-        let change = change.max(0.5 * (before[k] - first[k]).abs());
-        if change > 0.0 { change / last[k] } else { 0.0 }
+        let change = larger(
+            (last[k] - before[k]).abs(),
+            0.5 * (before[k] - first[k]).abs(),
+        );
+        if change == 0.0 {
+            0.0
+        } else if last[k] == 0.0 {
+            // There is something on larger cells only: nothing is known.
+            1.0
+        } else {
+            change / last[k]
+        }
     };
     Some(ErrorEstimate {
         force: relative(0),
@@ -375,6 +403,40 @@ pub struct SurfaceContact {
 }
 
 impl SurfaceContact {
+    /// The contact as it is handed out: all of its numbers are numbers, and no zero has a sign.
+    fn checked(mut self) -> Result<Self, SurfaceError> {
+        let check = |what, value: &mut f64| {
+            check_number(what, value).map_err(|_| SurfaceError::NotFinite { what })
+        };
+        check("force", &mut self.force)?;
+        check("indentation", &mut self.indentation)?;
+        check("contact area", &mut self.contact_area)?;
+        if let Some(radius) = &mut self.contact_radius {
+            check("contact radius", radius)?;
+        }
+        if let Some(error) = &mut self.error {
+            check("error estimate of the force", &mut error.force)?;
+            check("error estimate of the indentation", &mut error.indentation)?;
+        }
+        let certificate = &mut self.certificate;
+        check("energy error", &mut certificate.energy_bound)?;
+        check("interpenetration", &mut certificate.interpenetration)?;
+        check("gap under pressure", &mut certificate.gap_under_pressure)?;
+        for value in &mut self.pressure {
+            check("pressure", value)?;
+        }
+        for value in &mut self.displacement {
+            check("displacement", value)?;
+        }
+        for value in self.gap.iter_mut().filter(|gap| **gap < f64::INFINITY) {
+            check("gap", value)?;
+        }
+        if self.gap.iter().any(|gap| gap.is_nan()) {
+            return Err(SurfaceError::NotFinite { what: "gap" });
+        }
+        Ok(self)
+    }
+
     /// Whether the numbers are the solution.
     #[must_use]
     pub fn converged(&self) -> bool {
@@ -450,8 +512,8 @@ pub enum SurfaceWarning {
         /// Contact radius over lens radius.
         ratio: f64,
     },
-    /// The contact reaches the border of a grid that stands free: there would be more of it on a
-    /// larger surface.
+    /// The contact of a plate reaches the border of a grid that stands free, or at the border a lens
+    /// is below the highest of the surface: there may be more contact on a larger surface.
     ReachesBorder,
 }
 
@@ -462,8 +524,8 @@ impl std::fmt::Display for SurfaceWarning {
                 crate::contact::Warning::LargeContact { ratio: *ratio }.fmt(f)
             }
             Self::ReachesBorder => f.write_str(
-                "the contact reaches the border of the height map: what lies outside of it is \
-                 taken as out of reach",
+                "at the border of the height map what is pressed is as low as the surface: what lies \
+                 outside is taken as out of reach",
             ),
         }
     }
@@ -508,6 +570,28 @@ pub enum SurfaceError {
         indentation: f64,
         /// Mean separation of the undeformed surfaces, m.
         mean_separation: f64,
+    },
+    /// The grid ends where the lens may still touch the surface, and what it would bear outside is
+    /// missing.
+    #[error(
+        "the surface ends within reach of the lens: its grid is {:.3e} m by {:.3e} m, and one of \
+         {needed:.3e} m around the lens axis would do: use a larger surface or lower the load",
+        .sides[0], .sides[1]
+    )]
+    SurfaceEnds {
+        /// Sides of the grid, m.
+        sides: [f64; 2],
+        /// Width of a grid around the lens axis that would do, m.
+        needed: f64,
+    },
+    /// A number of the solution is infinite or undefined, so that there is none.
+    #[error(
+        "the {what} of the solution is infinite or undefined: there is no result; quantities of \
+         the case may be too many orders of magnitude apart"
+    )]
+    NotFinite {
+        /// Which one.
+        what: &'static str,
     },
     /// There is no floor to be reached.
     #[error("no cell of the surface under the lens is floor")]

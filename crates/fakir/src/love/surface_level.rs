@@ -12,6 +12,7 @@ use super::surface::{
 use super::surface_map::HeightMap;
 use crate::contact::spectral::LARGEST_CONTACT;
 use crate::contact::{DOUBTFUL_CONTACT, ErrorEstimate, Load, Progress, Run, Stage, Termination};
+use crate::convergence::{Judgement, judge};
 use std::f64::consts::PI;
 
 /// Relative energy error of every solution: its force is then good to about as much.
@@ -29,6 +30,13 @@ const GROWTH: usize = 4;
 
 /// Cells are sought up to this multiple of the indentation that is expected.
 const MARGIN: f64 = 1.03;
+
+/// A surface that ends within reach of the lens has to be wider by this factor at the least.
+const GROWN: f64 = 1.25;
+
+/// Part of the indentation by which the lens may be below the surface at the border: contact
+/// conditions are met to less.
+const BORDER_TOLERANCE: f64 = 1e-6;
 
 /// Bytes of a solution for every unknown, besides the operator: twelve arrays of the solver,
 /// labels, segments.
@@ -430,8 +438,19 @@ impl<'a> Level<'a> {
             {
                 self.floor_slope = Some((gap - other_gap) / (indentation - other));
             }
-            if gap.abs() <= FLOOR_TOLERANCE * indentation {
-                return Ok((pressed, cell));
+            match judge(gap.abs(), FLOOR_TOLERANCE * indentation) {
+                Judgement::Good => return Ok((pressed, cell)),
+                Judgement::TooLarge => {}
+                Judgement::Undefined => {
+                    let termination = Termination::NotFinite;
+                    return Ok((
+                        Pressed {
+                            termination,
+                            ..pressed
+                        },
+                        cell,
+                    ));
+                }
             }
             bracket[usize::from(gap < 0.0)] = indentation;
             previous = Some([indentation, gap]);
@@ -499,6 +518,8 @@ impl<'a> Level<'a> {
         self.candidates = None;
         self.floor_cells = None;
         let displacement = self.displacement()?;
+        self.check_border(&displacement, pressed.indentation)?;
+        let warnings = self.warnings(&displacement, pressed.indentation);
         let gap = self
             .separation
             .iter()
@@ -515,7 +536,7 @@ impl<'a> Level<'a> {
                 Indenter::Lens(_) => Some(self.contact_radius()),
                 Indenter::Flat(_) => None,
             },
-            warnings: self.warnings(),
+            warnings,
             displacement,
             gap,
             certificate: pressed.certificate,
@@ -544,7 +565,49 @@ impl<'a> Level<'a> {
         Ok(displacement)
     }
 
-    fn warnings(&self) -> Vec<SurfaceWarning> {
+    /// Refuses a lens that could touch more of the surface than the grid has of it.
+    ///
+    /// On a free half-space no displacement is negative, so that nothing is touched where the
+    /// separation of the undeformed surfaces is larger than the indentation: a grid as wide as that
+    /// has all of the contact.
+    fn check_border(&self, displacement: &[f64], indentation: f64) -> Result<(), SurfaceError> {
+        let (Indenter::Lens(lens), Boundary::FreeSpace) =
+            (self.system.indenter(), self.system.boundary())
+        else {
+            return Ok(());
+        };
+        let highest = self.system.surface().highest();
+        let outside = if self.system.is_continued() {
+            highest
+        } else {
+            highest_near_border(&self.surface)
+        };
+        if !self.is_low_at_border(displacement, indentation, outside) {
+            return Ok(());
+        }
+        let grid = self.surface.grid();
+        let [width, height] = grid.cell();
+        let sides = [grid.columns() as f64 * width, grid.rows() as f64 * height];
+        let depth = (indentation - (highest - outside)).clamp(0.0, lens.radius);
+        let reach = (depth * (2.0 * lens.radius - depth)).sqrt();
+        let most = LARGEST_CONTACT * lens.radius;
+        // Wider in any case: the reach is found with the contact cut off.
+        let needed = (2.0 * MARGIN * reach.min(most)).max(GROWN * sides[0].max(sides[1]));
+        Err(SurfaceError::SurfaceEnds { sides, needed })
+    }
+
+    /// Whether the lens is lower than `level` (m) at the border, or touches a cell there.
+    fn is_low_at_border(&self, displacement: &[f64], indentation: f64, level: f64) -> bool {
+        let grid = self.surface.grid();
+        let heights = self.surface.heights();
+        border_cells(grid).any(|cell| {
+            let gap = self.separation[cell] + displacement[cell] - indentation;
+            let above_level = gap - (level - heights[cell]);
+            self.pressure[cell] > 0.0 || above_level < -BORDER_TOLERANCE * indentation
+        })
+    }
+
+    fn warnings(&self, displacement: &[f64], indentation: f64) -> Vec<SurfaceWarning> {
         let mut warnings = Vec::new();
         if let Indenter::Lens(lens) = self.system.indenter() {
             let ratio = self.contact_radius() / lens.radius;
@@ -552,13 +615,38 @@ impl<'a> Level<'a> {
                 warnings.push(SurfaceWarning::LargeContact { ratio });
             }
         }
-        let grid = self.surface.grid();
-        let on_border = |cell: usize| is_on_border(grid, cell);
-        if self.system.boundary() == Boundary::FreeSpace && self.loaded().any(on_border) {
+        // A plate is low everywhere, but bears on nothing where there is no surface.
+        let level = match self.system.indenter() {
+            Indenter::Lens(_) => self.system.surface().highest(),
+            Indenter::Flat(_) => f64::NEG_INFINITY,
+        };
+        if self.system.boundary() == Boundary::FreeSpace
+            && self.is_low_at_border(displacement, indentation, level)
+        {
             warnings.push(SurfaceWarning::ReachesBorder);
         }
         warnings
     }
+}
+
+/// Height of the highest cell in a band along the border, an eighth of the surface wide: what the
+/// surface is like outside, as far as it tells.
+fn highest_near_border(surface: &HeightMap) -> f64 {
+    let grid = surface.grid();
+    let band = |count: usize| count.div_ceil(8);
+    let near = |place: usize, count: usize| place < band(count) || place + band(count) >= count;
+    let cells = surface.heights().iter().enumerate();
+    cells
+        .filter(|(cell, _)| {
+            near(cell % grid.columns(), grid.columns()) || near(cell / grid.columns(), grid.rows())
+        })
+        .map(|(_, height)| *height)
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The cells along the border.
+fn border_cells(grid: &Grid) -> impl Iterator<Item = usize> + '_ {
+    (0..grid.cell_count()).filter(|cell| is_on_border(grid, *cell))
 }
 
 fn is_on_border(grid: &Grid, cell: usize) -> bool {

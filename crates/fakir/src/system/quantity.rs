@@ -75,8 +75,10 @@ pub struct InvalidQuantity {
 pub enum Requirement {
     /// A finite number above zero.
     Positive,
-    /// A finite number, zero or above.
-    NotNegative,
+    /// A force, N: zero, or a finite number and at least this one.
+    ZeroOrForce(f64),
+    /// An indentation, m: zero, or a finite number and at least this one.
+    ZeroOrIndentation(f64),
     /// A finite number.
     Finite,
     /// Pitches, zero or above, few enough to tell positions within one of them apart.
@@ -95,7 +97,12 @@ impl fmt::Display for Requirement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Positive => f.write_str("a finite number greater than 0"),
-            Self::NotNegative => f.write_str("a finite number, 0 or greater"),
+            Self::ZeroOrForce(smallest) => {
+                write!(f, "0, or a finite number and at least {smallest:.2e} N")
+            }
+            Self::ZeroOrIndentation(smallest) => {
+                write!(f, "0, or a finite number and at least {smallest:.2e} m")
+            }
             Self::Finite => f.write_str("a finite number"),
             Self::Pitches => f.write_str("a number of pitches from 0 to 1000"),
             Self::PoissonRatio => f.write_str("between 0 and 0.5 (0.5 is incompressible)"),
@@ -119,7 +126,9 @@ impl Requirement {
         let accepted = value.is_finite()
             && match self {
                 Self::Positive => value > 0.0,
-                Self::NotNegative => value >= 0.0,
+                Self::ZeroOrForce(smallest) | Self::ZeroOrIndentation(smallest) => {
+                    value == 0.0 || value >= smallest
+                }
                 Self::Finite => true,
                 Self::Pitches => (0.0..=1000.0).contains(&value),
                 Self::PoissonRatio => (0.0..=0.5).contains(&value),

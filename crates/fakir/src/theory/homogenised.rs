@@ -27,7 +27,8 @@ use crate::contact::{
     ContactState, CriticalState, ErrorEstimate, Load, Method, Regime, Run, SolveError, Termination,
     contact_warnings,
 };
-use crate::system::{MAXIMUM_SURFACE_FRACTION, Point, Quantity, Requirement, System};
+use crate::convergence::{Judgement, judge, larger, within};
+use crate::system::{MAXIMUM_SURFACE_FRACTION, Point, System};
 use std::f64::consts::PI;
 
 /// Beyond this fraction of the lens radius a contact is refused.
@@ -138,6 +139,11 @@ pub fn central_force_amplification(system: &System) -> f64 {
 /// [`SolveError::TextureTooDense`], [`SolveError::ContactExceedsLens`] or
 /// [`SolveError::Interrupted`].
 pub fn transition(system: &System, run: &Run<'_>) -> Result<CriticalState, SolveError> {
+    crate::transition(system, Method::Homogenised, run)
+}
+
+/// The critical state, not checked yet.
+pub(crate) fn critical(system: &System, run: &Run<'_>) -> Result<CriticalState, SolveError> {
     run.check_cancelled()?;
     if nearest_edge_sag(system) >= system.pillar().height {
         return Ok(CriticalState {
@@ -160,16 +166,21 @@ pub fn transition(system: &System, run: &Run<'_>) -> Result<CriticalState, Solve
 /// The contact of the homogenised lattice under a load; pillars as in [`transition`].
 ///
 /// # Errors
-/// [`SolveError::InvalidQuantity`] for a load that is negative or no number, otherwise as
-/// [`transition`].
+/// [`SolveError::InvalidQuantity`] for a load that is negative, too small or no number, otherwise
+/// as [`transition`].
 pub fn press(system: &System, load: Load, run: &Run<'_>) -> Result<ContactState, SolveError> {
+    crate::press(system, load, Method::Homogenised, run)
+}
+
+/// The contact under a load that has been checked.
+pub(crate) fn pressed(
+    system: &System,
+    load: Load,
+    run: &Run<'_>,
+) -> Result<ContactState, SolveError> {
     let target = match load {
-        Load::Indentation(zeta) => {
-            Target::Indentation(Requirement::NotNegative.check(Quantity::Indentation, zeta)?)
-        }
-        Load::Force(force) => {
-            Target::Force(Requirement::NotNegative.check(Quantity::Force, force)?)
-        }
+        Load::Indentation(zeta) => Target::Indentation(zeta),
+        Load::Force(force) => Target::Force(force),
     };
     run.check_cancelled()?;
     let first_touch = nearest_edge_sag(system);
@@ -243,11 +254,16 @@ impl LayerContact {
         }
     }
 
-    fn reaches(&self, target: Target) -> bool {
-        match target {
-            Target::Indentation(zeta) => self.indentation >= zeta,
-            Target::Force(force) => self.force >= force,
-            Target::CentralPressure(pressure) => self.central_pressure >= pressure,
+    fn reaches(&self, target: Target) -> Result<bool, SolveError> {
+        let (wanted, reached) = match target {
+            Target::Indentation(zeta) => (zeta, self.indentation),
+            Target::Force(force) => (force, self.force),
+            Target::CentralPressure(pressure) => (pressure, self.central_pressure),
+        };
+        match judge(wanted, reached) {
+            Judgement::Good => Ok(true),
+            Judgement::TooLarge => Ok(false),
+            Judgement::Undefined => Err(SolveError::NotFinite { what: "load" }),
         }
     }
 }
@@ -266,7 +282,7 @@ fn bisect(
     let at = |radius: f64| LayerContact::new(system, layer_compliance, modes, radius);
     let mut low = 0.0;
     let mut high = LARGEST_CONTACT * lens_radius;
-    if !at(high).reaches(target) {
+    if !at(high).reaches(target)? {
         return Err(SolveError::ContactExceedsLens {
             contact_radius: high,
             lens_radius,
@@ -278,7 +294,7 @@ fn bisect(
         if middle <= low || middle >= high {
             return Ok((at(high), steps));
         }
-        if at(middle).reaches(target) {
+        if at(middle).reaches(target)? {
             high = middle;
         } else {
             low = middle;
@@ -311,7 +327,7 @@ fn solve(
         smallest_floor_gap: system.pillar().height * gap,
         smallest_gap_position: nearest_hollow(system),
         error,
-        termination: if error.force.max(error.indentation) <= CONVERGED {
+        termination: if within(larger(error.force, error.indentation), CONVERGED) {
             Termination::Converged
         } else {
             Termination::Stagnated
@@ -323,7 +339,7 @@ fn solve(
 }
 
 fn relative_difference(coarse: f64, fine: f64) -> f64 {
-    (coarse / fine - 1.0).abs().max(ROUNDING)
+    larger((coarse / fine - 1.0).abs(), ROUNDING)
 }
 
 /// Height of the undeformed lens above its lowest point, over the nearest pillar edge, m; 0
