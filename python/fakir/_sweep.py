@@ -17,6 +17,7 @@ import numpy as np
 
 from . import _fakir
 from ._format import Row, html_table, text_table
+from ._run import warn
 from ._study import StudyLike, read_study
 from ._system import Overrides
 from ._worker import solve_batch
@@ -161,7 +162,8 @@ def sweep(
     set
         Overrides of keys of the case.
     resume, overwrite
-        Go on with the sweep that is in ``output``, or begin anew there.
+        Go on with the sweep that is in ``output``, or begin anew there. A line of its journal that is
+        damaged is named in a `FakirWarning`, and its case is computed again.
     threads
         To use if there is no executor; 0 for all processors.
     progress
@@ -195,6 +197,7 @@ def sweep(
     existing = "resume" if resume else "overwrite" if overwrite else "refuse"
     folder = None if output is None else fspath(output)
     with closing(_fakir.Ledger(parsed, folder, existing, memory_limit)) as ledger:
+        warn((f"{line}; its case is computed again" for line in ledger.damaged), depth=1)
         if executor is None:
             ledger.run(threads, progress)
         else:

@@ -3,6 +3,7 @@
 use crate::case::{Case, Spacing, written_number};
 use crate::entries::{Entries, Entry, Value, accepted, kind_name, override_value, unknown_key};
 use crate::error::{CaseError, Place, Source};
+use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Kind};
 use crate::surface;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
@@ -36,11 +37,11 @@ impl CaseFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`CaseError`] if the file cannot be read, is not UTF-8 or TOML, or has a key that no case
+    /// [`CaseError`] if the file cannot be read, has more than [`LARGEST_CASE`] bytes, is not UTF-8 or TOML, or has a key that no case
     /// file has. Values are looked at by [`case`](Self::case).
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         let name = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|error| {
+        let bytes = input::read(path, LARGEST_CASE).map_err(|error| {
             CaseError::new(
                 &Source::new(&name, ""),
                 format!("cannot read {name}: {error}"),

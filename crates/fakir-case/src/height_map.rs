@@ -7,14 +7,26 @@
 //! | any other | rows of numbers separated by blanks, commas or semicolons; `#` begins a comment; an ESRI ASCII grid header is understood |
 //!
 //! The first row of an array or text is that of smallest y; that of an ESRI ASCII grid, as its
-//! format has it, that of largest y. The lens axis is put on the centre of the map;
+//! format has it, that of largest y. The size of an array is known from its header and checked
+//! before its elements are read, unpacked as they come; that of a text is checked while it is read. The lens axis is put on the centre of the map;
 //! [`HeightMap::with_axis_at`] moves it.
 
 use fakir::love::{Grid, HeightMap, InvalidGrid, InvalidHeightMap};
 use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder};
-use std::io::{Cursor, Read};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 use zip::ZipArchive;
+
+/// Memory that every point of a map takes, bytes: its height and pillar on cells of three sizes,
+/// separation, start, and the fields of the solution.
+pub(crate) const BYTES_PER_POINT: f64 = 64.0;
+
+/// Longest header of an array, bytes: it has a type and a shape of two numbers.
+const LONGEST_HEADER: u32 = 65_536;
+
+/// Longest line of a text, bytes: millions of numbers.
+const LONGEST_LINE: u64 = 64_000_000;
 
 /// The physical size of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +59,7 @@ pub enum HeightMapError {
         /// The file.
         file: String,
         /// Why not.
-        source: std::io::Error,
+        source: io::Error,
     },
     /// It is no NumPy file, or a damaged one.
     #[error("{file} is not a readable NumPy file: {problem}")]
@@ -145,6 +157,29 @@ pub enum HeightMapError {
         /// Which number of the line, counted from 1.
         column: usize,
     },
+    /// More points than there is memory for.
+    #[error(
+        "{file} has {points}, which take {:.1} MB of memory or more; the limit is {:.1} MB",
+        1e-6 * .bytes, 1e-6 * *.limit as f64
+    )]
+    TooLarge {
+        /// The file, and the array of an archive.
+        file: String,
+        /// How many: `4 by 3 points`, or `8 points or more`.
+        points: String,
+        /// Memory that they and the fields on them take, bytes.
+        bytes: f64,
+        /// Memory allowed, bytes.
+        limit: usize,
+    },
+    /// A line of a text that is no row of numbers, as it does not end.
+    #[error("{file}, line {line}: longer than {} MB, which no row of heights is", LONGEST_LINE / 1_000_000)]
+    LongLine {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+    },
     /// No numbers at all.
     #[error("{file} has no heights")]
     Empty {
@@ -186,30 +221,90 @@ struct Table {
     values: Vec<f64>,
 }
 
+/// What is being read.
+struct Source<'a> {
+    /// What errors call it.
+    file: &'a str,
+    /// Bytes.
+    memory_limit: usize,
+}
+
+impl Source<'_> {
+    fn damaged(&self, problem: impl ToString) -> HeightMapError {
+        HeightMapError::NotNumpy {
+            file: self.file.to_owned(),
+            problem: problem.to_string(),
+        }
+    }
+
+    fn unreadable(&self, source: io::Error) -> HeightMapError {
+        HeightMapError::Read {
+            file: self.file.to_owned(),
+            source,
+        }
+    }
+
+    /// Whether so many points fit the memory allowed; `words` says how many they are.
+    fn check_memory(
+        &self,
+        count: u64,
+        words: impl FnOnce() -> String,
+    ) -> Result<(), HeightMapError> {
+        let bytes = BYTES_PER_POINT * count as f64;
+        if bytes <= self.memory_limit as f64 {
+            return Ok(());
+        }
+        Err(HeightMapError::TooLarge {
+            file: self.file.to_owned(),
+            points: words(),
+            bytes,
+            limit: self.memory_limit,
+        })
+    }
+}
+
 /// Reads a height map; of an `.npz` archive the array of the given name, or the only one.
+/// `memory_limit` is the most memory (bytes) that the map and the fields on it may take.
 ///
 /// # Errors
 /// [`HeightMapError`]: a file that cannot be read, is of no known format, or holds no
-/// two-dimensional array of finite numbers; a size that is not positive.
+/// two-dimensional array of finite numbers, or more of them than there is memory for; a size that is
+/// not positive.
 pub fn read_height_map(
     path: &Path,
     array: Option<&str>,
     scale: &MapScale,
+    memory_limit: usize,
 ) -> Result<HeightMap, HeightMapError> {
     let file = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| HeightMapError::Read {
-        file: file.clone(),
-        source,
-    })?;
+    let source = Source {
+        file: &file,
+        memory_limit,
+    };
+    let opened = File::open(path).map_err(|error| source.unreadable(error))?;
+    let opened = BufReader::new(opened);
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str() {
-        Some("npy") => place(&file, parse_npy(&file, &bytes)?, scale),
+        Some("npy") => place(&file, parse_npy(&source, opened)?, scale),
         Some("npz") => {
-            let (name, bytes) = extract(&file, &bytes, array)?;
+            let mut archive = ZipArchive::new(opened).map_err(|error| source.damaged(error))?;
+            let name = array_name(&source, &archive, array)?;
+            let entry = archive.by_name(&format!("{name}.npy"));
+            let mut entry = entry.map_err(|error| source.damaged(error))?;
             let file = format!("{file}, array {name:?}");
-            place(&file, parse_npy(&file, &bytes)?, scale)
+            let source = Source {
+                file: &file,
+                memory_limit,
+            };
+            let table = parse_npy(&source, &mut entry)?;
+            // At its end the archive looks whether the array is what was packed.
+            match entry.read(&mut [0]) {
+                Ok(0) => place(&file, table, scale),
+                Ok(_) => Err(source.damaged("it goes on after its last element")),
+                Err(error) => Err(source.damaged(error)),
+            }
         }
-        _ => place(&file, parse_text(&file, &bytes)?, scale),
+        _ => place(&file, parse_text(&source, opened)?, scale),
     }
 }
 
@@ -264,95 +359,99 @@ fn place(file: &str, table: Table, scale: &MapScale) -> Result<HeightMap, Height
     })
 }
 
-/// Takes an array out of an archive, as the bytes of its `.npy` file, with its name.
-fn extract(
-    file: &str,
-    bytes: &[u8],
+/// The name of the array of an archive that is to be read.
+fn array_name(
+    source: &Source<'_>,
+    archive: &ZipArchive<BufReader<File>>,
     wanted: Option<&str>,
-) -> Result<(String, Vec<u8>), HeightMapError> {
-    let damaged = |problem: String| HeightMapError::NotNumpy {
-        file: file.to_owned(),
-        problem,
-    };
-    let mut archive =
-        ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(error.to_string()))?;
+) -> Result<String, HeightMapError> {
+    let file = || source.file.to_owned();
     let available: Vec<String> = archive
         .file_names()
         .filter_map(|name| Some(name.ok()?.strip_suffix(".npy")?.to_owned()))
         .collect();
-    let name = match (wanted, &available[..]) {
-        (None, [only]) => only.clone(),
-        (None, _) => {
-            return Err(HeightMapError::ArrayNotNamed {
-                file: file.to_owned(),
-                available,
-            });
-        }
-        (Some(wanted), names) if names.iter().any(|name| name == wanted) => wanted.to_owned(),
-        (Some(wanted), _) => {
-            return Err(HeightMapError::NoSuchArray {
-                file: file.to_owned(),
-                wanted: wanted.to_owned(),
-                available,
-            });
-        }
-    };
-    let mut entry = archive
-        .by_name(&format!("{name}.npy"))
-        .map_err(|error| damaged(error.to_string()))?;
-    let mut contents = Vec::new();
-    entry
-        .read_to_end(&mut contents)
-        .map_err(|error| damaged(error.to_string()))?;
-    drop(entry);
-    Ok((name, contents))
+    match (wanted, &available[..]) {
+        (None, [only]) => Ok(only.clone()),
+        (None, _) => Err(HeightMapError::ArrayNotNamed {
+            file: file(),
+            available,
+        }),
+        (Some(wanted), names) if names.iter().any(|name| name == wanted) => Ok(wanted.to_owned()),
+        (Some(wanted), _) => Err(HeightMapError::NoSuchArray {
+            file: file(),
+            wanted: wanted.to_owned(),
+            available,
+        }),
+    }
 }
 
-fn parse_npy(file: &str, bytes: &[u8]) -> Result<Table, HeightMapError> {
-    let damaged = |problem: String| HeightMapError::NotNumpy {
-        file: file.to_owned(),
-        problem,
-    };
-    let mut data = bytes;
-    let header = NpyHeader::from_reader(&mut data).map_err(|error| damaged(error.to_string()))?;
+/// The header of an array: bounded, as it says itself how long it is.
+fn npy_header(source: &Source<'_>, mut data: impl Read) -> Result<NpyHeader, HeightMapError> {
+    // Six bytes of a magic string, two of the version, then the length: of version 1 in two bytes,
+    // with the header behind them, and from version 2 on in four.
+    let mut start = Vec::new();
+    let read = data.by_ref().take(12).read_to_end(&mut start);
+    read.map_err(|error| source.damaged(error))?;
+    if let [_, _, _, _, _, _, version, _, a, b, c, d] = start[..]
+        && version > 1
+        && u32::from_le_bytes([a, b, c, d]) > LONGEST_HEADER
+    {
+        return Err(source.damaged("its header is longer than any that NumPy writes"));
+    }
+    NpyHeader::from_reader(start.chain(data)).map_err(|error| source.damaged(error))
+}
+
+fn parse_npy(source: &Source<'_>, mut data: impl Read) -> Result<Table, HeightMapError> {
+    let header = npy_header(source, &mut data)?;
     let [rows, columns] = *header.shape() else {
         return Err(HeightMapError::Dimensions {
-            file: file.to_owned(),
+            file: source.file.to_owned(),
             shape: header.shape().to_vec(),
         });
     };
-    let count = rows.checked_mul(columns);
     let size = header.dtype().num_bytes().unwrap_or(1) as u64;
+    let count = rows.checked_mul(columns);
     let needed = count.and_then(|count| count.checked_mul(size));
-    let (Ok(rows), Ok(columns), Some(needed)) =
-        (usize::try_from(rows), usize::try_from(columns), needed)
-    else {
-        return Err(damaged(format!("an array of {rows} by {columns} elements")));
+    let (Ok(row_count), Ok(column_count), Some(count), Some(needed)) = (
+        usize::try_from(rows),
+        usize::try_from(columns),
+        count,
+        needed,
+    ) else {
+        return Err(source.damaged(format!("an array of {rows} by {columns} elements")));
     };
-    if needed > data.len() as u64 {
-        return Err(damaged(format!(
-            "it ends early: {needed} bytes of data expected, {} found",
-            data.len()
-        )));
-    }
+    source.check_memory(count, || format!("{columns} by {rows} points"))?;
     let order = header.order();
-    let stored = read_elements(file, NpyFile::with_header(header, data))?;
+    let mut data = data.take(needed);
+    let stored = read_elements(source, NpyFile::with_header(header, &mut data));
+    let stored = match stored {
+        Err(HeightMapError::NotNumpy { .. }) if data.limit() > 0 => {
+            return Err(source.damaged(format!(
+                "it ends early: {needed} bytes of data expected, {} found",
+                needed - data.limit()
+            )));
+        }
+        other => other?,
+    };
     let values = match order {
         Order::C => stored,
-        Order::Fortran => (0..rows)
-            .flat_map(|row| (0..columns).map(move |column| column * rows + row))
+        Order::Fortran => (0..row_count)
+            .flat_map(|row| (0..column_count).map(move |column| column * row_count + row))
             .map(|place| stored[place])
             .collect(),
     };
     Ok(Table {
-        columns,
-        rows,
+        columns: column_count,
+        rows: row_count,
         values,
     })
 }
 
 /// All elements as they are stored, whatever their type.
-fn read_elements(file: &str, array: NpyFile<&[u8]>) -> Result<Vec<f64>, HeightMapError> {
+fn read_elements<R: Read>(
+    source: &Source<'_>,
+    array: NpyFile<R>,
+) -> Result<Vec<f64>, HeightMapError> {
     let element = array.header().dtype();
     let kind = match &element {
         DType::Plain(kind) => (kind.type_char(), kind.size_field()),
@@ -375,18 +474,15 @@ fn read_elements(file: &str, array: NpyFile<&[u8]>) -> Result<Vec<f64>, HeightMa
             .map(|values| values.into_iter().map(|value| value as f64).collect()),
         _ => {
             return Err(HeightMapError::ElementType {
-                file: file.to_owned(),
+                file: source.file.to_owned(),
                 found: element.descr(),
             });
         }
     };
-    values.map_err(|error| HeightMapError::NotNumpy {
-        file: file.to_owned(),
-        problem: error.to_string(),
-    })
+    values.map_err(|error| source.damaged(error))
 }
 
-fn floats<T: Into<f64>>(values: std::io::Result<Vec<T>>) -> std::io::Result<Vec<f64>> {
+fn floats<T: Into<f64>>(values: io::Result<Vec<T>>) -> io::Result<Vec<f64>> {
     Ok(values?.into_iter().map(Into::into).collect())
 }
 
@@ -401,8 +497,8 @@ struct EsriHeader {
 
 impl EsriHeader {
     /// Takes a line of the header; whether it is one.
-    fn take(&mut self, words: &[&str]) -> bool {
-        let [key, value] = words else {
+    fn take<'w>(&mut self, mut words: impl Iterator<Item = &'w str>) -> bool {
+        let (Some(key), Some(value), None) = (words.next(), words.next(), words.next()) else {
             return false;
         };
         match key.to_ascii_lowercase().as_str() {
@@ -418,76 +514,103 @@ impl EsriHeader {
     }
 }
 
-fn parse_text(file: &str, bytes: &[u8]) -> Result<Table, HeightMapError> {
-    let text = String::from_utf8_lossy(bytes);
+fn parse_text(source: &Source<'_>, mut text: impl BufRead) -> Result<Table, HeightMapError> {
     let mut header = EsriHeader::default();
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    for (line, content) in (1..).zip(text.lines()) {
-        let content = content.split('#').next().unwrap_or_default();
-        let words: Vec<&str> = content
-            .split(|c: char| c.is_whitespace() || c == ',' || c == ';')
-            .filter(|word| !word.is_empty())
-            .collect();
-        if words.is_empty() || (rows.is_empty() && header.take(&words)) {
-            continue;
+    let (mut columns, mut values) = (0, Vec::new());
+    let mut bytes = Vec::new();
+    for line in 1.. {
+        bytes.clear();
+        let read = text
+            .by_ref()
+            .take(LONGEST_LINE)
+            .read_until(b'\n', &mut bytes);
+        let length = read.map_err(|error| source.unreadable(error))?;
+        if length == 0 {
+            break;
         }
-        let row = parse_row(file, line, &words, header.no_data)?;
-        let expected = rows.first().map_or(row.len(), Vec::len);
-        if row.len() != expected {
-            return Err(HeightMapError::RaggedRow {
-                file: file.to_owned(),
+        if length as u64 == LONGEST_LINE {
+            return Err(HeightMapError::LongLine {
+                file: source.file.to_owned(),
                 line,
-                found: row.len(),
-                expected,
             });
         }
-        rows.push(row);
+        let content = String::from_utf8_lossy(&bytes);
+        let content = content.split('#').next().unwrap_or_default();
+        let words = || {
+            content
+                .split(|c: char| c.is_whitespace() || c == ',' || c == ';')
+                .filter(|word| !word.is_empty())
+        };
+        let found = words().count();
+        if found == 0 || (values.is_empty() && header.take(words())) {
+            continue;
+        }
+        if values.is_empty() {
+            columns = found;
+        }
+        if found != columns {
+            return Err(HeightMapError::RaggedRow {
+                file: source.file.to_owned(),
+                line,
+                found,
+                expected: columns,
+            });
+        }
+        let points = values.len() + found;
+        source.check_memory(points as u64, || format!("{points} points or more"))?;
+        for (column, word) in (1..).zip(words()) {
+            values.push(height(source, line, column, word, header.no_data)?);
+        }
     }
-    if header.found {
-        rows.reverse();
-    }
-    let (found_columns, found_rows) = (rows.first().map_or(0, Vec::len), rows.len());
-    let columns = header.columns.unwrap_or(found_columns);
-    let wanted_rows = header.rows.unwrap_or(found_rows);
-    if (columns, wanted_rows) != (found_columns, found_rows) {
+    let rows = values.len().checked_div(columns).unwrap_or(0);
+    let (said_columns, said_rows) = (
+        header.columns.unwrap_or(columns),
+        header.rows.unwrap_or(rows),
+    );
+    if (said_columns, said_rows) != (columns, rows) {
         return Err(HeightMapError::HeaderSize {
-            file: file.to_owned(),
-            columns,
-            rows: wanted_rows,
-            found_columns,
-            found_rows,
+            file: source.file.to_owned(),
+            columns: said_columns,
+            rows: said_rows,
+            found_columns: columns,
+            found_rows: rows,
         });
     }
+    if header.found {
+        values = values
+            .rchunks_exact(columns.max(1))
+            .flatten()
+            .copied()
+            .collect();
+    }
     Ok(Table {
-        columns: found_columns,
-        rows: found_rows,
-        values: rows.concat(),
+        columns,
+        rows,
+        values,
     })
 }
 
-fn parse_row(
-    file: &str,
+/// A height of a text.
+fn height(
+    source: &Source<'_>,
     line: usize,
-    words: &[&str],
+    column: usize,
+    word: &str,
     no_data: Option<f64>,
-) -> Result<Vec<f64>, HeightMapError> {
-    (1..)
-        .zip(words)
-        .map(|(column, word)| {
-            let value: f64 = word.parse().map_err(|_| HeightMapError::NotANumber {
-                file: file.to_owned(),
-                line,
-                column,
-                text: (*word).to_owned(),
-            })?;
-            if no_data.is_some_and(|marker| value.total_cmp(&marker).is_eq()) {
-                return Err(HeightMapError::NoData {
-                    file: file.to_owned(),
-                    line,
-                    column,
-                });
-            }
-            Ok(value)
-        })
-        .collect()
+) -> Result<f64, HeightMapError> {
+    let file = || source.file.to_owned();
+    let value: f64 = word.parse().map_err(|_| HeightMapError::NotANumber {
+        file: file(),
+        line,
+        column,
+        text: word.to_owned(),
+    })?;
+    if no_data.is_some_and(|marker| value.total_cmp(&marker).is_eq()) {
+        return Err(HeightMapError::NoData {
+            file: file(),
+            line,
+            column,
+        });
+    }
+    Ok(value)
 }

@@ -68,6 +68,8 @@
 //! [`Key`] lists all keys. [`CaseFile::surface_case`] gives the [`SurfaceCase`]. Height maps are
 //! read by [`height_map`], which says what files it knows.
 //!
+//! [`input`] reads files of bounded size.
+//!
 //! A [`study`] is a case with axes along which it is varied; [`StudyFile`] reads it.
 //!
 //! [`CaseFile`] reads a file and takes overrides, [`CaseFile::case`] gives the [`Case`]; every
@@ -78,6 +80,7 @@ mod entries;
 mod error;
 mod file;
 pub mod height_map;
+pub mod input;
 mod key;
 pub mod study;
 mod surface;

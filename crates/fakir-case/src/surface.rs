@@ -4,7 +4,7 @@ use crate::case::{write_toml, written_number};
 use crate::entries::{Entry, Value, kind_name};
 use crate::error::{CaseError, Place};
 use crate::file::{CaseFile, both_given, number, one_of};
-use crate::height_map::{MapScale, MapSize, read_height_map};
+use crate::height_map::{BYTES_PER_POINT, HeightMapError, MapScale, MapSize, read_height_map};
 use crate::key::{Key, Kind, root};
 use crate::unit::{Dimension, format_quantity};
 use fakir::love::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
@@ -60,10 +60,6 @@ impl SurfaceCase {
         })
     }
 }
-
-/// Memory that every cell of a surface takes, touched or not, bytes: its height and pillar on
-/// cells of three sizes, separation, start, and the fields of the solution.
-const BYTES_PER_CELL: f64 = 64.0;
 
 /// Cells along the sides of a grid are a multiple of this, so that it can be solved on cells
 /// twice and four times as large.
@@ -387,21 +383,15 @@ impl CaseFile {
             }
             None => 1.0,
         };
-        let unreadable = |problem: String| self.problem(Key::HeightMap, problem);
-        let length = std::fs::metadata(&path).map_or(0, |metadata| metadata.len());
-        if length as f64 > memory_limit as f64 {
-            return Err(self.too_large(Key::HeightMap, length as f64, memory_limit, "the file"));
-        }
         let scale = MapScale { size, height_unit };
-        let surface =
-            read_height_map(&path, array, &scale).map_err(|error| unreadable(error.to_string()))?;
-        let grid = surface.grid();
-        let bytes = BYTES_PER_CELL * grid.cell_count() as f64;
-        if bytes > memory_limit as f64 {
-            let points = format!("a map of {} by {} points", grid.columns(), grid.rows());
-            return Err(self.too_large(Key::HeightMap, bytes, memory_limit, &points));
+        match read_height_map(&path, array, &scale, memory_limit) {
+            Ok(surface) => Ok((surface, path)),
+            Err(HeightMapError::TooLarge { points, bytes, .. }) => {
+                let points = format!("a map of {points}");
+                Err(self.too_large(Key::HeightMap, bytes, memory_limit, &points))
+            }
+            Err(error) => Err(self.problem(Key::HeightMap, error.to_string())),
         }
-        Ok((surface, path))
     }
 
     /// A surface that needs more memory than there may be.
@@ -567,7 +557,7 @@ impl CaseFile {
             _ => [width; 2],
         };
         let counts = sides.map(|side| CELLS_MULTIPLE * (side / cell / CELLS_MULTIPLE).ceil());
-        let bytes = BYTES_PER_CELL * counts[0] * counts[1];
+        let bytes = BYTES_PER_POINT * counts[0] * counts[1];
         if bytes > memory_limit as f64 {
             let size = format!("a grid of {} by {} cells", counts[0], counts[1]);
             return Err(self.too_large(Key::GridWidth, bytes, memory_limit, &size));

@@ -1,9 +1,15 @@
 //! Height maps from files: what NumPy wrote, files made here after the format's definition
 //! (numpy.lib.format), and files that are wrong.
 
+#![allow(clippy::unwrap_used)]
+
 use fakir::love::HeightMap;
 use fakir_case::height_map::{HeightMapError, MapScale, MapSize, read_height_map};
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
+
+/// More than any of these files takes, bytes.
+const MEMORY: usize = 100_000_000;
 
 const SCALE: MapScale = MapScale {
     size: MapSize::Pixel([2.0e-6, 1.0e-6]),
@@ -31,7 +37,7 @@ fn check(map: &HeightMap) {
 }
 
 fn read(path: &Path) -> Result<HeightMap, HeightMapError> {
-    read_height_map(path, None, &SCALE)
+    read_height_map(path, None, &SCALE, MEMORY)
 }
 
 fn expect(path: &Path) {
@@ -89,7 +95,7 @@ fn files_that_numpy_wrote() {
     expect(&fixture("fortran.npy"));
     expect(&fixture("single.npz"));
     expect(&fixture("savetxt.txt"));
-    let named = read_height_map(&fixture("several.npz"), Some("heights"), &SCALE);
+    let named = read_height_map(&fixture("several.npz"), Some("heights"), &SCALE, MEMORY);
     check(&named.expect("the archive has heights"));
 }
 
@@ -171,7 +177,7 @@ fn size_and_unit_are_the_callers() {
         size: MapSize::Extent([8.0e-6, 3.0e-6]),
         height_unit: -1.0e-9,
     };
-    let map = read_height_map(&fixture("fortran.npy"), None, &scale).expect("a height map");
+    let map = read_height_map(&fixture("fortran.npy"), None, &scale, MEMORY).expect("a height map");
     assert!((map.grid().cell()[0] - 2.0e-6).abs() < 1e-20);
     assert!((map.lowest() + 23.0e-9).abs() < 1e-20 && map.highest().abs() < 1e-20);
     for height_unit in [0.0, f64::NAN] {
@@ -179,14 +185,14 @@ fn size_and_unit_are_the_callers() {
             height_unit,
             ..SCALE
         };
-        let error = read_height_map(&fixture("fortran.npy"), None, &scale);
+        let error = read_height_map(&fixture("fortran.npy"), None, &scale, MEMORY);
         assert!(matches!(error, Err(HeightMapError::HeightUnit(_))));
     }
     let scale = MapScale {
         size: MapSize::Pixel([1.0e-6, -1.0]),
         ..SCALE
     };
-    let error = read_height_map(&fixture("fortran.npy"), None, &scale);
+    let error = read_height_map(&fixture("fortran.npy"), None, &scale, MEMORY);
     assert!(matches!(error, Err(HeightMapError::Grid(_))));
 }
 
@@ -198,12 +204,13 @@ fn archives_say_what_they_have() {
         error.contains("the arrays \"heights\", \"mask\""),
         "{error}"
     );
-    let error = read_height_map(&several, Some("height"), &SCALE).expect_err("no such array");
+    let error =
+        read_height_map(&several, Some("height"), &SCALE, MEMORY).expect_err("no such array");
     let HeightMapError::NoSuchArray { available, .. } = &error else {
         panic!("{error}");
     };
     assert_eq!(*available, ["heights", "mask"]);
-    let error = read_height_map(&several, Some("mask"), &SCALE).expect_err("booleans");
+    let error = read_height_map(&several, Some("mask"), &SCALE, MEMORY).expect_err("booleans");
     assert!(matches!(error, HeightMapError::ElementType { .. }));
     assert!(error.to_string().contains("array \"mask\""), "{error}");
     assert!(matches!(
@@ -290,4 +297,97 @@ fn wrong_texts_are_named() {
     ));
     let missing = fixture("missing.npy");
     assert!(matches!(read(&missing), Err(HeightMapError::Read { .. })));
+}
+
+/// An archive of one array of zeros: the header says `shape`, and `doubles` follow, of which almost
+/// nothing is left when they are packed.
+fn packed_zeros(shape: &str, doubles: usize) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default()
+        .compression_method(zip::CompressionMethod::Deflated);
+    archive.start_file("heights.npy", options).unwrap();
+    archive
+        .write_all(&npy(1, "<f8", false, shape, &[]))
+        .unwrap();
+    let zeros = vec![0; 1 << 20];
+    for _ in 0..(8 * doubles).div_ceil(zeros.len()) {
+        archive.write_all(&zeros).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+/// Most memory that this process ever had in use, bytes, where it can be known.
+fn most_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    Some(1024 * line.split_whitespace().nth(1)?.parse::<u64>().ok()?)
+}
+
+/// An archive of 0.5 MB that would be 512 MB: refused by what its header says; and one whose header
+/// says little is read no further than that, and refused too.
+#[test]
+fn what_does_not_fit_the_memory_is_refused_before_it_is_unpacked() {
+    let before = most_memory();
+    let error = failure("map.npz", &packed_zeros("(8192, 8192)", 1 << 26));
+    let HeightMapError::TooLarge {
+        points,
+        bytes,
+        limit,
+        ..
+    } = &error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!((points.as_str(), *limit), ("8192 by 8192 points", MEMORY));
+    assert!((bytes - 64.0 * 8192.0 * 8192.0).abs() < 1.0);
+    let error = failure("map.npz", &packed_zeros("(3, 4)", 1 << 26)).to_string();
+    assert!(
+        error.contains("it goes on after its last element"),
+        "{error}"
+    );
+    // Other tests run beside this one, and none of them needs a tenth of what is packed.
+    if let (Some(before), Some(after)) = (before, most_memory()) {
+        assert!(after < before + 100_000_000, "{before} {after}");
+    }
+    let error = failure("map.npy", &npy(1, "<f4", true, "(100000, 1000)", &[0; 64]));
+    assert!(matches!(error, HeightMapError::TooLarge { .. }), "{error}");
+    let mut header = npy(2, "<f8", false, "(3, 4)", &[]);
+    header[8..12].copy_from_slice(&u32::MAX.to_le_bytes());
+    let error = failure("header.npy", &header).to_string();
+    assert!(error.contains("its header is longer"), "{error}");
+    // Two bytes a height, 64 in memory.
+    let error = failure("map.txt", &b"1 2 3 4 5 6 7 8\n".repeat(250_000));
+    let HeightMapError::TooLarge { points, .. } = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(points, "1562504 points or more");
+}
+
+/// Archives have a checksum of every array.
+#[test]
+fn a_byte_changed_in_an_archive_is_noticed() {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options =
+        zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    let data: Vec<u8> = values(false).iter().flat_map(|v| v.to_le_bytes()).collect();
+    let array = npy(1, "<i4", false, "(3, 4)", &data);
+    archive.start_file("heights.npy", options).unwrap();
+    archive.write_all(&array).unwrap();
+    let mut bytes = archive.finish().unwrap().into_inner();
+    let start = bytes
+        .windows(array.len())
+        .position(|window| window == array);
+    bytes[start.unwrap() + array.len() - 3] ^= 1;
+    let error = failure("map.npz", &bytes);
+    assert!(matches!(error, HeightMapError::NotNumpy { .. }), "{error}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_without_end_is_read_no_further_than_a_line() {
+    let error = read(Path::new("/dev/zero")).expect_err("it has no end");
+    assert!(
+        matches!(error, HeightMapError::LongLine { line: 1, .. }),
+        "{error}"
+    );
 }

@@ -287,7 +287,11 @@ fn a_surface_too_large_for_memory_says_what_would_fit() {
     assert!(with(&["surface.grid.cells_per_diameter=46"]).is_ok());
     let error = map("cell_size = 1e-6").surface_case(500).unwrap_err();
     assert_eq!(error.key_path(), Some(Key::HeightMap.path()));
-    assert!(error.to_string().contains("4 by 3 points"), "{error}");
+    // 64 bytes a point: the second row of four is one too many.
+    assert!(
+        error.to_string().contains("a map of 8 points or more"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -15,10 +15,10 @@ mod session;
 use arguments::{Arguments, CaseArguments, Command};
 use clap::Parser;
 use failure::Failure;
+use fakir_case::input::{self, LARGEST_CASE};
 use fakir_case::{Case, CaseFile};
 use report::Report;
 use session::Session;
-use std::io::Read;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -175,7 +175,7 @@ fn read_case(options: &CaseArguments) -> Result<CaseFile, Failure> {
 
 fn case_file(path: &Path, set: &[String]) -> Result<CaseFile, Failure> {
     let mut file = if path.as_os_str() == "-" {
-        CaseFile::from_bytes(STANDARD_INPUT, standard_input()?)?
+        CaseFile::from_bytes(STANDARD_INPUT, standard_input(LARGEST_CASE)?)?
     } else {
         CaseFile::read(path)?
     };
@@ -204,9 +204,8 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
 /// What errors call it.
 const STANDARD_INPUT: &str = "standard input";
 
-fn standard_input() -> Result<Vec<u8>, Failure> {
-    let mut bytes = Vec::new();
-    let read = std::io::stdin().read_to_end(&mut bytes);
-    read.map_err(|error| Failure::file("cannot read", STANDARD_INPUT.as_ref(), error))?;
-    Ok(bytes)
+/// All of it, of at most so many bytes.
+fn standard_input(most: u64) -> Result<Vec<u8>, Failure> {
+    input::read_all(std::io::stdin(), most)
+        .map_err(|error| Failure::file("cannot read", STANDARD_INPUT.as_ref(), error))
 }

@@ -21,6 +21,7 @@
 //! status of 4xx as `{"key", "message", "accepted"}`.
 
 mod answers;
+mod arrivals;
 mod export;
 mod guard;
 mod jobs;

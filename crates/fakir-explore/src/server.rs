@@ -1,18 +1,19 @@
 //! The server: a port of this machine, connections in a bounded number, and the way of a request.
 
+use crate::arrivals::{Connection, Connections};
 use crate::guard::{Guard, HEADERS, Token};
 use crate::jobs::{Failure, Jobs, Kind, Worker};
 use crate::refusal::Refusal;
 use crate::request::Ticket;
 use crate::{answers, export, page, request};
-use axum::Router;
 use axum::body::to_bytes;
 use axum::extract::{Path, Request, State};
-use axum::http::{StatusCode, header};
+use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::{get, post};
-use fakir::contact::CancelToken;
+use axum::{Extension, Router};
+use fakir::contact::{CancelToken, Threads};
 use fakir_case::Case;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -23,10 +24,6 @@ use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::Semaphore;
-
-/// Connections at a time; more have to wait.
-const CONNECTIONS: usize = 128;
 
 /// Largest body of a request, bytes.
 const LARGEST_BODY: usize = 32 * 1024;
@@ -50,7 +47,8 @@ pub struct Options {
     pub case: Case,
     /// The port to listen on; any free one if not given.
     pub port: Option<u16>,
-    /// Threads to share the work on a contact between; 0 for as many as there are processors.
+    /// Threads to share the work on a contact between; 0 for as many as there are processors,
+    /// and never more.
     pub threads: usize,
     /// Memory a computation may take, bytes.
     pub memory_limit: usize,
@@ -126,7 +124,7 @@ impl Explorer {
         let port = listener.local_addr()?.port();
         let token = Token::random().map_err(|error| ExploreError::Random(error.to_string()))?;
         let pool = ThreadPoolBuilder::new()
-            .num_threads(options.threads)
+            .num_threads(Threads::asked(options.threads).number())
             .thread_name(|number| format!("contact {number}"))
             .build()?;
         let shared = Shared {
@@ -170,15 +168,11 @@ impl Explorer {
     async fn serve(self, stop: &CancelToken) -> Result<(), ExploreError> {
         let listener = tokio::net::TcpListener::from_std(self.listener)?;
         let router = router(self.shared);
-        let places = Arc::new(Semaphore::new(CONNECTIONS));
+        let connections = Connections::new();
         let mut look = tokio::time::interval(STOP_INTERVAL);
         loop {
-            let connection = async {
-                let place = Arc::clone(&places).acquire_owned().await;
-                (listener.accept().await, place)
-            };
-            let (accepted, place) = tokio::select! {
-                connection = connection => connection,
+            let accepted = tokio::select! {
+                accepted = listener.accept() => accepted,
                 () = stopped(stop, &mut look) => return Ok(()),
             };
             let stream = match accepted {
@@ -192,15 +186,25 @@ impl Explorer {
             };
             // Small answers are not to wait for each other.
             let _ = stream.set_nodelay(true);
-            let service = TowerToHyperService::new(router.clone());
+            let (connection, closed) = connections.arrive();
+            let router = router.clone().layer(Extension(connection.clone()));
+            let service = TowerToHyperService::new(router);
             tokio::spawn(async move {
-                let _place = place;
-                let connection = http1::Builder::new()
+                let served = http1::Builder::new()
                     .timer(TokioTimer::new())
                     .header_read_timeout(REQUEST_PATIENCE)
                     .max_buf_size(LARGEST_HEAD)
                     .serve_connection(TokioIo::new(stream), service);
-                match connection.await {
+                let ended = tokio::select! {
+                    ended = served => ended,
+                    // Once it is the page's nobody tells it to close.
+                    Ok(()) = closed => {
+                        tracing::debug!("a connection that sent no request was closed for others");
+                        return;
+                    }
+                };
+                connection.leave();
+                match ended {
                     Err(error) if error.is_parse() => {
                         tracing::warn!("refused what is no request: {error}");
                     }
@@ -239,20 +243,38 @@ fn router(shared: Shared) -> Router {
         .with_state(shared)
 }
 
-/// Lets requests of the page pass; of others remains a line in the log.
-async fn guarded(State(shared): State<Shared>, request: Request, next: Next) -> Response {
+/// Lets requests of the page pass; of others remains a line in the log, and their connection is
+/// closed.
+async fn guarded(
+    State(shared): State<Shared>,
+    Extension(connection): Extension<Connection>,
+    request: Request,
+    next: Next,
+) -> Response {
     let path = request.uri().path().to_owned();
     let method = request.method().clone();
     let api = path.starts_with("/api/");
-    let mut response = match shared.guard.check(&path, request.headers()) {
+    let checked = shared.guard.check(&path, request.headers());
+    let checked = checked.and_then(|()| match connection.stay() {
+        true => Ok(()),
+        false => Err(Refusal::new(
+            StatusCode::SERVICE_UNAVAILABLE,
+            "too many connections",
+        )),
+    });
+    let mut response = match checked {
         Ok(()) => next.run(request).await,
-        Err(refusal) if api => {
-            tracing::warn!("refused {method} request of the API: {}", refusal.message());
-            refusal.into_response()
-        }
         Err(refusal) => {
-            tracing::warn!("refused {method} request of a page: {}", refusal.message());
-            page::message(refusal.status, refusal.message())
+            let what = if api { "the API" } else { "a page" };
+            tracing::warn!("refused {method} request of {what}: {}", refusal.message());
+            let mut response = if api {
+                refusal.into_response()
+            } else {
+                page::message(refusal.status, refusal.message())
+            };
+            let close = HeaderValue::from_static("close");
+            response.headers_mut().insert(header::CONNECTION, close);
+            response
         }
     };
     response.headers_mut().extend(HEADERS);

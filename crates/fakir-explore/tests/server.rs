@@ -298,6 +298,37 @@ fn the_newest_request_calls_off_those_before() {
     }
 }
 
+/// Two hundred connections that never end their request, three times over, each time before the page
+/// is asked for.
+#[test]
+fn connections_that_say_nothing_keep_nobody_out() {
+    let server = Running::start();
+    let page = format!("/{}/", server.token);
+    let asked_before = server.get(&page, &[]).status;
+    assert_eq!(asked_before, 200);
+    let start = Instant::now();
+    for _ in 0..3 {
+        let half_open: Vec<TcpStream> = (0..200)
+            .map(|_| {
+                let mut stream = server.connect();
+                // The server may have closed it for others already.
+                let _ = stream.write_all(b"GET / HTTP/1.1\r\nhost: ");
+                stream
+            })
+            .collect();
+        assert_eq!(server.get(&page, &[]).status, 200);
+        let answer = server.ask("/api/contact", &question(server.next(), &case(0.01)));
+        assert_eq!(answer.status, 200);
+        drop(half_open);
+    }
+    // Each time the server used to wait for the ten seconds in which a request has to come.
+    assert!(
+        start.elapsed() < Duration::from_secs(15),
+        "{:?}",
+        start.elapsed()
+    );
+}
+
 #[test]
 fn a_busy_port_is_named_with_a_free_one() {
     let first = Explorer::bind(&options(None)).unwrap();

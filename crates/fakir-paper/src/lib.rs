@@ -29,7 +29,7 @@ use fakir_figure::Measured;
 use fakir_study::citations::Topic;
 use fakir_study::output::{File, OutputError, save};
 use fakir_study::provenance::Provenance;
-use fakir_study::{Existing, Row, StudyError, sweep_into};
+use fakir_study::{DamagedLine, Existing, Row, StudyError, sweep_into};
 use figures::{DrawingError, Material, Plate, plates};
 use grid::{Fractions, Grid, Substrate};
 use rayon::prelude::*;
@@ -110,6 +110,8 @@ pub struct Reproduction {
     pub cases: usize,
     /// Those without an answer.
     pub failed: usize,
+    /// Lines of journals that were left out, and their cases computed again.
+    pub damaged: Vec<DamagedLine>,
     /// The figures.
     pub plates: Vec<Plate>,
 }
@@ -138,7 +140,8 @@ pub fn reproduce(
     if existing == Existing::Refuse && !folder.read_dir().map_or(true, is_empty) {
         return Err(StudyError::NotEmpty(folder.to_owned()).into());
     }
-    let sweep = |fractions, name, tell: fn(fakir_study::Progress) -> Progress| {
+    let mut damaged = Vec::new();
+    let mut sweep = |fractions, name, tell: fn(fakir_study::Progress) -> Progress| {
         let study = grid::study(fractions)?;
         let mut listener = |progress| on_progress(tell(progress));
         let mut options = fakir_study::Options {
@@ -149,6 +152,7 @@ pub fn reproduce(
             ..fakir_study::Options::default()
         };
         let summary = sweep_into(&study, &folder.join(name), existing, &mut options)?;
+        damaged.extend(summary.damaged);
         Ok::<_, PaperError>((study, summary.rows))
     };
     let mut parts: Vec<(Study, Vec<Row>)> =
@@ -198,6 +202,7 @@ pub fn reproduce(
     Ok(Reproduction {
         cases: rows().count(),
         failed,
+        damaged,
         plates,
         claims,
     })

@@ -7,6 +7,7 @@
 
 use crate::grid::{Substrate, system};
 use fakir::contact::Normalized;
+use fakir_case::input::{self, LARGEST_TABLE};
 use fakir_figure::Measured;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -45,7 +46,8 @@ pub fn read(path: &Path) -> Result<Vec<(Substrate, Measured)>, MeasuredError> {
         line,
         problem,
     };
-    let bytes = std::fs::read(path).map_err(|error| fail(None, format!("cannot read: {error}")))?;
+    let bytes = input::read(path, LARGEST_TABLE)
+        .map_err(|error| fail(None, format!("cannot read: {error}")))?;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_reader(&bytes[..]);

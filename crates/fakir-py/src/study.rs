@@ -172,6 +172,18 @@ impl Ledger {
         Ok(self.open()?.get()?.found())
     }
 
+    /// Lines of the journal that are left out, in words.
+    #[getter]
+    fn damaged(&self) -> PyResult<Vec<String>> {
+        let mut open = self.open()?;
+        Ok(open
+            .get()?
+            .damaged()
+            .iter()
+            .map(ToString::to_string)
+            .collect())
+    }
+
     /// Of them those without an answer to be relied on.
     #[getter]
     fn failed(&self) -> PyResult<usize> {

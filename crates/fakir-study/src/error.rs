@@ -60,8 +60,10 @@ pub enum StudyError {
     /// A folder that another sweep is writing to.
     #[error("another sweep is running in {}", .0.display())]
     InUse(PathBuf),
-    /// A line of a journal that makes no sense.
-    #[error("{}:{line}: the journal is damaged: {problem}; {}", .journal.display(), advice(*.line))]
+    /// A journal that cannot be gone on with, as its first line or all of it is damaged.
+    #[error(
+        "{}:{line}: the journal is damaged: {problem}; --overwrite begins anew", .journal.display()
+    )]
     Damaged {
         /// The journal.
         journal: PathBuf,
@@ -70,6 +72,12 @@ pub enum StudyError {
         /// What is wrong with it.
         problem: String,
     },
+    /// A journal of the time before lines had checksums.
+    #[error(
+        "{} was begun by an earlier fakir that wrote no checksums, so that damage to it cannot be \
+         noticed: finish it with that version, or --overwrite", .0.display()
+    )]
+    NoChecksums(PathBuf),
     /// A journal of another study.
     #[error(
         "{} is of another study: line {line} of the study was\n  {there}\nand is now\n  {here}",
@@ -135,14 +143,6 @@ pub enum StudyError {
     /// Shards that are not one sweep.
     #[error("{0}")]
     Shards(String),
-}
-
-/// What to do about a damaged line.
-fn advice(line: usize) -> &'static str {
-    match line {
-        1 => "--overwrite begins anew",
-        _ => "take the line out to compute the case again, or --overwrite everything",
-    }
 }
 
 /// So many bytes, exactly: `8 GB`.

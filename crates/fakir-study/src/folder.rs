@@ -9,7 +9,7 @@
 
 use crate::answer::Row;
 use crate::error::{StudyError, memory};
-use crate::journal::{Contents, Header, JOURNAL, Journal, first_difference, whole};
+use crate::journal::{Contents, DamagedLine, Header, JOURNAL, Journal, first_difference, whole};
 use crate::output::{File, save};
 use crate::plan::{Plan, Shard, longest_first};
 use crate::provenance::Provenance;
@@ -50,6 +50,8 @@ pub struct Summary {
     pub rows: Vec<Row>,
     /// How many of them were in the journal before.
     pub found: usize,
+    /// Lines of journals that were left out.
+    pub damaged: Vec<DamagedLine>,
 }
 
 impl Summary {
@@ -102,6 +104,7 @@ pub struct Ledger {
     folder: Option<(PathBuf, Journal)>,
     rows: BTreeMap<usize, Row>,
     found: usize,
+    damaged: Vec<DamagedLine>,
 }
 
 impl Ledger {
@@ -114,6 +117,7 @@ impl Ledger {
             folder: None,
             rows: BTreeMap::new(),
             found: 0,
+            damaged: Vec::new(),
         }
     }
 
@@ -141,11 +145,11 @@ impl Ledger {
                 None
             }
         };
-        let rows = match rows {
+        let (rows, damaged) = match rows {
             Some(rows) => rows,
             None => {
                 journal.begin(&header)?;
-                BTreeMap::new()
+                (BTreeMap::new(), Vec::new())
             }
         };
         save(folder, &[File::new("study.toml", study.to_toml())])?;
@@ -155,6 +159,7 @@ impl Ledger {
             folder: Some((folder.to_owned(), journal)),
             found: rows.len(),
             rows,
+            damaged,
         })
     }
 
@@ -168,6 +173,12 @@ impl Ledger {
     #[must_use]
     pub fn found(&self) -> usize {
         self.found
+    }
+
+    /// Lines of the journal that were left out; a case that is in no other line is open again.
+    #[must_use]
+    pub fn damaged(&self) -> &[DamagedLine] {
+        &self.damaged
     }
 
     /// How many of them have no answer to be relied on.
@@ -250,22 +261,23 @@ impl Ledger {
             study: self.study,
             rows,
             found: self.found,
+            damaged: self.damaged,
         })
     }
 }
 
-/// The rows in a journal; `None` if it has not begun.
+/// The rows in a journal and the lines that are left out; `None` if it has not begun.
 fn go_on(
     journal: &mut Journal,
     header: &Header,
     study: &Study,
-) -> Result<Option<BTreeMap<usize, Row>>, StudyError> {
+) -> Result<Option<(BTreeMap<usize, Row>, Vec<DamagedLine>)>, StudyError> {
     let Some(contents) = journal.read()? else {
         return Ok(None);
     };
     contents.header.check(journal.path(), header)?;
     let bytes = contents.bytes;
-    let rows = contents.rows(study)?;
+    let rows = contents.rows(study);
     journal.keep_only(bytes)?;
     Ok(Some(rows))
 }
@@ -274,7 +286,7 @@ fn go_on(
 /// divided.
 ///
 /// # Errors
-/// [`StudyError`]: for shards that are not one sweep or not complete, for a folder that is not
+/// [`StudyError`]: for shards that are not one sweep or not complete, as after damage, for a folder that is not
 /// empty unless it may be overwritten, and what cannot be read or written.
 pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Summary, StudyError> {
     check_contents(folder, existing)?;
@@ -294,12 +306,13 @@ pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Su
     };
     check_shards(&journals)?;
     let study = StudyFile::parse(JOURNAL, &header.study)?.study()?;
-    let mut rows = BTreeMap::new();
+    let (mut rows, mut damaged) = (BTreeMap::new(), Vec::new());
     for (folder, contents) in journals {
         let shard = contents.header.shard;
-        let part = contents.rows(&study)?;
-        check_complete(&study, &folder, shard, &part)?;
+        let (part, left_out) = contents.rows(&study);
+        check_complete(&study, &folder, shard, &part, &left_out)?;
         rows.extend(part);
+        damaged.extend(left_out);
     }
     let rows: Vec<Row> = rows.into_values().collect();
     make(folder)?;
@@ -310,7 +323,12 @@ pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Su
     files.push(File::new(JOURNAL, whole(&header, &rows)));
     save(folder, &files)?;
     let found = rows.len();
-    Ok(Summary { study, rows, found })
+    Ok(Summary {
+        study,
+        rows,
+        found,
+        damaged,
+    })
 }
 
 fn read_shard(folder: &Path) -> Result<(PathBuf, Contents), StudyError> {
@@ -387,6 +405,7 @@ fn check_complete(
     folder: &Path,
     shard: Shard,
     rows: &BTreeMap<usize, Row>,
+    damaged: &[DamagedLine],
 ) -> Result<(), StudyError> {
     let cases: Vec<usize> = Plan::new(study, shard).chains().flatten().collect();
     let missing = cases.iter().filter(|case| !rows.contains_key(case));
@@ -394,9 +413,10 @@ fn check_complete(
     if missing.is_empty() {
         return Ok(());
     }
+    let damaged: String = damaged.iter().map(|line| format!("\n{line}")).collect();
     Err(StudyError::Shards(format!(
         "shard {shard} in {} is not complete: {} of {} cases are missing ({}); go on with it first: \
-         fakir sweep --shard {shard} --resume",
+         fakir sweep --shard {shard} --resume{damaged}",
         folder.display(),
         missing.len(),
         cases.len(),

@@ -1,7 +1,10 @@
 //! The journal of a sweep: a line of JSON for every case, written as it ends.
 //!
-//! The first line says what is swept; it must fit when the sweep goes on. A last line that was not
-//! written in full, as when the process is killed, is dropped; any other damage is an error.
+//! The first line says what is swept; it must fit when the sweep goes on. Every line ends with a
+//! checksum (CRC-32) of all that stands before it in the line, so that no change of a few characters
+//! passes for an answer. A last line that was not written in full, as when the process is killed, is
+//! dropped. Any other line that is damaged is left out and told of, and its case is open again; a
+//! first line that is damaged is an error.
 
 use crate::VERSION;
 use crate::answer::{Answer, Row};
@@ -11,17 +14,26 @@ use crate::sweep::Options;
 use fakir::contact::Run;
 use fakir_case::Study;
 use fakir_case::study::Asked;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::fmt;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Its name in the folder of a sweep.
 pub(crate) const JOURNAL: &str = "journal.jsonl";
 
 /// The version of what is written here.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
+
+/// The version of before, which had no checksums.
+const WITHOUT_CHECKSUMS: u32 = 1;
+
+/// More bytes than any line has: the first one holds a study, which is smaller.
+const LONGEST_LINE: u64 = 64_000_000;
 
 /// What is swept.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -47,6 +59,31 @@ impl Header {
             shard: options.shard,
             memory_limit: run.memory_limit(),
             study: study.to_toml().to_owned(),
+        }
+    }
+
+    /// Reads the first line of a journal.
+    fn read(journal: &Path, line: &[u8]) -> Result<Self, StudyError> {
+        let is_old = |header: &Self| header.format == WITHOUT_CHECKSUMS;
+        let header: Self = match read_sealed(line) {
+            Ok(header) => header,
+            Err(_) if serde_json::from_slice(line).is_ok_and(|header| is_old(&header)) => {
+                return Err(StudyError::NoChecksums(journal.to_owned()));
+            }
+            Err(problem) => return Err(Self::damaged(journal, problem)),
+        };
+        if header.format != FORMAT {
+            let problem = format!("its format {} is not known", header.format);
+            return Err(Self::damaged(journal, problem));
+        }
+        Ok(header)
+    }
+
+    fn damaged(journal: &Path, problem: String) -> StudyError {
+        StudyError::Damaged {
+            journal: journal.to_owned(),
+            line: 1,
+            problem,
         }
     }
 
@@ -166,7 +203,7 @@ impl Journal {
     /// Begins it anew.
     pub(crate) fn begin(&mut self, header: &Header) -> Result<(), StudyError> {
         self.keep_only(0)?;
-        self.append_text(&(to_json(header) + "\n"))
+        self.append_text(&(sealed(header) + "\n"))
     }
 
     /// Drops what is beyond so many bytes, and goes on from there.
@@ -203,7 +240,7 @@ impl Journal {
 
 /// A whole journal as a text.
 pub(crate) fn whole(header: &Header, rows: &[Row]) -> String {
-    to_json(header) + "\n" + &lines(rows)
+    sealed(header) + "\n" + &lines(rows)
 }
 
 fn lines(rows: &[Row]) -> String {
@@ -211,11 +248,11 @@ fn lines(rows: &[Row]) -> String {
 }
 
 impl Row {
-    /// As a line of a journal, without its end: the answer to the bit. The values of the axes
-    /// are not in it, they follow from the number of the case.
+    /// As a line of a journal, without its end: the answer to the bit, and a checksum. The values
+    /// of the axes are not in it, they follow from the number of the case.
     #[must_use]
     pub fn to_json(&self) -> String {
-        to_json(&Line {
+        sealed(&Line {
             case: self.index,
             wall_time_s: self.wall_time,
             problem: self.problem.clone(),
@@ -228,16 +265,34 @@ impl Row {
     /// # Errors
     /// [`StudyError::Answer`] for what is no such line.
     pub fn from_json(study: &Study, text: &str) -> Result<Self, StudyError> {
-        let line: Line = serde_json::from_str(text)
-            .map_err(|error| StudyError::Answer(without_place(&error)))?;
-        Plan::new(study, Shard::WHOLE)
-            .row(study, line)
+        read_sealed(text.as_bytes())
+            .and_then(|line| Plan::new(study, Shard::WHOLE).row(study, line))
             .map_err(StudyError::Answer)
     }
 }
 
-fn to_json(value: &impl Serialize) -> String {
-    serde_json::to_string(value).expect("structs with named fields are JSON objects")
+/// As a JSON object that ends with a checksum of all that is before it.
+fn sealed(value: &impl Serialize) -> String {
+    let mut json = serde_json::to_string(value).expect("structs with named fields are JSON");
+    let brace = json.pop();
+    debug_assert_eq!(brace, Some('}'));
+    let seal = seal(json.as_bytes());
+    json + &seal
+}
+
+/// The end of a line that begins with `text`.
+fn seal(text: &[u8]) -> String {
+    format!(",\"checksum\":\"{:08x}\"}}", crc32fast::hash(text))
+}
+
+/// Reads what [`sealed`] wrote; or what is wrong with it.
+fn read_sealed<T: DeserializeOwned>(line: &[u8]) -> Result<T, String> {
+    let end = line.len().saturating_sub(seal(b"").len());
+    let (text, end) = line.split_at(end);
+    if end != seal(text).as_bytes() {
+        return Err("its checksum does not fit what it holds".to_owned());
+    }
+    serde_json::from_slice(line).map_err(|error| without_place(&error))
 }
 
 /// What is wrong with JSON; the line it counts is the only one it has seen.
@@ -247,54 +302,75 @@ fn without_place(error: &serde_json::Error) -> String {
     format!("{problem}, column {}", error.column())
 }
 
+/// A line of a journal that is left out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DamagedLine {
+    /// The journal.
+    pub journal: PathBuf,
+    /// The line, from 1.
+    pub line: usize,
+    /// What is wrong with it.
+    pub problem: String,
+}
+
+impl fmt::Display for DamagedLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            journal,
+            line,
+            problem,
+        } = self;
+        let journal = journal.display();
+        write!(
+            f,
+            "{journal}:{line}: this line is damaged and left out: {problem}"
+        )
+    }
+}
+
 /// What a journal holds.
 pub(crate) struct Contents {
     path: PathBuf,
     pub(crate) header: Header,
-    /// With their numbers in the file, from 1.
-    lines: Vec<(usize, Line)>,
+    /// Lines or what is wrong with them, with their numbers in the file, from 1.
+    lines: Vec<(usize, Result<Line, String>)>,
     /// Up to the end of the last line that is there in full.
     pub(crate) bytes: u64,
 }
 
 impl Contents {
-    pub(crate) fn read(path: &Path, file: &File) -> Result<Option<Self>, StudyError> {
-        let damaged = |line, problem: String| StudyError::Damaged {
-            journal: path.to_owned(),
-            line,
-            problem,
-        };
-        let mut reader = BufReader::new(file);
+    pub(crate) fn read(path: &Path, source: impl Read) -> Result<Option<Self>, StudyError> {
+        let mut reader = BufReader::new(source);
         let mut contents: Option<Self> = None;
         let mut bytes = 0;
         for number in 1.. {
             let mut text = Vec::new();
-            let length = reader
+            let length = (&mut reader)
+                .take(LONGEST_LINE)
                 .read_until(b'\n', &mut text)
                 .map_err(|error| StudyError::file("cannot read", path, error))?;
+            if length as u64 == LONGEST_LINE {
+                return Err(StudyError::Damaged {
+                    journal: path.to_owned(),
+                    line: number,
+                    problem: "it is longer than any line of a journal".to_owned(),
+                });
+            }
             if text.pop() != Some(b'\n') {
                 break; // the end, or a line torn off
             }
             bytes += length as u64;
             match &mut contents {
                 None => {
-                    let header: Header = serde_json::from_slice(&text)
-                        .map_err(|error| damaged(number, without_place(&error)))?;
-                    if header.format != FORMAT {
-                        let problem = format!("its format {} is not known", header.format);
-                        return Err(damaged(number, problem));
-                    }
                     contents = Some(Self {
                         path: path.to_owned(),
-                        header,
+                        header: Header::read(path, &text)?,
                         lines: Vec::new(),
                         bytes,
                     });
                 }
                 Some(contents) => {
-                    let line: Line = serde_json::from_slice(&text)
-                        .map_err(|error| damaged(number, without_place(&error)))?;
-                    contents.lines.push((number, line));
+                    contents.lines.push((number, read_sealed(&text)));
                     contents.bytes = bytes;
                 }
             }
@@ -302,23 +378,28 @@ impl Contents {
         Ok(contents)
     }
 
-    /// Its rows, which must be those of the study.
-    pub(crate) fn rows(self, study: &Study) -> Result<BTreeMap<usize, Row>, StudyError> {
+    /// Its rows of the study, and the lines that give none.
+    pub(crate) fn rows(self, study: &Study) -> (BTreeMap<usize, Row>, Vec<DamagedLine>) {
         let plan = Plan::new(study, self.header.shard);
-        let mut rows = BTreeMap::new();
+        let (mut rows, mut damaged) = (BTreeMap::new(), Vec::new());
         for (number, line) in self.lines {
-            let damaged = |problem: String| StudyError::Damaged {
-                journal: self.path.clone(),
-                line: number,
-                problem,
-            };
-            let index = line.case;
-            let row = plan.row(study, line).map_err(&damaged)?;
-            if rows.insert(index, row).is_some() {
-                return Err(damaged(format!("case {index} is there twice")));
+            let row = line.and_then(|line| plan.row(study, line));
+            let kept = row.and_then(|row| match rows.entry(row.index) {
+                Entry::Occupied(_) => Err(format!("case {} is there twice", row.index)),
+                Entry::Vacant(place) => {
+                    place.insert(row);
+                    Ok(())
+                }
+            });
+            if let Err(problem) = kept {
+                damaged.push(DamagedLine {
+                    journal: self.path.clone(),
+                    line: number,
+                    problem,
+                });
             }
         }
-        Ok(rows)
+        (rows, damaged)
     }
 }
 
@@ -348,5 +429,120 @@ fn is_complete(study: &Study, line: &Line) -> bool {
         (None, _) => line.problem.is_some(),
         (Some(Answer::Transition(_)), asked) => asked == Asked::Transition,
         (Some(Answer::Press(_)), asked) => asked == Asked::Press,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::sweep;
+    use fakir_case::{Case, StudyFile};
+
+    /// A study of three cases, and its journal.
+    fn journal() -> (Study, Vec<Row>, String) {
+        let text = format!(
+            "[axes]\noffset = [0, 0.3, 0.5]\n{}",
+            Case::example().to_toml()
+        );
+        let mut file = StudyFile::parse("study.toml", &text).unwrap();
+        file.set("method.name=homogenised").unwrap();
+        file.set("texture.surface_fraction=1e-3").unwrap();
+        let study = file.study().unwrap();
+        let mut options = Options::default();
+        let rows = sweep(&study, &mut options).unwrap();
+        let text = whole(&Header::new(&study, &options), &rows);
+        (study, rows, text)
+    }
+
+    /// What a journal of these bytes holds.
+    fn read(study: &Study, bytes: &[u8]) -> Result<(Vec<Row>, Vec<usize>), StudyError> {
+        let contents = Contents::read(JOURNAL.as_ref(), bytes)?;
+        let Some(contents) = contents else {
+            return Ok((Vec::new(), Vec::new()));
+        };
+        let (rows, damaged) = contents.rows(study);
+        let lines = damaged.iter().map(|damaged| damaged.line).collect();
+        Ok((rows.into_values().collect(), lines))
+    }
+
+    /// Every character of a journal changed, taken out and doubled: the line is named, and no row is
+    /// other than it was.
+    #[test]
+    fn no_change_of_a_character_passes_for_an_answer() {
+        let (study, rows, text) = journal();
+        assert_eq!(
+            read(&study, text.as_bytes()).unwrap(),
+            (rows.clone(), vec![])
+        );
+        let mut edits = 0;
+        for position in 0..text.len() {
+            let line = 1 + text[..position].matches('\n').count();
+            let original = text.as_bytes()[position];
+            let mut replacements = vec![vec![], vec![original; 2]];
+            // A bit, the case of a letter, and other characters that could stand there.
+            let others = [
+                original ^ 1,
+                original ^ 0x20,
+                b'0',
+                b'9',
+                b'-',
+                b'.',
+                b'e',
+                b' ',
+            ];
+            let others = others.into_iter().filter(|other| *other != original);
+            replacements.extend(others.map(|other| vec![other]));
+            for replacement in replacements {
+                let (before, after) = text.as_bytes().split_at(position);
+                let edited = [before, &replacement, &after[1..]].concat();
+                let told = || {
+                    let line = text.lines().nth(line - 1).unwrap_or_default();
+                    format!(
+                        "{position} {:?} in {line}",
+                        String::from_utf8_lossy(&replacement)
+                    )
+                };
+                match read(&study, &edited) {
+                    Err(StudyError::Damaged { line: 1, .. }) => assert_eq!(line, 1, "{}", told()),
+                    Err(other) => panic!("{}: {other}", told()),
+                    Ok((kept, damaged)) => {
+                        assert!(kept.iter().all(|row| rows.contains(row)), "{}", told());
+                        let is_doubled_end = original == b'\n' && replacement == b"\n\n";
+                        if position + 1 == text.len() && !is_doubled_end {
+                            // Without its end the last line is not there in full: its case is open.
+                            assert_eq!((kept.len(), damaged), (rows.len() - 1, vec![]));
+                        } else {
+                            let lost = !is_doubled_end;
+                            assert!(kept.len() < rows.len() || !lost, "{}", told());
+                            let named = if is_doubled_end { line + 1 } else { line };
+                            assert!(damaged.contains(&named), "{}: {damaged:?}", told());
+                        }
+                    }
+                }
+                edits += 1;
+            }
+        }
+        assert!(edits > 20_000, "{edits}");
+    }
+
+    #[test]
+    fn a_journal_of_before_there_were_checksums_is_refused() {
+        let (study, _, text) = journal();
+        let seal = seal(b"").len();
+        let old: String = text
+            .replace("\"format\":2", "\"format\":1")
+            .lines()
+            .map(|line| format!("{}}}\n", &line[..line.len() - seal]))
+            .collect();
+        let error = read(&study, old.as_bytes()).unwrap_err();
+        assert!(matches!(error, StudyError::NoChecksums(_)), "{error}");
+        assert!(error.to_string().contains("--overwrite"));
+    }
+
+    /// The checksum is the one that other programs know: `crc32` of "123456789", the check value of
+    /// CRC-32 in the catalogue of parametrised CRC algorithms (G. Cook).
+    #[test]
+    fn the_checksum_is_a_usual_one() {
+        assert_eq!(seal(b"123456789"), ",\"checksum\":\"cbf43926\"}");
     }
 }

@@ -54,6 +54,7 @@ mod table;
 pub use answer::{Answer, Critical, Pressed, Row};
 pub use error::StudyError;
 pub use folder::{Existing, Ledger, Summary, merge, sweep_into};
+pub use journal::DamagedLine;
 pub use plan::{InvalidShard, Shard};
 pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};

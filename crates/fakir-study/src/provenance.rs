@@ -8,11 +8,17 @@ use crate::citations::{Citation, REFERENCE_DOI, Topic, citations};
 use crate::output::File;
 use fakir::contact::{Accuracy, Method, PunchForm};
 use fakir_case::Study;
+use fakir_case::input::{self, LARGEST_STUDY};
 use fakir_case::study::Asked;
 use serde::{Deserialize, Serialize};
+use std::io;
+use std::path::Path;
 
 /// The file that holds the provenance of a folder of results.
 pub const FILE_NAME: &str = "provenance.json";
+
+/// More bytes than it has: a study, written as a text in JSON, and some more.
+const LARGEST_PROVENANCE: u64 = 3 * LARGEST_STUDY;
 
 /// Where a result is from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -81,6 +87,18 @@ impl Provenance {
     /// If it is not JSON, or a key is missing.
     pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
         serde_json::from_str(text)
+    }
+
+    /// Reads the file that is next to results.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is not as [`to_json`](Self::to_json) writes it.
+    pub fn read(path: &Path) -> io::Result<Self> {
+        let bytes = input::read(path, LARGEST_PROVENANCE)?;
+        serde_json::from_slice(&bytes).map_err(|error| {
+            let problem = format!("not as fakir writes it: {error}");
+            io::Error::new(io::ErrorKind::InvalidData, problem)
+        })
     }
 
     /// The file to be saved next to results.

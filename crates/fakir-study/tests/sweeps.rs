@@ -243,20 +243,15 @@ fn what_does_not_fit_is_refused_with_the_reason() {
         lines.join("\n") + "\n"
     };
     let version = format!("\"{}\"", fakir_study::VERSION);
-    let other_version = damage(with_line(1, &lines[0].replace(&version, "\"0.0.9\"")));
+    let other_version = sealed(&lines[0].replace(&version, "\"0.0.9\""));
+    let other_version = damage(with_line(1, &other_version));
     assert!(other_version.contains("is by fakir 0.0.9, and this is"));
-    let format = with_line(1, &lines[0].replace("\"format\":1", "\"format\":7"));
-    insta::assert_snapshot!("other_format", damage(format));
-    insta::assert_snapshot!("damaged_line", damage(with_line(5, &lines[4][..12])));
-    insta::assert_snapshot!("damaged_last_line", damage(with_line(31, "{}")));
-    let twice = damage(with_line(6, lines[4]));
-    assert!(twice.contains("sweep/journal.jsonl:6:") && twice.contains("is there twice"));
-    let beyond = lines[8].replacen("\"case\":", "\"case\":9", 1);
-    assert!(
-        damage(with_line(9, &beyond)).contains(":9: the journal is damaged: there is no case 9")
+    let format = with_line(
+        1,
+        &sealed(&lines[0].replace("\"format\":2", "\"format\":7")),
     );
-    let empty = "{\"case\":0,\"wall_time_s\":0.1,\"problem\":null,\"answer\":null}";
-    assert!(damage(with_line(2, empty)).contains("case 0 has no answer that fits"));
+    insta::assert_snapshot!("other_format", damage(format));
+    insta::assert_snapshot!("damaged_heading", damage(with_line(1, &lines[0][1..])));
 
     // None of this has touched the tables; overwriting makes them anew.
     assert_eq!(tables(&folder), expected);
@@ -269,6 +264,93 @@ fn what_does_not_fit_is_refused_with_the_reason() {
 
     fs::remove_file(folder.join("journal.jsonl")).unwrap();
     insta::assert_snapshot!("no_sweep", error(&study, Existing::Resume, &mut options()));
+}
+
+/// A line of a journal with a checksum of what it now holds.
+fn sealed(line: &str) -> String {
+    let (text, _) = line.rsplit_once(",\"checksum\":").unwrap();
+    format!(
+        "{text},\"checksum\":\"{:08x}\"}}",
+        crc32fast::hash(text.as_bytes())
+    )
+}
+
+/// Damaged lines, lines of other cases and lines that are there twice: all named, and the tables as
+/// if nothing had happened.
+#[test]
+fn damaged_lines_are_named_and_their_cases_computed_again() {
+    let bench = TempDir::new().unwrap();
+    let folder = bench.path().join("sweep");
+    let expected = complete(&folder);
+    let journal = fs::read_to_string(folder.join("journal.jsonl")).unwrap();
+    let mut lines: Vec<&str> = journal.lines().collect();
+    // In the order of the cases, so that line 2 has case 0.
+    let case =
+        |line: &&str| serde_json::from_str::<serde_json::Value>(line).unwrap()["case"].as_u64();
+    lines[1..].sort_by_key(case);
+    let mut other = lines.clone();
+    // A digit of a force, a line cut short, one line for another, a case that there is not.
+    let place = lines[2].find("critical_force_N").unwrap() + 20;
+    let digit = if &lines[2][place..=place] == "1" {
+        "2"
+    } else {
+        "1"
+    };
+    let forged = [&lines[2][..place], digit, &lines[2][place + 1..]].concat();
+    let beyond = sealed(&lines[8].replacen("\"case\":", "\"case\":9", 1));
+    let empty =
+        sealed("{\"case\":0,\"wall_time_s\":0.1,\"problem\":null,\"answer\":null,\"checksum\":");
+    (other[2], other[4], other[6]) = (&forged, &lines[4][..12], lines[5]);
+    (other[8], other[30]) = (&beyond, &empty);
+    fs::write(folder.join("journal.jsonl"), other.join("\n") + "\n").unwrap();
+    let summary = sweep_into(&cheap(), &folder, Existing::Resume, &mut options()).unwrap();
+    assert_eq!(summary.found, 25);
+    let told: Vec<String> = summary.damaged.iter().map(ToString::to_string).collect();
+    let told = told
+        .join("\n")
+        .replace(&bench.path().display().to_string(), "");
+    insta::assert_snapshot!("damaged_lines", told);
+    assert_eq!(tables(&folder), expected);
+    // What was repaired is complete, and says so again.
+    let again = sweep_into(&cheap(), &folder, Existing::Resume, &mut options()).unwrap();
+    assert_eq!((again.found, again.damaged.len()), (30, 5));
+    assert_eq!(tables(&folder), expected);
+}
+
+/// A damaged line of a shard is named when it is merged, which waits for the shard to be whole.
+#[test]
+fn a_shard_that_lost_a_line_is_completed_first() {
+    let bench = TempDir::new().unwrap();
+    let expected = complete(&bench.path().join("whole"));
+    let folders = [1, 2].map(|number| bench.path().join(format!("shard-{number}")));
+    let in_shard = |number: usize, existing| {
+        let mut options = Options {
+            shard: Shard::new(number, 2).unwrap(),
+            ..options()
+        };
+        sweep_into(&cheap(), &folders[number - 1], existing, &mut options).unwrap()
+    };
+    in_shard(1, Existing::Refuse);
+    in_shard(2, Existing::Refuse);
+    let journal = folders[1].join("journal.jsonl");
+    let damaged = fs::read_to_string(&journal)
+        .unwrap()
+        .replacen("top_first", "top_fist", 1);
+    fs::write(&journal, damaged).unwrap();
+    let merged = bench.path().join("merged");
+    let told = merge(&merged, &folders, Existing::Refuse)
+        .unwrap_err()
+        .to_string();
+    assert!(told.contains("shard 2/2 in"), "{told}");
+    assert!(
+        told.contains("journal.jsonl:2: this line is damaged"),
+        "{told}"
+    );
+    assert!(!merged.exists());
+    in_shard(2, Existing::Resume);
+    let summary = merge(&merged, &folders, Existing::Refuse).unwrap();
+    assert_eq!(summary.damaged.len(), 1);
+    assert_eq!(tables(&merged), expected);
 }
 
 #[test]

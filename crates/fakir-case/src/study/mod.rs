@@ -33,6 +33,7 @@ use crate::case::{Case, write_tables};
 use crate::entries::{Entry, STUDY_TABLES, Value};
 use crate::error::{CaseError, Place, Source};
 use crate::file::{CaseFile, OWNERS, not_utf8, quantity};
+use crate::input::{self, LARGEST_STUDY};
 use crate::key::{Key, root};
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
@@ -130,7 +131,7 @@ impl StudyFile {
     /// has, and for axes that cannot be. Cases are looked at by [`study`](Self::study).
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         let name = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|error| {
+        let bytes = input::read(path, LARGEST_STUDY).map_err(|error| {
             CaseError::new(
                 &Source::new(&name, ""),
                 format!("cannot read {name}: {error}"),

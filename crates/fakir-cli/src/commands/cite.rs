@@ -7,6 +7,7 @@ use crate::report::json;
 use crate::report::surface::topic;
 use fakir::contact::{Accuracy, Method, PunchForm, Run};
 use fakir::love::ElementMesh;
+use fakir_case::input::{self, LARGEST_STUDY};
 use fakir_case::{CaseFile, Study, StudyFile, study::Axis};
 use fakir_study::citations::{Citation, Topic, citations};
 use fakir_study::provenance::{FILE_NAME, Provenance, method_words};
@@ -56,14 +57,8 @@ pub(crate) fn run(options: &Cite) -> Result<ExitCode, Failure> {
 /// What the results of a folder say themselves.
 fn of_folder(folder: &Path) -> Result<CiteJson, Failure> {
     let path = folder.join(FILE_NAME);
-    let text = std::fs::read_to_string(&path)
+    let provenance = Provenance::read(&path)
         .map_err(|error| Failure::file("no results of fakir: cannot read", &path, error))?;
-    let provenance = Provenance::from_json(&text).map_err(|error| {
-        Failure::Argument(format!(
-            "{}: not as fakir writes it: {error}",
-            path.display()
-        ))
-    })?;
     Ok(CiteJson {
         what: format!("{}, {}", provenance.question, provenance.method),
         citations: provenance.citations,
@@ -93,7 +88,9 @@ fn is_study(path: &Path) -> bool {
             .iter()
             .any(|table| line.starts_with(table))
     };
-    std::fs::read_to_string(path).is_ok_and(|text| text.lines().any(|line| has(line.trim_start())))
+    let text = input::read(path, LARGEST_STUDY).unwrap_or_default();
+    let text = String::from_utf8_lossy(&text);
+    text.lines().any(|line| has(line.trim_start()))
 }
 
 /// All methods that a study uses.

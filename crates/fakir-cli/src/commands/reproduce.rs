@@ -1,7 +1,7 @@
 //! `fakir reproduce paper`: every result of the paper anew.
 
 use crate::arguments::Reproduce;
-use crate::commands::sweep::Bar;
+use crate::commands::sweep::{Bar, warn};
 use crate::failure::{Failure, tell};
 use crate::numbers::seconds;
 use crate::output;
@@ -64,6 +64,9 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<ExitCode, Failure> {
         }
         other => other?,
     };
+    if !arguments.quiet {
+        warn(&made.damaged, false);
+    }
     let count = |verdict| made.claims.iter().filter(|c| c.verdict == verdict).count();
     let mut text: String = made.claims.iter().map(line).collect();
     text.push_str(&format!(

@@ -8,9 +8,10 @@ use crate::report::state::VERSION;
 use crate::session::{PATIENCE, stop_on_interrupt};
 use crate::{STANDARD_INPUT, output, standard_input};
 use fakir::contact::CancelToken;
+use fakir_case::input::LARGEST_STUDY;
 use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};
-use fakir_study::{Options, Progress, Row, StudyError, Summary, Table, sweep, sweep_into};
+use fakir_study::{DamagedLine, Ledger, Options, Progress, Row, StudyError, Summary, Table};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
@@ -37,14 +38,14 @@ pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
         shard: arguments.shard,
         on_progress: Some(&mut listener),
     };
-    let result = match &arguments.output {
-        Some(folder) => sweep_into(&study, folder, arguments.existing(), &mut options),
-        None => sweep(&study, &mut options).map(|rows| Summary {
-            study: study.clone(),
-            rows,
-            found: 0,
-        }),
+    let mut ledger = match &arguments.output {
+        Some(folder) => Ledger::open(&study, folder, arguments.existing(), &options)?,
+        None => Ledger::in_memory(&study),
     };
+    if !arguments.quiet {
+        warn(ledger.damaged(), ledger.remaining().is_empty());
+    }
+    let result = ledger.complete(&mut options).and_then(|()| ledger.finish());
     bar.clear();
     let summary = match result {
         Err(StudyError::Interrupted { done, cases }) => {
@@ -78,12 +79,25 @@ pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
 pub(crate) fn merge(arguments: &Merge) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
     let summary = fakir_study::merge(folder, &arguments.shards, arguments.existing())?;
+    warn(&summary.damaged, true);
     if arguments.json {
         print_json(&summary, Some(folder), None)?;
     } else {
         output::print(&text(&summary, folder, None))?;
     }
     Ok(status(&summary))
+}
+
+/// Names lines of a journal that are left out, and says what becomes of their cases.
+pub(crate) fn warn(damaged: &[DamagedLine], complete: bool) {
+    let cases = if complete {
+        "every case is in another line"
+    } else {
+        "its case is computed again"
+    };
+    for line in damaged {
+        tell(&format!("warning: {line}; {cases}"));
+    }
 }
 
 /// 1 if a case failed.
@@ -93,7 +107,7 @@ fn status(summary: &Summary) -> ExitCode {
 
 fn read(arguments: &Sweep) -> Result<Study, Failure> {
     let mut file = if arguments.study.as_os_str() == "-" {
-        StudyFile::from_bytes(STANDARD_INPUT, standard_input()?)?
+        StudyFile::from_bytes(STANDARD_INPUT, standard_input(LARGEST_STUDY)?)?
     } else {
         StudyFile::read(&arguments.study)?
     };

@@ -1,5 +1,6 @@
 //! Measured loading curves.
 
+use fakir_case::input::{self, LARGEST_TABLE};
 use std::path::Path;
 
 /// A column of measured values, in SI units.
@@ -168,7 +169,7 @@ impl Measurements {
     /// [`DataError`] names file, line and column.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let name = path.display().to_string();
-        match std::fs::read(path) {
+        match input::read(path, LARGEST_TABLE) {
             Ok(bytes) => Self::from_csv(&name, &bytes),
             Err(error) => {
                 Err(Reader { name: &name }.fail(None, None, format!("cannot read: {error}")))

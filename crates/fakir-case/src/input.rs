@@ -1,0 +1,57 @@
+//! Files of bounded size: no more is read, and no more memory taken, than a file of its kind can have.
+//!
+//! What is read may be anything that has a name: a device that never ends, or a file that was named
+//! by mistake.
+
+use std::fs::File;
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+/// Largest case file, bytes.
+pub const LARGEST_CASE: u64 = 1_000_000;
+
+/// Largest study file, bytes: it may have long lists of values.
+pub const LARGEST_STUDY: u64 = 16_000_000;
+
+/// Largest table of measured values, bytes.
+pub const LARGEST_TABLE: u64 = 16_000_000;
+
+/// All of a file of at most so many bytes.
+///
+/// # Errors
+/// If the file cannot be read, or has more ([`ErrorKind::FileTooLarge`]).
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    read_all(File::open(path)?, most)
+}
+
+/// All of a source of at most so many bytes.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_all(source: impl Read, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    source
+        .take(most.saturating_add(1))
+        .read_to_end(&mut bytes)?;
+    if bytes.len() as u64 <= most {
+        return Ok(bytes);
+    }
+    let problem = format!(
+        "it has more than {} MB, the most that is read",
+        most / 1_000_000
+    );
+    Err(io::Error::new(ErrorKind::FileTooLarge, problem))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_source_without_end_is_refused() {
+        assert_eq!(read_all(&b"abc"[..], 3).unwrap(), b"abc");
+        let error = read_all(io::repeat(0), 2_000_000).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::FileTooLarge);
+        assert!(error.to_string().contains("more than 2 MB"), "{error}");
+    }
+}

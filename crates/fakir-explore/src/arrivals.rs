@@ -1,0 +1,128 @@
+//! Connections in a bounded number, of which those that say nothing keep nobody out.
+//!
+//! Whoever connects is an arrival until a request has come from it that the guard lets pass. Of
+//! arrivals there are only so many: one more, and the one that has waited longest is closed. So a
+//! program that opens connections without end only takes them from itself, and the page, which sends
+//! its request at once, is answered.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+use tokio::sync::oneshot::{Receiver, Sender, channel};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+
+/// Connections of the page at a time.
+const CONNECTIONS: usize = 128;
+
+/// Arrivals at a time.
+const ARRIVALS: usize = 64;
+
+/// All connections.
+#[derive(Debug, Clone)]
+pub(crate) struct Connections {
+    waiting: Arc<Mutex<Waiting>>,
+    places: Arc<Semaphore>,
+}
+
+/// Arrivals in their order.
+#[derive(Debug, Default)]
+struct Waiting {
+    next: u64,
+    arrivals: VecDeque<(u64, Sender<()>)>,
+}
+
+/// A connection: an arrival, or one of the page.
+#[derive(Debug, Clone)]
+pub(crate) struct Connection {
+    number: u64,
+    connections: Connections,
+    place: Arc<Mutex<Option<OwnedSemaphorePermit>>>,
+}
+
+impl Connections {
+    pub(crate) fn new() -> Self {
+        Self {
+            waiting: Arc::default(),
+            places: Arc::new(Semaphore::new(CONNECTIONS)),
+        }
+    }
+
+    /// A new arrival; what comes with it tells when it is to be closed for another.
+    pub(crate) fn arrive(&self) -> (Connection, Receiver<()>) {
+        let (close, closed) = channel();
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        if waiting.arrivals.len() >= ARRIVALS
+            && let Some((_, oldest)) = waiting.arrivals.pop_front()
+        {
+            let _ = oldest.send(()); // if it has not ended by itself
+        }
+        let number = waiting.next;
+        waiting.next += 1;
+        waiting.arrivals.push_back((number, close));
+        drop(waiting);
+        let connection = Connection {
+            number,
+            connections: self.clone(),
+            place: Arc::default(),
+        };
+        (connection, closed)
+    }
+}
+
+impl Connection {
+    /// A request of the page has come: it stays. False if there are too many already.
+    pub(crate) fn stay(&self) -> bool {
+        self.leave();
+        let mut place = self.place.lock().unwrap_or_else(PoisonError::into_inner);
+        if place.is_none() {
+            *place = self.connections.places.clone().try_acquire_owned().ok();
+        }
+        place.is_some()
+    }
+
+    /// It is an arrival no more.
+    pub(crate) fn leave(&self) {
+        let waiting = self.connections.waiting.lock();
+        let mut waiting = waiting.unwrap_or_else(PoisonError::into_inner);
+        waiting
+            .arrivals
+            .retain(|(number, _)| *number != self.number);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arrival_that_waited_longest_is_closed() {
+        let connections = Connections::new();
+        let mut arrived: Vec<_> = (0..ARRIVALS).map(|_| connections.arrive()).collect();
+        assert!(arrived[0].0.stay());
+        let last: Vec<_> = (0..2).map(|_| connections.arrive()).collect();
+        let closed: Vec<bool> = arrived
+            .iter_mut()
+            .map(|(_, c)| c.try_recv().is_ok())
+            .collect();
+        // The first is the page's by now; one place was free, the other that of the second.
+        assert!(
+            closed
+                .iter()
+                .enumerate()
+                .all(|(k, closed)| *closed == (k == 1)),
+            "{closed:?}"
+        );
+        drop(last);
+    }
+
+    #[test]
+    fn connections_of_the_page_are_counted_until_they_end() {
+        let connections = Connections::new();
+        let pages: Vec<_> = (0..CONNECTIONS).map(|_| connections.arrive().0).collect();
+        assert!(pages.iter().all(Connection::stay));
+        assert!(pages[0].stay(), "its own place is its own");
+        let (more, _) = connections.arrive();
+        assert!(!more.stay());
+        drop(pages);
+        assert!(more.stay());
+    }
+}
