@@ -660,6 +660,13 @@ impl<'a> Newton<'a> {
         load[0] += self.base * UNIT_FORCE;
     }
 
+    /// By how much a pillar top is asked to come down on the average, as under a flat punch.
+    pub(crate) fn mean_load(&self, pillar: usize) -> f64 {
+        let mut load = vec![0.0; self.modes];
+        self.load(pillar, &mut load);
+        load[0] / UNIT_FORCE
+    }
+
     /// Load on a pillar with all modes of the lens shape over its top.
     pub(crate) fn full_load(&self, pillar: usize) -> Vec<f64> {
         let count = self.projector.count().min(self.top.count());
