@@ -83,6 +83,7 @@ def compare(case: _fakir.Case, options: _fakir.Options) -> Comparison:
         row = _row(name, critical.force, critical.indentation, critical.contact_radius)
         row["pillars_in_contact"] = critical.pillars_in_contact
         row["force_error_estimate"] = critical.error.force
+        row["contact_radius_error_estimate"] = critical.error.contact_radius
         row["iterations"] = critical.iterations
         row["converged"] = critical.converged
         row["wall_time_s"] = time.perf_counter() - start
@@ -113,6 +114,7 @@ def _row(
         "force_difference": None,
         "indentation_difference": None,
         "force_error_estimate": None,
+        "contact_radius_error_estimate": None,
         "converged": True,
         "iterations": None,
         "wall_time_s": None,

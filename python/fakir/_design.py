@@ -11,7 +11,7 @@ from . import _fakir
 from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, si
 from ._run import Progress, options
-from ._state import CriticalState
+from ._state import CriticalState, radius
 from ._system import System
 from .errors import DesignError
 
@@ -54,7 +54,7 @@ class Design:
         return [
             (self.free, engineering(self.value, unit)),
             ("critical force", engineering(self.critical.force, "N")),
-            ("critical contact radius", engineering(self.critical.contact_radius, "m", 4)),
+            ("critical contact radius", radius(self.critical.contact_radius, self.critical.error.contact_radius)),
             ("sensitivity", f"{self.sensitivity:.3g} % of the answer for 1 % of the value"),
         ]
 

@@ -71,6 +71,7 @@ class Approach:
         return {
             **{name: summary[name] for name in COLUMNS},
             "force_error_estimate": state.error.force,
+            "contact_radius_error_estimate": state.error.contact_radius,
             "critical": state is self.critical.state,
             "beyond_transition": state.beyond_transition,
             "converged": state.converged,

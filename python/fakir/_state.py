@@ -46,6 +46,10 @@ class ErrorEstimate(NamedTuple):
 
     force: float
     indentation: float
+    contact_radius: float | None = None
+    """Of the larger one of a critical state; None under a plate."""
+    top_contact_radius: float | None = None
+    """Of a critical state alone."""
 
 
 class Normalized(NamedTuple):
@@ -121,7 +125,7 @@ class ContactState:
 
     @property
     def error(self) -> ErrorEstimate:
-        """Estimated relative errors of force and indentation."""
+        """Estimated relative errors of force, indentation and contact radius."""
         return ErrorEstimate(**self._summary["relative_error_estimate"])
 
     @property
@@ -168,7 +172,8 @@ class ContactState:
     def pressure(self, x: object, y: object, *, threads: int = 1) -> Any:
         """Contact pressure (Pa) at points (m from the lens axis), which are broadcast.
 
-        At the rim of a pillar that is fully in contact it is infinite.
+        At the rim of a pillar that is fully in contact it is infinite: `on_grid` gives means over
+        cells, which are not.
         """
         return self._field(2, x, y, threads)
 
@@ -189,11 +194,16 @@ class ContactState:
     def on_grid(self, x: object, y: object, *, threads: int = 1) -> xarray.Dataset:
         """All fields on the grid of coordinates ``x`` and ``y`` (m), with units.
 
+        The pressure, which is infinite at the rim of a covered pillar, is its mean over the cell
+        around each point: half-way to the next points. Its sum times the area of a cell is the force.
+        `pressure` gives the value at a point.
+
         Needs xarray: ``pip install fakir[xarray]``.
         """
         across, along = _axis(x, "x"), _axis(y, "y")
         points = np.meshgrid(across, along)
-        samples = self._samples(points[0], points[1], threads)
+        found = self._state.grid(across, along, options(threads))
+        samples = self._shaped(found, points[0], points[1])
         on_pillar = self.on_pillar(points[0], points[1])
         return self._dataset(across, along, samples, on_pillar)
 
@@ -219,7 +229,12 @@ class ContactState:
 
     def _samples(self, x: FloatArray, y: FloatArray, threads: int) -> list[FloatArray]:
         flat = (np.ascontiguousarray(x).reshape(-1), np.ascontiguousarray(y).reshape(-1))
-        samples = self._state.sample(*flat, options(threads))
+        return self._shaped(self._state.sample(*flat, options(threads)), x, y)
+
+    def _shaped(
+        self, samples: list[FloatArray] | None, x: FloatArray, y: FloatArray
+    ) -> list[FloatArray]:
+        flat = (np.ascontiguousarray(x).reshape(-1), np.ascontiguousarray(y).reshape(-1))
         if samples is None and self.pillars_in_contact == 0:
             return [field.reshape(x.shape) for field in self._untouched(*flat)]
         if samples is None:
@@ -253,6 +268,7 @@ class ContactState:
             name: (("y", "x"), values[name], {"units": unit, "long_name": text})
             for name, (unit, text) in FIELDS.items()
         }
+        variables["pressure"][2]["cell_methods"] = "x: y: mean"
         top = {"long_name": "whether a pillar top is there"}
         variables["on_pillar"] = (("y", "x"), on_pillar, top)
         coordinates = {
@@ -275,7 +291,7 @@ class ContactState:
         rows = [
             ("force", engineering(self.force, "N") + _about(error.force)),
             ("indentation", engineering(self.indentation, "m") + _about(error.indentation)),
-            ("contact radius", engineering(self.contact_radius, "m", 4)),
+            ("contact radius", radius(self.contact_radius, error.contact_radius)),
             ("pillars in contact", f"{self.pillars_in_contact}, {partial} of them partially"),
             ("smallest floor gap", engineering(self.smallest_floor_gap, "m", 4)),
         ]
@@ -367,8 +383,8 @@ class CriticalState:
 
     @property
     def error(self) -> ErrorEstimate:
-        """Estimated relative errors of force and indentation."""
-        return self.state.error
+        """Estimated relative errors of force, indentation and contact radii."""
+        return ErrorEstimate(**self._summary["relative_error_estimate"])
 
     @property
     def converged(self) -> bool:
@@ -401,12 +417,14 @@ class CriticalState:
         partial = self.pillars_partially_in_contact
         force = f"{engineering(self.force, 'N')}, F gamma_int/(h d) = {reduced.force:.6g}"
         depth = f"{engineering(self.indentation, 'm')}, zeta/h = {reduced.indentation:.6g}"
-        radius = f"{engineering(self.contact_radius, 'm', 4)}, a/e = {reduced.contact_radius:.4g}"
+        error = self.error.contact_radius
+        digits = radius_digits(error)
+        across = f"{engineering(self.contact_radius, 'm', digits)}, a/e = {reduced.contact_radius:.{digits}g}"
         return [
             ("the lens meets first", first),
             ("force", force + _about(self.error.force)),
             ("indentation", depth + _about(self.error.indentation)),
-            ("contact radius", radius),
+            ("contact radius", across + _about(error or 0.0)),
             ("floor contact at", f"({engineering(x, 'm', 4)}, {engineering(y, 'm', 4)})"),
             ("pillars in contact", f"{self.pillars_in_contact}, {partial} of them partially"),
             ("solution", f"{self.method}, {self.state.termination}"),
@@ -454,6 +472,18 @@ def _axis(values: object, name: str) -> FloatArray:
             "an array of one dimension"
         )
     return axis
+
+
+def radius_digits(error: float | None) -> int:
+    """Digits of a contact radius with this relative error that mean something, two to five."""
+    if error is None or not error < 1.0:
+        return 2
+    return 5 if error <= 0.0 else min(max(int(np.ceil(-np.log10(error))), 2), 5)
+
+
+def radius(value: float, error: float | None) -> str:
+    """A contact radius in the digits that its relative error leaves."""
+    return engineering(value, "m", radius_digits(error)) + _about(error or 0.0)
 
 
 def _about(error: float) -> str:

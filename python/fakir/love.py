@@ -274,7 +274,7 @@ class SurfaceContact:
                 rows.append((f"  on the {name}", f"{force} on {area:.5g} µm²"))
         error = self.error
         if error is not None:
-            rows.append(("estimated error", f"{max(error):.0e}"))
+            rows.append(("estimated error", f"{max(error.force, error.indentation):.0e}"))
         return [*rows, ("solution", f"Love elements, {self.termination}")]
 
     def __repr__(self) -> str:

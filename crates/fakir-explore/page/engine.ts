@@ -19,6 +19,7 @@ export interface Progress {
 export interface ErrorEstimate {
   readonly force: number;
   readonly indentation: number;
+  readonly contact_radius: number;
 }
 
 export interface TransitionSummary {

@@ -18,7 +18,7 @@ import {
   type Values,
 } from "./engine.js";
 import { ContactMap, sceneOf, sceneOfPreview, type Scene } from "./map.js";
-import { digitsFor, engineering, engineeringText, significant, write } from "./numbers.js";
+import { digitsFor, engineering, engineeringText, radiusDigits, significant, write } from "./numbers.js";
 import { SectionView, times } from "./section.js";
 import { onScheme, onSize, setColours } from "./theme.js";
 
@@ -389,8 +389,8 @@ function showNumbers(shown: State): void {
       id: "radius",
       value: summary.critical_contact_radius_m,
       dimension: "length",
-      digits: 4,
-      remark: `a/e = ${significant(reduced.contact_radius, 4)}`,
+      digits: radiusDigits(error.contact_radius),
+      remark: `a/e = ${significant(reduced.contact_radius, radiusDigits(error.contact_radius))},  ${estimate(error.contact_radius)}`,
     },
     {
       id: "indentation",
@@ -433,7 +433,8 @@ function showLoad(shown: State): void {
   const { summary } = shown;
   const force = engineeringText(summary.force_N, "force", 4);
   const indentation = engineeringText(summary.indentation_m, "length", 4);
-  const radius = engineeringText(summary.contact_radius_m, "length", 4);
+  const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
+  const radius = engineeringText(summary.contact_radius_m, "length", Math.min(4, digits));
   const words = loadWords(shown.fraction);
   const beyond = shown.fraction > 1 + 1e-9;
   byId("load-words").textContent = words;
@@ -462,7 +463,12 @@ function announce(shown: State): void {
     if (critical === null) return;
     const summary = critical;
     const force = engineeringText(summary.critical_force_N, "force", 4);
-    const radius = engineeringText(summary.critical_contact_radius_m, "length", 4);
+    const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
+    const radius = engineeringText(
+      summary.critical_contact_radius_m,
+      "length",
+      Math.min(4, digits),
+    );
     const indentation = engineeringText(summary.critical_indentation_m, "length", 4);
     byId("announcement").textContent =
       `Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +

@@ -1,7 +1,7 @@
 // The contact map: pillars from above, coloured by the force they bear.
 
 import type { Point, Preview, State } from "./engine.js";
-import { engineeringText, significant } from "./numbers.js";
+import { engineeringText, radiusDigits, significant } from "./numbers.js";
 import { colour, colourCount, letterSize, tint } from "./theme.js";
 
 /** What is drawn: a state, or nearly one. */
@@ -249,7 +249,11 @@ export function sceneOf(state: State): Scene {
     return sceneOfPreview({ ...state, force_N, contact_radius_m });
   }
   const { pillars_in_contact: all, pillars_partially_in_contact: part } = summary;
-  const radius = engineeringText(summary.contact_radius_m, "length", 3);
+  const radius = engineeringText(
+    summary.contact_radius_m,
+    "length",
+    Math.min(3, radiusDigits(summary.relative_error_estimate.contact_radius)),
+  );
   return {
     fraction: state.fraction,
     pitch_m: state.pitch_m,

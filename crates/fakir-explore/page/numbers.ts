@@ -45,6 +45,11 @@ export function digitsFor(error: number): number {
   return Math.min(6, Math.max(2, Math.ceil(-Math.log10(error))));
 }
 
+/** Digits of a contact radius with this relative error: at most five. */
+export function radiusDigits(error: number): number {
+  return Math.min(5, digitsFor(error));
+}
+
 /** A number in so many digits, with a power of ten only where zeros would hide it. */
 export function significant(value: number, digits: number): string {
   if (value === 0) return "0";

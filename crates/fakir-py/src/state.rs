@@ -97,14 +97,28 @@ impl State {
             .map(|(x, y)| [*x, *y])
             .collect();
         let samples = watched(py, &options, |run| fields.sample(&points, run))?;
-        let FieldSamples {
-            displacement,
-            gap,
-            pressure,
-        } = samples.map_err(|error| solve_error(&error))?;
-        Ok(Some(
-            [displacement, gap, pressure].map(|field| PyArray1::from_vec(py, field)),
-        ))
+        samples
+            .map(|samples| Some(arrays(py, samples)))
+            .map_err(|error| solve_error(&error))
+    }
+
+    /// Displacement and gap at the points of a grid, `x` fastest, and mean pressures over its cells;
+    /// none from methods that do not resolve pillars.
+    fn grid<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'py, f64>,
+        y: PyReadonlyArray1<'py, f64>,
+        options: Options,
+    ) -> PyResult<Option<[Field<'py>; 3]>> {
+        let Some(fields) = &self.state.fields else {
+            return Ok(None);
+        };
+        let (x, y) = (x.as_slice()?, y.as_slice()?);
+        let samples = watched(py, &options, |run| fields.on_grid(x, y, run))?;
+        samples
+            .map(|samples| Some(arrays(py, samples)))
+            .map_err(|error| solve_error(&error))
     }
 
     /// Which points are on a pillar top.
@@ -124,6 +138,15 @@ impl State {
         let points = x.as_slice()?.iter().zip(y.as_slice()?);
         Ok(PyArray1::from_iter(py, points.map(on_pillar)))
     }
+}
+
+fn arrays(py: Python<'_>, samples: FieldSamples) -> [Field<'_>; 3] {
+    let FieldSamples {
+        displacement,
+        gap,
+        pressure,
+    } = samples;
+    [displacement, gap, pressure].map(|field| PyArray1::from_vec(py, field))
 }
 
 /// A critical state.

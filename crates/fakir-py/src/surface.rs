@@ -97,6 +97,9 @@ impl SurfaceContact {
             let numbers = PyDict::new(py);
             numbers.set_item("force", error.force)?;
             numbers.set_item("indentation", error.indentation)?;
+            if let Some(error) = contact.relative_contact_radius_error() {
+                numbers.set_item("contact_radius", error)?;
+            }
             Ok::<_, PyErr>(numbers)
         });
         summary.set_item("relative_error_estimate", error.transpose()?)?;

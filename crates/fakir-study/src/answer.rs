@@ -77,6 +77,9 @@ pub struct Critical {
     /// Estimated relative error of the indentation.
     #[serde(with = "exact")]
     pub relative_error_estimate_indentation: f64,
+    /// Estimated relative error of the contact radius.
+    #[serde(with = "exact")]
+    pub relative_error_estimate_contact_radius: f64,
     /// Whether the numbers are the solution.
     pub converged: bool,
     /// Steps taken.
@@ -112,6 +115,9 @@ pub struct Pressed {
     /// Estimated relative error of the indentation.
     #[serde(with = "exact")]
     pub relative_error_estimate_indentation: f64,
+    /// Estimated relative error of the contact radius.
+    #[serde(with = "exact")]
+    pub relative_error_estimate_contact_radius: f64,
     /// Whether the numbers are the solution.
     pub converged: bool,
     /// Steps taken.
@@ -143,6 +149,7 @@ impl From<&CriticalState> for Critical {
             normalized_indentation: indentation,
             relative_error_estimate_force: state.error.force,
             relative_error_estimate_indentation: state.error.indentation,
+            relative_error_estimate_contact_radius: critical.relative_contact_radius_error(),
             converged: state.converged(),
             iterations: state.iterations,
         }
@@ -162,6 +169,7 @@ impl From<&ContactState> for Pressed {
             beyond_transition: state.beyond_transition(),
             relative_error_estimate_force: state.error.force,
             relative_error_estimate_indentation: state.error.indentation,
+            relative_error_estimate_contact_radius: state.relative_contact_radius_error(),
             converged: state.converged(),
             iterations: state.iterations,
         }

@@ -12,13 +12,23 @@ pub struct RelativeErrors {
     pub force: f64,
     /// Of the indentation.
     pub indentation: f64,
+    /// Of the contact radius, of a critical state the larger one; none under a plate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact_radius: Option<f64>,
+    /// Of the radius of the contact on the pillar tops of a critical state.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub top_contact_radius: Option<f64>,
 }
 
-impl From<ErrorEstimate> for RelativeErrors {
-    fn from(error: ErrorEstimate) -> Self {
+impl RelativeErrors {
+    /// Errors with that of the contact radius.
+    #[must_use]
+    pub fn new(error: ErrorEstimate, contact_radius: Option<f64>) -> Self {
         Self {
             force: error.force,
             indentation: error.indentation,
+            contact_radius,
+            top_contact_radius: None,
         }
     }
 }
@@ -85,7 +95,10 @@ impl TransitionSummary {
             pillars_in_contact: state.pillars_in_contact,
             pillars_partially_in_contact: state.pillars_partially_in_contact,
             normalized: critical.normalized().into(),
-            relative_error_estimate: state.error.into(),
+            relative_error_estimate: RelativeErrors {
+                top_contact_radius: Some(state.relative_contact_radius_error()),
+                ..RelativeErrors::new(state.error, Some(critical.relative_contact_radius_error()))
+            },
             converged: state.converged(),
             iterations: state.iterations,
             wall_time_s: wall_time,
@@ -126,7 +139,10 @@ impl PressSummary {
             pillars_partially_in_contact: state.pillars_partially_in_contact,
             smallest_floor_gap_m: state.smallest_floor_gap,
             beyond_transition: state.beyond_transition(),
-            relative_error_estimate: state.error.into(),
+            relative_error_estimate: RelativeErrors::new(
+                state.error,
+                Some(state.relative_contact_radius_error()),
+            ),
             converged: state.converged(),
             iterations: state.iterations,
             wall_time_s: wall_time,

@@ -250,6 +250,9 @@ fn critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
     of.number("relative_error_estimate_indentation", |it| {
         it.relative_error_estimate_indentation
     });
+    of.number("relative_error_estimate_contact_radius", |it| {
+        it.relative_error_estimate_contact_radius
+    });
     of.count("iterations", |it| it.iterations);
 }
 
@@ -277,6 +280,9 @@ fn pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
     });
     of.number("relative_error_estimate_indentation", |it| {
         it.relative_error_estimate_indentation
+    });
+    of.number("relative_error_estimate_contact_radius", |it| {
+        it.relative_error_estimate_contact_radius
     });
     of.count("iterations", |it| it.iterations);
 }

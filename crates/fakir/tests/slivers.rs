@@ -37,6 +37,46 @@ fn press(system: &System, indentation: f64, accuracy: Accuracy) -> ContactState 
     state
 }
 
+/// The pressures of the fields have the force of the sliver, and end with the contact radius.
+fn covers_its_own_fields(state: &ContactState) {
+    let fields = state.fields.as_ref().unwrap();
+    let [x, y] = state.pillars[0].centre;
+    let distance = x.hypot(y);
+    let nearest = distance - 0.5 * state.system.pillar().diameter;
+    let reach = state.contact_radius - nearest;
+    assert!(0.0 < reach && state.contact_radius_error < 0.5 * reach);
+    let at = |inwards: f64, along: f64| {
+        let r = nearest + inwards;
+        [
+            (r * x - along * y) / distance,
+            (r * y + along * x) / distance,
+        ]
+    };
+    assert!(fields.pressure(at(0.3 * reach, 0.0)) > 0.0);
+    assert!(
+        fields
+            .pressure(at(1.0001 * reach + state.contact_radius_error, 0.0))
+            .abs()
+            < 1e-300
+    );
+    // Means over cells of a grid around the pillar.
+    let half = 0.51 * state.system.pillar().diameter;
+    let axis = |middle: f64| -> Vec<f64> {
+        (0..801)
+            .map(|k| middle + half * (f64::from(k) / 400.0 - 1.0))
+            .collect()
+    };
+    let (columns, rows) = (axis(x), axis(y));
+    let samples = fields.on_grid(&columns, &rows, &Run::default()).unwrap();
+    let cell = (half / 400.0).powi(2);
+    let force: f64 = samples.pressure.iter().map(|p| p * cell).sum();
+    assert!(
+        (force / state.force - 1.0).abs() < 0.02,
+        "{force:e} {:e}",
+        state.force
+    );
+}
+
 #[test]
 fn light_touches_of_an_edge_are_resolved() {
     // Love elements of a fine mesh: 3.6e-11 N at 1.1 times the indentation of first touch, 1.4649 nm, and
@@ -55,6 +95,7 @@ fn light_touches_of_an_edge_are_resolved() {
             assert!((state.force / expected - 1.0).abs() < digits);
             assert!(state.error.force < 0.02);
             assert_eq!(state.pillars_in_contact, 1);
+            covers_its_own_fields(&state);
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::arguments::LoadingPath;
 use crate::failure::Failure;
 use crate::numbers::{digits, with_unit};
-use crate::report::state::{VERSION, texture_line, warnings};
+use crate::report::state::{VERSION, radius_digits, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;
@@ -30,6 +30,7 @@ struct StateRow {
     pillars_partially_in_contact: usize,
     smallest_floor_gap_m: f64,
     force_error_estimate: f64,
+    contact_radius_error_estimate: f64,
     critical: bool,
     beyond_transition: bool,
     converged: bool,
@@ -159,6 +160,7 @@ fn row(state: &ContactState, critical: bool) -> StateRow {
         indentation_m: state.indentation,
         force_N: state.force,
         contact_radius_m: state.contact_radius,
+        contact_radius_error_estimate: state.relative_contact_radius_error(),
         pillars_in_contact: state.pillars_in_contact,
         pillars_partially_in_contact: state.pillars_partially_in_contact,
         smallest_floor_gap_m: state.smallest_floor_gap,
@@ -198,8 +200,13 @@ fn columns(rows: &[StateRow]) -> [Column<StateRow>; 7] {
             |row| Some(row.force_N),
             |row| digits(row.force_error_estimate),
         ),
-        Column::radius("contact radius", rows, |row| Some(row.contact_radius_m)),
-        Column::radius("floor gap", rows, |row| Some(row.smallest_floor_gap_m)),
+        Column::radius(
+            "contact radius",
+            rows,
+            |row| Some(row.contact_radius_m),
+            |row| radius_digits(row.contact_radius_error_estimate),
+        ),
+        Column::length("floor gap", rows, |row| Some(row.smallest_floor_gap_m)),
         Column::right("pillars", |row: &StateRow| {
             row.pillars_in_contact.to_string()
         }),

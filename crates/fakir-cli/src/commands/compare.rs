@@ -3,7 +3,7 @@
 use super::closed_forms::closed_forms;
 use crate::failure::Failure;
 use crate::numbers::{seconds, significant};
-use crate::report::state::{VERSION, texture_line, warnings};
+use crate::report::state::{VERSION, radius_digits, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;
@@ -63,6 +63,7 @@ struct MethodRow {
     force_difference: Option<f64>,
     indentation_difference: Option<f64>,
     force_error_estimate: Option<f64>,
+    contact_radius_error_estimate: Option<f64>,
     converged: bool,
     iterations: Option<usize>,
     wall_time_s: Option<f64>,
@@ -138,6 +139,7 @@ fn closed_form_rows(case: &Case) -> Vec<MethodRow> {
             critical_force_N: Some(form.estimate.force),
             critical_indentation_m: Some(form.estimate.indentation),
             critical_contact_radius_m: Some(form.estimate.contact_radius()),
+            contact_radius_error_estimate: None,
             converged: true,
             remark: (!form.applies).then(|| "out of its range".to_owned()),
             ..empty_row(form.key, form.name)
@@ -156,6 +158,7 @@ fn solved_row(
         critical_force_N: Some(state.force),
         critical_indentation_m: Some(state.indentation),
         critical_contact_radius_m: Some(critical.contact_radius()),
+        contact_radius_error_estimate: Some(critical.relative_contact_radius_error()),
         pillars_in_contact: Some(state.pillars_in_contact),
         force_error_estimate: Some(state.error.force),
         converged: state.converged(),
@@ -183,6 +186,7 @@ fn empty_row(method: &'static str, name: &'static str) -> MethodRow {
         critical_force_N: None,
         critical_indentation_m: None,
         critical_contact_radius_m: None,
+        contact_radius_error_estimate: None,
         pillars_in_contact: None,
         force_difference: None,
         indentation_difference: None,
@@ -213,6 +217,9 @@ fn set_differences(rows: &mut [MethodRow]) -> Option<(&'static str, &'static str
     Some(reference)
 }
 
+/// Of a closed form: two digits are shown.
+const MODEL_ERROR: f64 = 0.1;
+
 fn text(case: &Case, rows: &[MethodRow], reference: Option<&str>, threads: usize) -> String {
     let columns = [
         Column::text("Critical state", |row: &MethodRow| row.name.to_owned()),
@@ -222,7 +229,12 @@ fn text(case: &Case, rows: &[MethodRow], reference: Option<&str>, threads: usize
             row.critical_indentation_m
         }),
         Column::right("diff.", |row| per_cent(row.indentation_difference)),
-        Column::radius("radius", rows, |row| row.critical_contact_radius_m),
+        Column::radius(
+            "radius",
+            rows,
+            |row| row.critical_contact_radius_m,
+            |row| radius_digits(row.contact_radius_error_estimate.unwrap_or(MODEL_ERROR)),
+        ),
         Column::right("pillars", |row| {
             row.pillars_in_contact
                 .map_or("-".to_owned(), |n| n.to_string())

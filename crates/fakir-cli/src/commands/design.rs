@@ -5,7 +5,7 @@ use crate::arguments::Design as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, column_unit, significant, with_unit};
 use crate::report::figures::saved;
-use crate::report::state::{RADIUS_DIGITS, VERSION, texture_line, warnings};
+use crate::report::state::{LENGTH_DIGITS, VERSION, radius_digits, texture_line, warnings};
 use crate::report::table::{Column, list, table};
 use crate::report::{Report, json};
 use crate::session::Session;
@@ -168,7 +168,7 @@ impl Answer {
     fn wanted_dimension(&self) -> (Dimension, usize) {
         match self.wanted {
             Wanted::Force(_) => (Dimension::Force, DIGITS),
-            Wanted::ContactRadius(_) => (Dimension::Length, RADIUS_DIGITS),
+            Wanted::ContactRadius(_) => (Dimension::Length, LENGTH_DIGITS),
         }
     }
 
@@ -238,7 +238,7 @@ impl Answer {
                 "critical contact radius",
                 nearest.critical.contact_radius(),
                 Dimension::Length,
-                RADIUS_DIGITS,
+                radius_digits(nearest.critical.relative_contact_radius_error()),
             ),
         ];
         if let Design::Found { sensitivity, .. } = &self.design {
@@ -413,10 +413,10 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
             "critical force",
             &rows,
             |row| Some(row.force),
-            |_| RADIUS_DIGITS,
+            |_| LENGTH_DIGITS,
         ),
-        Column::radius("indentation", &rows, |row| Some(row.indentation)),
-        Column::radius("contact radius", &rows, |row| Some(row.radius)),
+        Column::length("indentation", &rows, |row| Some(row.indentation)),
+        Column::length("contact radius", &rows, |row| Some(row.radius)),
     ];
     let without = match case.method {
         _ if spread.failures().next().is_none() => String::new(),

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{QuantityList, RADIUS_DIGITS, load_words, texture_line, warnings};
+use crate::report::state::{QuantityList, load_words, radius_digits, texture_line, warnings};
 use crate::report::{Report, json};
 use crate::session::Session;
 use fakir::contact::{ContactState, CriticalState, Load, Normalized, SolveError};
@@ -83,18 +83,20 @@ fn text(state: &ContactState, wall_time: f64) -> String {
     } else {
         ""
     };
+    let radius_error = state.relative_contact_radius_error();
     let mut list = QuantityList::default();
     list.load(state, &reduced)
         .radius(
             "contact radius",
             state.contact_radius,
+            radius_error,
             format!(
                 "a/e = {}",
-                significant(reduced.contact_radius, RADIUS_DIGITS)
+                significant(reduced.contact_radius, radius_digits(radius_error))
             ),
         )
         .pillars(state)
-        .radius(
+        .length(
             "smallest floor gap",
             state.smallest_floor_gap,
             gap.to_owned(),

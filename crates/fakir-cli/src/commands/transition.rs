@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{QuantityList, RADIUS_DIGITS, texture_line, warnings};
+use crate::report::state::{QuantityList, radius_digits, texture_line, warnings};
 use crate::report::{Report, json};
 use crate::session::Session;
 use fakir::contact::{CriticalState, Regime};
@@ -45,18 +45,26 @@ pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, 
 fn text(critical: &CriticalState, wall_time: f64) -> String {
     let state = &critical.contact;
     let reduced = critical.normalized();
+    let radius_error = critical.relative_contact_radius_error();
     let mut list = QuantityList::default();
     list.load(state, &reduced)
         .radius(
             "contact radius",
             critical.contact_radius(),
+            radius_error,
             format!(
                 "a/e = {}",
-                significant(reduced.contact_radius, RADIUS_DIGITS)
+                significant(reduced.contact_radius, radius_digits(radius_error))
             ),
         )
-        .radius("  on the pillar tops", state.contact_radius, String::new())
-        .radius(
+        .quantity(
+            "  on the pillar tops",
+            state.contact_radius,
+            Dimension::Length,
+            radius_digits(state.relative_contact_radius_error()),
+            String::new(),
+        )
+        .length(
             "  of the floor contact",
             critical.floor_contact_distance(),
             place(critical),

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::numbers::{seconds, significant};
-use crate::report::state::{VERSION, load_words, texture_line, warnings};
+use crate::report::state::{VERSION, load_words, radius_digits, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;
@@ -32,6 +32,7 @@ struct AnswerRow {
     pillars_partially_in_contact: usize,
     force_error_estimate: f64,
     indentation_error_estimate: f64,
+    contact_radius_error_estimate: f64,
     converged: bool,
     iterations: usize,
 }
@@ -89,10 +90,14 @@ pub(crate) fn run(
             relative_difference: RelativeErrors {
                 force: force.relative,
                 indentation: indentation.relative,
+                contact_radius: None,
+                top_contact_radius: None,
             },
             allowed_difference: RelativeErrors {
                 force: force.allowed,
                 indentation: indentation.allowed,
+                contact_radius: None,
+                top_contact_radius: None,
             },
             answers: &rows,
             wall_time_s: wall_time,
@@ -143,6 +148,7 @@ fn row(state: &ContactState) -> AnswerRow {
         pillars_partially_in_contact: state.pillars_partially_in_contact,
         force_error_estimate: state.error.force,
         indentation_error_estimate: state.error.indentation,
+        contact_radius_error_estimate: state.relative_contact_radius_error(),
         converged: state.converged(),
         iterations: state.iterations,
     }
@@ -157,7 +163,12 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
             Some(row.indentation_m)
         }),
         Column::right("error", |row| error(row.indentation_error_estimate)),
-        Column::radius("radius", rows, |row| Some(row.contact_radius_m)),
+        Column::radius(
+            "radius",
+            rows,
+            |row| Some(row.contact_radius_m),
+            |row| radius_digits(row.contact_radius_error_estimate),
+        ),
         Column::right("pillars", |row| row.pillars_in_contact.to_string()),
         Column::right("partially", |row| {
             row.pillars_partially_in_contact.to_string()

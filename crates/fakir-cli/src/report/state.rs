@@ -6,9 +6,16 @@ use fakir::contact::{ContactState, ErrorEstimate, Load, Method, Normalized};
 use fakir::system::System;
 use fakir_case::unit::{Dimension, format_quantity};
 
-/// Digits shown of contact radii, which have no error estimate: where the contact edge crosses
-/// pillars, default and accurate solutions differ in the fourth.
-pub(crate) const RADIUS_DIGITS: usize = 4;
+/// Digits shown of lengths that are known well enough: places and gaps of the floor, periods.
+pub(crate) const LENGTH_DIGITS: usize = 4;
+
+/// Most digits shown of contact radii.
+const RADIUS_DIGITS: usize = 5;
+
+/// Digits of a contact radius with this relative error that mean something.
+pub(crate) fn radius_digits(relative_error: f64) -> usize {
+    digits(relative_error).min(RADIUS_DIGITS)
+}
 
 /// Digits shown of the homogenised lattice: its error is that of the model, not of the numbers.
 const MODEL_DIGITS: usize = 4;
@@ -80,9 +87,26 @@ impl QuantityList {
         self
     }
 
-    /// A contact radius, or what is known no better.
-    pub(crate) fn radius(&mut self, name: &str, value: f64, remark: String) -> &mut Self {
-        self.quantity(name, value, Dimension::Length, RADIUS_DIGITS, remark)
+    /// A contact radius, with the digits that its relative error leaves.
+    pub(crate) fn radius(
+        &mut self,
+        name: &str,
+        value: f64,
+        error: f64,
+        remark: String,
+    ) -> &mut Self {
+        let estimate = error_remark(error);
+        let remark = if remark.is_empty() {
+            estimate.trim_start_matches([',', ' ']).to_owned()
+        } else {
+            remark + &estimate
+        };
+        self.quantity(name, value, Dimension::Length, radius_digits(error), remark)
+    }
+
+    /// A length that is known well enough.
+    pub(crate) fn length(&mut self, name: &str, value: f64, remark: String) -> &mut Self {
+        self.quantity(name, value, Dimension::Length, LENGTH_DIGITS, remark)
     }
 
     /// A row that is none of the above or below.

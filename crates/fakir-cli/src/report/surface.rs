@@ -1,7 +1,7 @@
 //! Reports of contacts with general surfaces.
 
 use super::maps::Maps;
-use super::state::{QuantityList, RADIUS_DIGITS, VERSION, load_words};
+use super::state::{LENGTH_DIGITS, QuantityList, VERSION, load_words};
 use super::{Report, json};
 use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
 use fakir::contact::{Load, Regime};
@@ -98,7 +98,9 @@ impl CommonJson {
             boundary: boundary_name(case),
             grid: (&contact.grid).into(),
             certificate: contact.certificate.into(),
-            relative_error_estimate: contact.error.map(RelativeErrors::from),
+            relative_error_estimate: contact
+                .error
+                .map(|error| RelativeErrors::new(error, contact.relative_contact_radius_error())),
             converged: contact.converged(),
             iterations: contact.products,
             wall_time_s: wall_time,
@@ -198,11 +200,11 @@ pub(crate) fn reached(
         common: CommonJson::new(case, contact, wall_time),
     };
     let [x, y] = critical.floor_contact;
-    let place = |value: f64| with_unit(value, Dimension::Length, RADIUS_DIGITS);
+    let place = |value: f64| with_unit(value, Dimension::Length, LENGTH_DIGITS);
     let mut list = QuantityList::default();
     add_load(&mut list, contact);
     add_area(&mut list, contact);
-    list.radius(
+    list.length(
         "floor contact",
         x.hypot(y),
         format!("from the lens axis, at x = {}, y = {}", place(x), place(y)),
@@ -313,7 +315,8 @@ fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
 fn add_area(list: &mut QuantityList, contact: &SurfaceContact) {
     add_one_area(list, "contact area", contact.contact_area, "");
     if let Some(radius) = contact.contact_radius {
-        list.radius("contact radius", radius, String::new());
+        let error = contact.relative_contact_radius_error().unwrap_or(0.0);
+        list.radius("contact radius", radius, error, String::new());
     }
 }
 
@@ -383,7 +386,7 @@ fn description(case: &SurfaceCase) -> String {
         SurfaceOrigin::Pattern(pattern) => pattern_line(pattern),
     };
     let grid = case.system.surface().grid();
-    let length = |value: f64| with_unit(value, Dimension::Length, RADIUS_DIGITS);
+    let length = |value: f64| with_unit(value, Dimension::Length, LENGTH_DIGITS);
     let [width, height] = grid.cell();
     let sizes = [
         width,
@@ -423,7 +426,7 @@ fn pattern_line(pattern: &Pattern) -> String {
     };
     format!(
         "{outline} pillars {place}, surface fraction {}",
-        significant(pattern.surface_fraction(), RADIUS_DIGITS)
+        significant(pattern.surface_fraction(), LENGTH_DIGITS)
     )
 }
 

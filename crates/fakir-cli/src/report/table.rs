@@ -1,6 +1,6 @@
 //! Tables for a terminal.
 
-use super::state::RADIUS_DIGITS;
+use super::state::LENGTH_DIGITS;
 use crate::numbers::{DIGITS, column_unit, significant};
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use fakir_case::unit::Dimension;
@@ -34,9 +34,19 @@ impl<T: 'static> Column<T> {
         Self::scaled(name, Dimension::Force, rows, value, known)
     }
 
-    /// A contact radius, as far as its digits are known.
-    pub(crate) fn radius(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
-        Self::scaled(name, Dimension::Length, rows, value, |_| RADIUS_DIGITS)
+    /// A length that is known well enough.
+    pub(crate) fn length(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
+        Self::scaled(name, Dimension::Length, rows, value, |_| LENGTH_DIGITS)
+    }
+
+    /// A contact radius of which only so many digits are known.
+    pub(crate) fn radius(
+        name: &str,
+        rows: &[T],
+        value: fn(&T) -> Option<f64>,
+        known: fn(&T) -> usize,
+    ) -> Self {
+        Self::scaled(name, Dimension::Length, rows, value, known)
     }
 
     fn scaled(

@@ -1,5 +1,5 @@
 // The contact map: pillars from above, coloured by the force they bear.
-import { engineeringText, significant } from "./numbers.js";
+import { engineeringText, radiusDigits, significant } from "./numbers.js";
 import { colour, colourCount, letterSize, tint } from "./theme.js";
 const HALF_SQRT_3 = Math.sqrt(3) / 2;
 /** Lengths of the scale bar are one of these times a power of ten. */
@@ -213,7 +213,7 @@ export function sceneOf(state) {
         return sceneOfPreview({ ...state, force_N, contact_radius_m });
     }
     const { pillars_in_contact: all, pillars_partially_in_contact: part } = summary;
-    const radius = engineeringText(summary.contact_radius_m, "length", 3);
+    const radius = engineeringText(summary.contact_radius_m, "length", Math.min(3, radiusDigits(summary.relative_error_estimate.contact_radius)));
     return {
         fraction: state.fraction,
         pitch_m: state.pitch_m,

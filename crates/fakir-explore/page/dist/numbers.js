@@ -28,6 +28,10 @@ export function digitsFor(error) {
         return 6;
     return Math.min(6, Math.max(2, Math.ceil(-Math.log10(error))));
 }
+/** Digits of a contact radius with this relative error: at most five. */
+export function radiusDigits(error) {
+    return Math.min(5, digitsFor(error));
+}
 /** A number in so many digits, with a power of ten only where zeros would hide it. */
 export function significant(value, digits) {
     if (value === 0)

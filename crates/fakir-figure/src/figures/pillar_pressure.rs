@@ -14,7 +14,7 @@ use crate::series::{Dash, Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
 use fakir::contact::{ContactState, Fields, PillarState, PillarStatus, Run};
-use fakir::system::{Point, System};
+use fakir::system::Point;
 use std::f64::consts::PI;
 
 /// Pressures are shown up to this multiple of the mean on the pillar top: at the edge they are
@@ -53,7 +53,6 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
         return Err(none);
     };
     let shown = Shown {
-        system: &state.system,
         fields,
         run,
         diameter: state.system.pillar().diameter,
@@ -110,17 +109,7 @@ fn rim_pillar(state: &ContactState) -> Option<&PillarState> {
     partial.or(state.pillars.last())
 }
 
-/// Gap below which the top of a pillar is shown as in contact, m: a fiftieth of the rise of the
-/// lens across it. The contact conditions hold to that on partially touched pillars, beyond whose
-/// contact edge the expansion of the pressure leaves ripples.
-pub(super) fn contact_tolerance(system: &System, pillar: &PillarState) -> f64 {
-    let (r, radius) = (distance(pillar), 0.5 * system.pillar().diameter);
-    let lens = system.lens();
-    0.02 * (lens.sag(r + radius) - lens.sag((r - radius).max(0.0)))
-}
-
 struct Shown<'a> {
-    system: &'a System,
     fields: &'a Fields,
     run: &'a Run<'a>,
     diameter: f64,
@@ -156,15 +145,9 @@ impl Shown<'_> {
                 [pillar.centre[0] + shrink * x, pillar.centre[1] + shrink * y]
             })
             .collect();
-        let samples = self.fields.sample(&points, self.run)?;
-        let tolerance = contact_tolerance(self.system, pillar);
-        let touched = |gap: f64| pillar.status == PillarStatus::Full || gap < tolerance;
-        Ok(samples
-            .pressure
-            .iter()
-            .zip(&samples.gap)
-            .map(|(pressure, gap)| touched(*gap).then_some(*pressure))
-            .collect())
+        let pressures = self.fields.sample(&points, self.run)?.pressure;
+        let touched = |pressure: f64| (pressure > 0.0).then_some(pressure);
+        Ok(pressures.into_iter().map(touched).collect())
     }
 
     fn section(

@@ -1,6 +1,5 @@
 //! The contact as seen from above, through the lens.
 
-use super::pillar_pressure::contact_tolerance;
 use crate::chart::MARGIN;
 use crate::colour::ColourMap;
 use crate::error::FigureError;
@@ -36,9 +35,9 @@ const TOUCHED: Colour = Colour::grey(25);
 /// Pixels along a side, of interference.
 const PIXELS: usize = 640;
 
-/// Cells across a partially touched pillar: at most so many, and of this size on the page, points.
-const MOST_CELLS: i32 = 32;
-const CELL: f64 = 0.35;
+/// Length of the sides of a partially touched part on the page, points, and most of them.
+const SIDE_LENGTH: f64 = 0.35;
+const MOST_SIDES: usize = 128;
 
 /// The contact as a reflection microscope shows it: dark where lens and pillar touch.
 ///
@@ -60,7 +59,7 @@ pub fn top_view(state: &ContactState, view: View, run: &Run<'_>) -> Result<Figur
     let side = COLUMN - 2.0 * MARGIN;
     let window = Window::new([MARGIN, MARGIN], side, [0.0, 0.0], half_width);
     let inside = match view {
-        View::Contact => contact(state, &window, run)?,
+        View::Contact => contact(state, &window)?,
         View::NewtonRings { wavelength } => vec![rings(state, &window, wavelength, run)?],
     };
     let mut items = vec![window.clipped(inside)];
@@ -92,7 +91,7 @@ fn no_fields(state: &ContactState) -> FigureError {
     }
 }
 
-fn contact(state: &ContactState, window: &Window, run: &Run<'_>) -> Result<Vec<Item>, FigureError> {
+fn contact(state: &ContactState, window: &Window) -> Result<Vec<Item>, FigureError> {
     let diameter = state.system.pillar().diameter;
     let radius = window.length(0.5 * diameter);
     let disc = |centre: Point, fill: Colour| Item::Disc {
@@ -107,58 +106,22 @@ fn contact(state: &ContactState, window: &Window, run: &Run<'_>) -> Result<Vec<I
     let full = |pillar: &&PillarState| pillar.status == PillarStatus::Full;
     let pillars = state.pillars.iter();
     items.extend(pillars.filter(full).map(|p| disc(p.centre, TOUCHED)));
-    items.extend(partial_contacts(state, window, run)?);
+    items.extend(partial_contacts(state, window)?);
     Ok(items)
 }
 
-/// The touched parts of partially touched pillars: in every row of cells, from the first that is
-/// touched to the last.
-fn partial_contacts(
-    state: &ContactState,
-    window: &Window,
-    run: &Run<'_>,
-) -> Result<Option<Item>, FigureError> {
+/// The touched parts of partially touched pillars.
+fn partial_contacts(state: &ContactState, window: &Window) -> Result<Option<Item>, FigureError> {
     let fields = state.fields.as_deref().ok_or_else(|| no_fields(state))?;
-    let radius = 0.5 * state.system.pillar().diameter;
-    let cells = ((2.0 * window.length(radius) / CELL).ceil() as i32).clamp(8, MOST_CELLS);
-    let cell = 2.0 * radius / f64::from(cells);
-    let rows: Vec<(&PillarState, f64, Vec<Point>)> = state
-        .pillars
-        .iter()
-        .filter(|pillar| pillar.status == PillarStatus::Partial)
-        .flat_map(|pillar| {
-            let along = move |k: i32| (f64::from(k) + 0.5) * cell - radius;
-            let [x, y] = pillar.centre;
-            (0..cells).map(move |row| {
-                let up = along(row);
-                let inside = (0..cells).map(along).filter(|x| x.hypot(up) < radius);
-                let row = inside.map(|across| [x + across, y + up]).collect();
-                (pillar, y + up, row)
-            })
-        })
-        .collect();
-    let points: Vec<Point> = rows.iter().flat_map(|row| &row.2).copied().collect();
-    let mut gaps = fields.sample(&points, run)?.gap.into_iter();
+    let around = PI * window.length(state.system.pillar().diameter);
+    let sides = ((around / SIDE_LENGTH).ceil() as usize).clamp(24, MOST_SIDES);
+    let partial = |pillar: &&PillarState| pillar.status == PillarStatus::Partial;
     let mut path = Path::default();
-    for (pillar, up, cells) in rows {
-        let tolerance = contact_tolerance(&state.system, pillar);
-        let touched: Vec<f64> = cells
-            .iter()
-            .zip(gaps.by_ref())
-            .filter(|(_, gap)| *gap < tolerance)
-            .map(|([x, _], _)| *x)
-            .collect();
-        if let (Some(first), Some(last)) = (touched.first(), touched.last()) {
-            // A little higher than a row, so that no lines are seen between rows.
-            let (across, high) = (0.5 * cell, 0.6 * cell);
-            let corners = [
-                [first - across, up - high],
-                [last + across, up - high],
-                [last + across, up + high],
-                [first - across, up + high],
-            ];
-            let bar = Path::polygon(corners.map(|corner| window.place(corner)));
-            path.pieces.extend(bar.pieces);
+    for pillar in state.pillars.iter().filter(partial) {
+        let outline = fields.covered_outline(pillar.index, sides);
+        if !outline.is_empty() {
+            let corners = outline.into_iter().map(|corner| window.place(corner));
+            path.pieces.extend(Path::polygon(corners).pieces);
         }
     }
     Ok((!path.pieces.is_empty()).then(|| Item::filled(path, TOUCHED)))

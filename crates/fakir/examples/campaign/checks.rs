@@ -104,6 +104,7 @@ impl Findings {
             ("force", state.force),
             ("indentation", state.indentation),
             ("contact radius", state.contact_radius),
+            ("error of the contact radius", state.contact_radius_error),
             ("error of the force", force),
             ("error of the indentation", indentation),
             ("smallest floor gap", state.smallest_floor_gap),
@@ -120,8 +121,11 @@ impl Findings {
         }
     }
 
-    /// Compares force and indentation.
-    fn compare(&mut self, checks: [&'static str; 2], one: &ContactState, other: &ContactState) {
+    /// Compares force, indentation and contact radius.
+    fn compare(&mut self, checks: [&'static str; 3], one: &ContactState, other: &ContactState) {
+        let radius_error = |state: &ContactState| {
+            state.contact_radius_error / state.contact_radius.max(f64::MIN_POSITIVE)
+        };
         let values = [
             (one.force, other.force, one.error.force, other.error.force),
             (
@@ -129,6 +133,12 @@ impl Findings {
                 other.indentation,
                 one.error.indentation,
                 other.error.indentation,
+            ),
+            (
+                one.contact_radius,
+                other.contact_radius,
+                radius_error(one),
+                radius_error(other),
             ),
         ];
         for (check, (one, other, error, other_error)) in checks.into_iter().zip(values) {
@@ -175,7 +185,11 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
     findings.touched = [state.pillars_in_contact, state.pillars_partially_in_contact];
     if let Some(accurate) = findings.take(ask(system, Accuracy::Accurate)) {
         findings.compare(
-            ["accuracies, force", "accuracies, indentation"],
+            [
+                "accuracies, force",
+                "accuracies, indentation",
+                "accuracies, contact radius",
+            ],
             &state,
             &accurate,
         );
@@ -188,11 +202,19 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
     for (copy, checks) in [
         (
             angle + FRAC_PI_3,
-            ["turned copy, force", "turned copy, indentation"],
+            [
+                "turned copy, force",
+                "turned copy, indentation",
+                "turned copy, contact radius",
+            ],
         ),
         (
             -angle,
-            ["mirrored copy, force", "mirrored copy, indentation"],
+            [
+                "mirrored copy, force",
+                "mirrored copy, indentation",
+                "mirrored copy, contact radius",
+            ],
         ),
     ] {
         if let Some(copy) = findings.take(ask(&turned_to(system, copy), Accuracy::Default)) {
@@ -205,7 +227,11 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
     {
         let press = |load| fakir::press(system, load, Method::default(), &run);
         if let Some(back) = findings.take(press(Load::Force(state.force))) {
-            let checks = ["force and back, force", "force and back, indentation"];
+            let checks = [
+                "force and back, force",
+                "force and back, indentation",
+                "force and back, contact radius",
+            ];
             let state = with_error_of(&state, &back);
             findings.compare(checks, &state, &back);
         }

@@ -5,6 +5,7 @@ use super::fields::{Disc, Fields, degree_with};
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
 use super::newton::{COSTLY_PILLARS, MISMATCH_TOLERANCE, Newton, Purpose, Target};
 use super::problem::Problem;
+use super::reach::{Reach, contact_reach, punch_reach};
 use super::run::{CancelToken, Progress, Run, Stage, Termination};
 use super::spectral::{
     LARGEST_CONTACT, Solution, degrees, rough_contact_radius, solve_punch, solve_spectral,
@@ -29,6 +30,9 @@ use std::sync::Arc;
 
 /// Relative error claimed for a contact inside one pillar top.
 const PATCH_ERROR: f64 = 1e-8;
+
+/// Part of the widest gap around a pillar top from which on its centre counts as not in contact.
+const OPEN: f64 = 0.1;
 
 /// An error that is not estimated yet.
 const UNKNOWN: ErrorEstimate = ErrorEstimate {
@@ -380,6 +384,8 @@ fn patch_state(
         centre: [0.0, 0.0],
         radius: patch.radius,
         coefficients: patch.coefficients.clone(),
+        gap: None,
+        sliver: None,
     };
     let fields = Fields::new(
         problem.clone(),
@@ -404,6 +410,7 @@ fn patch_state(
         ContactState {
             force,
             contact_radius: patch.radius * problem.length,
+            contact_radius_error: PATCH_ERROR * patch.radius * problem.length,
             pillars_in_contact: 1,
             pillars_partially_in_contact: 1,
             pillars: vec![pillar],
@@ -441,7 +448,18 @@ fn assemble(
     newton.run.check_cancelled()?;
     let mut touched = touched_pillars(problem, newton);
     let force = share_force(&mut touched, target, problem);
-    let contact_radius = farthest_contact(newton, &touched);
+    let Reach {
+        radius: contact_radius,
+        error: radius_error,
+    } = match method {
+        PillarMethod::Punch(form) => punch_reach(newton, form, indentation, &touched),
+        _ => contact_reach(newton, indentation, &touched),
+    };
+    let radius_error = if outcome.termination == Termination::Converged {
+        radius_error
+    } else {
+        contact_radius
+    };
     let ratio = contact_radius / problem.lens.radius;
     if ratio > LARGEST_CONTACT {
         return Err(SolveError::ContactExceedsLens {
@@ -469,6 +487,7 @@ fn assemble(
     let state = ContactState {
         force,
         contact_radius: contact_radius * problem.length,
+        contact_radius_error: radius_error * problem.length,
         pillars_in_contact: pillars.len(),
         pillars_partially_in_contact: partial,
         pillars,
@@ -493,6 +512,11 @@ fn elements(
     let contact = &solution.contact;
     let touched = solution.touched_pillars();
     let contact_radius = touched.iter().map(|p| p.reach).fold(0.0, f64::max);
+    let radius_error = if contact.termination == Termination::Converged {
+        solution.reach_error(contact_radius, &touched)
+    } else {
+        contact_radius
+    };
     let mut pillars: Vec<PillarState> = touched
         .iter()
         .map(|pillar| PillarState {
@@ -513,6 +537,7 @@ fn elements(
     let state = ContactState {
         force: contact.force * problem.force(),
         contact_radius: contact_radius * problem.length,
+        contact_radius_error: radius_error * problem.length,
         pillars_in_contact: pillars.len(),
         pillars_partially_in_contact: partial,
         pillars,
@@ -556,11 +581,11 @@ fn share_force(touched: &mut [TouchedPillar], target: Target, problem: &Problem)
     prescribed
 }
 
-struct TouchedPillar {
+pub(super) struct TouchedPillar {
     /// Its place in the window.
-    place: usize,
-    state: PillarState,
-    disc: Disc,
+    pub(super) place: usize,
+    pub(super) state: PillarState,
+    pub(super) disc: Disc,
 }
 
 /// The touched pillars, nearest to the lens axis first.
@@ -583,11 +608,19 @@ fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<TouchedPillar>
             (&lead, total[range].to_vec())
         };
         let centre = newton.window.centres()[pillar];
+        let sliver = solver
+            .cells()
+            .filter(|_| status == PillarStatus::Partial)
+            .map(|cells| cells.edge(centre.map(|x| -x)));
+        let gap = (status == PillarStatus::Partial)
+            .then(|| newton.gap_coefficients(pillar, &coefficients));
         let disc = Disc {
             index: newton.window.index(pillar),
             centre,
             radius: 1.0,
             coefficients,
+            gap,
+            sliver,
         };
         let state = PillarState {
             index: disc.index,
@@ -606,33 +639,6 @@ fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<TouchedPillar>
     let mut touched = newton.run.map(places.len(), COSTLY_PILLARS, solver, one);
     nearest_first(&mut touched, |pillar| &pillar.state, problem.length);
     touched
-}
-
-/// Distance from the lens axis of the farthest point in contact, pillar radii. The pillars are in the
-/// order of their distance.
-fn farthest_contact(newton: &Newton<'_>, touched: &[TouchedPillar]) -> f64 {
-    let degree = degree_with(newton.top.count());
-    let mut basis = BasisEvaluator::new(degree);
-    let line = RayLine::new(degree);
-    let mut farthest = 0.0_f64;
-    for pillar in touched.iter().rev() {
-        let [x, y] = pillar.disc.centre;
-        let distance = x.hypot(y);
-        // The order is by rounded distances.
-        if distance + 1.0 < farthest - 1e-3 {
-            break;
-        }
-        farthest = farthest.max(match pillar.state.status {
-            PillarStatus::Partial => {
-                let coefficients = &pillar.disc.coefficients;
-                let gap = newton.gap_coefficients(pillar.place, coefficients);
-                // Of a contact too small to be seen, its nearest point.
-                contact_reach(pillar.disc.centre, &gap, &mut basis, &line).max(distance - 1.0)
-            }
-            _ => distance + 1.0,
-        });
-    }
-    farthest
 }
 
 /// The modes at the places of a disc that are looked at on every pillar.
@@ -662,9 +668,18 @@ impl DiscSamples {
         }
     }
 
-    /// Pressure at the centre, none if it is negative between nodes.
+    /// `q` at the centre, none where the gap is open: there the expansion of the pressure ripples.
     fn centre_density(&self, disc: &Disc) -> f64 {
-        dot(&self.centre, &disc.coefficients).max(0.0)
+        let open = disc.gap.as_ref().is_some_and(|gap| {
+            let around = self.edge.chunks_exact(self.count);
+            let widest = around.map(|values| dot(values, gap)).fold(0.0, f64::max);
+            dot(&self.centre, gap) > OPEN * widest
+        });
+        if open {
+            0.0
+        } else {
+            dot(&self.centre, &disc.coefficients).max(0.0)
+        }
     }
 
     /// Smallest and largest `q` around the edge. Between nodes the pressure may dip below zero
@@ -677,168 +692,5 @@ impl DiscSamples {
                 (least.min(q), most.max(q))
             });
         [smallest.max(0.0), largest]
-    }
-}
-
-/// Distance from the lens axis of the farthest contact on a partially touched pillar, whose gap
-/// is the combination of modes with coefficients `gap`.
-///
-/// It is looked for on rays from the lens axis. The pressure itself is of little use: between
-/// nodes it is not exactly zero out of contact. The gap is smooth; see [`Ray::contact_end`].
-/// Rays along which it hardly opens are left out: the contact ends at about the same distance
-/// on all rays, and is best seen where the gap opens widest.
-fn contact_reach(centre: Point, gap: &[f64], basis: &mut BasisEvaluator, line: &RayLine) -> f64 {
-    const RAYS: usize = 24;
-    const OPEN: f64 = 0.5;
-    let [x, y] = centre;
-    let distance = x.hypot(y);
-    let axis = y.atan2(x);
-    // With the lens axis on the pillar, all around.
-    let half_angle = if distance < 1.0 {
-        PI
-    } else {
-        (1.0 / distance).asin()
-    };
-    let mut values = vec![0.0; gap.len()];
-    let rays: Vec<Ray> = (0..=RAYS)
-        .map(|ray| {
-            let angle = half_angle * (2.0 * ray as f64 / RAYS as f64 - 1.0);
-            let (sin, cos) = (axis + angle).sin_cos();
-            let along = x * cos + y * sin;
-            let across_squared = (distance * distance - along * along).max(0.0);
-            let half_chord = (1.0 - across_squared).max(0.0).sqrt();
-            let (near, far) = ((along - half_chord).max(0.0), along + half_chord);
-            line.ray(near, far, |s| {
-                basis.evaluate([s * cos - x, s * sin - y], &mut values);
-                dot(&values, gap)
-            })
-        })
-        .collect();
-    let widest = rays.iter().map(Ray::far_gap).fold(0.0, f64::max);
-    rays.iter()
-        .filter(|ray| ray.far_gap() <= 0.0 || ray.far_gap() >= OPEN * widest)
-        .filter_map(Ray::contact_end)
-        .fold(0.0, f64::max)
-}
-
-/// Values along a piece of a line of what is a polynomial in the plane, as the modes of a disc are
-/// (their degree and order are even together): found at as many points as fix it, and interpolated.
-struct RayLine {
-    /// Chebyshev points between 0 and 1.
-    nodes: Vec<f64>,
-    /// For every sample, the weights of the nodes.
-    weights: Vec<f64>,
-}
-
-impl RayLine {
-    fn new(degree: usize) -> Self {
-        let count = degree + 1;
-        let angle = |k: usize| PI * (k as f64 + 0.5) / count as f64;
-        let nodes: Vec<f64> = (0..count).map(|k| 0.5 - 0.5 * angle(k).cos()).collect();
-        let mut weights = Vec::with_capacity(Ray::SAMPLES * count);
-        for sample in 0..Ray::SAMPLES {
-            let x = sample as f64 / (Ray::SAMPLES - 1) as f64;
-            // Lagrange's polynomials, as products: nodes are few.
-            weights.extend((0..count).map(|k| -> f64 {
-                let others = (0..count).filter(|j| *j != k);
-                others
-                    .map(|j| (x - nodes[j]) / (nodes[k] - nodes[j]))
-                    .product()
-            }));
-        }
-        Self { nodes, weights }
-    }
-
-    fn ray(&self, near: f64, far: f64, mut gap: impl FnMut(f64) -> f64) -> Ray {
-        let length = far - near;
-        let at_nodes: Vec<f64> = self.nodes.iter().map(|x| gap(near + length * x)).collect();
-        let rows = self.weights.as_slice();
-        Ray {
-            near,
-            step: length / (Ray::SAMPLES - 1) as f64,
-            gaps: std::array::from_fn(|sample| {
-                dot(
-                    &rows[sample * at_nodes.len()..][..at_nodes.len()],
-                    &at_nodes,
-                )
-            }),
-        }
-    }
-}
-
-/// The gap along a piece of a ray from the lens axis.
-struct Ray {
-    /// Where the piece begins, and the distance between samples.
-    near: f64,
-    step: f64,
-    gaps: [f64; Ray::SAMPLES],
-}
-
-impl Ray {
-    const SAMPLES: usize = 40;
-
-    fn far_gap(&self) -> f64 {
-        self.gaps[Self::SAMPLES - 1]
-    }
-
-    /// Where the contact ends; `None` if there is none.
-    ///
-    /// Out of contact the gap grows as the distance to the power 3/2 at first, so that the
-    /// distance is a series in `gap^(2/3)`. Its constant term follows from where the gap last
-    /// passes three fractions of its value at the far end.
-    fn contact_end(&self) -> Option<f64> {
-        const LEVELS: [f64; 3] = [0.03, 0.1, 0.3];
-        let last = self.far_gap();
-        if last <= 0.0 {
-            return Some(self.near + self.step * (Self::SAMPLES - 1) as f64);
-        }
-        let mut positions = [0.0; 3];
-        for (position, level) in positions.iter_mut().zip(LEVELS) {
-            let level = level * last;
-            let below = self.gaps.iter().rposition(|gap| *gap < level)?;
-            let fraction = (level - self.gaps[below]) / (self.gaps[below + 1] - self.gaps[below]);
-            *position = self.near + self.step * (below as f64 + fraction);
-        }
-        let end = constant_term(LEVELS.map(|level| level.powf(2.0 / 3.0)), positions);
-        (end >= self.near).then_some(end.min(positions[0]))
-    }
-}
-
-/// Value at zero of the parabola through three points.
-fn constant_term(x: [f64; 3], y: [f64; 3]) -> f64 {
-    (0..3)
-        .map(|k| {
-            let (a, b) = (x[(k + 1) % 3], x[(k + 2) % 3]);
-            y[k] * a * b / ((x[k] - a) * (x[k] - b))
-        })
-        .sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ray_ends_where_the_gap_opens() {
-        let opening = |s: f64| (s - 4.2_f64).max(0.0).powf(1.5) * (1.0 + 0.1 * (s - 4.2));
-        let ray = |near: f64, far: f64, gap: &dyn Fn(f64) -> f64| {
-            let step = (far - near) / (Ray::SAMPLES - 1) as f64;
-            let gaps = std::array::from_fn(|k| gap(near + step * k as f64));
-            Ray { near, step, gaps }
-        };
-        let end = ray(3.0, 5.0, &opening).contact_end().unwrap();
-        assert!((end - 4.2).abs() < 5e-3, "{end}");
-        assert_eq!(ray(0.0, 1.0, &|_| -1.0).contact_end(), Some(1.0));
-        assert_eq!(ray(0.0, 1.0, &|_| 1.0).contact_end(), None);
-    }
-
-    #[test]
-    fn a_polynomial_is_found_again_on_a_ray() {
-        let gap = |s: f64| 0.3 - 2.0 * s + s.powi(3) - 0.01 * s.powi(8);
-        let ray = RayLine::new(8).ray(0.4, 2.1, gap);
-        for (k, found) in ray.gaps.iter().enumerate() {
-            let expected = gap(0.4 + ray.step * k as f64);
-            assert!((found - expected).abs() < 1e-13, "{k}");
-        }
     }
 }

@@ -3,9 +3,13 @@
 use super::problem::Problem;
 pub(super) use crate::disc::basis::degree_with;
 use crate::disc::basis::{BasisEvaluator, compliances};
+use crate::disc::covered::{CoverFinder, CoveredPart};
 use crate::disc::exterior::Exterior;
+use crate::disc::rim::SliverEdge;
 use crate::system::{HexagonalLattice, Point};
 use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 /// Within this distance of a partially touched pillar (pillar radii), all its modes count;
 /// beyond, the modes by which pillars act on each other.
@@ -21,16 +25,13 @@ pub(crate) struct Disc {
     pub(crate) radius: f64,
     /// Coefficients of `q`, by rising degree.
     pub(crate) coefficients: Vec<f64>,
+    /// Coefficients of the gap, if the edge of the contact crosses the disc.
+    pub(crate) gap: Option<Vec<f64>>,
+    /// Where the contact ends, if it is a sliver along the rim: the gap is too coarse then.
+    pub(crate) sliver: Option<SliverEdge>,
 }
 
 impl Disc {
-    /// `q` at a point in units of the disc radius from its centre.
-    pub(crate) fn density(&self, basis: &mut BasisEvaluator, point: Point) -> f64 {
-        let mut values = vec![0.0; basis.modes().len()];
-        basis.evaluate(point, &mut values);
-        dot(&values, &self.coefficients)
-    }
-
     /// Force, in scaled units.
     pub(crate) fn force(&self) -> f64 {
         crate::disc::basis::UNIT_FORCE * self.coefficients[0] * self.radius * self.radius
@@ -56,6 +57,9 @@ pub struct Fields {
     /// Of all modes, for points close to discs with more than the leading ones.
     close_exterior: Exterior,
     pub(super) compliance: Vec<f64>,
+    /// What is covered of the discs that the edge of the contact crosses: found when the first
+    /// pressure is asked for.
+    covered: OnceLock<Vec<Option<CoveredPart>>>,
 }
 
 /// Without the tables it is evaluated by.
@@ -85,6 +89,7 @@ impl Fields {
             exterior: Exterior::new(degree),
             close_exterior: Exterior::new(close_degree),
             compliance: compliances(close_degree, 0.0),
+            covered: OnceLock::new(),
             problem,
             indentation,
             discs,
@@ -191,7 +196,11 @@ impl Fields {
     }
 
     /// Contact pressure, Pa: zero out of contact, infinite at the very edge of a covered pillar
-    /// top.
+    /// top. [`on_grid`](Self::on_grid) gives means over cells, which are finite.
+    ///
+    /// On a pillar top that the edge of the contact crosses it is positive inside that edge, which is
+    /// known to a few hundredths of the pillar radius, goes to zero there as a root, and has the
+    /// force of the pillar.
     #[must_use]
     pub fn pressure(&self, position: Point) -> f64 {
         self.pressure_at(self.scaled(position))
@@ -214,11 +223,101 @@ impl Fields {
         if rho_squared > 1.0 {
             return 0.0;
         }
-        let mut basis = BasisEvaluator::new(self.degree_of(disc));
-        let density = disc.density(&mut basis, point);
+        let density = self.density_on(k).at(point);
         if density <= 0.0 {
             return 0.0;
         }
         density / (1.0 - rho_squared).sqrt() * self.problem.pressure
+    }
+
+    /// `q` on a disc.
+    pub(super) fn density_on(&self, disc: usize) -> Density<'_> {
+        let Disc {
+            coefficients, gap, ..
+        } = &self.discs[disc];
+        if gap.is_none() {
+            let count = coefficients.len();
+            return Density::Expansion {
+                coefficients,
+                basis: Box::new(BasisEvaluator::new(degree_with(count))),
+                values: vec![0.0; count],
+            };
+        }
+        let covered = self.covered.get_or_init(|| self.covered_parts());
+        covered[disc]
+            .as_ref()
+            .map_or(Density::None, Density::Covered)
+    }
+
+    /// The outline of the covered part of a pillar top, a polygon of so many corners around its middle, m from
+    /// the lens axis; none of a pillar that is not touched.
+    #[must_use]
+    pub fn covered_outline(&self, index: (i64, i64), corners: usize) -> Vec<Point> {
+        let Some(&k) = self.disc_of.get(&index) else {
+            return Vec::new();
+        };
+        let disc = &self.discs[k];
+        let outline = if disc.gap.is_some() {
+            let covered = self.covered.get_or_init(|| self.covered_parts());
+            covered[k]
+                .as_ref()
+                .map_or_else(Vec::new, |part| part.outline(corners))
+        } else {
+            let angles = (0..corners).map(|k| TAU * k as f64 / corners as f64);
+            angles.map(|angle| [angle.cos(), angle.sin()]).collect()
+        };
+        let place = |[x, y]: Point| {
+            let [centre_x, centre_y] = disc.centre;
+            self.problem
+                .metres([centre_x + disc.radius * x, centre_y + disc.radius * y])
+        };
+        outline.into_iter().map(place).collect()
+    }
+
+    fn covered_parts(&self) -> Vec<Option<CoveredPart>> {
+        let mut finders: HashMap<usize, CoverFinder> = HashMap::new();
+        let of_disc = |disc: &Disc| {
+            let gap = disc.gap.as_ref()?;
+            let degree = self.degree_of(disc);
+            let finder = finders
+                .entry(degree)
+                .or_insert_with(|| CoverFinder::new(degree));
+            match &disc.sliver {
+                Some(edge) => finder.inside(&disc.coefficients, &edge.points),
+                None => finder.find(&disc.coefficients, gap),
+            }
+        };
+        self.discs.iter().map(of_disc).collect()
+    }
+}
+
+/// `q` on a disc, at points in units of its radius from its centre.
+pub(super) enum Density<'f> {
+    /// Of a disc that is covered: the expansion.
+    Expansion {
+        coefficients: &'f [f64],
+        basis: Box<BasisEvaluator>,
+        values: Vec<f64>,
+    },
+    /// Of one that the edge of the contact crosses.
+    Covered(&'f CoveredPart),
+    /// No contact can be made out.
+    None,
+}
+
+impl Density<'_> {
+    pub(super) fn at(&mut self, point: Point) -> f64 {
+        match self {
+            Self::Expansion {
+                coefficients,
+                basis,
+                values,
+            } => {
+                basis.evaluate(point, values);
+                dot(values, coefficients)
+            }
+            Self::Covered(part) => part.density(point),
+            Self::None => 0.0,
+        }
     }
 }

@@ -9,12 +9,14 @@
 //! indentation at which it vanishes somewhere.
 
 mod answers;
+mod cell_means;
 mod checked;
 mod estimate;
 mod fields;
 pub(crate) mod floor;
 pub(crate) mod newton;
 pub(crate) mod problem;
+mod reach;
 mod run;
 mod samples;
 pub(crate) mod spectral;
@@ -224,6 +226,10 @@ pub struct ContactState {
     pub force: f64,
     /// Distance from the lens axis of the farthest point of a pillar top in contact, m.
     pub contact_radius: f64,
+    /// Estimated error of the contact radius, m: how well the edge of the contact is known on the pillar tops
+    /// that it crosses, and by how much the radius would change with a pillar that is about to be touched, or
+    /// only just is. As large as the radius if the solution did not converge.
+    pub contact_radius_error: f64,
     /// Number of pillars touched, fully or partially.
     pub pillars_in_contact: usize,
     /// Number of pillars crossed by the edge of the contact.
@@ -257,6 +263,7 @@ impl ContactState {
             indentation,
             force: 0.0,
             contact_radius: 0.0,
+            contact_radius_error: 0.0,
             pillars_in_contact: 0,
             pillars_partially_in_contact: 0,
             pillars: Vec::new(),
@@ -277,6 +284,12 @@ impl ContactState {
     #[must_use]
     pub fn beyond_transition(&self) -> bool {
         self.smallest_floor_gap < 0.0
+    }
+
+    /// Estimated error of the contact radius relative to it; 0 where there is no contact.
+    #[must_use]
+    pub fn relative_contact_radius_error(&self) -> f64 {
+        relative(self.contact_radius_error, self.contact_radius)
     }
 
     /// Whether the numbers are the solution.
@@ -329,6 +342,42 @@ impl CriticalState {
             .max(self.floor_contact_distance())
     }
 
+    /// Estimated error of [`contact_radius`](Self::contact_radius) relative to it.
+    #[must_use]
+    pub fn relative_contact_radius_error(&self) -> f64 {
+        let (top, floor) = (self.contact.contact_radius, self.floor_contact_distance());
+        let error = if self.contact.converged() {
+            let of_top = top + self.contact.contact_radius_error - self.contact_radius();
+            let of_floor = floor + self.floor_contact_error() - self.contact_radius();
+            let certain = if top > floor {
+                self.contact.contact_radius_error
+            } else {
+                self.floor_contact_error()
+            };
+            certain.max(of_top).max(of_floor)
+        } else {
+            self.contact_radius()
+        };
+        relative(error, self.contact_radius())
+    }
+
+    /// Estimated error of the place of the floor contact, m: how far it moves between methods and
+    /// accuracies, relative to the pitch.
+    #[must_use]
+    pub fn floor_contact_error(&self) -> f64 {
+        let part = match self.contact.method {
+            Method::Spectral(_) => 1e-3,
+            Method::Love(_) => 1e-2,
+            Method::Punch(PunchForm::Corrected) => 2e-2,
+            Method::Punch(PunchForm::Plain) => 5e-2,
+            Method::Homogenised => 1.0,
+        };
+        match self.regime {
+            Regime::TopFirst => part * self.contact.system.lattice().pitch,
+            Regime::BottomFirst => 0.0,
+        }
+    }
+
     /// `r_c`, the distance of the floor contact from the lens axis, m.
     #[must_use]
     pub fn floor_contact_distance(&self) -> f64 {
@@ -345,6 +394,11 @@ impl CriticalState {
             self.contact.indentation,
         )
     }
+}
+
+/// An error over its value; 0 of nothing.
+fn relative(error: f64, value: f64) -> f64 {
+    if value > 0.0 { error / value } else { 0.0 }
 }
 
 /// The paper's reduced variables.

@@ -17,7 +17,7 @@ use crate::convergence::{Judgement, judge, larger, within};
 use crate::coupling::LatticeCoupling;
 use crate::coupling::pair::PairCoupling;
 use crate::coupling::window::Window;
-use crate::disc::basis::UNIT_FORCE;
+use crate::disc::basis::{UNIT_FORCE, degree_with};
 use crate::disc::exterior::Exterior;
 use crate::disc::rim::Rim;
 use crate::disc::unilateral::{LocalSolver, PillarTop, Resolution};
@@ -408,6 +408,11 @@ impl<'a> Newton<'a> {
         self.exterior.degree()
     }
 
+    /// Degree of the load of the lens shape.
+    pub(crate) fn load_degree(&self) -> usize {
+        degree_with(self.projector.count())
+    }
+
     /// `c` at the solved indentation, pillar by pillar.
     pub(crate) fn coefficients(&self) -> &[f64] {
         &self.present.coefficients
@@ -673,6 +678,13 @@ impl<'a> Newton<'a> {
             *slot = self.own_load[k] - self.present.far[k];
         }
         load[0] += self.base * UNIT_FORCE;
+    }
+
+    /// By how much a pillar top is asked to come down on the average, as under a flat punch.
+    pub(crate) fn mean_load(&self, pillar: usize) -> f64 {
+        let mut load = vec![0.0; self.modes];
+        self.load(pillar, &mut load);
+        load[0] / UNIT_FORCE
     }
 
     /// Load on a pillar with all modes of the lens shape over its top.

@@ -27,7 +27,8 @@ pub struct FieldSamples {
     pub displacement: Vec<f64>,
     /// Gap between the lens and the surface below it, m: as [`Fields::gap`].
     pub gap: Vec<f64>,
-    /// Contact pressure, Pa: as [`Fields::pressure`].
+    /// Contact pressure, Pa: at the point, as [`Fields::pressure`], from [`Fields::sample`]; the mean
+    /// over the cell of the point from [`Fields::on_grid`].
     pub pressure: Vec<f64>,
 }
 
@@ -53,6 +54,22 @@ impl Fields {
     /// # Errors
     /// [`SolveError::Interrupted`] if `run` is cancelled.
     pub fn sample(&self, points: &[Point], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
+        let mut samples = self.displacement_and_gap(points, run)?;
+        let pressure = |point: &Point| self.pressure(*point);
+        let batch = |points: &[Point]| -> Result<Vec<f64>, SolveError> {
+            run.check_cancelled()?;
+            Ok(points.iter().map(pressure).collect())
+        };
+        samples.pressure = in_batches(points, batch, run)?;
+        Ok(samples)
+    }
+
+    /// Without the pressure.
+    fn displacement_and_gap(
+        &self,
+        points: &[Point],
+        run: &Run<'_>,
+    ) -> Result<FieldSamples, SolveError> {
         let scaled: Vec<Point> = points.iter().map(|point| self.scaled(*point)).collect();
         let far = FarField::worthwhile(self, &scaled, run)?;
         let one = |point: &Point| {
@@ -63,28 +80,28 @@ impl Fields {
             [
                 displacement * self.problem.length,
                 self.gap_with(*point, displacement),
-                self.pressure_at(*point),
             ]
         };
-        let batch = |points: &[Point]| -> Result<Vec<[f64; 3]>, SolveError> {
+        let batch = |points: &[Point]| -> Result<Vec<[f64; 2]>, SolveError> {
             run.check_cancelled()?;
             Ok(points.iter().map(one).collect())
         };
-        let batches: Result<Vec<_>, SolveError> = match run.pool {
-            Some(pool) => pool.install(|| scaled.par_chunks(BATCH).map(batch).collect()),
-            None => scaled.chunks(BATCH).map(batch).collect(),
-        };
-        let values = batches?.concat();
+        let values = in_batches(&scaled, batch, run)?;
         let pick = |field: usize| values.iter().map(|value| value[field]).collect();
         Ok(FieldSamples {
             displacement: pick(0),
             gap: pick(1),
-            pressure: pick(2),
+            pressure: Vec::new(),
         })
     }
 
-    /// [`sample`](Self::sample) on a grid of the given coordinates (m), row by row: `x` runs
-    /// fastest.
+    /// Fields on a grid of the given coordinates (m), row by row: `x` runs fastest.
+    ///
+    /// Displacement and gap are those at the points. The pressure, which is infinite at the edge of a
+    /// covered pillar top, is its mean over the cell of the point: cells end half-way to the next
+    /// coordinates, and as far beyond the outermost. Where there is but one coordinate the cell is as
+    /// wide as the narrowest the other way. The sum of pressure times area over cells that hold a pillar
+    /// is the force on it, to 1e-6 where it is covered and to 0.002 where the edge of the contact crosses it.
     ///
     /// # Errors
     /// As [`sample`](Self::sample).
@@ -93,8 +110,23 @@ impl Fields {
             .iter()
             .flat_map(|&y| x.iter().map(move |&x| [x, y]))
             .collect();
-        self.sample(&points, run)
+        let mut samples = self.displacement_and_gap(&points, run)?;
+        samples.pressure = self.mean_pressures(x, y, run)?;
+        Ok(samples)
     }
+}
+
+/// Values at points, by batches on the threads of a run.
+fn in_batches<T: Copy + Send>(
+    points: &[Point],
+    batch: impl Fn(&[Point]) -> Result<Vec<T>, SolveError> + Sync + Send,
+    run: &Run<'_>,
+) -> Result<Vec<T>, SolveError> {
+    let batches: Result<Vec<_>, SolveError> = match run.pool {
+        Some(pool) => pool.install(|| points.par_chunks(BATCH).map(&batch).collect()),
+        None => points.chunks(BATCH).map(&batch).collect(),
+    };
+    Ok(batches?.concat())
 }
 
 /// A rectangle of lattice indices.

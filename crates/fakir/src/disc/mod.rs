@@ -10,10 +10,12 @@
 //! * [`nodes`]: the points at which `q >= 0` is asked for;
 //! * [`unilateral`]: the pressure on one pillar top under a given load, with `q >= 0`;
 //! * [`rim`]: a sliver of contact at its rim, by elements;
+//! * [`covered`]: the part of a partly touched top that is in contact, and the pressure on it;
 //! * [`patch`]: a contact that lies wholly inside one pillar top.
 
 pub(crate) mod basis;
 mod cholesky;
+pub(crate) mod covered;
 pub(crate) mod exterior;
 pub(crate) mod nodes;
 pub(crate) mod patch;

@@ -20,6 +20,7 @@
 use super::basis::BasisEvaluator;
 use super::pivoting::{PivotSolver, Pivoting};
 use super::unilateral::PillarTop;
+use crate::system::Point;
 use std::f64::consts::{PI, TAU};
 
 /// Places around the rim at which a sliver is looked for.
@@ -186,6 +187,15 @@ fn first_zero(largest: f64, mut function: impl FnMut(f64) -> f64) -> Option<f64>
     Some(high)
 }
 
+/// Where the contact of a sliver ends, in pillar radii from the centre of the pillar.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SliverEdge {
+    pub(crate) points: Vec<Point>,
+    /// Distance of the farthest point in contact from the lens axis, and its error.
+    pub(crate) reach: f64,
+    pub(crate) error: f64,
+}
+
 /// The contact on the cells of a sliver.
 pub(crate) struct RimSolver {
     /// Sectors and rings.
@@ -326,25 +336,56 @@ impl RimSolver {
             });
     }
 
-    /// Distance from a point, given from the centre of the pillar, of the farthest point in contact.
-    pub(crate) fn farthest_from(&self, [x, y]: [f64; 2]) -> f64 {
-        let cells = self.pivot.multipliers();
-        let distances = cells
-            .filter(|(_, force)| *force > 0.0)
-            .flat_map(|(cell, _)| {
-                let Cell {
-                    angle,
-                    radius,
-                    sides: [along, across],
-                } = self.cells[cell];
-                let turn = 0.5 * along / radius;
-                [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(a, b)| {
-                    let (sin, cos) = (angle + a * turn).sin_cos();
-                    let r = radius + 0.5 * b * across;
-                    (r * cos - x).hypot(r * sin - y)
-                })
-            });
-        distances.fold(0.0, f64::max)
+    /// Where the contact ends, and how far it reaches from an axis given from the centre of the pillar.
+    pub(crate) fn edge(&self, [x, y]: Point) -> SliverEdge {
+        let [along, _] = self.shape;
+        let mut edge = SliverEdge {
+            points: Vec::new(),
+            reach: 0.0,
+            error: 0.0,
+        };
+        // The innermost cell in contact of every sector.
+        let mut innermost: Vec<Option<Cell>> = vec![None; along];
+        for (cell, force) in self.pivot.multipliers() {
+            if force > 0.0 {
+                innermost[cell % along] = Some(self.cells[cell]);
+            }
+        }
+        for cell in innermost.iter().flatten() {
+            let corners = cell.corners();
+            let [_, _, inner, other_inner] = corners;
+            let middle = [0, 1].map(|axis| 0.5 * (inner[axis] + other_inner[axis]));
+            edge.points.push(middle);
+            let distances = corners.map(|[u, v]| (u - x).hypot(v - y));
+            let farthest = distances.into_iter().fold(0.0, f64::max);
+            let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
+            if farthest > edge.reach {
+                (edge.reach, edge.error) = (farthest, farthest - nearest);
+            }
+        }
+        let ends = [
+            innermost.iter().flatten().next(),
+            innermost.iter().flatten().last(),
+        ];
+        for (cell, side) in ends.into_iter().zip([-1.0, 1.0]) {
+            let Some(cell) = cell else { continue };
+            let angle = cell.angle + side * 0.5 * cell.sides[0] / cell.radius;
+            let (sin, cos) = angle.sin_cos();
+            edge.points.push([cos, sin]);
+        }
+        edge
+    }
+}
+
+impl Cell {
+    /// Two corners on the outer side, two on the inner.
+    fn corners(&self) -> [Point; 4] {
+        let turn = 0.5 * self.sides[0] / self.radius;
+        [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(along, across)| {
+            let (sin, cos) = (self.angle + along * turn).sin_cos();
+            let radius = self.radius + 0.5 * across * self.sides[1];
+            [radius * cos, radius * sin]
+        })
     }
 }
 

@@ -546,6 +546,29 @@ impl ElementSolution<'_> {
         [force, indentation]
     }
 
+    /// Error of the contact radius, pillar radii: the edge of the contact is found to two cells, and pillars
+    /// that are not touched may be between cells, or those that are may not, if a few cells bear it.
+    pub(crate) fn reach_error(&self, radius: f64, touched: &[TouchedPillar]) -> f64 {
+        const CELLS: f64 = 2.0;
+        /// Touched only just: this part of the reach of a pillar, in cells.
+        const FEW: f64 = 3.0;
+        let size = self.level.elements.size;
+        let centre = |pillar: &TouchedPillar| {
+            let [x, y] = self
+                .level
+                .problem
+                .lattice
+                .centre(pillar.index.0, pillar.index.1);
+            x.hypot(y)
+        };
+        let certain = touched
+            .iter()
+            .filter(|pillar| pillar.reach - (centre(pillar) - 1.0) > FEW * size)
+            .map(|pillar| pillar.reach)
+            .fold(0.0, f64::max);
+        (CELLS * size).max(radius - certain)
+    }
+
     /// The pillars that bear pressure.
     pub(crate) fn touched_pillars(&self) -> Vec<TouchedPillar> {
         let window = &self.level.window;

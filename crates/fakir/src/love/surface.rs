@@ -443,6 +443,19 @@ impl SurfaceContact {
         self.termination == Termination::Converged
     }
 
+    /// Estimated error of the contact radius relative to it: that of the cells, from corner to corner.
+    /// `None` under a plate.
+    #[must_use]
+    pub fn relative_contact_radius_error(&self) -> Option<f64> {
+        let [width, height] = self.grid.cell();
+        let radius = self.contact_radius?;
+        Some(if radius > 0.0 {
+            width.hypot(height) / radius
+        } else {
+            0.0
+        })
+    }
+
     /// Force over the area of the grid, Pa.
     #[must_use]
     pub fn mean_pressure(&self) -> f64 {

@@ -323,6 +323,8 @@ fn solve(
         indentation: contact.indentation,
         force: contact.force,
         contact_radius: contact.radius,
+        // The lattice, with its pillars, is left out: nothing is told within a pitch.
+        contact_radius_error: system.lattice().pitch,
         pillars_in_contact: (pillars.round() as usize).max(1),
         smallest_floor_gap: system.pillar().height * gap,
         smallest_gap_position: nearest_hollow(system),
