@@ -9,6 +9,7 @@ use fakir_case::{Key, Kind};
 use fakir_study::design::{FREE, Wanted};
 use fakir_study::fields::MOST_POINTS;
 use fakir_study::fit::{FitOptions, Measurements, Parameter};
+use fakir_study::output::Replace;
 use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::{Existing, Shard};
 use std::path::PathBuf;
@@ -317,7 +318,8 @@ pub(crate) struct Explore {
     /// Only print the address, and leave the browser alone
     #[arg(long)]
     pub(crate) no_browser: bool,
-    /// Threads to share the work between; 0 for as many as there are processors
+    /// Threads to share the work between; 0 for as many as there are processors, which are the
+    /// most that are used
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
     /// Memory a computation may take (kB, MB, GB)
@@ -460,10 +462,15 @@ pub(crate) struct Fit {
     /// Print JSON instead of tables, in SI units
     #[arg(long)]
     json: bool,
-    /// Save the result there: summary.json, fitted.csv with the model beside the data, the figure
-    /// fit.svg and fit.png, the case with the fitted values, and where it is from
+    /// Save the result there, in a folder that is empty or to be made: summary.json, fitted.csv with
+    /// the model beside the data, the figure fit.svg and fit.png, the case with the fitted values, and
+    /// where it is from
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
+    /// Replace results that are in the folder, all of them; a folder with anything else in it is
+    /// left alone
+    #[arg(long, requires = "output")]
+    overwrite: bool,
     /// No progress and no warnings
     #[arg(long, short)]
     quiet: bool,
@@ -478,6 +485,7 @@ impl Fit {
             set: self.set.clone(),
             json: self.json,
             output: self.output.clone(),
+            overwrite: self.overwrite,
             quiet: self.quiet,
         }
     }
@@ -578,13 +586,15 @@ pub(crate) struct Sweep {
     /// Go on with the sweep in the folder, if one has begun there
     #[arg(long, requires = "output", conflicts_with = "overwrite")]
     resume: bool,
-    /// Begin anew, and replace a sweep that is in the folder
+    /// Begin anew, and replace results that are in the folder, all of them; a folder with anything
+    /// else in it is left alone
     #[arg(long, requires = "output")]
     overwrite: bool,
     /// Compute only this part of the cases, for `fakir merge`: 1/4 to 4/4 of a sweep in four shards
     #[arg(long, value_name = "N/OF", default_value = "1/1", requires = "output")]
     pub(crate) shard: Shard,
-    /// Threads to share the cases between; 0 for as many as there are processors
+    /// Threads to share the cases between; 0 for as many as there are processors, which are the
+    /// most that are used
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
     /// Memory a single case may take (kB, MB, GB)
@@ -634,10 +644,12 @@ pub(crate) struct Reproduce {
     /// Go on with one that was interrupted
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
-    /// Begin anew, whatever is in the folder
+    /// Begin anew, and replace results that are in the folder, all of them; a folder with anything
+    /// else in it is left alone
     #[arg(long)]
     overwrite: bool,
-    /// Threads to share the work between; 0 for as many as there are processors
+    /// Threads to share the work between; 0 for as many as there are processors, which are the
+    /// most that are used
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
     /// Memory a single case may take (kB, MB, GB)
@@ -677,7 +689,8 @@ pub(crate) struct Merge {
     /// Folders of all shards, in any order
     #[arg(required = true)]
     pub(crate) shards: Vec<PathBuf>,
-    /// Replace a sweep that is in the folder
+    /// Replace results that are in the folder, all of them; a folder with anything else in it is
+    /// left alone
     #[arg(long)]
     overwrite: bool,
     /// Print JSON, in SI units
@@ -705,13 +718,28 @@ pub(crate) struct CaseArguments {
     /// Print JSON instead of tables, in SI units
     #[arg(long)]
     pub(crate) json: bool,
-    /// Save the result there: summary.json, tables as CSV, fields, figures, the case as it was
-    /// solved, and where it is from
+    /// Save the result there, in a folder that is empty or to be made: summary.json, tables as CSV,
+    /// fields, figures, the case as it was solved, and where it is from
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
+    /// Replace results that are in the folder, all of them; a folder with anything else in it is
+    /// left alone
+    #[arg(long, requires = "output")]
+    pub(crate) overwrite: bool,
     /// No progress and no warnings
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+impl CaseArguments {
+    /// What to do about results that are there already.
+    pub(crate) fn replace(&self) -> Replace {
+        if self.overwrite {
+            Replace::Allowed
+        } else {
+            Replace::Refused
+        }
+    }
 }
 
 /// How the fields of a contact are saved.
@@ -738,7 +766,8 @@ impl FieldArguments {
 /// How a computation is run.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
-    /// Threads to share the work between; 0 for as many as there are processors
+    /// Threads to share the work between; 0 for as many as there are processors, which are the
+    /// most that are used
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) threads: usize,
     /// Memory a computation may take (kB, MB, GB)

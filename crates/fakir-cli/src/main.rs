@@ -107,7 +107,7 @@ fn design(command: &Command, options: &arguments::Design) -> Result<ExitCode, Fa
     let session = Session::start(&options.run, options.case.quiet)?;
     let file = read_case(&options.case)?;
     if let Some(folder) = &options.case.output {
-        fakir_study::output::check_folder(folder)?;
+        fakir_study::output::check_folder(folder, options.case.replace())?;
     }
     let designed = commands::design::run(&file, options, &session)?;
     drop(session);
@@ -150,11 +150,12 @@ fn deliver(
     ask: impl FnOnce() -> Result<Report, Failure>,
 ) -> Result<ExitCode, Failure> {
     if let Some(folder) = &options.output {
-        fakir_study::output::check_folder(folder)?;
+        fakir_study::output::check_folder(folder, options.replace())?;
     }
     let report = ask()?;
     if let Some(folder) = &options.output {
-        fakir_study::output::save(folder, &report.files(command.name()))?;
+        let files = report.files(command.name());
+        fakir_study::output::save_results(folder, &files, options.replace())?;
     }
     if !options.quiet {
         for warning in &report.warnings {

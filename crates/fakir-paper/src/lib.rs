@@ -27,7 +27,7 @@ use fakir::theory::lattice_sums::SumFit;
 use fakir_case::{CaseError, Study};
 use fakir_figure::Measured;
 use fakir_study::citations::Topic;
-use fakir_study::output::{File, OutputError, save};
+use fakir_study::output::{File, OutputError, remove_results, save};
 use fakir_study::provenance::Provenance;
 use fakir_study::{DamagedLine, Existing, Row, StudyError, sweep_into};
 use figures::{DrawingError, Material, Plate, plates};
@@ -140,6 +140,9 @@ pub fn reproduce(
     if existing == Existing::Refuse && !folder.read_dir().map_or(true, is_empty) {
         return Err(StudyError::NotEmpty(folder.to_owned()).into());
     }
+    if existing == Existing::Overwrite {
+        remove_results(folder, &[CRITICAL_STATES, DENSE_STATES])?;
+    }
     let mut damaged = Vec::new();
     let mut sweep = |fractions, name, tell: fn(fakir_study::Progress) -> Progress| {
         let study = grid::study(fractions)?;
@@ -197,7 +200,8 @@ pub fn reproduce(
     let mut files = tables::tables(&grid, &states, &claims);
     files.extend(pictures(&plates, &provenance, run));
     files.push(File::new("report.html", report.html()));
-    files.push(provenance.file());
+    let names = files.iter().map(|file| file.name.as_ref());
+    files.push(provenance.file(names));
     save(folder, &files)?;
     Ok(Reproduction {
         cases: rows().count(),

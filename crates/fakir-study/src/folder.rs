@@ -10,9 +10,10 @@
 use crate::answer::Row;
 use crate::error::{StudyError, memory};
 use crate::journal::{Contents, DamagedLine, Header, JOURNAL, Journal, first_difference, whole};
-use crate::output::{File, save};
+use crate::output::{File, OutputError, Replace, is_empty, save, save_results};
 use crate::plan::{Plan, Shard, longest_first};
 use crate::provenance::Provenance;
+use crate::replace;
 use crate::sweep::{Options, complete};
 use crate::table::Table;
 use fakir_case::{Study, StudyFile};
@@ -20,14 +21,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-
-/// The tables of a sweep, and what goes with them.
-const RESULTS: [&str; 4] = [
-    "study.toml",
-    "table.csv",
-    "table.parquet",
-    "provenance.json",
-];
 
 /// What to do about a folder in which there is something already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -37,7 +30,8 @@ pub enum Existing {
     Refuse,
     /// Go on with the sweep that is there, if one is.
     Resume,
-    /// Begin anew.
+    /// Begin anew, in place of results that are there. A folder with anything in it that fakir did
+    /// not write is left alone: that is an error.
     Overwrite,
 }
 
@@ -132,7 +126,7 @@ impl Ledger {
         existing: Existing,
         options: &Options<'_>,
     ) -> Result<Self, StudyError> {
-        check_contents(folder, existing)?;
+        let found = check_contents(folder, existing)?;
         make(folder)?;
         let mut journal = Journal::open(folder)?;
         let header = Header::new(study, options);
@@ -141,7 +135,7 @@ impl Ledger {
             Existing::Refuse => return Err(StudyError::NotEmpty(folder.to_owned())),
             Existing::Resume => go_on(&mut journal, &header, study)?,
             Existing::Overwrite => {
-                remove_results(folder)?;
+                replace::remove(folder, &found, Some(JOURNAL))?;
                 None
             }
         };
@@ -152,7 +146,7 @@ impl Ledger {
                 (BTreeMap::new(), Vec::new())
             }
         };
-        save(folder, &[File::new("study.toml", study.to_toml())])?;
+        save(folder, &[File::new(STUDY, study.to_toml())])?;
         Ok(Self {
             study: study.clone(),
             shard: options.shard,
@@ -315,13 +309,14 @@ pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Su
         damaged.extend(left_out);
     }
     let rows: Vec<Row> = rows.into_values().collect();
-    make(folder)?;
-    drop(Journal::open(folder)?); // nothing is running there
-    remove_results(folder)?;
     let mut files = results(&study, &rows);
-    files.push(File::new("study.toml", study.to_toml()));
+    files.push(File::new(STUDY, study.to_toml()));
     files.push(File::new(JOURNAL, whole(&header, &rows)));
-    save(folder, &files)?;
+    let replace = match existing {
+        Existing::Overwrite => Replace::Allowed,
+        Existing::Refuse | Existing::Resume => Replace::Refused,
+    };
+    save_results(folder, &files, replace)?;
     let found = rows.len();
     Ok(Summary {
         study,
@@ -439,30 +434,32 @@ fn refuse_own_shard(folder: &Path, shards: &[PathBuf]) -> Result<(), StudyError>
     let Ok(place) = folder.canonicalize() else {
         return Ok(()); // it is to be made
     };
-    let is_shard = |shard: &PathBuf| shard.canonicalize().is_ok_and(|shard| shard == place);
-    if shards.iter().any(is_shard) {
+    let is_in_there = |shard: &PathBuf| {
+        let shard = shard.canonicalize();
+        shard.is_ok_and(|shard| shard.starts_with(&place))
+    };
+    if shards.iter().any(is_in_there) {
         return Err(StudyError::Shards(format!(
-            "{} is one of the shards: give another folder for all of them together",
+            "{} is or holds one of the shards: give another folder for all of them together",
             folder.display()
         )));
     }
     Ok(())
 }
 
-/// Whether what is in a folder, if it is there, is as it should be.
-fn check_contents(folder: &Path, existing: Existing) -> Result<(), StudyError> {
-    let mut entries = match folder.read_dir() {
-        Ok(entries) => entries,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(StudyError::file("cannot read the folder", folder, error)),
-    };
-    let empty = entries.next().is_none();
+/// Whether what is in a folder, if it is there, is as it should be; and what is to be removed.
+fn check_contents(folder: &Path, existing: Existing) -> Result<Vec<PathBuf>, StudyError> {
+    let empty = is_empty(folder)?;
     match existing {
         Existing::Refuse if !empty => Err(StudyError::NotEmpty(folder.to_owned())),
         Existing::Resume if !empty && !folder.join(JOURNAL).exists() => {
             Err(StudyError::NoSweep(folder.to_owned()))
         }
-        _ => Ok(()),
+        Existing::Overwrite if !empty => match replace::contents(folder, &[]) {
+            Err(OutputError::InUse { folder }) => Err(StudyError::InUse(folder)),
+            found => Ok(found?),
+        },
+        _ => Ok(Vec::new()),
     }
 }
 
@@ -471,26 +468,17 @@ fn make(folder: &Path) -> Result<(), StudyError> {
         .map_err(|error| StudyError::file("cannot make the folder", folder, error))
 }
 
-/// Removes the tables of an earlier sweep, which would not fit what is to come.
-fn remove_results(folder: &Path) -> Result<(), StudyError> {
-    for name in RESULTS {
-        let path = folder.join(name);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != ErrorKind::NotFound => {
-                return Err(StudyError::file("cannot remove", &path, error));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
-}
+/// The study in the folder of a sweep.
+const STUDY: &str = "study.toml";
 
 fn results(study: &Study, rows: &[Row]) -> Vec<File> {
     let table = Table::new(study, rows);
     let provenance = Provenance::of_study(study);
-    vec![
+    let tables = [
         File::new("table.csv", table.to_csv()),
         File::new("table.parquet", table.to_parquet(&provenance)),
-        provenance.file(),
-    ]
+    ];
+    let names = tables.iter().map(|file| file.name.as_ref());
+    let provenance = provenance.file([JOURNAL, STUDY].into_iter().chain(names));
+    tables.into_iter().chain([provenance]).collect()
 }

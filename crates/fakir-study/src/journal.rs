@@ -159,6 +159,26 @@ struct Line {
     answer: Option<Answer>,
 }
 
+/// Whether a file is a journal, or was to become one: it begins like one.
+pub(crate) fn is_journal(path: &Path) -> bool {
+    const START: &[u8] = b"{\"format\":";
+    let start = File::open(path).and_then(|file| {
+        let mut start = Vec::new();
+        file.take(START.len() as u64).read_to_end(&mut start)?;
+        Ok(start)
+    });
+    start.is_ok_and(|start| START.starts_with(&start))
+}
+
+/// Whether a sweep is writing a journal.
+pub(crate) fn is_running(path: &Path) -> bool {
+    let locked = |file: File| {
+        let lock = fs4::FileExt::try_lock(&file);
+        matches!(lock, Err(fs4::TryLockError::WouldBlock))
+    };
+    File::options().write(true).open(path).is_ok_and(locked)
+}
+
 /// A journal, locked, that is being written.
 pub(crate) struct Journal {
     file: File,

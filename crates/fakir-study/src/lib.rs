@@ -46,6 +46,7 @@ pub mod output;
 pub mod pillars;
 mod plan;
 pub mod provenance;
+mod replace;
 pub mod spread;
 pub mod summary;
 mod sweep;

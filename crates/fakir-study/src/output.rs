@@ -1,8 +1,10 @@
 //! Files that are there whole or not at all.
 //!
 //! Every file is first written in full under a temporary name next to its place, and only then
-//! renamed; what is interrupted leaves nothing behind.
+//! renamed; what is interrupted leaves nothing behind. Results go to a folder of their own, so that
+//! nothing of earlier ones stays beside them.
 
+use crate::replace;
 use std::borrow::Cow;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -41,6 +43,56 @@ pub enum OutputError {
         /// Why it was refused.
         error: std::io::Error,
     },
+    /// There is something in the folder already.
+    #[error(
+        "the folder {} is not empty: choose another, or --overwrite results that are there",
+        folder.display()
+    )]
+    NotEmpty {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder to be overwritten that has no results of fakir.
+    #[error(
+        "{} is not overwritten: it is no folder of results, as it has no provenance.json that fakir \
+         wrote", folder.display()
+    )]
+    NoResults {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder to be overwritten that has more than results of fakir.
+    #[error(
+        "nothing is overwritten: {} is not among the files that fakir lists in provenance.json; move \
+         it away, or choose another folder", path.display()
+    )]
+    Foreign {
+        /// What is not from fakir, or from a version that kept no list.
+        path: PathBuf,
+    },
+    /// A folder to be overwritten in which a sweep is running.
+    #[error("{} is not overwritten: a sweep is running there", folder.display())]
+    InUse {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder to be overwritten that is the current one, or holds it.
+    #[error(
+        "{} is not overwritten: it is the current folder, or holds it; choose another",
+        folder.display()
+    )]
+    Inside {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The system took the old results away, but neither the new nor the old ones back.
+    #[error("{} could not be replaced; what was there is in {}", folder.display(), old.display())]
+    Aside {
+        /// The folder.
+        folder: PathBuf,
+        /// Where it is.
+        old: PathBuf,
+    },
     /// There is a file already, which may not be replaced.
     #[error("{} is there already", path.display())]
     Exists {
@@ -50,7 +102,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    fn system(action: &'static str, path: &Path, error: std::io::Error) -> Self {
+    pub(crate) fn system(action: &'static str, path: &Path, error: std::io::Error) -> Self {
         Self::System {
             action,
             path: path.to_owned(),
@@ -59,21 +111,30 @@ impl OutputError {
     }
 }
 
-/// Whether a file that is there already may be replaced.
+/// Whether a file, or a folder of results, that is there already may be replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Replace {
     /// It may.
     Allowed,
-    /// It stays, and saving fails with [`OutputError::Exists`].
+    /// It stays, and saving fails.
     Refused,
 }
 
-/// Whether files can be saved in `folder`, or in a folder to be made there: better known before
+/// Whether results can be saved in `folder`, or in a folder to be made there: better known before
 /// a long computation than after it.
 ///
 /// # Errors
-/// [`OutputError::System`] if not.
-pub fn check_folder(folder: &Path) -> Result<(), OutputError> {
+/// [`OutputError`] if not; unless it may be replaced, also for a folder that is not empty, and if it
+/// may, for one that is no folder of results, or has more than those in it.
+pub fn check_folder(folder: &Path, replace: Replace) -> Result<(), OutputError> {
+    if !is_empty(folder)? {
+        match replace {
+            Replace::Allowed => replace::check(folder),
+            Replace::Refused => Err(OutputError::NotEmpty {
+                folder: folder.to_owned(),
+            }),
+        }?;
+    }
     let existing = folder
         .ancestors()
         .find(|ancestor| ancestor.exists())
@@ -81,6 +142,42 @@ pub fn check_folder(folder: &Path) -> Result<(), OutputError> {
     NamedTempFile::new_in(existing)
         .map(drop)
         .map_err(|error| OutputError::system("cannot write in", existing, error))
+}
+
+/// Whether there is nothing in a folder, or no such folder.
+pub(crate) fn is_empty(folder: &Path) -> Result<bool, OutputError> {
+    match folder.read_dir() {
+        Ok(mut entries) => Ok(entries.next().is_none()),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(true),
+        Err(error) => Err(OutputError::system("cannot read the folder", folder, error)),
+    }
+}
+
+/// Saves results, with their provenance among the files, in a folder that they have for
+/// themselves: an empty one, one that is made, or one of earlier results that is replaced whole.
+///
+/// # Errors
+/// As [`check_folder`], and if a file cannot be written.
+pub fn save_results(folder: &Path, files: &[File], replace: Replace) -> Result<(), OutputError> {
+    check_folder(folder, replace)?;
+    if is_empty(folder)? {
+        save(folder, files)
+    } else {
+        replace::replace(folder, files)
+    }
+}
+
+/// Removes results from a folder. `parts` are folders in it that may have results of their own.
+///
+/// # Errors
+/// [`OutputError`] if anything is there that fakir did not write, or if a sweep is running there;
+/// then nothing is removed.
+pub fn remove_results(folder: &Path, parts: &[&str]) -> Result<(), OutputError> {
+    if is_empty(folder)? {
+        return Ok(());
+    }
+    let found = replace::contents(folder, parts)?;
+    replace::remove(folder, &found, None)
 }
 
 /// Saves all files in `folder`, which is made if need be, replacing what has their names. All are
@@ -125,7 +222,7 @@ fn write_beside(path: &Path, contents: &[u8]) -> Result<NamedTempFile, OutputErr
         _ => Path::new("."),
     };
     let write = || {
-        let mut file = readable_by_all().tempfile_in(folder)?;
+        let mut file = readable_by_all(&mut temporary()).tempfile_in(folder)?;
         file.write_all(contents)?;
         file.as_file().sync_all()?;
         Ok(file)
@@ -133,10 +230,20 @@ fn write_beside(path: &Path, contents: &[u8]) -> Result<NamedTempFile, OutputErr
     write().map_err(|error| OutputError::system("cannot write", path, error))
 }
 
-/// Temporary files are private by default; results get the permissions of ordinary new files.
-fn readable_by_all() -> tempfile::Builder<'static, 'static> {
-    #[allow(unused_mut)]
+/// How names of temporary files and folders begin.
+pub(crate) const TEMPORARY: &str = ".fakir-";
+
+/// Makes temporary files and folders.
+pub(crate) fn temporary() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
+    builder.prefix(TEMPORARY);
+    builder
+}
+
+/// Temporary files are private by default; results get the permissions of ordinary new files.
+fn readable_by_all<'b>(
+    builder: &'b mut tempfile::Builder<'static, 'static>,
+) -> &'b mut tempfile::Builder<'static, 'static> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -178,7 +285,7 @@ mod tests {
         let folder = root.path().join("new/results");
         let good = File::new("a.txt", "a");
         let bad = File::new(format!("{}/b.txt", "long".repeat(100)), "b");
-        assert!(check_folder(&folder).is_ok());
+        assert!(check_folder(&folder, Replace::Refused).is_ok());
         assert!(names(root.path()).is_empty());
         let error = save(&folder, &[good.clone(), bad]).unwrap_err();
         let told = error.to_string();

@@ -35,6 +35,9 @@ pub struct Provenance {
     pub citations: Vec<Citation>,
     /// The case or study as it was solved, as a file to be run again (TOML).
     pub case: String,
+    /// Files that were saved with it, by their paths from its folder.
+    #[serde(default)]
+    pub files: Vec<String>,
 }
 
 impl Provenance {
@@ -54,6 +57,7 @@ impl Provenance {
             reference_doi: REFERENCE_DOI.to_owned(),
             citations: citations(topics),
             case: case.into(),
+            files: Vec::new(),
         }
     }
 
@@ -101,10 +105,14 @@ impl Provenance {
         })
     }
 
-    /// The file to be saved next to results.
+    /// The file to be saved next to results in files of these names, which it lists.
     #[must_use]
-    pub fn file(&self) -> File {
-        File::new(FILE_NAME, self.to_json())
+    pub fn file<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> File {
+        let listed = Self {
+            files: names.into_iter().map(str::to_owned).collect(),
+            ..self.clone()
+        };
+        File::new(FILE_NAME, listed.to_json())
     }
 
     /// All of it but the citations in a few lines of text, to be written into figures.

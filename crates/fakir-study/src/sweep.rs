@@ -4,12 +4,11 @@ use crate::answer::{Answer, Critical, Pressed, Row};
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
 use fakir::Question;
-use fakir::contact::{CancelToken, Run, SolveError, Termination};
+use fakir::contact::{CancelToken, Run, SolveError, Termination, Threads};
 use fakir_case::Study;
 use fakir_case::study::StudyCase;
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
-use std::num::NonZero;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -22,8 +21,8 @@ const TICK: Duration = Duration::from_millis(50);
 /// How a sweep is run; what it answers does not depend on it.
 #[derive(Default)]
 pub struct Options<'a> {
-    /// Threads that share the cases; 0 for as many as there are processors. Every case is
-    /// computed by one thread.
+    /// Threads that share the cases; 0 for as many as there are processors, and never more. Every
+    /// case is computed by one thread.
     pub threads: usize,
     /// Stops the sweep when cancelled.
     pub cancel: CancelToken,
@@ -115,7 +114,10 @@ pub(crate) fn complete(
     let mut outcome = Ok(());
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
-        for _ in 0..threads(options.threads).min(work.chains.len()) {
+        for _ in 0..Threads::asked(options.threads)
+            .number()
+            .min(work.chains.len())
+        {
             let (work, sender) = (&work, sender.clone());
             scope.spawn(move || work.run(&sender));
         }
@@ -154,13 +156,6 @@ pub(crate) fn complete(
 fn failed<'a>(rows: impl IntoIterator<Item = &'a Row>) -> usize {
     let rows = rows.into_iter();
     rows.filter(|row| row.problem.is_some()).count()
-}
-
-fn threads(asked: usize) -> usize {
-    match asked {
-        0 => std::thread::available_parallelism().map_or(1, NonZero::get),
-        threads => threads,
-    }
 }
 
 /// What the threads share.

@@ -46,7 +46,8 @@ impl Report {
         let mut files = self.tables.clone();
         files.push(File::new("case.toml", case));
         files.push(File::new("summary.json", format!("{}\n", self.json)));
-        files.push(self.provenance.file());
+        let names = files.iter().map(|file| file.name.as_ref());
+        files.push(self.provenance.file(names));
         files
     }
 }

@@ -12,12 +12,16 @@ mod vti;
 
 use crate::output::File;
 use crate::provenance::Provenance;
-use fakir::contact::{ContactState, Run, SolveError};
+use fakir::contact::{ContactState, FieldSamples, Fields, Run, SolveError};
 use fakir::love::{Floor, SurfaceContact, SurfaceSystem};
 use fakir::system::Point;
 
 /// Most points across: three fields of so many squared take 100 MB.
 pub const MOST_POINTS: usize = 2048;
+
+/// Memory that a point of a map takes besides what it is sampled with, bytes: its fields and both
+/// files, which are handed on as copies.
+const BYTES_PER_POINT: usize = 160;
 
 /// Points across a pillar, unless that makes more than [`USUAL_POINTS`].
 const POINTS_PER_DIAMETER: f64 = 12.0;
@@ -104,7 +108,8 @@ impl FieldMap {
     /// `None` for methods that have no fields.
     ///
     /// # Errors
-    /// [`SolveError::Interrupted`] if `run` is cancelled.
+    /// [`SolveError::Interrupted`] if `run` is cancelled, and [`SolveError::TooManyPoints`] for more
+    /// than there is memory for.
     ///
     /// # Panics
     /// If fewer than two points are asked for.
@@ -117,6 +122,7 @@ impl FieldMap {
             return Ok(None);
         };
         let axis = axis_around(state, points);
+        Self::check_memory([axis.count; 2], run)?;
         let coordinates = axis.coordinates();
         let samples = fields.on_grid(&coordinates, &coordinates, run)?;
         let positions = || positions(&coordinates, &coordinates);
@@ -154,6 +160,15 @@ impl FieldMap {
             indentation: state.indentation,
             variables,
         }))
+    }
+
+    /// Whether a map of so many points along its sides, and its files, fit the memory allowed.
+    ///
+    /// # Errors
+    /// [`SolveError::TooManyPoints`]
+    pub fn check_memory(sides: [usize; 2], run: &Run<'_>) -> Result<(), SolveError> {
+        let points = sides[0].saturating_mul(sides[1]);
+        FieldSamples::check_memory(points, BYTES_PER_POINT, run)
     }
 
     /// The fields of a contact with a general surface, at the centres of its cells; on pillars is

@@ -1,0 +1,244 @@
+//! Folders of results that give way to new ones: only what fakir wrote is ever removed.
+//!
+//! A folder of results has a `provenance.json` with the list of the files beside it; a sweep that is
+//! not complete has its journal instead. A folder with anything else in it is left alone.
+
+use crate::journal::{JOURNAL, is_journal, is_running};
+use crate::output::{File, OutputError, TEMPORARY, save, temporary};
+use crate::provenance::{FILE_NAME, Provenance};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What a sweep keeps and writes in its folder.
+const SWEEP: [&str; 5] = [
+    JOURNAL,
+    "study.toml",
+    "table.csv",
+    "table.parquet",
+    FILE_NAME,
+];
+
+/// All that is in a folder of results, by paths in it, folders after what is in them. `parts` are
+/// folders in it that may be folders of results of their own.
+///
+/// # Errors
+/// [`OutputError`] if it is no folder of results, has anything in it that fakir did not write, or
+/// if a sweep is running there.
+pub(crate) fn contents(folder: &Path, parts: &[&str]) -> Result<Vec<PathBuf>, OutputError> {
+    let mut written = BTreeSet::new();
+    for part in std::iter::once(&"").chain(parts) {
+        let part = Path::new(part);
+        let files = files_of_results(&folder.join(part))?;
+        written.extend(files.into_iter().map(|file| part.join(file)));
+    }
+    if written.is_empty() {
+        return Err(OutputError::NoResults {
+            folder: folder.to_owned(),
+        });
+    }
+    let mut found = Vec::new();
+    collect(folder, Path::new(""), &written, &mut found)?;
+    Ok(found)
+}
+
+/// Files that fakir wrote in a folder, or may have; none if it is no folder of results.
+fn files_of_results(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
+    let mut files = Vec::new();
+    if let Ok(provenance) = Provenance::read(&folder.join(FILE_NAME)) {
+        files.push(PathBuf::from(FILE_NAME));
+        files.extend(provenance.files.into_iter().map(PathBuf::from));
+    }
+    let journal = folder.join(JOURNAL);
+    if is_journal(&journal) {
+        if is_running(&journal) {
+            return Err(OutputError::InUse {
+                folder: folder.to_owned(),
+            });
+        }
+        files.extend(SWEEP.map(PathBuf::from));
+    }
+    Ok(files)
+}
+
+/// Adds what is in `inner` of a folder to `found`, if fakir wrote all of it.
+fn collect(
+    folder: &Path,
+    inner: &Path,
+    written: &BTreeSet<PathBuf>,
+    found: &mut Vec<PathBuf>,
+) -> Result<(), OutputError> {
+    let place = folder.join(inner);
+    let unreadable = |error| OutputError::system("cannot read the folder", &place, error);
+    for entry in fs::read_dir(&place).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?;
+        let kind = entry.file_type().map_err(unreadable)?;
+        let path = inner.join(entry.file_name());
+        if kind.is_dir() && written.iter().any(|file| file.starts_with(&path)) {
+            collect(folder, &path, written, found)?;
+        } else {
+            let is_temporary = entry.file_name().to_string_lossy().starts_with(TEMPORARY);
+            if !(kind.is_file() && (written.contains(&path) || is_temporary)) {
+                return Err(OutputError::Foreign { path: entry.path() });
+            }
+        }
+        found.push(path);
+    }
+    Ok(())
+}
+
+/// Removes what [`contents`] found, but for one file.
+pub(crate) fn remove(
+    folder: &Path,
+    found: &[PathBuf],
+    except: Option<&str>,
+) -> Result<(), OutputError> {
+    for path in found
+        .iter()
+        .filter(|path| Some(path.as_path()) != except.map(Path::new))
+    {
+        let path = folder.join(path);
+        let removed = if path.is_dir() {
+            fs::remove_dir(&path)
+        } else {
+            fs::remove_file(&path)
+        };
+        removed.map_err(|error| OutputError::system("cannot remove", &path, error))?;
+    }
+    Ok(())
+}
+
+/// Whether [`replace`] can do its work.
+pub(crate) fn check(folder: &Path) -> Result<(), OutputError> {
+    contents(folder, &[])?;
+    let unusable = |error| OutputError::system("cannot replace the folder", folder, error);
+    let place = folder.canonicalize().map_err(unusable)?;
+    // Whoever is in there would be left in a folder that has no name any more.
+    let here = std::env::current_dir().and_then(|here| here.canonicalize());
+    if here.is_ok_and(|here| here.starts_with(&place)) {
+        return Err(OutputError::Inside {
+            folder: folder.to_owned(),
+        });
+    }
+    let beside = temporary().tempfile_in(beside(&place));
+    beside.map(drop).map_err(unusable)
+}
+
+/// The folder that a folder is in.
+fn beside(place: &Path) -> &Path {
+    place.parent().unwrap_or(place)
+}
+
+/// Puts a new folder with these files in the place of a folder of results, of which nothing
+/// remains. The new one is whole before the old one is touched.
+pub(crate) fn replace(folder: &Path, files: &[File]) -> Result<(), OutputError> {
+    let unusable = |error| OutputError::system("cannot replace the folder", folder, error);
+    let place = folder.canonicalize().map_err(unusable)?;
+    let found = contents(&place, &[])?;
+    let parent = beside(&place);
+    let fresh = temporary().tempdir_in(parent).map_err(unusable)?;
+    save(fresh.path(), files)?;
+    let permissions = fs::metadata(&place).map_err(unusable)?.permissions();
+    fs::set_permissions(fresh.path(), permissions).map_err(unusable)?;
+    let aside = temporary().tempdir_in(parent).map_err(unusable)?;
+    let old = aside.path().join("old");
+    fs::rename(&place, &old).map_err(unusable)?;
+    if let Err(error) = fs::rename(fresh.path(), &place) {
+        fs::rename(&old, &place).map_err(|_| OutputError::Aside {
+            folder: folder.to_owned(),
+            old: aside.keep().join("old"),
+        })?;
+        return Err(unusable(error));
+    }
+    let _ = fresh.keep(); // it has its place
+    let emptied = remove(&old, &found, None).and_then(|()| {
+        fs::remove_dir(&old).map_err(|error| OutputError::system("cannot remove", &old, error))
+    });
+    if emptied.is_err() {
+        let _ = aside.keep(); // what came in meanwhile is not lost
+    }
+    emptied
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::{Replace, check_folder, save_results};
+
+    fn results(names: &[&str]) -> Vec<File> {
+        let mut files: Vec<File> = names
+            .iter()
+            .map(|name| File::new((*name).to_owned(), *name))
+            .collect();
+        files.push(Provenance::new("q", "m", &[], "").file(names.iter().copied()));
+        files
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn old_results_are_replaced_whole() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("results");
+        let old = results(&["old.csv", "figures/old.svg", "both.csv"]);
+        save_results(&folder, &old, Replace::Refused).unwrap();
+        fs::write(folder.join(".fakir-left-over"), "").unwrap();
+        let new = results(&["both.csv", "tables/new.csv"]);
+        let error = save_results(&folder, &new, Replace::Refused).unwrap_err();
+        assert!(matches!(error, OutputError::NotEmpty { .. }), "{error}");
+        assert!(folder.join("figures/old.svg").exists());
+        save_results(&folder, &new, Replace::Allowed).unwrap();
+        assert_eq!(names(&folder), ["both.csv", "provenance.json", "tables"]);
+        assert_eq!(names(root.path()), ["results"]);
+    }
+
+    #[test]
+    fn what_fakir_did_not_write_is_left_alone() {
+        let root = tempfile::tempdir().unwrap();
+        let new = results(&["new.csv"]);
+        let refused = |folder: &Path| {
+            let before = names(folder);
+            let checked = check_folder(folder, Replace::Allowed).unwrap_err();
+            let saved = save_results(folder, &new, Replace::Allowed).unwrap_err();
+            assert_eq!(checked.to_string(), saved.to_string());
+            assert_eq!(names(folder), before);
+            checked
+        };
+        let home = root.path().join("home");
+        fs::create_dir(&home).unwrap();
+        fs::write(home.join("letter.txt"), "mine").unwrap();
+        assert!(matches!(refused(&home), OutputError::NoResults { .. }));
+        // Neither one's own file beside results, nor a folder, nor a link, nor results in there.
+        for name in ["notes.txt", "folder", "link", "inner"] {
+            let folder = root.path().join(format!("with-{name}"));
+            save_results(&folder, &results(&["old.csv"]), Replace::Refused).unwrap();
+            let path = folder.join(name);
+            match name {
+                "folder" => fs::create_dir(&path).unwrap(),
+                "inner" => save_results(&path, &results(&["a.csv"]), Replace::Refused).unwrap(),
+                #[cfg(unix)]
+                "link" => std::os::unix::fs::symlink(&home, &path).unwrap(),
+                _ => fs::write(&path, "mine").unwrap(),
+            }
+            let error = refused(&folder);
+            assert!(error.to_string().contains(name), "{error}");
+        }
+        // Results of before there were lists.
+        let folder = root.path().join("earlier");
+        save_results(&folder, &results(&["old.csv"]), Replace::Refused).unwrap();
+        fs::write(
+            folder.join(FILE_NAME),
+            Provenance::new("q", "m", &[], "").to_json(),
+        )
+        .unwrap();
+        assert!(matches!(refused(&folder), OutputError::Foreign { .. }));
+        assert!(home.join("letter.txt").exists());
+    }
+}
