@@ -6,9 +6,7 @@ use super::{Report, json};
 use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
 use fakir::contact::{Load, Regime};
 use fakir::love::solver::Certificate;
-use fakir::love::{
-    Boundary, Grid, Indenter, Share, Shares, SurfaceContact, SurfaceTransition,
-};
+use fakir::love::{Boundary, Grid, Indenter, Share, Shares, SurfaceContact, SurfaceTransition};
 use fakir::pattern::{Arrangement, CrossSection, Pattern};
 use fakir::system::Point;
 use fakir_case::height_map::to_npy;

@@ -139,9 +139,8 @@ mod tests {
             (3e-26, Load::Indentation as fn(f64) -> Load),
             (1.2e-35, Load::Force),
         ] {
-            let press = |value: f64| {
-                crate::press(&system, load(value), Method::default(), &Run::default())
-            };
+            let press =
+                |value: f64| crate::press(&system, load(value), Method::default(), &Run::default());
             assert!(press(1.001 * smallest).is_ok());
             assert!(press(0.0).is_ok() && press(-0.0).is_ok());
             for refused in [0.999 * smallest, 1e-100, 1e-300, f64::MIN_POSITIVE / 8.0] {

@@ -193,6 +193,12 @@ impl LocalSolver {
     pub(crate) fn solve(&mut self, top: &PillarTop, load: &[f64], active: &mut [bool]) -> Pivoting {
         self.prepare(top, load);
         let scale = largest(self.unconstrained.iter().copied());
+        if !scale.is_finite() {
+            return Pivoting {
+                converged: false,
+                steps: 0,
+            };
+        }
         let mut fewest = usize::MAX;
         let mut patience = PATIENCE;
         for steps in 1..=PIVOT_LIMIT {
@@ -367,6 +373,32 @@ mod tests {
         let mut coefficients = vec![0.0; top.count()];
         solver.coefficients(&top, load, &mut coefficients);
         (coefficients, active, pivoting)
+    }
+
+    #[test]
+    fn loads_that_are_no_numbers_have_no_solution() {
+        let top = PillarTop::new(8, 2, 0.3, 0.0);
+        let mut solver = LocalSolver::new(&top);
+        let tilted = project(2, |[x, _]| 0.2 + x);
+        assert!(
+            solver
+                .solve(&top, &tilted, &mut vec![false; top.count()])
+                .converged
+        );
+        for mode in 0..tilted.len() {
+            for odd in [f64::NAN, f64::INFINITY] {
+                let mut load = tilted.clone();
+                load[mode] = odd;
+                for guess in [false, true] {
+                    let mut active = vec![guess; top.count()];
+                    let pivoting = solver.solve(&top, &load, &mut active);
+                    assert!(!pivoting.converged, "{odd} in mode {mode}");
+                }
+            }
+            let mut load = tilted.clone();
+            load[mode] = f64::NAN;
+            assert_eq!(top.status(&load), PillarStatus::Partial, "mode {mode}");
+        }
     }
 
     #[test]

@@ -11,8 +11,8 @@ use super::surface::{
 };
 use super::surface_map::HeightMap;
 use crate::contact::spectral::LARGEST_CONTACT;
-use crate::convergence::{Judgement, judge};
 use crate::contact::{DOUBTFUL_CONTACT, ErrorEstimate, Load, Progress, Run, Stage, Termination};
+use crate::convergence::{Judgement, judge};
 use std::f64::consts::PI;
 
 /// Relative energy error of every solution: its force is then good to about as much.
@@ -587,10 +587,7 @@ impl<'a> Level<'a> {
         }
         let grid = self.surface.grid();
         let [width, height] = grid.cell();
-        let sides = [
-            grid.columns() as f64 * width,
-            grid.rows() as f64 * height,
-        ];
+        let sides = [grid.columns() as f64 * width, grid.rows() as f64 * height];
         let depth = (indentation - (highest - outside)).clamp(0.0, lens.radius);
         let reach = (depth * (2.0 * lens.radius - depth)).sqrt();
         let most = LARGEST_CONTACT * lens.radius;
