@@ -65,7 +65,7 @@ def verify(
     force: float | None,
     cells_per_diameter: int,
     options: Options,
-) -> tuple[bool, list[list[float]], list[State]]: ...
+) -> tuple[str, str | None, list[list[float]], list[State]]: ...
 
 _Estimate = tuple[float, float, float, float]
 _Sums = tuple[float, float, float]

@@ -19,8 +19,11 @@ class Difference(NamedTuple):
 class Verification:
     """The answers of both methods, and what they differ by."""
 
-    agrees: bool
-    """Whether both converged and agree within their error estimates."""
+    verdict: str
+    """``"agree"``, ``"disagree"``, or ``"cannot tell"`` where a method did not converge or knows no
+    digit."""
+    doubt: str | None
+    """Why it cannot be told; None if it can."""
     spectral: ContactState
     """By the accurate spectral method."""
     elements: tuple[ContactState, ContactState]
@@ -31,12 +34,21 @@ class Verification:
     """The same of the indentation."""
 
     def __init__(
-        self, agrees: bool, differences: list[Difference], states: list[ContactState]
+        self,
+        verdict: str,
+        doubt: str | None,
+        differences: list[Difference],
+        states: list[ContactState],
     ) -> None:
-        self.agrees = agrees
+        self.verdict, self.doubt = verdict, doubt
         self.force, self.indentation = differences
         self.spectral, coarse, fine = states
         self.elements = coarse, fine
+
+    @property
+    def agrees(self) -> bool:
+        """Whether both converged and agree within their error estimates."""
+        return self.verdict == "agree"
 
     def _rows(self) -> list[Row]:
         coarse, fine = self.elements
@@ -44,7 +56,12 @@ class Verification:
         rows = [(name, f"{engineering(s.force, 'N')}, {engineering(s.indentation, 'm')}") for name, s in states]
         for name, (relative, allowed) in [("force", self.force), ("indentation", self.indentation)]:
             rows.append((f"difference in {name}", f"{relative:.1e}, allowed {allowed:.1e}"))
-        return [*rows, ("", "the methods agree" if self.agrees else "THE METHODS DISAGREE")]
+        verdicts = {
+            "agree": "the methods agree",
+            "disagree": "THE METHODS DISAGREE",
+            "cannot tell": f"it cannot be told: {self.doubt}",
+        }
+        return [*rows, ("", verdicts[self.verdict])]
 
     def __repr__(self) -> str:
         return text_table("fakir.Verification", self._rows())
@@ -63,6 +80,6 @@ def verify(
     if not 16 <= cells_per_diameter <= 1024:
         raise ValueError(f"cells_per_diameter is {cells_per_diameter}: give 16 to 1024")
     answer = _fakir.verify(case, *load, cells_per_diameter, options)
-    agrees, differences, states = answer
+    verdict, doubt, differences, states = answer
     pairs = [Difference(relative, allowed) for relative, allowed in differences]
-    return Verification(agrees, pairs, [ContactState(state) for state in states])
+    return Verification(verdict, doubt, pairs, [ContactState(state) for state in states])

@@ -140,7 +140,11 @@ def test_methods_side_by_side(system):
     # As the design document has it: -6.6 % at this surface fraction.
     assert rows["homogenised"]["force_difference"] == pytest.approx(-0.066, abs=0.001)
     verification = system.verify()
-    assert verification.agrees
+    assert verification.agrees and verification.verdict == "agree" and verification.doubt is None
+    # Between the centres of all cells: elements find no force, and know that they know nothing.
+    light = system.verify(indentation="1 pm")
+    assert light.verdict == "cannot tell" and not light.agrees
+    assert "leave no digit" in light.doubt and "cannot be told" in repr(light)
     assert abs(verification.force.relative) <= verification.force.allowed
 
 

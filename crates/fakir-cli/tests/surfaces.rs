@@ -76,10 +76,50 @@ fn tables_name_the_surface_and_its_shares() {
     }
     let shown = text(&fakir("transition", &case, &[]).stdout);
     assert!(shown.starts_with("Critical state: the lens rests on the tops"));
-    // A grid that ends within the contact.
-    let narrow = ["--indentation", "2um", "--set", "surface.grid.width=80um"];
-    let warned = text(&fakir("press", &case, &narrow).stderr);
-    assert!(warned.contains("reaches the border"), "{warned}");
+}
+
+/// A grid that ends within the contact is made as wide as it has to be; a map has no more to show.
+#[test]
+fn narrow_grids_grow_and_narrow_maps_are_refused() {
+    let case = example("square-pillars.toml");
+    let on = |command: &str, width: &str, arguments: &[&str]| {
+        let width = format!("surface.grid.width={width}");
+        fakir(command, &case, &[&["--set", &width], arguments].concat())
+    };
+    let enough = on("press", "160um", &["--json", "--indentation", "2um"]);
+    assert!(text(&enough.stderr).is_empty(), "{}", text(&enough.stderr));
+    let force = number(&json(&enough), "/force_N");
+    for width in ["20um", "80um"] {
+        let narrow = on("press", width, &["--json", "--indentation", "2um"]);
+        let told = text(&narrow.stderr);
+        assert!(told.contains("solved with surface.grid.width = "), "{told}");
+        let narrow = json(&narrow);
+        // Cells lie a little differently on another grid.
+        let error = number(&narrow, "/relative_error_estimate/force");
+        assert!((number(&narrow, "/force_N") / force - 1.0).abs() < 2.0 * error);
+        let columns = number(&narrow, "/grid/columns");
+        assert!(columns * number(&narrow, "/grid/cell_m/0") > 89e-6); // 2 sqrt(2 R zeta)
+    }
+    let critical = json(&on("transition", "160um", &["--json"]));
+    let narrow = json(&on("transition", "24um", &["--json"]));
+    let [a, b] = [&critical, &narrow].map(|found| number(found, "/critical_force_N"));
+    assert!((a / b - 1.0).abs() < 0.02, "{a} {b}");
+    // Pillars at random stand elsewhere on another grid.
+    let random = [
+        "surface={ arrangement = \"random\", surface_fraction = 0.2, pillar = { side = \"6 um\", \
+         cross_section = \"square\", height = \"0.5 um\" }, grid = { width = \"60 um\" } }",
+    ];
+    let folder = tempfile::tempdir().expect("a folder for the test");
+    let path = folder.path().join("random.toml");
+    let lens = "lens = { radius = \"1 mm\", young_modulus = \"2 MPa\", poisson_ratio = 0.5 }\n\
+                substrate = { young_modulus = \"2 MPa\", poisson_ratio = 0.5 }\n";
+    let surface = random[0].replacen('=', " = ", 1);
+    std::fs::write(&path, format!("{lens}{surface}\n")).expect("a case for the test");
+    let refused = fakir("press", &path, &["--indentation", "2um"]);
+    assert_eq!(refused.status.code(), Some(3), "{}", text(&refused.stdout));
+    let told = text(&refused.stderr);
+    assert!(told.contains("ends within reach of the lens"), "{told}");
+    assert!(told.contains("would do"), "{told}");
 }
 
 #[test]

@@ -226,9 +226,9 @@ pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Loa
     }
 }
 
-/// Whether both methods agree; relative and allowed differences of force and of indentation; and
-/// the states, the spectral one first.
-type Verified = (bool, [[f64; 2]; 2], Vec<State>);
+/// The verdict, and why there is none; relative and allowed differences of force and of indentation;
+/// and the states, the spectral one first.
+type Verified = (&'static str, Option<String>, [[f64; 2]; 2], Vec<State>);
 
 /// A second opinion on the critical state, or on a contact under a load.
 #[pyfunction]
@@ -259,9 +259,10 @@ pub(crate) fn verify(
     })?;
     let answer = answer.map_err(|error| solve_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let agrees = answer.agrees();
+    let verdict = answer.verdict();
+    let doubt = verdict.doubt().map(|doubt| doubt.to_string());
     let differences = [answer.force, answer.indentation].map(|both| [both.relative, both.allowed]);
     let [coarse, fine] = answer.elements;
     let states = [answer.spectral, coarse, fine].map(|state| State { state, wall_time });
-    Ok((agrees, differences, states.into()))
+    Ok((verdict.name(), doubt, differences, states.into()))
 }

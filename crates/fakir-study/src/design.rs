@@ -9,6 +9,7 @@
 //! be solved the answer counts as too large; where it meets the floor first, as zero.
 
 use fakir::contact::{CriticalState, Method, Run, SolveError};
+use fakir::convergence::within;
 use fakir::system::{MAXIMUM_SURFACE_FRACTION, System};
 use fakir_case::{Case, CaseError, CaseFile, Key};
 
@@ -304,7 +305,7 @@ struct Trial {
 
 impl Trial {
     fn is_met(&self) -> bool {
-        self.excess.abs() <= TOLERANCE
+        within(self.excess.abs(), TOLERANCE)
     }
 
     fn limit(&self) -> Limit {
@@ -722,6 +723,19 @@ mod tests {
         assert_eq!(limit, Limit::Range);
         let force = nearest.critical.contact.force;
         assert!(force < least * 1.001 && force > 0.9 * least);
+    }
+
+    #[test]
+    fn what_is_no_number_is_never_met() {
+        let trial = |excess| Trial {
+            position: 0.0,
+            outcome: Err(SolveError::Interrupted),
+            excess,
+        };
+        assert!(trial(0.0).is_met() && trial(-0.5 * TOLERANCE).is_met());
+        for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(!trial(odd).is_met());
+        }
     }
 
     #[test]

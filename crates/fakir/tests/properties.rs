@@ -9,7 +9,8 @@ use fakir::system::{
     HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
 };
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
+use proptest::test_runner::{RngSeed, TestRunner};
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 /// Pillar diameter and modulus of the lens, which are the units: everything scales with them.
@@ -235,14 +236,19 @@ fn check_numbers(state: &ContactState) -> Result<(), TestCaseError> {
 /// Pressure and gap on the touched tops. Displacements by neighbours in modes of higher degree than
 /// the solution leave a part in a thousand of the indentation. Between its nodes a partially touched
 /// top is entered by up to 3 %, and deeper where that makes a difference: the error of the force is
-/// as the square of the depth.
+/// as the square of the depth. Of the shape of the lens the modes of a fully covered top do not carry
+/// the fourth order, `r^4/(8 R^3)`, which is no small part only of lenses hardly larger than a pillar.
 fn check_tops(state: &ContactState) -> Result<(), TestCaseError> {
     let between_nodes = if state.pillars_partially_in_contact > 0 {
         0.03 + 10.0 * state.error.force.max(state.error.indentation).sqrt()
     } else {
         1e-3
     };
-    let deepest = between_nodes * state.indentation;
+    let lens = state.system.lens().radius;
+    let fourth_order = |pillar: &PillarState| {
+        let rim = pillar.centre[0].hypot(pillar.centre[1]) + 0.5 * DIAMETER;
+        rim.powi(4) / (8.0 * lens.powi(3))
+    };
     let partial = |pillar: &&PillarState| pillar.status == PillarStatus::Partial;
     let full = |pillar: &&PillarState| pillar.status == PillarStatus::Full;
     let pillars = state.pillars.iter();
@@ -251,6 +257,7 @@ fn check_tops(state: &ContactState) -> Result<(), TestCaseError> {
         .filter(partial)
         .chain(pillars.filter(full).take(4))
     {
+        let deepest = between_nodes * state.indentation + fourth_order(pillar);
         for point in spread_over(pillar, 0.5 * DIAMETER) {
             let pressure = fields(state).pressure(point);
             prop_assert!(
@@ -313,63 +320,174 @@ fn is_reflection(state: &ContactState, mirror: &ContactState) -> bool {
     !mirror.converged() || same_force(state, mirror, 1e-9)
 }
 
-proptest! {
-    #![proptest_config(cases(400))]
+/// What came of the cases that were drawn.
+#[derive(Default)]
+struct Tally {
+    drawn: Cell<u32>,
+    refused: Cell<u32>,
+    unconverged: Cell<u32>,
+    unresolved: Cell<u32>,
+    checked: Cell<u32>,
+}
 
-    #[test]
-    fn pressed_contacts_meet_the_contact_conditions((system, indentation) in indented()) {
+fn count(cell: &Cell<u32>) {
+    cell.set(cell.get() + 1);
+}
+
+impl Tally {
+    /// Whether a state is to be checked: it converged, with an error that is small enough.
+    fn counts(&self, state: &ContactState, error: f64) -> bool {
+        if !state.converged() {
+            count(&self.unconverged);
+        } else if error > RESOLVED {
+            count(&self.unresolved);
+        } else {
+            return true;
+        }
+        false
+    }
+}
+
+/// Tries random cases, and fails where fewer than a `share` of those that have a solution could be
+/// checked to the end: the others did not converge, or to less than a digit.
+fn check<S: Strategy>(
+    number: u32,
+    strategy: &S,
+    share: f64,
+    test: impl Fn(S::Value, &Tally) -> Result<(), TestCaseError>,
+) {
+    let tally = Tally::default();
+    let outcome = TestRunner::new(cases(number)).run(strategy, |case| {
+        count(&tally.drawn);
+        test(case, &tally)
+    });
+    if let Err(failure) = outcome {
+        panic!("{failure}");
+    }
+    let Tally {
+        drawn,
+        refused,
+        unconverged,
+        unresolved,
+        checked,
+    } = &tally;
+    let [drawn, refused, checked] = [drawn, refused, checked].map(|cell| f64::from(cell.get()));
+    let told = format!(
+        "{drawn} cases: {refused} refused, {} not converged, {} not resolved, {checked} checked",
+        unconverged.get(),
+        unresolved.get()
+    );
+    println!("{told}");
+    assert!(checked >= share * (drawn - refused), "{told}");
+}
+
+#[test]
+fn pressed_contacts_meet_the_contact_conditions() {
+    check(400, &indented(), 0.9, |(system, indentation), tally| {
         let press = |system: &System| {
             let load = Load::Indentation(indentation);
-            solution(fakir::press(system, load, Method::default(), &Run::default()))
+            solution(fakir::press(
+                system,
+                load,
+                Method::default(),
+                &Run::default(),
+            ))
         };
-        let Some(state) = press(&system)? else { return Ok(()) };
+        let Some(state) = press(&system)? else {
+            count(&tally.refused);
+            return Ok(());
+        };
         prop_assert!((state.indentation - indentation).abs() <= 1e-14 * indentation);
         check_numbers(&state)?;
-        if !state.converged() || state.error.force > RESOLVED {
+        if !tally.counts(&state, state.error.force) {
             return Ok(());
         }
         check_tops(&state)?;
         let mirror = press(&mirrored(&system))?;
         prop_assert!(mirror.is_some_and(|mirror| is_reflection(&state, &mirror)));
-    }
-
-    #[test]
-    fn prescribed_forces_are_met((system, indentation) in indented(), part in log_uniform(1e-3, 1.0)) {
-        let press = |load| solution(fakir::press(&system, load, Method::default(), &Run::default()));
-        let Some(deep) = press(Load::Indentation(indentation))? else { return Ok(()) };
-        let force = part * deep.force.max(0.0);
-        let Some(state) = press(Load::Force(force))? else { return Ok(()) };
-        check_numbers(&state)?;
-        let resolved = |state: &ContactState| state.converged() && state.error.indentation < RESOLVED;
-        if force <= 0.0 || !resolved(&state) || !deep.converged() {
-            return Ok(());
-        }
-        prop_assert!((state.force / force - 1.0).abs() <= 1e-9, "{}", summary(&state));
-        let slack = 1.0 + state.error.indentation + deep.error.force;
-        prop_assert!(state.indentation <= slack * deep.indentation, "{}", summary(&state));
-        if let Some(back) = press(Load::Indentation(state.indentation))?
-            && back.converged()
-        {
-            // At the very touch of one more pillar, both with and without it is a solution.
-            let error = 1e-7 + back.error.force + 2.0 * state.error.indentation;
-            prop_assert!(same_force(&state, &back, error), "{:e}: {}", back.force, summary(&state));
-        }
-    }
+        count(&tally.checked);
+        Ok(())
+    });
 }
 
-proptest! {
-    #![proptest_config(cases(250))]
+#[test]
+fn prescribed_forces_are_met() {
+    let loaded = (indented(), log_uniform(1e-3, 1.0));
+    check(400, &loaded, 0.8, |((system, indentation), part), tally| {
+        let press = |load| {
+            solution(fakir::press(
+                &system,
+                load,
+                Method::default(),
+                &Run::default(),
+            ))
+        };
+        let Some(deep) = press(Load::Indentation(indentation))? else {
+            count(&tally.refused);
+            return Ok(());
+        };
+        let force = part * deep.force.max(0.0);
+        let Some(state) = press(Load::Force(force))? else {
+            count(&tally.refused);
+            return Ok(());
+        };
+        check_numbers(&state)?;
+        if force <= 0.0 {
+            // The lens has just come down to the first pillar.
+            count(&tally.refused);
+            return Ok(());
+        }
+        if !tally.counts(&deep, 0.0) || !tally.counts(&state, state.error.indentation) {
+            return Ok(());
+        }
+        prop_assert!(
+            (state.force / force - 1.0).abs() <= 1e-9,
+            "{}",
+            summary(&state)
+        );
+        let slack = 1.0 + state.error.indentation + deep.error.force;
+        prop_assert!(
+            state.indentation <= slack * deep.indentation,
+            "{}",
+            summary(&state)
+        );
+        if let Some(back) = press(Load::Indentation(state.indentation))? {
+            if !tally.counts(&back, 0.0) {
+                return Ok(());
+            }
+            // At the very touch of one more pillar, both with and without it is a solution.
+            let error = 1e-7 + back.error.force + 2.0 * state.error.indentation;
+            prop_assert!(
+                same_force(&state, &back, error),
+                "{:e}: {}",
+                back.force,
+                summary(&state)
+            );
+        }
+        count(&tally.checked);
+        Ok(())
+    });
+}
 
-    #[test]
-    fn critical_states_just_reach_the_floor(system in textures()) {
-        let transition =
-            |system: &System| solution(fakir::transition(system, Method::default(), &Run::default()));
-        let Some(critical) = transition(&system)? else { return Ok(()) };
+#[test]
+fn critical_states_just_reach_the_floor() {
+    check(250, &textures(), 0.9, |system, tally| {
+        let transition = |system: &System| {
+            solution(fakir::transition(
+                system,
+                Method::default(),
+                &Run::default(),
+            ))
+        };
+        let Some(critical) = transition(&system)? else {
+            count(&tally.refused);
+            return Ok(());
+        };
         let state = &critical.contact;
         check_numbers(state)?;
         let floor_first = system.lens().sag(nearest_edge(&system)) >= system.pillar().height;
         prop_assert_eq!(critical.regime == Regime::BottomFirst, floor_first);
-        if !state.converged() || state.error.force > RESOLVED {
+        if !tally.counts(state, state.error.force) {
             return Ok(());
         }
         prop_assert!(state.indentation >= system.pillar().height * (1.0 - 1e-12));
@@ -381,9 +499,26 @@ proptest! {
         // their errors. What the method claims where the edge crosses pillar tops is 1e-5.
         let angle = system.lattice().offset_angle + PI / 3.0;
         if let Some(turned) = transition(&turned_to(&system, angle))? {
-            let claimed = if state.pillars_partially_in_contact > 0 { 1e-5 } else { 1e-9 };
+            let claimed = if state.pillars_partially_in_contact > 0 {
+                1e-5
+            } else {
+                1e-9
+            };
             let error = claimed + 3.0 * (state.error.force + turned.contact.error.force);
-            prop_assert!(same_force(state, &turned.contact, error), "{}", summary(state));
+            prop_assert!(
+                same_force(state, &turned.contact, error),
+                "{}",
+                summary(state)
+            );
         }
-    }
+        count(&tally.checked);
+        Ok(())
+    });
+}
+
+/// A test of which nothing is checked fails.
+#[test]
+#[should_panic(expected = "0 checked")]
+fn unchecked_cases_are_no_success() {
+    check(20, &indented(), 0.5, |_, _| Ok(()));
 }

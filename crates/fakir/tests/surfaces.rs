@@ -134,9 +134,76 @@ fn indentation_counts_from_the_highest_point() {
         .with_axis_at([30.0e-6, 0.0])
         .unwrap();
     let system = SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap();
-    let contact = press(&system, Load::Indentation(0.2e-6));
-    assert!(contact.force > 1.5 * hertz);
+    // It goes on beyond the map.
+    let refused = system.press(Load::Indentation(0.2e-6), &Run::default());
+    assert!(matches!(refused, Err(SurfaceError::SurfaceEnds { .. })));
+}
+
+/// The surface is cut off within the contact: no number is given, but the width that would do.
+#[test]
+fn a_surface_that_ends_within_the_contact_is_refused() {
+    let pattern = |width: f64| {
+        let cells = 8 * (width / 6.0e-6).ceil() as usize;
+        let grid = Grid::centred(cells, cells, width / cells as f64).expect("a grid");
+        let arrangement = Arrangement::Hexagonal(paper_lattice(0.03, 0.0));
+        let pillar = PillarShape::cylinder(6.0e-6, 2.2e-6);
+        let surface = Pattern::new(pillar, arrangement)
+            .height_map(&grid, &rubber())
+            .expect("a valid surface");
+        let lens = Indenter::Lens(paper_lens());
+        SurfaceSystem::new(lens, rubber(), surface, Boundary::FreeSpace)
+            .expect("a valid system")
+            .continued()
+    };
+    let run = Run::default();
+    // The border of 100 um lies between pillars, 33 um apart: none of them is cut.
+    for load in [Load::Indentation(3.0e-6), Load::Force(0.2e-3)] {
+        let Err(SurfaceError::SurfaceEnds { sides, needed }) = pattern(100e-6).press(load, &run)
+        else {
+            panic!("{load:?}: the contact is 200 um wide");
+        };
+        assert!((sides[0] / 100e-6 - 1.0).abs() < 1e-9 && needed > 200e-6);
+        // What is said to do does, and more changes nothing.
+        let enough = press(&pattern(needed), load);
+        let wide = press(&pattern(1.3 * needed), load);
+        let errors = enough.error.unwrap().force + wide.error.unwrap().force + 1e-6;
+        assert!((enough.force / wide.force - 1.0).abs() < errors.max(5e-3));
+        assert!((enough.contact_area / wide.contact_area - 1.0).abs() < 0.02);
+        assert!(enough.warnings.is_empty());
+    }
+    let floor = Floor::OffPillars;
+    let refused = pattern(100e-6).transition(floor, &run);
+    assert!(matches!(refused, Err(SurfaceError::SurfaceEnds { .. })));
+    assert!(pattern(300e-6).transition(floor, &run).is_ok());
+    // A contact that stays inside is no concern of the border.
+    assert!(
+        pattern(100e-6)
+            .press(Load::Indentation(0.2e-6), &run)
+            .is_ok()
+    );
+}
+
+/// What is around a map is unknown: it is judged by what is near its border.
+#[test]
+fn a_map_ends_where_its_border_is_reached() {
+    let run = Run::default();
+    let flat = flat(64);
+    assert!(flat.press(Load::Indentation(0.3e-6), &run).is_ok());
+    // Hertz's radius of 22 um is beyond the border at 20 um.
+    let refused = flat.press(Load::Indentation(0.5e-6), &run);
+    let Err(SurfaceError::SurfaceEnds { needed, .. }) = refused else {
+        panic!("{refused:?}");
+    };
+    assert!(needed > 44e-6 && needed < 80e-6);
+    // One pillar, with floor far below around it, bears the lens alone, as wide as that is.
+    let grid = Grid::centred(48, 48, 0.5e-6).unwrap();
+    let pillar = |[x, y]: [f64; 2]| if x.hypot(y) < 4e-6 { 5e-6 } else { 0.0 };
+    let alone = HeightMap::from_height(grid, pillar).unwrap();
+    let alone = SurfaceSystem::new(lens(), rubber(), alone, Boundary::FreeSpace).unwrap();
+    let contact = press(&alone, Load::Indentation(0.5e-6));
     assert!(contact.warnings.contains(&SurfaceWarning::ReachesBorder));
+    let refused = alone.continued().press(Load::Indentation(0.5e-6), &run);
+    assert!(matches!(refused, Err(SurfaceError::SurfaceEnds { .. })));
 }
 
 #[test]
@@ -586,7 +653,9 @@ fn rough_surfaces_meet_the_contact_conditions_everywhere() {
         (Boundary::Periodic, plate),
     ] {
         let system = rough(boundary, indenter);
-        for force in [1.0e-9, 1.0e-6, 1.0e-4] {
+        // The contact of the lens stays away from the border.
+        let scale = if indenter == plate { 1.0 } else { 1.0e-3 };
+        for force in [1.0e-9, 1.0e-6, 1.0e-4].map(|force| scale * force) {
             let contact = press(&system, Load::Force(force));
             assert!((contact.force / force - 1.0).abs() < 1e-12);
             let again = press(&system, Load::Indentation(contact.indentation));

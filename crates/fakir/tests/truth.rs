@@ -11,7 +11,7 @@ use fakir::contact::{
     PunchForm, Regime, Run, SolveError, Stage, Warning,
 };
 use fakir::system::{
-    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, Quantity, System, Texture,
+    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
 };
 use squares::CoveredPillars;
 use std::f64::consts::PI;
@@ -617,78 +617,6 @@ fn floor_is_reached_before_any_pillar() {
 }
 
 const PUNCH: Method = Method::Punch(PunchForm::Corrected);
-const METHODS: [Method; 5] = [
-    Method::Spectral(Accuracy::Default),
-    ACCURATE,
-    PUNCH,
-    Method::Punch(PunchForm::Plain),
-    Method::Homogenised,
-];
-
-#[test]
-fn loads_that_cannot_be_are_refused() {
-    let system = intermediate(0.03, 0.2, 0.0);
-    for method in METHODS {
-        for value in [-1e-9, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            for (load, quantity) in [
-                (Load::Indentation(value), Quantity::Indentation),
-                (Load::Force(value), Quantity::Force),
-            ] {
-                match fakir::press(&system, load, method, &Run::default()) {
-                    Err(SolveError::InvalidQuantity(refused)) => {
-                        assert_eq!(refused.quantity, quantity);
-                        assert_eq!(refused.value.to_bits(), value.to_bits());
-                    }
-                    other => panic!("{method:?} {load:?}: {other:?}"),
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn nothing_is_touched_without_load() {
-    for method in METHODS {
-        for offset in [0.0, 0.5] {
-            let system = intermediate(0.01, offset, 0.0);
-            for load in [Load::Indentation(0.0), Load::Force(0.0)] {
-                let state = press(&system, load, method);
-                assert!(state.force.abs() < f64::MIN_POSITIVE);
-                assert_eq!(state.pillars_in_contact, 0);
-                assert!(!state.beyond_transition());
-            }
-            if method == Method::default() {
-                let touching = press(&system, Load::Force(0.0), method);
-                let sag = system.lens().sag(nearest_edge(&system));
-                assert!((touching.indentation - sag).abs() < 1e-18);
-            }
-        }
-    }
-}
-
-#[test]
-fn cancelled_computations_stop() {
-    let system = intermediate(0.1, 0.2, 0.0);
-    let cancel = CancelToken::default();
-    cancel.cancel();
-    let run = Run {
-        cancel,
-        ..Run::default()
-    };
-    for method in METHODS {
-        assert_eq!(
-            fakir::transition(&system, method, &run).err(),
-            Some(SolveError::Interrupted),
-            "{method:?}"
-        );
-        let load = Load::Indentation(3e-6);
-        assert_eq!(
-            fakir::press(&system, load, method, &run).err(),
-            Some(SolveError::Interrupted),
-            "{method:?}"
-        );
-    }
-}
 
 /// From within: the listener to progress stops the computation it hears of, at every stage.
 #[test]
@@ -765,28 +693,6 @@ fn contacts_too_wide_are_refused_early() {
         Some(SolveError::ContactExceedsLens { .. })
     ));
     assert!(!in_full.into_inner());
-}
-
-#[test]
-fn memory_is_limited() {
-    let system = intermediate(0.1, 0.0, 0.0);
-    let run = Run {
-        memory_limit: Some(10_000),
-        ..Run::default()
-    };
-    for method in [Method::default(), ACCURATE, PUNCH] {
-        match fakir::transition(&system, method, &run) {
-            Err(SolveError::TooLarge {
-                pillars,
-                bytes,
-                limit,
-            }) => {
-                assert_eq!(limit, 10_000);
-                assert!(bytes > limit && pillars > 100);
-            }
-            other => panic!("{method:?}: {other:?}"),
-        }
-    }
 }
 
 /// A lens of 60 um: its contact soon is no longer small.

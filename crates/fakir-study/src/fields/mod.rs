@@ -12,7 +12,7 @@ mod vti;
 
 use crate::output::File;
 use crate::provenance::Provenance;
-use fakir::contact::{ContactState, FieldSamples, Fields, Run, SolveError};
+use fakir::contact::{ContactState, FieldSamples, Run, SolveError};
 use fakir::love::{Floor, SurfaceContact, SurfaceSystem};
 use fakir::system::Point;
 

@@ -42,6 +42,7 @@ pub use parameter::Parameter;
 pub use report::FitSummary;
 
 use fakir::contact::{Run, SolveError, Termination};
+use fakir::convergence::{larger, within};
 use fakir_case::{CaseError, CaseFile};
 use least_squares::Linear;
 use model::{Derivatives, Model, State};
@@ -621,7 +622,7 @@ impl<'a> Search<'a> {
                 });
             }
             let least = LEAST_SCATTER * if largest > 0.0 { largest } else { 1.0 };
-            self.scatter[quantity as usize] = own_variance(&terms, freedom).sqrt().max(least);
+            self.scatter[quantity as usize] = larger(own_variance(&terms, freedom).sqrt(), least);
         }
         Ok(())
     }
@@ -657,7 +658,7 @@ impl<'a> Search<'a> {
             .iter()
             .zip(self.model.free)
             .map(|(step, parameter)| step.abs() / parameter.longest_step())
-            .fold(1.0, f64::max);
+            .fold(1.0, larger);
         step.into_iter().map(|step| step / excess).collect()
     }
 
@@ -665,11 +666,17 @@ impl<'a> Search<'a> {
     fn is_at_end(&self, gain: f64) -> bool {
         let covariance = self.covariance();
         let step = self.step(0.0);
+        // Without a sum of squares there is nothing to be at the end of.
+        if !within(self.chi_square(), f64::MAX) {
+            return false;
+        }
         let near = |(j, step): (usize, &f64)| {
-            step.abs() <= EXACT.max(SMALL * covariance[j][j].max(0.0).sqrt())
+            let deviation = larger(covariance[j][j], 0.0).sqrt();
+            within(step.abs(), larger(EXACT, SMALL * deviation))
         };
-        let at_kink = gain < NO_GAIN || self.iterations > PATIENCE;
-        step.iter().enumerate().all(near) || at_kink && self.promised(&step) < LITTLE_PROMISED
+        let at_kink = within(gain, NO_GAIN) || self.iterations > PATIENCE;
+        step.iter().enumerate().all(near)
+            || at_kink && within(self.promised(&step), LITTLE_PROMISED)
     }
 
     fn run(&mut self, run: &Run<'_>) -> Result<Termination, FitError> {

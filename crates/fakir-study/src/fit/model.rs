@@ -5,6 +5,7 @@ use super::measurements::{Measurement, Measurements, Position};
 use super::parameter::{Parameter, value_of};
 use super::{FitError, FitOptions};
 use fakir::contact::{ContactState, Load, Method, Run, SolveError};
+use fakir::convergence::within;
 use fakir_case::{Case, CaseFile};
 use rayon::prelude::*;
 
@@ -263,7 +264,7 @@ impl<'a> Model<'a> {
             return Ok(solve(target)?);
         }
         let excess = |state: &State| state.indentation + compliance * state.force - target;
-        let met = |state: &State| excess(state).abs() <= BALANCE * target;
+        let met = |state: &State| within(excess(state).abs(), BALANCE * target);
         let mut last = solve((target - compliance * likely_force).clamp(0.1 * target, target))?;
         let mut state = solve(target - compliance * last.force)?;
         for _ in 0..MOST_STEPS {

@@ -2,6 +2,7 @@
 
 use crate::checks::Findings;
 use crate::draw::Drawn;
+use fakir::Verdict;
 use std::collections::BTreeMap;
 
 /// Upper ends of the classes of error over estimate.
@@ -31,6 +32,7 @@ pub(crate) struct Report {
     unconverged: usize,
     verdicts: usize,
     disagreeing: usize,
+    undecided: usize,
     faults: Vec<String>,
     /// Ratio, and what it is of.
     worst: Vec<(f64, String)>,
@@ -44,9 +46,10 @@ impl Report {
         self.refused += usize::from(findings.refused);
         self.answers += findings.answers;
         self.unconverged += findings.unconverged;
-        if let Some(agrees) = findings.verdict {
+        if let Some(verdict) = &findings.verdict {
             self.verdicts += 1;
-            self.disagreeing += usize::from(!agrees);
+            self.disagreeing += usize::from(*verdict == Verdict::Disagree);
+            self.undecided += usize::from(matches!(verdict, Verdict::CannotTell(_)));
         }
         for fault in &findings.faults {
             self.faults
@@ -93,8 +96,13 @@ impl Report {
 
     pub(crate) fn print(&mut self) {
         println!(
-            "{} refused, {} answers, {} of them not converged; elements disagree in {} of {}",
-            self.refused, self.answers, self.unconverged, self.disagreeing, self.verdicts
+            "{} refused, {} answers, {} of them not converged; elements disagree in {} of {} and cannot tell in {}",
+            self.refused,
+            self.answers,
+            self.unconverged,
+            self.disagreeing,
+            self.verdicts,
+            self.undecided
         );
         println!("\nerror over estimate");
         print!("{:30}", "");

@@ -426,6 +426,33 @@ fn lowest_holes(
 mod tests {
     use super::*;
 
+    /// Displacements with one number that is none.
+    struct Odd(fn(&mut FieldJet));
+
+    impl FloorDisplacement for Odd {
+        fn displacement(&self, _: Point) -> [FieldJet; 2] {
+            let mut jets = [FieldJet::default(); 2];
+            self.0(&mut jets[1]);
+            jets
+        }
+    }
+
+    #[test]
+    fn no_point_is_the_lowest_among_undefined_ones() {
+        let problem = crate::contact::newton::tests::problem();
+        let cancel = CancelToken::default();
+        let lowest = |odd| FloorSearch::default().lowest(&problem, &Odd(odd), &cancel);
+        assert!(lowest(|_| ()).is_some());
+        for odd in [
+            |jet: &mut FieldJet| jet.value = f64::NAN,
+            |jet: &mut FieldJet| jet.value = f64::NEG_INFINITY,
+            |jet: &mut FieldJet| jet.gradient[1] = f64::NAN,
+            |jet: &mut FieldJet| jet.hessian[2] = f64::NAN,
+        ] {
+            assert!(lowest(odd).is_none());
+        }
+    }
+
     #[test]
     fn newton_step_descends_on_a_saddle() {
         let jet = FieldJet {

@@ -363,11 +363,11 @@ impl<'a> Newton<'a> {
                 && mismatch == Judgement::Good
                 && !self.found_lower_floor(&outcome)
             {
-                if change.local_failures == 0 {
-                    outcome.termination = Termination::Converged;
+                outcome.termination = if change.local_failures == 0 && self.bears(target) {
+                    Termination::Converged
                 } else {
-                    outcome.termination = Termination::Stagnated;
-                }
+                    Termination::Stagnated
+                };
                 return Ok(outcome);
             }
             tolerance = if change.pillars == 0 {
@@ -380,6 +380,17 @@ impl<'a> Newton<'a> {
             };
         }
         Ok(outcome)
+    }
+
+    /// Whether the pillars bear a prescribed force. So small a one that it changes the indentation by
+    /// less than its rounding, they do not.
+    fn bears(&self, target: Target) -> bool {
+        match target {
+            Target::Force(force) => {
+                within((self.force() - force).abs(), MISMATCH_TOLERANCE * force)
+            }
+            Target::Indentation(_) | Target::Floor => true,
+        }
     }
 
     /// Whether a search from scratch finds a lower point of the floor than the one that closed
@@ -898,4 +909,110 @@ enum Part<'a> {
     Present,
     /// The response to a given load.
     Source(&'a [f64]),
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::contact::PunchForm;
+    use crate::contact::spectral::solve_punch;
+    use crate::coupling::window::Window;
+    use crate::system::{
+        HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture,
+    };
+
+    /// The paper's pillars of rubber, the lens axis beside one of them.
+    pub(crate) fn problem() -> Problem {
+        let material = Material::new(2e6, 0.5);
+        let pillar = Pillar {
+            diameter: 6e-6,
+            height: 2.2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let lens = Lens {
+            radius: 2.2e-3,
+            material,
+        };
+        let lattice = HexagonalLattice::with_surface_fraction(0.03, 6e-6).offset_by(0.2);
+        let system = System::new(lens, material, Texture { pillar, lattice });
+        Problem::new(&system.expect("a valid system"))
+    }
+
+    fn newton<'a>(problem: &'a Problem, run: &'a Run<'a>) -> Newton<'a> {
+        let pair = PairCoupling::new(2, problem.lattice.pitch);
+        let window = Window::new(&problem.lattice, 3.0 * problem.lattice.pitch);
+        let top = PillarTop::new(8, 2, problem.column_compliance_ratio, 0.0);
+        let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
+        newton.touch_within(0.9 * problem.lattice.pitch);
+        newton
+    }
+
+    const TARGETS: [Target; 3] = [Target::Indentation(0.3), Target::Force(0.3), Target::Floor];
+
+    /// One number of the data that is none, on any pillar, touched or not, in any mode.
+    #[test]
+    fn undefined_loads_never_converge() {
+        let (problem, run) = (problem(), Run::default());
+        for target in TARGETS {
+            let outcome = newton(&problem, &run).solve(target, Purpose::Answer);
+            assert_eq!(outcome.unwrap().termination, Termination::Converged);
+        }
+        let size = newton(&problem, &run).own_load.len();
+        for place in (0..size).step_by(5) {
+            for target in TARGETS {
+                let mut newton = newton(&problem, &run);
+                newton.own_load[place] = f64::NAN;
+                let outcome = newton.solve(target, Purpose::Answer).unwrap();
+                assert_ne!(
+                    outcome.termination,
+                    Termination::Converged,
+                    "{place} {target:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn undefined_starts_never_converge() {
+        let (problem, run) = (problem(), Run::default());
+        for target in TARGETS {
+            for odd in [f64::NAN, f64::INFINITY] {
+                let mut newton = newton(&problem, &run);
+                newton.present.far[3] = odd;
+                newton.unit.far[3] = odd;
+                let outcome = newton.solve(target, Purpose::Answer).unwrap();
+                assert_eq!(outcome.termination, Termination::NotFinite, "{target:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn undefined_targets_and_pillars_never_converge() {
+        let run = Run::default();
+        // A refusal is no solution either.
+        let solve = |problem: &Problem, target| -> Option<Termination> {
+            let (form, purpose) = (PunchForm::Corrected, Purpose::Answer);
+            let solution = solve_punch(problem, target, Some(20.0), form, purpose, &run);
+            solution.ok().map(|solution| solution.outcome.termination)
+        };
+        let converged = Some(Termination::Converged);
+        for target in TARGETS {
+            assert_eq!(solve(&problem(), target), converged);
+        }
+        for target in [Target::Indentation(f64::NAN), Target::Force(f64::NAN)] {
+            assert_ne!(solve(&problem(), target), converged);
+        }
+        let soft = Problem {
+            column_compliance_ratio: f64::NAN,
+            ..problem()
+        };
+        let tall = Problem {
+            height: f64::NAN,
+            ..problem()
+        };
+        for target in TARGETS {
+            assert_ne!(solve(&soft, target), converged);
+        }
+        assert_ne!(solve(&tall, Target::Floor), converged);
+    }
 }

@@ -58,6 +58,12 @@ impl PivotSolver {
     pub(crate) fn solve(&mut self, matrix: &[f64], active: &mut [bool]) -> Pivoting {
         let count = self.constant.len();
         let scale = largest(self.constant.iter().copied());
+        if !scale.is_finite() {
+            return Pivoting {
+                converged: false,
+                steps: 0,
+            };
+        }
         let mut fewest = usize::MAX;
         let mut patience = PATIENCE;
         for steps in 1..=STEP_LIMIT {

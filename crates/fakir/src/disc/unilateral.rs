@@ -180,13 +180,12 @@ impl PillarTop {
             smallest = smaller(smallest, pressure);
             largest = larger(largest, pressure.abs());
         }
-        let on_cells = self.resolution.rings > 0;
-        if !touched && !(on_cells && rim.is_touched(load)) {
-            PillarStatus::Untouched
-        } else if touched && smallest >= -PRESSURE_TOLERANCE * largest {
+        if touched && smallest >= -PRESSURE_TOLERANCE * largest {
             PillarStatus::Full
-        } else {
+        } else if touched || (self.resolution.rings > 0 && rim.is_touched(load)) {
             PillarStatus::Partial
+        } else {
+            PillarStatus::Untouched
         }
     }
 }
@@ -336,6 +335,32 @@ mod tests {
         let mut coefficients = vec![0.0; top.count()];
         solver.coefficients(&top, load, &mut coefficients);
         (coefficients, active, pivoting)
+    }
+
+    #[test]
+    fn loads_that_are_no_numbers_have_no_solution() {
+        let top = PillarTop::new(8, 2, 0.3, 0.0);
+        let mut solver = LocalSolver::new(&top);
+        let tilted = project(2, |[x, _]| 0.2 + x);
+        assert!(
+            solver
+                .solve(&top, &tilted, &mut vec![false; top.count()])
+                .converged
+        );
+        for mode in 0..tilted.len() {
+            for odd in [f64::NAN, f64::INFINITY] {
+                let mut load = tilted.clone();
+                load[mode] = odd;
+                for guess in [false, true] {
+                    let mut active = vec![guess; top.count()];
+                    let pivoting = solver.solve(&top, &load, &mut active);
+                    assert!(!pivoting.converged, "{odd} in mode {mode}");
+                }
+            }
+            let mut load = tilted.clone();
+            load[mode] = f64::NAN;
+            assert_eq!(top.status(&load), PillarStatus::Partial, "mode {mode}");
+        }
     }
 
     #[test]

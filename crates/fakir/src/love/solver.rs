@@ -30,7 +30,7 @@
 
 use super::operator::Operator;
 use crate::contact::{CancelToken, Load, Termination};
-use crate::convergence::{Judgement, judge, larger, largest, smaller};
+use crate::convergence::{Judgement, judge, larger, largest, smaller, within};
 
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -195,7 +195,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             return;
         };
         let sum: f64 = self.pressure.iter().sum();
-        if sum > 0.0 {
+        if !within(sum, 0.0) {
             let scale = self.total / sum;
             self.pressure.iter_mut().for_each(|p| *p *= scale);
             return;
@@ -666,6 +666,65 @@ mod tests {
         let contact = press(Load::Indentation(0.0), None);
         assert_eq!(contact.termination, Termination::Converged);
         assert!(contact.pressure.iter().all(|p| p.abs() < f64::MIN_POSITIVE));
+    }
+
+    /// An operator that gives one displacement that is none.
+    struct Odd(Dense, f64);
+
+    impl Operator for Odd {
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+
+        fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+            self.0.apply(pressure, displacement);
+            displacement[7] = self.1;
+        }
+
+        fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
+            self.0.precondition(residual, direction);
+        }
+    }
+
+    #[test]
+    fn undefined_numbers_never_converge() {
+        for load in [Load::Indentation(0.01), Load::Force(1e-3)] {
+            for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let solve =
+                    |operator: &mut dyn Operator, separation: &[f64], start: Option<&[f64]>| {
+                        let settings = Settings {
+                            product_limit: 100,
+                            ..Settings::default()
+                        };
+                        let cancel = CancelToken::default();
+                        let contact =
+                            solve(operator, separation, 1e-4, load, start, &settings, &cancel);
+                        contact.termination
+                    };
+                // Under the lens, and far from it, where nothing is touched.
+                for element in [480, 0] {
+                    let (mut operator, mut separation, _) = sphere();
+                    separation[element] = odd;
+                    let ended = solve(&mut operator, &separation, None);
+                    assert_ne!(ended, Termination::Converged, "{load:?} {odd}");
+                    let (mut operator, separation, _) = sphere();
+                    let mut start = vec![1.0; separation.len()];
+                    start[element] = odd;
+                    let ended = solve(&mut operator, &separation, Some(start.as_slice()));
+                    // A negative start counts as none.
+                    assert!(
+                        odd < 0.0 || ended == Termination::NotFinite,
+                        "{load:?} {odd}"
+                    );
+                }
+                let (operator, separation, _) = sphere();
+                let ended = solve(&mut Odd(operator, odd), &separation, None);
+                assert_ne!(ended, Termination::Converged, "{load:?} {odd}");
+            }
+        }
+        for load in [Load::Indentation(f64::NAN), Load::Force(f64::NAN)] {
+            assert_eq!(press(load, None).termination, Termination::NotFinite);
+        }
     }
 
     #[test]

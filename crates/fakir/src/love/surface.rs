@@ -340,10 +340,6 @@ const LEVELS: usize = 3;
 const FEWEST_CELLS: usize = 16;
 
 /// Relative errors of the last of the forces and indentations on smaller and smaller cells.
-#[expect(
-    clippy::float_cmp,
-    reason = "zero is what no cell in contact gives, and nothing else"
-)]
 fn estimate(history: &[[f64; 2]]) -> Option<ErrorEstimate> {
     let (&last, coarser) = history.split_last()?;
     let &before = coarser.last()?;
@@ -630,4 +626,72 @@ pub enum SurfaceError {
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::love::HeightMap;
+
+    fn contact() -> SurfaceContact {
+        let material = Material::new(2e6, 0.5);
+        let lens = Indenter::Lens(Lens {
+            radius: 1e-3,
+            material,
+        });
+        let grid = Grid::centred(32, 32, 1.25e-6).unwrap();
+        let flat = HeightMap::from_height(grid, |_| 0.0).unwrap();
+        let system = SurfaceSystem::new(lens, material, flat, Boundary::FreeSpace).unwrap();
+        let load = Load::Indentation(0.1e-6);
+        system.press(load, &Run::default()).unwrap()
+    }
+
+    #[test]
+    fn no_number_that_is_none_gets_out() {
+        let contact = contact();
+        assert!(contact.clone().checked().is_ok());
+        let places: [fn(&mut SurfaceContact) -> &mut f64; 12] = [
+            |contact| &mut contact.force,
+            |contact| &mut contact.indentation,
+            |contact| &mut contact.contact_area,
+            |contact| contact.contact_radius.as_mut().unwrap(),
+            |contact| &mut contact.error.as_mut().unwrap().force,
+            |contact| &mut contact.error.as_mut().unwrap().indentation,
+            |contact| &mut contact.certificate.energy_bound,
+            |contact| &mut contact.certificate.interpenetration,
+            |contact| &mut contact.certificate.gap_under_pressure,
+            |contact| &mut contact.pressure[17],
+            |contact| &mut contact.displacement[17],
+            |contact| &mut contact.gap[17],
+        ];
+        for place in places {
+            for odd in [f64::NAN, f64::NEG_INFINITY] {
+                let mut bad = contact.clone();
+                *place(&mut bad) = odd;
+                let error = bad.checked().unwrap_err();
+                assert!(matches!(error, SurfaceError::NotFinite { .. }));
+            }
+            let mut signed = contact.clone();
+            *place(&mut signed) = -0.0;
+            let mut plain = signed.checked().unwrap();
+            assert_eq!(place(&mut plain).to_bits(), 0f64.to_bits());
+        }
+    }
+
+    #[test]
+    fn estimates_keep_what_is_undefined() {
+        let of_forces = |forces: [f64; 3]| {
+            let history = forces.map(|force| [force, 1.0]);
+            estimate(&history).unwrap().force
+        };
+        assert!((of_forces([0.7, 0.9, 1.0]) - 0.1).abs() < 1e-12);
+        assert!((of_forces([0.5, 1.0, 1.0]) - 0.25).abs() < 1e-12);
+        for place in 0..3 {
+            let mut forces = [0.7, 0.9, 1.0];
+            forces[place] = f64::NAN;
+            assert!(of_forces(forces).is_nan());
+        }
+        // Touched on large cells only: nothing is known.
+        assert!((of_forces([0.2, 0.1, 0.0]) - 1.0).abs() < 1e-12);
+    }
 }

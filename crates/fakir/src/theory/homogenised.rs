@@ -449,8 +449,29 @@ mod tests {
             assert_eq!(state.pillars_in_contact, 0);
             assert!((state.smallest_floor_gap - system.pillar().height).abs() < 1e-20);
         }
-        let tiny = press(&system, Load::Indentation(1e-30), &Run::default()).unwrap();
+        let tiny = press(&system, Load::Indentation(4e-26), &Run::default()).unwrap();
         assert!(tiny.force > 0.0 && tiny.pillars_in_contact == 1 && tiny.converged());
+    }
+
+    #[test]
+    fn undefined_numbers_are_no_solution() {
+        let system = intermediate(0.1);
+        let lattice = HomogenisedLattice::new(&system).unwrap();
+        let soft = HomogenisedLattice {
+            layer_compliance: f64::NAN,
+            ..lattice
+        };
+        for (lattice, target) in [
+            (soft, Target::Indentation(1e-6)),
+            (soft, Target::Force(1e-4)),
+            (lattice, Target::Indentation(f64::NAN)),
+            (lattice, Target::CentralPressure(f64::NAN)),
+        ] {
+            let error = solve(&system, &lattice, target).unwrap_err();
+            assert!(matches!(error, SolveError::NotFinite { .. }), "{error}");
+        }
+        assert!(relative_difference(f64::NAN, 1.0).is_nan());
+        assert!(relative_difference(1.0, f64::NAN).is_nan());
     }
 
     #[test]
