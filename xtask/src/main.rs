@@ -1,6 +1,8 @@
-//! `cargo xtask test`: every check, as continuous integration runs it.
+//! `cargo xtask test`: every check, as continuous integration runs it; `cargo xtask campaign`: as many random
+//! systems as there is time for.
 
 mod browser;
+mod campaign;
 mod instructions;
 mod package;
 mod python;
@@ -34,7 +36,8 @@ const CHECKS: &[(&str, &[&str])] = &[
 type Other = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
 
 /// Come last: they use the program that the tests were run on.
-const OTHERS: [Other; 3] = [
+const OTHERS: [Other; 4] = [
+    ("campaign", "random systems", campaign::check),
     ("instructions", "counts of valgrind", instructions::check),
     ("python", "pytest tests/python", python::check),
     ("browser", "pytest tests/browser", browser::check),
@@ -48,13 +51,18 @@ fn main() -> ExitCode {
     };
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["record", "instructions"] => run_one(&cargo(), "instructions", instructions::record),
+        ["campaign", ref options @ ..] => {
+            run_one(&cargo(), "campaign", |cargo| campaign::long(cargo, options))
+        }
         ["test"] => run_checks(|_| true),
         ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
         _ => {
             let names = names().collect::<Vec<_>>().join(", ");
             eprintln!(
                 "usage: cargo xtask test [CHECK]          every check, or one of: {names}\n       \
-                 cargo xtask record instructions    the counts to compare with from now on"
+                 cargo xtask record instructions    the counts to compare with from now on\n       \
+                 cargo xtask campaign [--seconds T] [--systems N] [--seed S] [--only NUMBER]\n       \
+                                                    random systems: do estimates cover their errors?"
             );
             ExitCode::from(2)
         }
@@ -95,7 +103,7 @@ fn cargo() -> OsString {
     std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
 }
 
-fn run_one(cargo: &OsStr, name: &str, check: fn(&OsStr) -> Result<(), String>) -> ExitCode {
+fn run_one(cargo: &OsStr, name: &str, check: impl Fn(&OsStr) -> Result<(), String>) -> ExitCode {
     match check(cargo) {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {

@@ -1,0 +1,25 @@
+//! Random systems over all that is allowed, and whether every estimate covers its error: the example
+//! `campaign` of the crate `fakir`.
+
+use crate::python::run;
+use std::ffi::OsStr;
+use std::process::Command;
+
+/// Systems of the check, always the same; `cargo xtask campaign` draws others.
+const SYSTEMS: &str = "300";
+
+/// The short campaign of the checks, by the program that the tests have built.
+pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
+    let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
+    run(Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]))?;
+    let campaign = executable.with_file_name("examples").join("campaign");
+    run(Command::new(campaign).args(["--systems", SYSTEMS, "--seed", "1"]))
+}
+
+/// A campaign with the given options.
+pub(crate) fn long(cargo: &OsStr, options: &[&str]) -> Result<(), String> {
+    let mut command = Command::new(cargo);
+    command.args(["run", "--release", "--locked", "--package", "fakir"]);
+    command.args(["--example", "campaign", "--"]).args(options);
+    run(&mut command)
+}
