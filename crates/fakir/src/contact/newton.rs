@@ -941,7 +941,12 @@ pub(crate) mod tests {
     fn newton<'a>(problem: &'a Problem, run: &'a Run<'a>) -> Newton<'a> {
         let pair = PairCoupling::new(2, problem.lattice.pitch);
         let window = Window::new(&problem.lattice, 3.0 * problem.lattice.pitch);
-        let top = PillarTop::new(8, 2, problem.column_compliance_ratio, 0.0);
+        let resolution = Resolution {
+            nodes: 8,
+            turn: 0.0,
+            rings: 10,
+        };
+        let top = PillarTop::new(resolution, 2, problem.column_compliance_ratio);
         let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
         newton.touch_within(0.9 * problem.lattice.pitch);
         newton

@@ -339,7 +339,11 @@ mod tests {
 
     #[test]
     fn loads_that_are_no_numbers_have_no_solution() {
-        let top = PillarTop::new(8, 2, 0.3, 0.0);
+        let resolution = Resolution {
+            rings: 10,
+            ..nodes(8)
+        };
+        let top = PillarTop::new(resolution, 2, 0.3);
         let mut solver = LocalSolver::new(&top);
         let tilted = project(2, |[x, _]| 0.2 + x);
         assert!(
@@ -359,7 +363,8 @@ mod tests {
             }
             let mut load = tilted.clone();
             load[mode] = f64::NAN;
-            assert_eq!(top.status(&load), PillarStatus::Partial, "mode {mode}");
+            let status = top.status(&load, &mut Rim::new(2));
+            assert_eq!(status, PillarStatus::Partial, "mode {mode}");
         }
     }
 
