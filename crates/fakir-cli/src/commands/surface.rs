@@ -7,6 +7,7 @@ use crate::report::surface::{pressed, reached};
 use crate::session::Session;
 use fakir::contact::Load;
 use fakir_case::SurfaceCase;
+use fakir_study::fields::{FieldMap, MOST_POINTS};
 use std::time::Instant;
 
 pub(crate) fn press(
@@ -15,7 +16,7 @@ pub(crate) fn press(
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
-    check_maps(maps)?;
+    check_maps(case, maps, session)?;
     let start = Instant::now();
     let contact = case.system.press(load, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
@@ -27,7 +28,7 @@ pub(crate) fn transition(
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
-    check_maps(maps)?;
+    check_maps(case, maps, session)?;
     let Some(floor) = case.floor else {
         return Err(Failure::Argument(
             "surface.floor is missing: a height map has no pillars that would tell which part of \
@@ -41,9 +42,14 @@ pub(crate) fn transition(
     Ok(reached(case, &critical, maps, wall_time))
 }
 
-/// A surface has its fields on its own cells.
-fn check_maps(maps: Maps) -> Result<(), Failure> {
+/// A surface has its fields on its own cells, which are saved if there are not too many.
+fn check_maps(case: &SurfaceCase, maps: Maps, session: &Session) -> Result<(), Failure> {
+    let grid = case.system.surface().grid();
     match maps {
+        Maps::Points(None) if grid.cell_count() <= MOST_POINTS * MOST_POINTS => {
+            let sides = [grid.columns(), grid.rows()];
+            Ok(FieldMap::check_memory(sides, &session.run())?)
+        }
         Maps::Points(Some(_)) => Err(Failure::Argument(
             "--field-points is for textures: the fields of a surface are saved on its own cells, as \
              many as its file or surface.grid gives"
