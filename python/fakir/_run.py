@@ -19,8 +19,7 @@ def options(
     memory_limit: int | None = None,
 ) -> _fakir.Options:
     """Checked options for the extension module."""
-    if threads < 0:
-        raise ValueError(f"threads is {threads}: give 1 or more, or 0 for all processors")
+    warn_of_threads(threads, depth=3)
     if memory_limit is not None and memory_limit <= 0:
         raise ValueError(f"memory_limit is {memory_limit}: give a number of bytes")
     if progress is not None and not callable(progress):
@@ -30,6 +29,15 @@ def options(
         )
     limit = None if memory_limit is None else int(memory_limit)
     return {"threads": threads, "memory_limit": limit, "progress": progress}
+
+
+def warn_of_threads(threads: int, depth: int = 2) -> None:
+    """Refuses numbers that cannot be, and warns of more than there are processors."""
+    if threads < 0:
+        raise ValueError(f"threads is {threads}: give 1 or more, or 0 for all processors")
+    warning = _fakir.threads_warning(threads)
+    if warning is not None:
+        warn([warning], depth)
 
 
 def warn(texts: Iterable[str], depth: int = 2) -> None:

@@ -169,21 +169,28 @@ class ContactState:
             self._pillars = pillars
         return self._pillars
 
-    def pressure(self, x: object, y: object, *, threads: int = 1) -> Any:
+    def pressure(
+        self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
+    ) -> Any:
         """Contact pressure (Pa) at points (m from the lens axis), which are broadcast.
 
         At the rim of a pillar that is fully in contact it is infinite: `on_grid` gives means over
-        cells, which are not.
+        cells, which are not. ``memory_limit`` is in bytes; 8 GB if
+        not given.
         """
-        return self._field(2, x, y, threads)
+        return self._field(2, x, y, threads, memory_limit)
 
-    def gap(self, x: object, y: object, *, threads: int = 1) -> Any:
+    def gap(
+        self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
+    ) -> Any:
         """Gap (m) between the lens and what is below it: pillar top or floor."""
-        return self._field(1, x, y, threads)
+        return self._field(1, x, y, threads, memory_limit)
 
-    def displacement(self, x: object, y: object, *, threads: int = 1) -> Any:
+    def displacement(
+        self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
+    ) -> Any:
         """How far the pressure has moved the two surfaces apart (m), pillars not shortened."""
-        return self._field(0, x, y, threads)
+        return self._field(0, x, y, threads, memory_limit)
 
     def on_pillar(self, x: object, y: object) -> Any:
         """Whether points are on a pillar top rather than above the floor."""
@@ -191,7 +198,9 @@ class ContactState:
         found = self._state.on_pillar(*(np.ascontiguousarray(p).reshape(-1) for p in points))
         return found.reshape(points[0].shape)[()]
 
-    def on_grid(self, x: object, y: object, *, threads: int = 1) -> xarray.Dataset:
+    def on_grid(
+        self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
+    ) -> xarray.Dataset:
         """All fields on the grid of coordinates ``x`` and ``y`` (m), with units.
 
         The pressure, which is infinite at the rim of a covered pillar, is its mean over the cell
@@ -201,23 +210,29 @@ class ContactState:
         Needs xarray: ``pip install fakir[xarray]``.
         """
         across, along = _axis(x, "x"), _axis(y, "y")
+        _fakir.check_points(across.size * along.size, memory_limit)
         points = np.meshgrid(across, along)
-        found = self._state.grid(across, along, options(threads))
+        found = self._state.grid(across, along, options(threads, memory_limit=memory_limit))
         samples = self._shaped(found, points[0], points[1])
         on_pillar = self.on_pillar(points[0], points[1])
         return self._dataset(across, along, samples, on_pillar)
 
-    def to_xarray(self, points: int = 201, *, threads: int = 1) -> xarray.Dataset:
+    def to_xarray(
+        self, points: int = 201, *, threads: int = 1, memory_limit: int | None = None
+    ) -> xarray.Dataset:
         """All fields on a square grid around the contact, with so many points along a side."""
+        _fakir.check_points(points * points, memory_limit)
         reach = max(self.contact_radius, 0.5 * self.system.pitch) + self.system.pitch
         axis = np.linspace(-reach, reach, points)
-        return self.on_grid(axis, axis, threads=threads)
+        return self.on_grid(axis, axis, threads=threads, memory_limit=memory_limit)
 
     def to_dict(self) -> dict[str, Any]:
         """The object that ``fakir press --json`` prints: same names, same numbers."""
         return json.loads(self._state.json())  # type: ignore[no-any-return]
 
-    def _field(self, number: int, x: object, y: object, threads: int) -> Any:
+    def _field(
+        self, number: int, x: object, y: object, threads: int, memory_limit: int | None
+    ) -> Any:
         across, along = array(x, "length", "x"), array(y, "length", "y")
         try:
             points = np.broadcast_arrays(across, along)
@@ -225,11 +240,16 @@ class ContactState:
             raise ValueError(
                 f"x of shape {across.shape} and y of shape {along.shape} cannot be broadcast together"
             ) from None
-        return self._samples(points[0], points[1], threads)[number][()]
+        return self._samples(points[0], points[1], threads, memory_limit)[number][()]
 
-    def _samples(self, x: FloatArray, y: FloatArray, threads: int) -> list[FloatArray]:
+    def _samples(
+        self, x: FloatArray, y: FloatArray, threads: int, memory_limit: int | None
+    ) -> list[FloatArray]:
+        # Points that were broadcast have no memory of their own yet.
+        _fakir.check_points(x.size, memory_limit)
         flat = (np.ascontiguousarray(x).reshape(-1), np.ascontiguousarray(y).reshape(-1))
-        return self._shaped(self._state.sample(*flat, options(threads)), x, y)
+        found = self._state.sample(*flat, options(threads, memory_limit=memory_limit))
+        return self._shaped(found, x, y)
 
     def _shaped(
         self, samples: list[FloatArray] | None, x: FloatArray, y: FloatArray

@@ -17,7 +17,7 @@ import numpy as np
 
 from . import _fakir
 from ._format import Row, html_table, text_table
-from ._run import warn
+from ._run import warn, warn_of_threads
 from ._study import StudyLike, read_study
 from ._system import Overrides
 from ._worker import solve_batch
@@ -165,7 +165,7 @@ def sweep(
         Go on with the sweep that is in ``output``, or begin anew there. A line of its journal that is
         damaged is named in a `FakirWarning`, and its case is computed again.
     threads
-        To use if there is no executor; 0 for all processors.
+        To use if there is no executor; 0 for all processors, which are the most that are used.
     progress
         Called in this process with the cases done, found before, failed, and all. It stays here and
         need not be picklable.
@@ -193,6 +193,7 @@ def sweep(
             f"executor is of type {type(executor).__name__}: give one of concurrent.futures, a "
             "function that makes one, or client.get_executor() of a Dask client"
         )
+    warn_of_threads(threads)
     parsed = read_study(study, set)
     existing = "resume" if resume else "overwrite" if overwrite else "refuse"
     folder = None if output is None else fspath(output)

@@ -265,7 +265,7 @@ class System:
         cells_per_diameter, mesh, cells
             Of Love elements, as in a case file.
         threads
-            To share the work between; 0 for all processors.
+            To share the work between; 0 for all processors, which are the most that are used.
         progress
             Called now and then with the stage, the step, and the numbers of pillars solved and
             touched. An exception in it stops the computation.

@@ -111,6 +111,22 @@ def test_loads_that_cannot_be():
         assert system().press(indentation="5 um").beyond_transition
 
 
+def test_fields_count_against_the_memory_limit():
+    pytest.importorskip("xarray")
+    state = system().press(force="20 uN")
+    few = state.to_xarray(50, memory_limit=1_000_000)
+    assert few.sizes == {"x": 50, "y": 50}
+    for ask in [
+        lambda: state.to_xarray(100_000),  # 80 GB of coordinates alone
+        lambda: state.on_grid(np.zeros(100_000), np.zeros(100_000)),
+        lambda: state.gap(np.zeros((100_000, 1)), np.zeros(100_000)),
+    ]:
+        with pytest.raises(fakir.SolveError, match="fields at 10000000000 points take 1360.0 GB"):
+            ask()
+    with pytest.raises(fakir.SolveError, match="at most 7352 points, such as 85 by 85"):
+        state.pressure(np.zeros(10_000), 0.0, memory_limit=1_000_000)
+
+
 def test_arrays_of_points():
     state = system().press(force="20 uN")
     points = np.linspace(0, 30e-6, 5)

@@ -114,6 +114,15 @@ def test_the_interpreter_is_free_meanwhile():
     assert turns > 3
 
 
+def test_more_threads_than_processors_are_warned_of():
+    system = fakir.System.from_file(EXAMPLE)
+    study = {"system": system, "axes": {"surface_fraction": [0.01]}}
+    for run in [lambda: system.transition(threads=9999), lambda: fakir.sweep(study, threads=9999)]:
+        with pytest.warns(fakir.FakirWarning, match="9999 threads are more than") as told:
+            run()
+        assert [warning.filename for warning in told] == [__file__]
+
+
 def test_threads_do_not_change_the_answer():
     system = fakir.System.from_file(EXAMPLE)
     one, two = system.transition(threads=1), system.transition(threads=2)

@@ -135,6 +135,36 @@ def test_folders_are_not_overwritten(tmp_path):
         fakir.sweep(STUDY, resume=True)
 
 
+def test_overwriting_replaces_results_and_nothing_else(table, tmp_path):
+    folder = tmp_path / "out"
+    case = fakir.System.from_toml(STUDY.split("[lens]")[1].join(["[lens]", "[texture]\npitch = 2e-5\n"]))
+    program = os.environ["FAKIR"]
+    (tmp_path / "case.toml").write_text(case.to_toml())
+    theory = [program, "theory", str(tmp_path / "case.toml"), "--output", str(folder), "--quiet"]
+    subprocess.run(theory, check=True, stdout=subprocess.DEVNULL)
+    with pytest.raises(fakir.StudyError, match="not empty"):
+        fakir.sweep(STUDY, output=folder)
+    assert fakir.sweep(STUDY, output=folder, overwrite=True).to_csv() == table
+    assert not (folder / "summary.json").exists()
+    (folder / "notes.txt").write_text("mine")
+    with pytest.raises(fakir.StudyError, match=r"notes\.txt is not among the files"):
+        fakir.sweep(STUDY, output=folder, overwrite=True)
+    assert (folder / "table.csv").read_text() == table
+
+
+def test_a_damaged_line_is_named_and_its_case_computed_again(table, tmp_path):
+    fakir.sweep(STUDY, output=tmp_path / "out")
+    journal = tmp_path / "out" / "journal.jsonl"
+    lines = journal.read_text().splitlines(keepends=True)
+    lines[4] = lines[4].replace("top_first", "bottom_first")
+    journal.write_text("".join(lines))
+    with pytest.warns(fakir.FakirWarning, match=r"journal\.jsonl:5: this line is damaged") as told:
+        done = fakir.sweep(STUDY, output=tmp_path / "out", resume=True)
+    assert len(told) == 1 and told[0].filename == __file__
+    assert done.found == CASES - 1
+    assert done.to_csv() == table
+
+
 def test_what_is_no_study_or_no_executor():
     with pytest.raises(fakir.CaseError, match=r"axes"):
         fakir.sweep(STUDY.replace("surface_fraction =", "surface_friction ="))

@@ -230,7 +230,7 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn damaged(&self, problem: impl ToString) -> HeightMapError {
+    fn damaged(&self, problem: &(impl ToString + ?Sized)) -> HeightMapError {
         HeightMapError::NotNumpy {
             file: self.file.to_owned(),
             problem: problem.to_string(),
@@ -287,10 +287,10 @@ pub fn read_height_map(
     match extension.to_str() {
         Some("npy") => place(&file, parse_npy(&source, opened)?, scale),
         Some("npz") => {
-            let mut archive = ZipArchive::new(opened).map_err(|error| source.damaged(error))?;
+            let mut archive = ZipArchive::new(opened).map_err(|error| source.damaged(&error))?;
             let name = array_name(&source, &archive, array)?;
             let entry = archive.by_name(&format!("{name}.npy"));
-            let mut entry = entry.map_err(|error| source.damaged(error))?;
+            let mut entry = entry.map_err(|error| source.damaged(&error))?;
             let file = format!("{file}, array {name:?}");
             let source = Source {
                 file: &file,
@@ -301,7 +301,7 @@ pub fn read_height_map(
             match entry.read(&mut [0]) {
                 Ok(0) => place(&file, table, scale),
                 Ok(_) => Err(source.damaged("it goes on after its last element")),
-                Err(error) => Err(source.damaged(error)),
+                Err(error) => Err(source.damaged(&error)),
             }
         }
         _ => place(&file, parse_text(&source, opened)?, scale),
@@ -391,14 +391,14 @@ fn npy_header(source: &Source<'_>, mut data: impl Read) -> Result<NpyHeader, Hei
     // with the header behind them, and from version 2 on in four.
     let mut start = Vec::new();
     let read = data.by_ref().take(12).read_to_end(&mut start);
-    read.map_err(|error| source.damaged(error))?;
+    read.map_err(|error| source.damaged(&error))?;
     if let [_, _, _, _, _, _, version, _, a, b, c, d] = start[..]
         && version > 1
         && u32::from_le_bytes([a, b, c, d]) > LONGEST_HEADER
     {
         return Err(source.damaged("its header is longer than any that NumPy writes"));
     }
-    NpyHeader::from_reader(start.chain(data)).map_err(|error| source.damaged(error))
+    NpyHeader::from_reader(start.chain(data)).map_err(|error| source.damaged(&error))
 }
 
 fn parse_npy(source: &Source<'_>, mut data: impl Read) -> Result<Table, HeightMapError> {
@@ -418,7 +418,7 @@ fn parse_npy(source: &Source<'_>, mut data: impl Read) -> Result<Table, HeightMa
         count,
         needed,
     ) else {
-        return Err(source.damaged(format!("an array of {rows} by {columns} elements")));
+        return Err(source.damaged(&format!("an array of {rows} by {columns} elements")));
     };
     source.check_memory(count, || format!("{columns} by {rows} points"))?;
     let order = header.order();
@@ -426,7 +426,7 @@ fn parse_npy(source: &Source<'_>, mut data: impl Read) -> Result<Table, HeightMa
     let stored = read_elements(source, NpyFile::with_header(header, &mut data));
     let stored = match stored {
         Err(HeightMapError::NotNumpy { .. }) if data.limit() > 0 => {
-            return Err(source.damaged(format!(
+            return Err(source.damaged(&format!(
                 "it ends early: {needed} bytes of data expected, {} found",
                 needed - data.limit()
             )));
@@ -479,7 +479,7 @@ fn read_elements<R: Read>(
             });
         }
     };
-    values.map_err(|error| source.damaged(error))
+    values.map_err(|error| source.damaged(&error))
 }
 
 fn floats<T: Into<f64>>(values: io::Result<Vec<T>>) -> io::Result<Vec<f64>> {

@@ -8,7 +8,7 @@ use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 /// Largest case file, bytes.
-pub const LARGEST_CASE: u64 = 1_000_000;
+pub const LARGEST_CASE: u64 = 4_000_000;
 
 /// Largest study file, bytes: it may have long lists of values.
 pub const LARGEST_STUDY: u64 = 16_000_000;

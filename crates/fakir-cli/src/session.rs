@@ -1,8 +1,8 @@
 //! How a computation is run from a terminal: threads, memory, progress and Ctrl-C.
 
 use crate::arguments::RunArguments;
-use crate::failure::{Failure, INTERRUPTED};
-use fakir::contact::{CancelToken, Progress, Run};
+use crate::failure::{Failure, INTERRUPTED, tell};
+use fakir::contact::{CancelToken, Progress, Run, Threads};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::io::IsTerminal;
@@ -25,7 +25,7 @@ impl Session {
     pub(crate) fn start(options: &RunArguments, quiet: bool) -> Result<Self, Failure> {
         let cancel = CancelToken::default();
         stop_on_interrupt(cancel.clone());
-        let pool = match options.threads {
+        let pool = match threads(options.threads, quiet) {
             1 => None,
             threads => Some(ThreadPoolBuilder::new().num_threads(threads).build()?),
         };
@@ -81,6 +81,15 @@ impl Session {
             .as_ref()
             .map_or(1, ThreadPool::current_num_threads)
     }
+}
+
+/// How many threads are used where so many were asked for; warns if that is less.
+pub(crate) fn threads(asked: usize, quiet: bool) -> usize {
+    let threads = Threads::asked(asked);
+    if let Some(warning) = threads.warning().filter(|_| !quiet) {
+        tell(&format!("warning: {warning}"));
+    }
+    threads.number()
 }
 
 impl Drop for Session {

@@ -123,6 +123,110 @@ fn what_the_physics_refuses_is_status_3() {
     assert!(bench.files(".").is_empty());
 }
 
+/// 2048 points squared take 1.0 GB, 240 bytes each; it is known before anything is computed.
+#[test]
+fn fields_count_against_the_memory_limit() {
+    let bench = Bench::new();
+    let run = |points: &str| {
+        let limit = ["--memory-limit", "100MB", "--output", "results"];
+        let fields = ["transition", &intermediate(), "--field-points", points];
+        bench.run(&[&fields[..], &limit[..]].concat())
+    };
+    let outcome = run("2048");
+    assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains(
+            "fields at 4194304 points take 1.0 GB of memory; the limit is 100.0 MB: raise the limit, \
+             or ask for at most 416666 points, such as 645 by 645"
+        ),
+        "{}",
+        outcome.stderr
+    );
+    assert!(bench.files(".").is_empty());
+    assert_eq!(run("645").status, Some(0));
+}
+
+#[test]
+fn more_threads_than_processors_are_warned_of() {
+    let bench = Bench::new();
+    let processors = std::thread::available_parallelism().unwrap();
+    let told = format!(
+        "warning: 9999 threads are more than there are processors: {processors} are used\n"
+    );
+    bench.write(
+        "study.toml",
+        &format!(
+            "[study]\ncase = \"{}\"\n[axes]\npitch = [40e-6]\n",
+            intermediate()
+        ),
+    );
+    for arguments in [
+        &["transition", &intermediate()][..],
+        &["sweep", "study.toml"],
+    ] {
+        let outcome = bench.run(&[arguments, &["--threads", "9999"]].concat());
+        assert_eq!(
+            (outcome.status, &outcome.stderr),
+            (Some(0), &told),
+            "{arguments:?}"
+        );
+    }
+    bench.result(&[
+        "transition",
+        &intermediate(),
+        "--threads",
+        "9999",
+        "--quiet",
+    ]);
+}
+
+/// A device without end in the place of every file that is read.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_has_no_end_is_not_read_for_ever() {
+    let bench = Bench::new();
+    let endless = "/dev/zero";
+    bench.write(
+        "study.toml",
+        &format!("[study]\ncase = \"{endless}\"\n[axes]\npitch = [40e-6]\n"),
+    );
+    let case = intermediate();
+    let attempts: [(&[&str], &str); 6] = [
+        (&["transition", endless], "it has more than 4 MB"),
+        (&["sweep", endless], "it has more than 16 MB"),
+        (&["cite", endless], "it has more than 4 MB"),
+        (
+            &["fit", endless, "--case", &case, "--free", "contact_point"],
+            "it has more than 16 MB",
+        ),
+        (
+            &["reproduce", "paper", "--output", "x", "--measured", endless],
+            "it has more than 16 MB",
+        ),
+        (&["sweep", "study.toml"], "there is no file /dev/zero"),
+    ];
+    for (arguments, explanation) in attempts {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
+    }
+    let endless = std::fs::File::open(endless).unwrap();
+    let outcome = bench
+        .command(&["transition", "-"])
+        .stdin(endless)
+        .output()
+        .unwrap();
+    let outcome = Outcome::of(&outcome);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .contains("standard input: it has more than 4 MB"),
+        "{}",
+        outcome.stderr
+    );
+}
+
 #[test]
 fn what_cannot_be_cited_is_status_2() {
     let bench = Bench::new();
@@ -140,16 +244,91 @@ fn what_cannot_be_cited_is_status_2() {
     }
 }
 
+/// Two cases after each other in the same folder: refused, and with --overwrite nothing of the first
+/// remains beside the second.
 #[test]
-fn results_replace_older_ones_and_leave_nothing_else() {
+fn results_are_replaced_whole_or_not_at_all() {
     let bench = Bench::new();
-    let arguments = ["theory", &intermediate(), "--output", "."];
-    bench.result(&arguments);
-    let before = bench.files(".");
-    bench.write("summary.json", "old");
-    bench.result(&arguments);
-    assert_eq!(bench.files("."), before);
-    assert!(bench.read("summary.json").starts_with('{'));
+    let save = |command: &str, more: &[&str]| {
+        let arguments = [command, &intermediate(), "--output", "results", "--quiet"];
+        bench.run(&[&arguments, more].concat())
+    };
+    let small = ["--set", "texture.surface_fraction=0.01"];
+    assert_eq!(save("transition", &small).status, Some(0));
+    let before = bench.files("results");
+    assert!(before.contains(&"pillars.csv".to_owned()));
+    let summary = bench.read("results/summary.json");
+    for (command, more) in [
+        ("transition", &[][..]),
+        ("press", &["--force", "1uN"]),
+        ("approach", &[]),
+        ("verify", &[]),
+        ("theory", &[]),
+        ("compare", &[]),
+        ("design", &["--samples", "2"]),
+    ] {
+        let outcome = save(command, more);
+        assert_eq!(outcome.status, Some(2), "{command}: {}", outcome.stderr);
+        let told = "the folder results is not empty: choose another, or --overwrite";
+        assert!(
+            outcome.stderr.contains(told),
+            "{command}: {}",
+            outcome.stderr
+        );
+        assert_eq!(outcome.stdout, "");
+    }
+    assert_eq!(bench.files("results"), before);
+    assert_eq!(bench.read("results/summary.json"), summary);
+    // No figures, and no pillars.
+    let outcome = save("theory", &["--overwrite"]);
+    assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
+    let after = bench.files("results");
+    assert!(
+        !after.iter().any(|name| name.contains("pillar")),
+        "{after:?}"
+    );
+    assert!(after.contains(&"lattice_sums.csv".to_owned()), "{after:?}");
+    assert_eq!(bench.files("."), ["results"]);
+    // A sweep takes the place of other results too, and the other way round.
+    let study = format!(
+        "[study]\ncase = \"{}\"\n[axes]\npitch = [40e-6]\n",
+        intermediate()
+    );
+    bench.write("study.toml", &study);
+    let sweep = ["sweep", "study.toml", "--output", "results", "--overwrite"];
+    bench.result(&sweep);
+    let swept = [
+        "journal.jsonl",
+        "provenance.json",
+        "study.toml",
+        "table.csv",
+        "table.parquet",
+    ];
+    assert_eq!(bench.files("results"), swept);
+    assert_eq!(save("transition", &["--overwrite"]).status, Some(0));
+    assert!(!bench.path("results/journal.jsonl").exists());
+    // One's own notes are not lost, nor is a folder that has nothing to do with it.
+    bench.write("results/notes.txt", "mine");
+    let before = bench.files("results");
+    for outcome in [save("theory", &["--overwrite"]), bench.run(&sweep)] {
+        assert_eq!(outcome.status, Some(2), "{}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains("notes.txt is not among the files"),
+            "{}",
+            outcome.stderr
+        );
+    }
+    assert_eq!(bench.files("results"), before);
+    std::fs::create_dir(bench.path("home")).unwrap();
+    bench.write("home/letter.txt", "mine");
+    let outcome = bench.run(&["theory", &intermediate(), "--output", "home", "--overwrite"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("is no folder of results"),
+        "{}",
+        outcome.stderr
+    );
+    assert_eq!(bench.read("home/letter.txt"), "mine");
 }
 
 #[test]

@@ -22,7 +22,7 @@ fn what_is_designed_has_the_wanted_force() {
         let start = format!("{key}={from}");
         let mut arguments = vec!["design", &case, "--free", free, "--critical-force", "500uN"];
         arguments.extend(held);
-        arguments.extend(["--set", &start, "--output", "found"]);
+        arguments.extend(["--set", &start, "--output", "found", "--overwrite"]);
         let answer = bench.json(&arguments);
         assert_eq!(answer["design"]["status"], "found");
         let again = bench.json(&["transition", "found/case.toml"]);

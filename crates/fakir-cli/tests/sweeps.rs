@@ -118,6 +118,85 @@ fn shards_merge_into_the_same_tables() {
 }
 
 #[test]
+fn a_damaged_line_is_named_and_its_case_computed_again() {
+    let bench = bench();
+    for folder in ["whole", "1-of-2", "2-of-2"] {
+        let shard = if folder == "whole" {
+            "1/1".to_owned()
+        } else {
+            folder.replace("-of-", "/")
+        };
+        bench.result(&["sweep", "study.toml", "--output", folder, "--shard", &shard]);
+    }
+    let damage = |folder: &str| {
+        let path = format!("{folder}/journal.jsonl");
+        let journal = bench
+            .read(&path)
+            .replacen("critical_force_N\":", "critical_force_N\":1", 1);
+        bench.write(&path, &journal);
+        format!(
+            "{folder}/journal.jsonl:2: this line is damaged and left out: its checksum does not fit"
+        )
+    };
+    let expected = bytes(&bench, "whole");
+    let named = damage("whole");
+    let resume = ["sweep", "study.toml", "--output", "whole", "--resume"];
+    let outcome = bench.run(&resume);
+    assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.starts_with(&format!("warning: {named}")),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        outcome
+            .stderr
+            .trim_end()
+            .ends_with("; its case is computed again")
+    );
+    assert!(
+        outcome.stdout.contains("computed  1 in"),
+        "{}",
+        outcome.stdout
+    );
+    assert_eq!(bytes(&bench, "whole"), expected);
+    let again = bench.run(&resume);
+    assert!(
+        again
+            .stderr
+            .trim_end()
+            .ends_with("; every case is in another line")
+    );
+
+    let named = damage("2-of-2");
+    let merge = ["merge", "merged", "1-of-2", "2-of-2"];
+    let outcome = bench.run(&merge);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .contains("shard 2/2 in 2-of-2 is not complete"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(outcome.stderr.contains(&named), "{}", outcome.stderr);
+    let shard = [
+        "sweep",
+        "study.toml",
+        "--output",
+        "2-of-2",
+        "--shard",
+        "2/2",
+        "--resume",
+    ];
+    assert_eq!(bench.run(&shard).status, Some(0));
+    let outcome = bench.run(&merge);
+    assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains(&named), "{}", outcome.stderr);
+    assert_eq!(bytes(&bench, "merged"), expected);
+}
+
+#[test]
 fn what_cannot_be_is_status_2_and_touches_nothing() {
     let bench = bench();
     bench.write(

@@ -28,7 +28,7 @@ mod _fakir {
     #[pymodule_export]
     use super::fit::{Data, Fitted, fit};
     #[pymodule_export]
-    use super::state::{Critical, State, press, transition, verify};
+    use super::state::{Critical, State, check_points, press, transition, verify};
     #[pymodule_export]
     use super::study::{Ledger, Study, solve_cases};
     #[pymodule_export]
@@ -41,6 +41,8 @@ mod _fakir {
         hollow_potential, homogenised, inverse_power_sum, lattice_potential, phase, site_potential,
         sum_coefficients, transition_force,
     };
+    #[pymodule_export]
+    use super::watched::threads_warning;
 
     use super::*;
 

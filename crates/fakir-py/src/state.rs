@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::error::{solve_error, value_error};
 use crate::watched::{Options, watched};
 use fakir::Question;
-use fakir::contact::{ContactState, CriticalState, FieldSamples, Load, Method, PillarState};
+use fakir::contact::{ContactState, CriticalState, FieldSamples, Load, Method, PillarState, Run};
 use fakir::love::ElementMesh;
 use fakir::system::Point;
 use fakir_study::summary::{PressSummary, TransitionSummary};
@@ -147,6 +147,18 @@ fn arrays(py: Python<'_>, samples: FieldSamples) -> [Field<'_>; 3] {
         pressure,
     } = samples;
     [displacement, gap, pressure].map(|field| PyArray1::from_vec(py, field))
+}
+
+/// Whether fields at so many points fit the memory allowed, with the arrays of Python: coordinates
+/// twice, and the fields.
+#[pyfunction]
+pub(crate) fn check_points(points: usize, memory_limit: Option<usize>) -> PyResult<()> {
+    const BYTES_IN_PYTHON: usize = 56;
+    let run = Run {
+        memory_limit,
+        ..Run::default()
+    };
+    FieldSamples::check_memory(points, BYTES_IN_PYTHON, &run).map_err(|error| solve_error(&error))
 }
 
 /// A critical state.

@@ -4,7 +4,7 @@
 //! [`TICK`]: for signals, of which Ctrl-C raises `KeyboardInterrupt`, and for progress to be told. An
 //! exception in either stops the work and is raised as soon as it has stopped.
 
-use fakir::contact::{CancelToken, Progress, Run};
+use fakir::contact::{CancelToken, Progress, Run, Threads};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
@@ -17,7 +17,7 @@ const TICK: Duration = Duration::from_millis(50);
 /// How a computation is run.
 #[derive(FromPyObject)]
 pub(crate) struct Options {
-    /// 0 for as many as there are processors.
+    /// 0 for as many as there are processors, which are the most that are used.
     #[pyo3(item)]
     threads: usize,
     /// Bytes.
@@ -30,14 +30,21 @@ pub(crate) struct Options {
 
 impl Options {
     fn pool(&self) -> PyResult<Option<ThreadPool>> {
-        if self.threads == 1 {
+        let threads = Threads::asked(self.threads).number();
+        if threads == 1 {
             return Ok(None);
         }
-        let pool = ThreadPoolBuilder::new().num_threads(self.threads).build();
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         pool.map(Some).map_err(|error| {
             pyo3::exceptions::PyRuntimeError::new_err(format!("no threads: {error}"))
         })
     }
+}
+
+/// What to say about more threads than there are processors.
+#[pyfunction]
+pub(crate) fn threads_warning(threads: usize) -> Option<String> {
+    Threads::asked(threads).warning()
 }
 
 /// Runs a computation.

@@ -9,7 +9,9 @@
 
 use crate::answer::Row;
 use crate::error::{StudyError, memory};
-use crate::journal::{Contents, DamagedLine, Header, JOURNAL, Journal, first_difference, whole};
+use crate::journal::{
+    Contents, DamagedLine, Found, Header, JOURNAL, Journal, first_difference, whole,
+};
 use crate::output::{File, OutputError, Replace, is_empty, save, save_results};
 use crate::plan::{Plan, Shard, longest_first};
 use crate::provenance::Provenance;
@@ -265,7 +267,7 @@ fn go_on(
     journal: &mut Journal,
     header: &Header,
     study: &Study,
-) -> Result<Option<(BTreeMap<usize, Row>, Vec<DamagedLine>)>, StudyError> {
+) -> Result<Option<Found>, StudyError> {
     let Some(contents) = journal.read()? else {
         return Ok(None);
     };

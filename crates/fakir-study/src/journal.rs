@@ -348,6 +348,9 @@ impl fmt::Display for DamagedLine {
     }
 }
 
+/// The rows in a journal, and the lines that are left out.
+pub(crate) type Found = (BTreeMap<usize, Row>, Vec<DamagedLine>);
+
 /// What a journal holds.
 pub(crate) struct Contents {
     path: PathBuf,
@@ -399,7 +402,7 @@ impl Contents {
     }
 
     /// Its rows of the study, and the lines that give none.
-    pub(crate) fn rows(self, study: &Study) -> (BTreeMap<usize, Row>, Vec<DamagedLine>) {
+    pub(crate) fn rows(self, study: &Study) -> Found {
         let plan = Plan::new(study, self.header.shard);
         let (mut rows, mut damaged) = (BTreeMap::new(), Vec::new());
         for (number, line) in self.lines {

@@ -2,7 +2,7 @@
 
 use crate::arguments::Explore;
 use crate::failure::{Failure, tell};
-use crate::session::stop_on_interrupt;
+use crate::session::{stop_on_interrupt, threads};
 use fakir::contact::CancelToken;
 use fakir_case::Case;
 use fakir_explore::{Explorer, Options};
@@ -15,7 +15,7 @@ pub(crate) fn run(arguments: &Explore, case: Case) -> Result<ExitCode, Failure> 
     let explorer = Explorer::bind(&Options {
         case,
         port: arguments.port,
-        threads: arguments.threads,
+        threads: threads(arguments.threads, arguments.quiet),
         memory_limit: arguments.memory_limit,
     })?;
     let address = explorer.address();

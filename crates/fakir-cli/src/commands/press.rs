@@ -22,6 +22,7 @@ pub(crate) fn run(
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
+    maps.check_memory(session)?;
     let start = Instant::now();
     let state = fakir::press(&case.system, load, case.method, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();

@@ -5,7 +5,7 @@ use crate::commands::sweep::{Bar, warn};
 use crate::failure::{Failure, tell};
 use crate::numbers::seconds;
 use crate::output;
-use crate::session::stop_on_interrupt;
+use crate::session::{stop_on_interrupt, threads};
 use fakir::contact::{CancelToken, Run};
 use fakir_paper::claims::{Claim, Verdict};
 use fakir_paper::grid::Fractions;
@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<ExitCode, Failure> {
         },
     };
     let pool = ThreadPoolBuilder::new()
-        .num_threads(arguments.threads)
+        .num_threads(threads(arguments.threads, arguments.quiet))
         .build()?;
     let run = Run {
         cancel,

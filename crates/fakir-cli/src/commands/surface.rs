@@ -10,6 +10,7 @@ use fakir::contact::Load;
 use fakir::love::SurfaceError;
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseFile, Key, SurfaceCase};
+use fakir_study::fields::{FieldMap, MOST_POINTS};
 use std::time::Instant;
 
 /// Digits shown of a width.
@@ -21,9 +22,9 @@ pub(crate) fn press(
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
-    check_maps(maps)?;
     let start = Instant::now();
     let (case, contact, widened) = on_wide_enough_a_grid(file, session, |case| {
+        check_maps(case, maps, session)?;
         Ok(case.system.press(load, &session.run())?)
     })?;
     let wall_time = start.elapsed().as_secs_f64();
@@ -62,9 +63,9 @@ pub(crate) fn transition(
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
-    check_maps(maps)?;
     let start = Instant::now();
     let (case, critical, widened) = on_wide_enough_a_grid(file, session, |case| {
+        check_maps(case, maps, session)?;
         let Some(floor) = case.floor else {
             return Err(Failure::Argument(
                 "surface.floor is missing: a height map has no pillars that would tell which part \
@@ -80,9 +81,14 @@ pub(crate) fn transition(
     Ok(report)
 }
 
-/// A surface has its fields on its own cells.
-fn check_maps(maps: Maps) -> Result<(), Failure> {
+/// A surface has its fields on its own cells, which are saved if there are not too many.
+fn check_maps(case: &SurfaceCase, maps: Maps, session: &Session) -> Result<(), Failure> {
+    let grid = case.system.surface().grid();
     match maps {
+        Maps::Points(None) if grid.cell_count() <= MOST_POINTS * MOST_POINTS => {
+            let sides = [grid.columns(), grid.rows()];
+            Ok(FieldMap::check_memory(sides, &session.run())?)
+        }
         Maps::Points(Some(_)) => Err(Failure::Argument(
             "--field-points is for textures: the fields of a surface are saved on its own cells, as \
              many as its file or surface.grid gives"

@@ -5,7 +5,7 @@ use crate::failure::{Failure, tell};
 use crate::numbers::seconds;
 use crate::report::json;
 use crate::report::state::VERSION;
-use crate::session::{PATIENCE, stop_on_interrupt};
+use crate::session::{PATIENCE, stop_on_interrupt, threads};
 use crate::{STANDARD_INPUT, output, standard_input};
 use fakir::contact::CancelToken;
 use fakir_case::input::LARGEST_STUDY;
@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
     let mut bar = Bar::new(arguments.quiet);
     let mut listener = |progress| bar.show(progress);
     let mut options = Options {
-        threads: arguments.threads,
+        threads: threads(arguments.threads, arguments.quiet),
         cancel,
         memory_limit: Some(arguments.memory_limit),
         shard: arguments.shard,

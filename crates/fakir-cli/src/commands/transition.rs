@@ -17,6 +17,7 @@ use fakir_study::summary::TransitionSummary;
 use std::time::Instant;
 
 pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, Failure> {
+    maps.check_memory(session)?;
     let start = Instant::now();
     let critical = fakir::transition(&case.system, case.method, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();

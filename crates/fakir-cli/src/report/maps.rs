@@ -17,6 +17,15 @@ pub(crate) enum Maps {
 }
 
 impl Maps {
+    /// Whether maps of so many points as were asked for fit the memory: better known before a long
+    /// computation than after it.
+    pub(crate) fn check_memory(self, session: &Session) -> Result<(), Failure> {
+        match self {
+            Self::Points(Some(points)) => Ok(FieldMap::check_memory([points; 2], &session.run())?),
+            _ => Ok(()),
+        }
+    }
+
     /// The files of a contact, stamped; none for methods without fields.
     pub(crate) fn files(
         self,

@@ -22,7 +22,7 @@ mod samples;
 pub(crate) mod spectral;
 
 pub use fields::Fields;
-pub use run::{CancelToken, Progress, Run, Stage, Termination};
+pub use run::{CancelToken, Progress, Run, Stage, Termination, Threads};
 pub use samples::FieldSamples;
 
 use crate::love::ElementMesh;
@@ -468,6 +468,22 @@ pub enum SolveError {
         bytes: usize,
         /// Memory allowed, bytes.
         limit: usize,
+    },
+    /// Fields at more points than there is memory for.
+    #[error(
+        "fields at {points} points take {} of memory; the limit is {}: raise the limit, or ask for at \
+         most {most} points, such as {} by {}",
+        memory(*.bytes), memory(*.limit), .most.isqrt(), .most.isqrt()
+    )]
+    TooManyPoints {
+        /// Points asked for.
+        points: usize,
+        /// Memory they would take, bytes.
+        bytes: usize,
+        /// Memory allowed, bytes.
+        limit: usize,
+        /// How many would fit.
+        most: usize,
     },
     /// Too few elements on a pillar for a solution with an error estimate.
     #[error(

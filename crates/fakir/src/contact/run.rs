@@ -3,6 +3,7 @@
 
 use super::{ContactState, SolveError};
 use rayon::prelude::*;
+use std::num::NonZero;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -55,6 +56,41 @@ impl Stage {
             Self::Surface => "contact on a height map",
             Self::ErrorEstimate => "error estimate",
         }
+    }
+}
+
+/// Threads to share work between: as many as were asked for, but no more than there are processors.
+/// More would only wait for each other, and thousands of them take long to start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Threads {
+    asked: usize,
+    processors: usize,
+}
+
+impl Threads {
+    /// So many; 0 for as many as there are processors.
+    #[must_use]
+    pub fn asked(asked: usize) -> Self {
+        let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+        Self { asked, processors }
+    }
+
+    /// How many there are to be.
+    #[must_use]
+    pub fn number(self) -> usize {
+        match self.asked {
+            0 => self.processors,
+            asked => asked.min(self.processors),
+        }
+    }
+
+    /// What to tell who asked for more than that.
+    #[must_use]
+    pub fn warning(self) -> Option<String> {
+        let Self { asked, processors } = self;
+        (asked > processors).then(|| {
+            format!("{asked} threads are more than there are processors: {processors} are used")
+        })
     }
 }
 
@@ -191,5 +227,31 @@ impl Termination {
             Self::NotFinite => "did not converge: a number became infinite or undefined",
             Self::Interrupted => "interrupted",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_are_no_more_than_processors() {
+        let of = |asked| Threads {
+            asked,
+            processors: 4,
+        };
+        assert_eq!(
+            [0, 1, 4, 5, 9999].map(|asked| of(asked).number()),
+            [4, 1, 4, 4, 4]
+        );
+        assert_eq!(
+            [0, 1, 4].map(|asked| of(asked).warning()),
+            [None, None, None]
+        );
+        let told = of(9999).warning().unwrap();
+        assert_eq!(
+            told,
+            "9999 threads are more than there are processors: 4 are used"
+        );
     }
 }

@@ -32,6 +32,31 @@ pub struct FieldSamples {
     pub pressure: Vec<f64>,
 }
 
+/// Memory that a point takes while fields are sampled, bytes: the point twice, once scaled, and the
+/// three fields twice.
+const BYTES_PER_POINT: usize = 80;
+
+impl FieldSamples {
+    /// Whether fields at so many points fit the memory allowed, if the caller keeps some more bytes
+    /// for every point.
+    ///
+    /// # Errors
+    /// [`SolveError::TooManyPoints`]
+    pub fn check_memory(points: usize, more: usize, run: &Run<'_>) -> Result<(), SolveError> {
+        let (each, limit) = (BYTES_PER_POINT + more, run.memory_limit());
+        let bytes = points.saturating_mul(each);
+        if bytes <= limit {
+            return Ok(());
+        }
+        Err(SolveError::TooManyPoints {
+            points,
+            bytes,
+            limit,
+            most: limit / each,
+        })
+    }
+}
+
 /// Chebyshev points along a side of a cell.
 const NODES: usize = 10;
 
@@ -52,7 +77,8 @@ impl Fields {
     /// it, but in a time that hardly depends on the number of pillars.
     ///
     /// # Errors
-    /// [`SolveError::Interrupted`] if `run` is cancelled.
+    /// [`SolveError::Interrupted`] if `run` is cancelled, and [`SolveError::TooManyPoints`] for more
+    /// than there is memory for.
     pub fn sample(&self, points: &[Point], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
         let mut samples = self.displacement_and_gap(points, run)?;
         let pressure = |point: &Point| self.pressure(*point);
@@ -70,6 +96,7 @@ impl Fields {
         points: &[Point],
         run: &Run<'_>,
     ) -> Result<FieldSamples, SolveError> {
+        FieldSamples::check_memory(points.len(), 0, run)?;
         let scaled: Vec<Point> = points.iter().map(|point| self.scaled(*point)).collect();
         let far = FarField::worthwhile(self, &scaled, run)?;
         let one = |point: &Point| {
@@ -106,6 +133,7 @@ impl Fields {
     /// # Errors
     /// As [`sample`](Self::sample).
     pub fn on_grid(&self, x: &[f64], y: &[f64], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
+        FieldSamples::check_memory(x.len().saturating_mul(y.len()), 0, run)?;
         let points: Vec<Point> = y
             .iter()
             .flat_map(|&y| x.iter().map(move |&x| [x, y]))
@@ -202,6 +230,14 @@ impl FarField {
             size(cell_shape.1, pillar_shape.1),
         );
         if padded.0 * padded.1 * CONVOLUTION_COST > points.len() * discs.len() {
+            return Ok(None);
+        }
+        // Transforms of all modes, once of the loads and on every thread of what they do at a node.
+        let threads = run.pool.map_or(1, rayon::ThreadPool::current_num_threads);
+        let arrays = 2 + fields.exterior.count() * (1 + threads);
+        let at_nodes = 2 * 8 * NODES * NODES * cell_shape.0 * cell_shape.1;
+        let bytes = 16 * arrays * padded.0 * padded.1 + at_nodes;
+        if bytes > run.memory_limit() - BYTES_PER_POINT * points.len() {
             return Ok(None);
         }
         let mut disc_at = vec![0; pillar_shape.0 * pillar_shape.1];
@@ -448,6 +484,7 @@ fn transposed(array: &[Complex64], columns: usize) -> Vec<Complex64> {
 
 #[cfg(test)]
 mod tests {
+    use super::{BYTES_PER_POINT, SolveError};
     use crate::contact::{Load, Method, Run};
     use crate::system::{
         HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
@@ -462,6 +499,10 @@ mod tests {
             diameter: 6.0e-6,
             height: 2.2e-6,
             compliance: PillarCompliance::Column,
+        };
+        let little = Run {
+            memory_limit: Some(40_000 * BYTES_PER_POINT),
+            ..Run::default()
         };
         for (surface_fraction, offset, touched) in [(0.1, 0.3, 100), (0.4, 0.0, 300)] {
             let lattice =
@@ -485,6 +526,22 @@ mod tests {
                 .collect();
             let samples = fields.sample(&points, &run).unwrap();
             let size = fields.displacement([0.0, 0.0]);
+            // With no memory to spare pillars are summed one by one.
+            let summed = fields.sample(&points, &little).unwrap();
+            for (k, point) in points.iter().enumerate().take(1000) {
+                let displacement = fields.displacement(*point);
+                assert_eq!(summed.displacement[k].to_bits(), displacement.to_bits());
+            }
+            let refused = fields.sample(&[&points[..], &[[0.0; 2]]].concat(), &little);
+            let told = refused.unwrap_err().to_string();
+            assert_eq!(
+                told,
+                "fields at 40001 points take 3.2 MB of memory; the limit is 3.2 MB: raise the limit, or \
+                 ask for at most 40000 points, such as 200 by 200"
+            );
+            let many = vec![0.0; 100_000];
+            let refused = fields.on_grid(&many, &many, &run);
+            assert!(matches!(refused, Err(SolveError::TooManyPoints { .. })));
             for (k, point) in points.iter().enumerate().step_by(37) {
                 let displacement = fields.displacement(*point);
                 assert!((samples.displacement[k] - displacement).abs() < 1e-10 * size);
