@@ -12,8 +12,8 @@ use super::newton::Newton;
 use crate::disc::basis::{BasisEvaluator, compliances};
 use crate::disc::covered::CoverFinder;
 use crate::disc::unilateral::{LocalSolver, PillarTop, Resolution};
-use crate::system::Point;
 use crate::vector::{dot, subtract};
+use std::f64::consts::TAU;
 
 /// Degree of the nodes on which the farthest pillars are solved again, where they were coarser.
 const FINE_DEGREE: usize = 12;
@@ -31,8 +31,10 @@ const LIFT_OFF: f64 = 0.02;
 /// Part of the largest edge coefficient below which it may change its sign between nodes.
 const NEAR_LIFT_OFF: f64 = 0.05;
 
-/// Part of the indentation by which the gap over a pillar that is not touched is known.
+/// How well the gap over a pillar is known: this part of the indentation, and the gap that the lens opens
+/// over this part of the pillar radius.
 const GAP_ERROR: f64 = 1e-4;
+const PLACE_ERROR: f64 = 0.03;
 
 /// Distance from the lens axis of the farthest point in contact and its error, pillar radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -175,7 +177,7 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>]) {
             let reach = part.farthest_from(axis);
             // Where two solutions differ by more than usual, so may the truth.
             let change = (reach - candidate.reach).abs();
-            candidate.error = edge_error(FINE_DEGREE).max(0.5 * change);
+            candidate.error = edge_error(FINE_DEGREE) + change;
             candidate.reach = reach;
         }
     }
@@ -185,7 +187,15 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>]) {
 /// just are were not.
 fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], radius: f64) -> f64 {
     let margin = GAP_ERROR * indentation;
-    let mut rim = RimLoad::new(newton);
+    let rim = RimGap::new(newton);
+    let may_touch = |pillar: usize| {
+        let [gap, unknown] = rim.least(newton, pillar);
+        gap < margin + unknown
+    };
+    let may_not_touch = |pillar: usize| {
+        let [gap, unknown] = rim.least(newton, pillar);
+        gap > -margin - unknown
+    };
     let mut change = 0.0_f64;
     let outer = radius + 1.0 + 1.2 * newton.problem.lattice.pitch;
     for (pillar, centre) in newton.window.centres().iter().enumerate() {
@@ -194,7 +204,7 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
         {
             continue;
         }
-        if nearest - radius > change && rim.largest(newton, pillar, *centre) > -margin {
+        if nearest - radius > change && may_touch(pillar) {
             change = nearest - radius;
         }
     }
@@ -205,8 +215,7 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
         if distance + 1.0 <= radius - change {
             break;
         }
-        let marginal = pillar.state.status == PillarStatus::Partial
-            && rim.largest(newton, pillar.place, pillar.disc.centre) < margin;
+        let marginal = pillar.state.status == PillarStatus::Partial && may_not_touch(pillar.place);
         if marginal {
             just = true;
         } else if just {
@@ -220,35 +229,37 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
     change
 }
 
-/// By how much the lens would enter the rim of a pillar.
-struct RimLoad {
-    basis: BasisEvaluator,
+/// The gap around the rim of a pillar if nothing of it were touched.
+struct RimGap {
+    /// Modes around the rim, place by place.
     values: Vec<f64>,
+    count: usize,
 }
 
-impl RimLoad {
+impl RimGap {
     fn new(newton: &Newton<'_>) -> Self {
-        let basis = BasisEvaluator::new(newton.load_degree());
-        Self {
-            values: vec![0.0; basis.modes().len()],
-            basis,
+        const PLACES: usize = 48;
+        let mut basis = BasisEvaluator::new(newton.load_degree());
+        let count = basis.modes().len();
+        let mut values = vec![0.0; PLACES * count];
+        for (k, row) in values.chunks_exact_mut(count).enumerate() {
+            let (sin, cos) = (TAU * k as f64 / PLACES as f64).sin_cos();
+            basis.evaluate_polar(0.0, 1.0, [cos, sin], row);
         }
+        Self { values, count }
     }
 
-    /// The largest on the side of the lens axis.
-    fn largest(&mut self, newton: &Newton<'_>, pillar: usize, [x, y]: Point) -> f64 {
-        const PLACES: i32 = 4;
+    /// The least, less what is not known of where it is.
+    fn least(&self, newton: &Newton<'_>, pillar: usize) -> [f64; 2] {
         let load = newton.full_load(pillar);
-        let inwards = f64::atan2(-y, -x);
-        (-PLACES..=PLACES)
-            .map(|k| {
-                let (sin, cos) = (inwards + 0.15 * f64::from(k)).sin_cos();
-                self.basis
-                    .evaluate_polar(0.0, 1.0, [cos, sin], &mut self.values);
-                let count = load.len().min(self.values.len());
-                dot(&self.values[..count], &load[..count])
-            })
-            .fold(f64::NEG_INFINITY, f64::max)
+        let (least, most) = self
+            .values
+            .chunks_exact(self.count)
+            .map(|row| -dot(&row[..load.len()], &load))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), gap| {
+                (least.min(gap), most.max(gap))
+            });
+        [least, 0.5 * PLACE_ERROR * (most - least)]
     }
 }
 
@@ -264,9 +275,10 @@ pub(super) fn punch_reach(
     touched: &[TouchedPillar],
 ) -> Reach {
     let Some(farthest) = touched.last() else {
+        // The nearest may be touched in part.
         return Reach {
             radius: 0.0,
-            error: 0.0,
+            error: newton.problem.nearest_edge() + 2.0,
         };
     };
     let radius = distance_of(farthest) + 1.0;

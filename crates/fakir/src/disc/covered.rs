@@ -37,6 +37,9 @@ const RIM: usize = 120;
 /// Weight of the points on the rim, which are found best, over those of lines.
 const RIM_WEIGHT: f64 = 4.0;
 
+/// From the middle of the pressure to the edge of the contact, at the least, pillar radii.
+const SMALLEST: f64 = 0.02;
+
 /// How much a straight edge of the contact is preferred to a curved one.
 const STRAIGHTNESS: f64 = 0.2;
 
@@ -225,12 +228,15 @@ impl CoverFinder {
                     level / widest * last
                 }
             });
-            let positions = [ray.last_below(levels[0])?, ray.last_below(levels[1])?];
-            let end = closing(
-                levels.map(|level| (level / widest).powf(OPENING)),
-                positions,
-            );
-            let end = end.max(0.02);
+            let end = match levels.map(|level| ray.last_below(level)) {
+                [Some(first), Some(second)] => closing(
+                    levels.map(|level| (level / widest).powf(OPENING)),
+                    [first, second],
+                ),
+                // The contact is too small for its edge to be seen.
+                _ => 0.0,
+            };
+            let end = end.max(SMALLEST);
             let point = [middle[0] + end * cos, middle[1] + end * sin];
             let hidden = has_corners && point[0].hypot(point[1]) > CLOSE_TO_RIM;
             (!hidden).then_some((point, last / widest))
@@ -506,5 +512,154 @@ impl Ray {
         let after = self.gaps.get(below + 1)?;
         let fraction = (level - self.gaps[below]) / (after - self.gaps[below]);
         Some(self.step * (below as f64 + fraction))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::disc::basis::compliances;
+    use crate::disc::unilateral::{LocalSolver, PillarTop};
+    use crate::quadrature::hemisphere;
+
+    /// A lens with its axis at `(-distance, 0)` that would, undeformed, enter the top up to `x = end`:
+    /// solved on square elements, 256 across the top, by conjugate gradients in FFTs, in a program of
+    /// its own.
+    struct Reference {
+        distance: f64,
+        end: f64,
+        kappa: f64,
+        force: f64,
+        /// Covered part of the top.
+        covered: f64,
+        /// Distance of the farthest contact from the lens axis.
+        reach: f64,
+    }
+
+    const REFERENCES: [Reference; 4] = [
+        Reference {
+            distance: 30.0,
+            end: -0.5,
+            kappa: 0.3,
+            force: 0.19640,
+            covered: 0.0781,
+            reach: 30.0 - 0.6438,
+        },
+        Reference {
+            distance: 30.0,
+            end: 0.0,
+            kappa: 0.3,
+            force: 0.58508,
+            covered: 0.2183,
+            reach: 30.0 - 0.3270,
+        },
+        Reference {
+            distance: 5.0,
+            end: 0.5,
+            kappa: 0.3,
+            force: 1.06371,
+            covered: 0.3990,
+            reach: 5.0 - 0.0068,
+        },
+        Reference {
+            distance: 8.0,
+            end: -0.8,
+            kappa: 0.0,
+            force: 0.04305,
+            covered: 0.0199,
+            reach: 8.0 - 0.8466,
+        },
+    ];
+
+    impl Reference {
+        /// Its solution on nodes of a degree: coefficients of `q` and of the gap.
+        fn solve(&self, degree: usize) -> (Vec<f64>, Vec<f64>) {
+            let top = PillarTop::new(degree, 2, self.kappa, 0.0);
+            let mut basis = BasisEvaluator::new(4);
+            let mut values = vec![0.0; mode_count(4)];
+            let mut load = vec![0.0; mode_count(4)];
+            for ([x, y], weight) in hemisphere(8, 25) {
+                basis.evaluate([x, y], &mut values);
+                let curved = self.end * self.end - x * x - y * y;
+                let wanted = self.end - x + curved / (2.0 * self.distance);
+                for (b, value) in load.iter_mut().zip(&values) {
+                    *b += weight * wanted * value;
+                }
+            }
+            let mut solver = LocalSolver::new(&top);
+            let mut active = solver.first_guess(&top, &load);
+            assert!(solver.solve(&top, &load, &mut active).converged);
+            let mut density = vec![0.0; top.count()];
+            solver.coefficients(&top, &load, &mut density);
+            let mut gap: Vec<f64> = density
+                .iter()
+                .zip(compliances(degree, self.kappa))
+                .map(|(c, lambda)| c * lambda)
+                .collect();
+            for (gap, load) in gap.iter_mut().zip(&load) {
+                *gap -= load;
+            }
+            (density, gap)
+        }
+    }
+
+    #[test]
+    fn the_edge_of_the_contact_is_where_fine_elements_have_it() {
+        for (degree, allowed) in [(8, 0.1), (12, 0.06), (24, 0.04)] {
+            let mut finder = CoverFinder::new(degree);
+            for reference in &REFERENCES {
+                let (density, gap) = reference.solve(degree);
+                let part = finder.find(&density, &gap).unwrap();
+                let reach = part.farthest_from([-reference.distance, 0.0]);
+                let off = reach - reference.reach;
+                let points = 400;
+                let inside = (0..points * points)
+                    .map(|k| [k % points, k / points])
+                    .map(|place| place.map(|k| (k as f64 + 0.5) * 2.0 / points as f64 - 1.0))
+                    .filter(|point| point[0].hypot(point[1]) < 1.0)
+                    .filter(|point| part.density(*point) > 0.0)
+                    .count();
+                let covered = inside as f64 * 4.0 / (points * points) as f64 / PI;
+                println!(
+                    "degree {degree}: reach {off:.4}, covered {covered:.4}, {:.4}",
+                    reference.covered
+                );
+                assert!(off.abs() < allowed, "degree {degree}: {reach}");
+                assert!(
+                    (covered - reference.covered).abs() < 0.03,
+                    "degree {degree}: {covered}"
+                );
+            }
+        }
+    }
+
+    /// The expansion itself has pressure on up to five times what is touched.
+    #[test]
+    fn the_pressure_is_nowhere_negative_and_has_the_force_of_the_expansion() {
+        let mut finder = CoverFinder::new(8);
+        for reference in &REFERENCES {
+            let (density, gap) = reference.solve(8);
+            let part = finder.find(&density, &gap).unwrap();
+            let force = UNIT_FORCE * density[0];
+            assert!((force / reference.force - 1.0).abs() < 0.1);
+            let mut sum = 0.0;
+            for ([x, y], weight) in hemisphere(300, 1201) {
+                let q = part.density([x, y]);
+                assert!(q >= 0.0);
+                sum += weight * q;
+            }
+            println!("{}", sum / force - 1.0);
+            assert!((sum / force - 1.0).abs() < 1e-3, "{sum} {force}");
+        }
+    }
+
+    #[test]
+    fn a_polynomial_is_found_again_on_a_ray() {
+        let gap = |s: f64| 0.3 - 2.0 * s + s.powi(3) - 0.01 * s.powi(8);
+        let ray = RayLine::new(8).ray(1.7, gap);
+        for (k, found) in ray.gaps.iter().enumerate() {
+            let expected = gap(ray.step * k as f64);
+            assert!((found - expected).abs() < 1e-13, "{k}");
+        }
     }
 }
