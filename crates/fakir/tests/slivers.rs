@@ -21,7 +21,7 @@ fn beside_a_pillar() -> System {
         offset_angle: FRAC_PI_6,
         ..HexagonalLattice::with_surface_fraction(0.1, 6e-6)
     };
-    System::new(lens, rubber, Texture { pillar, lattice }).unwrap()
+    System::new(lens, rubber, Texture { pillar, lattice }).expect("a valid system")
 }
 
 fn first_touch(system: &System) -> f64 {
@@ -32,14 +32,14 @@ fn first_touch(system: &System) -> f64 {
 fn press(system: &System, indentation: f64, accuracy: Accuracy) -> ContactState {
     let method = Method::Spectral(accuracy);
     let load = Load::Indentation(indentation);
-    let state = fakir::press(system, load, method, &Run::default()).unwrap();
+    let state = fakir::press(system, load, method, &Run::default()).expect("a contact");
     assert!(state.converged());
     state
 }
 
 /// The pressures of the fields have the force of the sliver, and end with the contact radius.
 fn covers_its_own_fields(state: &ContactState) {
-    let fields = state.fields.as_ref().unwrap();
+    let fields = state.fields.as_ref().expect("a spectral state has fields");
     let [x, y] = state.pillars[0].centre;
     let distance = x.hypot(y);
     let nearest = distance - 0.5 * state.system.pillar().diameter;
@@ -67,7 +67,9 @@ fn covers_its_own_fields(state: &ContactState) {
             .collect()
     };
     let (columns, rows) = (axis(x), axis(y));
-    let samples = fields.on_grid(&columns, &rows, &Run::default()).unwrap();
+    let samples = fields
+        .on_grid(&columns, &rows, &Run::default())
+        .expect("nothing interrupts it");
     let cell = (half / 400.0).powi(2);
     let force: f64 = samples.pressure.iter().map(|p| p * cell).sum();
     assert!(
