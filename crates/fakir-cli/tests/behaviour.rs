@@ -227,6 +227,70 @@ fn what_has_no_end_is_not_read_for_ever() {
     );
 }
 
+/// A verdict needs two solutions: where one did not converge, it cannot be told.
+#[test]
+fn verify_can_say_that_it_cannot_tell() {
+    let bench = Bench::new();
+    bench.write("case.toml", include_str!("coarse_mesh.toml"));
+    let outcome = bench.run(&["verify", "case.toml"]);
+    assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
+    let told = &outcome.stdout;
+    assert!(told.contains("IT CANNOT BE TOLD"), "{told}");
+    assert!(
+        told.contains("8 cells across a pillar, did not converge"),
+        "{told}"
+    );
+    assert!(!told.contains("DISAGREE"), "{told}");
+    let outcome = bench.run(&["verify", "case.toml", "--json"]);
+    let answer: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(answer["agree"], false);
+    assert_eq!(answer["verdict"], "cannot tell");
+    assert!(
+        answer["doubt"]
+            .as_str()
+            .unwrap()
+            .contains("did not converge")
+    );
+    let sure = bench.json(&["verify", "case.toml", "--cells", "64"]);
+    assert_eq!(sure["agree"], true);
+    assert_eq!(sure["verdict"], "agree");
+    assert!(sure["doubt"].is_null());
+}
+
+/// Loads far too small for a contact are refused with the smallest that is not; what is answered has
+/// no gaps in it, and no zero with a sign.
+#[test]
+fn loads_too_small_for_a_contact_are_refused() {
+    let bench = Bench::new();
+    let case = intermediate();
+    for (load, smallest) in [
+        ("--force=1e-100", "at least 1.20e-35 N"), // E* = 4/3 MPa, times (3 um)^2, times 1e-30
+        ("--indentation=1e-90", "at least 3.00e-26 m"), // 3 um times 1e-20
+    ] {
+        for method in ["spectral", "punch", "love", "homogenised"] {
+            let method = format!("method.name={method}");
+            let outcome = bench.run(&["press", &case, load, "--set", &method]);
+            assert_eq!(outcome.status, Some(2), "{}", outcome.stdout);
+            assert!(outcome.stderr.contains(smallest), "{}", outcome.stderr);
+        }
+    }
+    for load in [
+        "--force=1.3e-35",
+        "--force=-0.0",
+        "--indentation=1e-25",
+        "--indentation=0",
+    ] {
+        for offset in ["texture.offset=0", "texture.offset=0.3"] {
+            let arguments = ["press", &case, load, "--set", offset, "--json", "--quiet"];
+            let outcome = bench.run(&arguments);
+            assert!(!outcome.stdout.is_empty(), "{}", outcome.stderr);
+            for odd in ["null", "-0.0"] {
+                assert!(!outcome.stdout.contains(odd), "{load}: {}", outcome.stdout);
+            }
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_cited_is_status_2() {
     let bench = Bench::new();

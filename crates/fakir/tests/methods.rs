@@ -436,6 +436,40 @@ fn what_is_beyond_the_equator_is_out_of_reach() {
     }
 }
 
+/// The same of pillars half as wide as the lens is high, of which only one is touched.
+#[test]
+fn wide_pillars_reach_beyond_a_small_lens() {
+    let lens = Lens {
+        radius: 295.703_730_785_242_46e-6,
+        material: Material::new(1.025_745_147_189_905_8e9, 0.0),
+    };
+    let substrate = Material::new(1.040_250_328_366_570_5e6, 0.182_802_388_467_443_12);
+    let pillar = fakir::system::Pillar {
+        diameter: 73.392_219_083_114_45e-6,
+        height: 4.671_498_031_988_119e-6,
+        compliance: PillarCompliance::None,
+    };
+    let lattice = HexagonalLattice {
+        offset: 0.542_270_495_363_475_4,
+        offset_angle: 0.523_598_775_598_298_8,
+        ..HexagonalLattice::with_surface_fraction(0.153_675_026_399_087_14, pillar.diameter)
+    };
+    let texture = fakir::system::Texture { pillar, lattice };
+    let system = System::new(lens, substrate, texture).expect("a valid system");
+    let transition = |method| {
+        let critical = fakir::transition(&system, method, &Run::default()).expect("an answer");
+        assert!(critical.contact.converged(), "{method:?}");
+        critical.contact
+    };
+    let exact = transition(Method::Spectral(Accuracy::Accurate));
+    let elements = transition(Method::Love(ElementMesh {
+        cells_per_diameter: 32,
+        ..COARSE
+    }));
+    let difference = (elements.force / exact.force - 1.0).abs();
+    assert!(difference < 0.02 && difference <= elements.error.force + exact.error.force);
+}
+
 /// Turned by 60 degrees or mirrored, a texture is the same.
 #[test]
 fn symmetric_textures_have_the_same_answers() {

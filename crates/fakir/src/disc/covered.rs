@@ -519,7 +519,7 @@ impl Ray {
 mod tests {
     use super::*;
     use crate::disc::basis::compliances;
-    use crate::disc::unilateral::{LocalSolver, PillarTop};
+    use crate::disc::unilateral::{LocalSolver, PillarTop, Resolution};
     use crate::quadrature::hemisphere;
 
     /// A lens with its axis at `(-distance, 0)` that would, undeformed, enter the top up to `x = end`:
@@ -574,7 +574,12 @@ mod tests {
     impl Reference {
         /// Its solution on nodes of a degree: coefficients of `q` and of the gap.
         fn solve(&self, degree: usize) -> (Vec<f64>, Vec<f64>) {
-            let top = PillarTop::new(degree, 2, self.kappa, 0.0);
+            let resolution = Resolution {
+                nodes: degree,
+                turn: 0.0,
+                rings: 0,
+            };
+            let top = PillarTop::new(resolution, 2, self.kappa);
             let mut basis = BasisEvaluator::new(4);
             let mut values = vec![0.0; mode_count(4)];
             let mut load = vec![0.0; mode_count(4)];

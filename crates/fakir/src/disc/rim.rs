@@ -497,7 +497,7 @@ mod tests {
         // 1/r is 4 (ln(1 + sqrt 2) + (1 - sqrt 2)/3) over its side.
         let own = mean_inverse_distance([0.0, 0.0], [1.0, 1.0], [1.0, 1.0]);
         let root = 2.0_f64.sqrt();
-        let expected = 4.0 * ((1.0 + root).ln() + (1.0 - root) / 3.0);
+        let expected = 4.0 * (root.ln_1p() + (1.0 - root) / 3.0);
         assert!((own / expected - 1.0).abs() < 1e-13, "{own}");
         let points = |side: f64| {
             let a = (0.6_f64).sqrt() * 0.5 * side;
