@@ -153,7 +153,7 @@ fn surface(boundary: Boundary, form: Form, offset: f64) -> SurfaceSystem {
     SurfaceSystem::new(indenter, material, surface, boundary).expect("a valid system")
 }
 
-fn of_surface(contact: SurfaceContact) -> Answer {
+fn of_surface(contact: &SurfaceContact) -> Answer {
     let mut others = vec![
         contact.contact_area,
         contact.contact_radius.unwrap_or(0.0),
@@ -212,7 +212,7 @@ impl Subject {
                     Question::Press(load) => system.press(load, run)?,
                     Question::Transition => system.transition(Floor::OffPillars, run)?.contact,
                 };
-                Ok(of_surface(contact))
+                Ok(of_surface(&contact))
             }
         }
     }

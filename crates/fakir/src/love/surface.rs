@@ -340,10 +340,6 @@ const LEVELS: usize = 3;
 const FEWEST_CELLS: usize = 16;
 
 /// Relative errors of the last of the forces and indentations on smaller and smaller cells.
-#[expect(
-    clippy::float_cmp,
-    reason = "zero is what no cell in contact gives, and nothing else"
-)]
 fn estimate(history: &[[f64; 2]]) -> Option<ErrorEstimate> {
     let (&last, coarser) = history.split_last()?;
     let &before = coarser.last()?;
