@@ -123,7 +123,7 @@ fn what_the_physics_refuses_is_status_3() {
     assert!(bench.files(".").is_empty());
 }
 
-/// 2048 points squared take 1.0 GB, 240 bytes each; it is known before anything is computed.
+/// 2048 points squared take 537 MB, 128 bytes each; it is known before anything is computed.
 #[test]
 fn fields_count_against_the_memory_limit() {
     let bench = Bench::new();
@@ -136,14 +136,14 @@ fn fields_count_against_the_memory_limit() {
     assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
     assert!(
         outcome.stderr.contains(
-            "fields at 4194304 points take 1.0 GB of memory; the limit is 100.0 MB: raise the limit, \
-             or ask for at most 416666 points, such as 645 by 645"
+            "fields at 4194304 points take 536.9 MB of memory; the limit is 100.0 MB: raise the limit, \
+             or ask for at most 781250 points, such as 883 by 883"
         ),
         "{}",
         outcome.stderr
     );
     assert!(bench.files(".").is_empty());
-    assert_eq!(run("645").status, Some(0));
+    assert_eq!(run("883").status, Some(0));
 }
 
 #[test]
