@@ -69,7 +69,7 @@ pub(super) fn contact_reach(newton: &Newton<'_>, indentation: f64, touched: &[To
                 .disc
                 .gap
                 .as_ref()
-                .and_then(|gap| finder.find(&pillar.disc.coefficients, gap));
+                .and_then(|gap| finder.region(&pillar.disc.coefficients, gap));
             let axis = pillar.disc.centre.map(|x| -x);
             // Of a contact too small to be seen, its nearest point.
             let nearest = (distance - 1.0).max(0.0);
@@ -148,7 +148,7 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>]) {
         let mut gap: Vec<f64> = density.iter().zip(&compliance).map(|(c, l)| c * l).collect();
         subtract(&mut gap, &load);
         let axis = candidate.pillar.disc.centre.map(|x| -x);
-        if let Some(part) = finder.find(&density, &gap) {
+        if let Some(part) = finder.region(&density, &gap) {
             let reach = part.farthest_from(axis);
             // Where two solutions differ by more than usual, so may the truth.
             let change = (reach - candidate.reach).abs();
