@@ -3,12 +3,17 @@
 //! With `x = sqrt(1 - y^2) sin s` on a disc, `p dx = q/mu dx = q ds`: along a row of cells the pressure is
 //! integrated without its singularity at the edge, and all cells of a row that hold a disc together have its
 //! force.
+//!
+//! A cell whose middle is not in contact has no pressure, as there the gap is open: what is in contact of it
+//! counts for the nearest cells whose middle is.
 
 use super::SolveError;
 use super::fields::{Density, Disc, Fields};
 use super::run::Run;
 use crate::quadrature::gauss_legendre;
+use crate::system::Point;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Points of the rule on a piece, and longest pieces, in disc radii or rad.
 const POINTS: usize = 4;
@@ -20,6 +25,8 @@ const LONE_CELLS: f64 = 12.0;
 /// Cells along one direction, in rising order, in pillar radii.
 struct Cells {
     bounds: Vec<[f64; 2]>,
+    /// The coordinates they are around.
+    middles: Vec<f64>,
     /// Of every coordinate, its cell.
     place: Vec<usize>,
 }
@@ -37,11 +44,11 @@ impl Cells {
         let mut sorted = coordinates.to_vec();
         sorted.sort_by(f64::total_cmp);
         sorted.dedup();
-        let middles: Vec<f64> = sorted.windows(2).map(|p| 0.5 * (p[0] + p[1])).collect();
+        let between: Vec<f64> = sorted.windows(2).map(|p| 0.5 * (p[0] + p[1])).collect();
         let bounds = (0..sorted.len())
             .map(|k| {
-                let below = k.checked_sub(1).map(|k| sorted[k + 1] - middles[k]);
-                let above = middles.get(k).map(|middle| middle - sorted[k]);
+                let below = k.checked_sub(1).map(|k| sorted[k + 1] - between[k]);
+                let above = between.get(k).map(|end| end - sorted[k]);
                 let half = 0.5 * width;
                 [
                     sorted[k] - below.or(above).unwrap_or(half),
@@ -53,11 +60,20 @@ impl Cells {
             .iter()
             .map(|x| sorted.partition_point(|other| other.total_cmp(x).is_lt()))
             .collect();
-        Self { bounds, place }
+        Self {
+            bounds,
+            middles: sorted,
+            place,
+        }
+    }
+
+    /// The coordinate that a cell belongs to.
+    fn middle(&self, cell: usize) -> f64 {
+        self.middles[cell]
     }
 
     /// The cells that overlap a piece.
-    fn over(&self, low: f64, high: f64) -> std::ops::Range<usize> {
+    fn over(&self, low: f64, high: f64) -> Range<usize> {
         let start = self.bounds.partition_point(|[_, end]| *end <= low);
         let end = self.bounds.partition_point(|[start, _]| *start < high);
         start..end.max(start)
@@ -83,73 +99,147 @@ impl Fields {
         let lone = 2.0 / LONE_CELLS;
         let columns = Cells::around(&x, narrowest(&x, &y).unwrap_or(lone));
         let rows = Cells::around(&y, narrowest(&y, &x).unwrap_or(lone));
-        let mut discs_of = vec![Vec::new(); rows.bounds.len()];
-        for (k, disc) in self.discs.iter().enumerate() {
-            for row in rows.over(disc.centre[1] - disc.radius, disc.centre[1] + disc.radius) {
-                discs_of[row].push(k);
+        let rule = gauss_legendre(POINTS);
+        let one = |disc: usize| -> Result<Block, SolveError> {
+            run.check_cancelled()?;
+            let mut block = Block::around(&self.discs[disc], &columns, &rows);
+            let mut density = self.density_on(disc);
+            block.fill(&self.discs[disc], &mut density, &columns, &rows, &rule);
+            block.gather(&self.discs[disc], &mut density, &columns, &rows);
+            Ok(block)
+        };
+        let count = self.discs.len();
+        let blocks: Result<Vec<_>, SolveError> = match run.pool {
+            Some(pool) => pool.install(|| (0..count).into_par_iter().map(one).collect()),
+            None => (0..count).map(one).collect(),
+        };
+        let width = columns.bounds.len();
+        let mut means = vec![0.0; width * rows.bounds.len()];
+        for block in blocks? {
+            for (row, column, force) in block.cells() {
+                means[row * width + column] += force;
             }
         }
-        let rule = gauss_legendre(POINTS);
-        let one = |(row, discs): (usize, &Vec<usize>)| -> Result<Vec<f64>, SolveError> {
-            run.check_cancelled()?;
-            let mut means = vec![0.0; columns.bounds.len()];
-            for disc in discs {
-                let density = self.density_on(*disc);
-                add_row(
-                    &self.discs[*disc],
-                    density,
-                    rows.bounds[row],
-                    &columns,
-                    &rule,
-                    &mut means,
-                );
-            }
-            let height = rows.bounds[row][1] - rows.bounds[row][0];
+        for (means, [bottom, top]) in means.chunks_exact_mut(width.max(1)).zip(&rows.bounds) {
             for (mean, [left, right]) in means.iter_mut().zip(&columns.bounds) {
-                *mean *= self.problem.pressure / (height * (right - left));
+                *mean *= self.problem.pressure / ((top - bottom) * (right - left));
             }
-            Ok(means)
-        };
-        let means: Result<Vec<_>, SolveError> = match run.pool {
-            Some(pool) => pool.install(|| discs_of.par_iter().enumerate().map(one).collect()),
-            None => discs_of.iter().enumerate().map(one).collect(),
-        };
-        let means = means?;
-        let values = rows
-            .place
-            .iter()
-            .flat_map(|row| columns.place.iter().map(|column| means[*row][*column]));
+        }
+        let values = rows.place.iter().flat_map(|row| {
+            columns
+                .place
+                .iter()
+                .map(|column| means[*row * width + *column])
+        });
         Ok(values.collect())
     }
 }
 
-/// Adds the forces of a disc on the cells of a row.
-fn add_row(
-    disc: &Disc,
-    mut density: Density<'_>,
-    [bottom, top]: [f64; 2],
-    columns: &Cells,
-    rule: &[(f64, f64)],
-    forces: &mut [f64],
-) {
-    let [x, y] = disc.centre;
-    let radius = disc.radius;
-    let of_disc = |y_on_grid: f64| ((y_on_grid - y) / radius).clamp(-1.0, 1.0);
-    let area = radius * radius;
-    over_pieces(of_disc(bottom), of_disc(top), rule, |up, weight| {
-        let half = (1.0 - up * up).sqrt();
-        let angle = |x_on_grid: f64| {
-            let across = (x_on_grid - x) / radius;
-            (across / half).clamp(-1.0, 1.0).asin()
-        };
-        for column in columns.over(x - radius * half, x + radius * half) {
-            let [left, right] = columns.bounds[column];
-            over_pieces(angle(left), angle(right), rule, |s, weight_along| {
-                let q = density.at([half * s.sin(), up]).max(0.0);
-                forces[column] += area * weight * weight_along * q;
+/// The forces on the cells that a disc overlaps, row by row.
+struct Block {
+    rows: Range<usize>,
+    columns: Range<usize>,
+    forces: Vec<f64>,
+}
+
+impl Block {
+    fn around(disc: &Disc, columns: &Cells, rows: &Cells) -> Self {
+        let [x, y] = disc.centre;
+        let columns = columns.over(x - disc.radius, x + disc.radius);
+        let rows = rows.over(y - disc.radius, y + disc.radius);
+        let forces = vec![0.0; rows.len() * columns.len()];
+        Self {
+            rows,
+            columns,
+            forces,
+        }
+    }
+
+    fn cells(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let places = self
+            .rows
+            .clone()
+            .flat_map(|row| self.columns.clone().map(move |column| (row, column)));
+        places
+            .zip(&self.forces)
+            .map(|((row, column), force)| (row, column, *force))
+    }
+
+    fn fill(
+        &mut self,
+        disc: &Disc,
+        density: &mut Density<'_>,
+        columns: &Cells,
+        rows: &Cells,
+        rule: &[(f64, f64)],
+    ) {
+        let [x, y] = disc.centre;
+        let radius = disc.radius;
+        let area = radius * radius;
+        let of_disc = |y_on_grid: f64| ((y_on_grid - y) / radius).clamp(-1.0, 1.0);
+        for (row, forces) in self
+            .rows
+            .clone()
+            .zip(self.forces.chunks_exact_mut(self.columns.len().max(1)))
+        {
+            let [bottom, top] = rows.bounds[row].map(of_disc);
+            over_pieces(bottom, top, rule, |up, weight| {
+                let half = (1.0 - up * up).sqrt();
+                let angle = |x_on_grid: f64| {
+                    let across = (x_on_grid - x) / radius;
+                    (across / half).clamp(-1.0, 1.0).asin()
+                };
+                for (column, force) in self.columns.clone().zip(forces.iter_mut()) {
+                    let [left, right] = columns.bounds[column].map(angle);
+                    over_pieces(left, right, rule, |s, weight_along| {
+                        let q = density.at([half * s.sin(), up]).max(0.0);
+                        *force += area * weight * weight_along * q;
+                    });
+                }
             });
         }
-    });
+    }
+
+    /// Shares the forces of cells whose middle is not in contact among the nearest whose middle is, if any.
+    fn gather(&mut self, disc: &Disc, density: &mut Density<'_>, columns: &Cells, rows: &Cells) {
+        let places: Vec<(Point, f64)> = self
+            .cells()
+            .map(|(row, column, force)| ([columns.middle(column), rows.middle(row)], force))
+            .collect();
+        let covered: Vec<bool> = places
+            .iter()
+            .map(|([x, y], _)| {
+                let at = [
+                    (x - disc.centre[0]) / disc.radius,
+                    (y - disc.centre[1]) / disc.radius,
+                ];
+                at[0].hypot(at[1]) < 1.0 && density.at(at) > 0.0
+            })
+            .collect();
+        let (height, width) = (self.rows.len(), self.columns.len());
+        for (k, (_, force)) in places.iter().enumerate() {
+            if covered[k] || *force <= 0.0 {
+                continue;
+            }
+            let (row, column) = (k / width, k % width);
+            // Nearly always among the next.
+            let nearest = (1..height.max(width)).find_map(|reach| {
+                let near = |place: usize, end: usize| {
+                    place.saturating_sub(reach)..(place + reach + 1).min(end)
+                };
+                let around = near(row, height)
+                    .flat_map(|row| near(column, width).map(move |column| row * width + column));
+                let in_contact: Vec<usize> = around.filter(|other| covered[*other]).collect();
+                (!in_contact.is_empty()).then_some(in_contact)
+            });
+            if let Some(nearest) = nearest {
+                self.forces[k] = 0.0;
+                for other in &nearest {
+                    self.forces[*other] += force / nearest.len() as f64;
+                }
+            }
+        }
+    }
 }
 
 /// Visits the points of the rule on pieces of an interval.

@@ -261,7 +261,7 @@ impl Fields {
             let covered = self.covered.get_or_init(|| self.covered_parts());
             covered[k]
                 .as_ref()
-                .map_or_else(Vec::new, |part| part.outline(corners))
+                .map_or_else(Vec::new, |part| part.region.outline(corners))
         } else {
             let angles = (0..corners).map(|k| TAU * k as f64 / corners as f64);
             angles.map(|angle| [angle.cos(), angle.sin()]).collect()

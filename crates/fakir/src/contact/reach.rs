@@ -75,7 +75,7 @@ pub(super) fn contact_reach(
                 .disc
                 .gap
                 .as_ref()
-                .and_then(|gap| finder.find(&pillar.disc.coefficients, gap));
+                .and_then(|gap| finder.region(&pillar.disc.coefficients, gap));
             let axis = pillar.disc.centre.map(|x| -x);
             // Of a contact too small to be seen, its nearest point.
             let nearest = (distance - 1.0).max(0.0);
@@ -173,7 +173,7 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>]) {
             .collect();
         subtract(&mut gap, &load);
         let axis = candidate.pillar.disc.centre.map(|x| -x);
-        if let Some(part) = finder.find(&density, &gap) {
+        if let Some(part) = finder.region(&density, &gap) {
             let reach = part.farthest_from(axis);
             // Where two solutions differ by more than usual, so may the truth.
             let change = (reach - candidate.reach).abs();

@@ -58,17 +58,24 @@ pub(crate) struct CoverFinder {
     at_nodes: Vec<f64>,
     at_rim: Vec<f64>,
     line: RayLine,
+    /// Places on a line from the middle to its end, as parts of it, with weights.
     rule: Vec<(f64, f64)>,
 }
 
-/// The covered part of a pillar top, in pillar radii from its centre, and the pressure on it.
+/// The covered part of a pillar top, in pillar radii from its centre.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct CoveredPart {
+pub(crate) struct Region {
     /// Middle of the pressure.
     middle: Point,
     /// `l = 1 + k0 x + k1 y + k2 x^2 + k3 x y + k4 y^2` from there.
     conic: [f64; 5],
-    /// `A = a0 + a1 x + a2 y` from there.
+}
+
+/// The covered part of a pillar top and the pressure on it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct CoveredPart {
+    pub(crate) region: Region,
+    /// `A = a0 + a1 x + a2 y` from the middle of the pressure.
     amplitude: [f64; 3],
 }
 
@@ -93,24 +100,28 @@ impl CoverFinder {
             at_nodes,
             at_rim,
             line: RayLine::new(degree),
-            rule: gauss_legendre(12),
+            rule: rule_to_roots(),
         }
     }
 
     /// The covered part of a pillar top from the coefficients of `q` and of the gap. `None` if there is
     /// no contact to be seen.
     pub(crate) fn find(&mut self, density: &[f64], gap: &[f64]) -> Option<CoveredPart> {
+        let region = self.region(density, gap)?;
+        let amplitude = self.amplitude(&region, density)?;
+        Some(CoveredPart { region, amplitude })
+    }
+
+    /// As [`find`](Self::find), without the pressure.
+    pub(crate) fn region(&mut self, density: &[f64], gap: &[f64]) -> Option<Region> {
         let (middle, widest) = self.middle(density, gap)?;
         let corners = self.corners(gap);
         let mut points = self.edge_points(middle, gap, widest, !corners.is_empty());
         points.extend(corners.into_iter().map(|corner| (corner, RIM_WEIGHT)));
-        let mut part = CoveredPart {
+        Some(Region {
             middle,
             conic: conic_through(middle, &points),
-            amplitude: [1.0, 0.0, 0.0],
-        };
-        part.amplitude = self.amplitude(&part, density)?;
-        Some(part)
+        })
     }
 
     /// The covered part inside an edge that is known, and the rim.
@@ -245,7 +256,7 @@ impl CoverFinder {
     }
 
     /// `A` with the force of the expansion, and its first moments where that leaves it positive.
-    fn amplitude(&self, part: &CoveredPart, density: &[f64]) -> Option<[f64; 3]> {
+    fn amplitude(&self, part: &Region, density: &[f64]) -> Option<[f64; 3]> {
         // Moments of 1, x, y from the middle with sqrt(l)/mu, and its products.
         let mut moments = [[0.0; 3]; 3];
         part.integrate(&self.rule, |[x, y], weight| {
@@ -288,8 +299,9 @@ impl CoverFinder {
 impl CoveredPart {
     /// `q = p mu` at a point of the top, pillar radii from its centre: zero out of contact.
     pub(crate) fn density(&self, point: Point) -> f64 {
-        let [x, y] = [point[0] - self.middle[0], point[1] - self.middle[1]];
-        let [linear, square] = self.along([x, y]);
+        let [middle_x, middle_y] = self.region.middle;
+        let [x, y] = [point[0] - middle_x, point[1] - middle_y];
+        let [linear, square] = self.region.along([x, y]);
         if first_root(linear, square) <= 1.0 {
             return 0.0;
         }
@@ -297,7 +309,9 @@ impl CoveredPart {
         let level = (1.0 + linear + square).max(0.0);
         (a0 + a1 * x + a2 * y).max(0.0) * level.sqrt()
     }
+}
 
+impl Region {
     /// A polygon around it.
     pub(crate) fn outline(&self, corners: usize) -> Vec<Point> {
         (0..corners)
@@ -352,25 +366,49 @@ impl CoveredPart {
 
     /// Visits points of the part (from its middle) with weights `sqrt(l) dA/mu`.
     fn integrate(&self, rule: &[(f64, f64)], mut visit: impl FnMut(Point, f64)) {
-        const DIRECTIONS: usize = 192;
+        const DIRECTIONS: usize = 512;
+        let step = 2.0 * PI / DIRECTIONS as f64;
+        // Evenly over the part as if it were stretched to be as wide as it is long: it may be thin.
+        let [x, y] = self.middle;
+        let distance = x.hypot(y);
+        let outwards = if distance > 0.0 {
+            [x / distance, y / distance]
+        } else {
+            [1.0, 0.0]
+        };
+        let along = [-outwards[1], outwards[0]];
+        let extent = |axis: Point| self.end(axis) + self.end(axis.map(|x| -x));
+        let (depth, length) = (extent(outwards), extent(along));
         for k in 0..DIRECTIONS {
-            let (sin, cos) = (2.0 * PI * (k as f64 + 0.5) / DIRECTIONS as f64).sin_cos();
-            let direction = [cos, sin];
+            let (sin, cos) = (step * (k as f64 + 0.5)).sin_cos();
+            let (a, b) = (depth * cos, length * sin);
+            let stretched = a.hypot(b);
+            let direction = [0, 1].map(|i| (a * outwards[i] + b * along[i]) / stretched);
+            let angle = step * depth * length / (stretched * stretched);
             let ahead = rim_distance(self.middle, direction);
-            let behind = rim_distance(self.middle, [-cos, -sin]);
+            let behind = rim_distance(self.middle, direction.map(|x| -x));
             let end = self.end(direction);
             let [linear, square] = self.along(direction);
-            for (node, weight) in rule {
-                // t = end sin(s) takes the root at the end away, above or below.
-                let (sin_s, cos_s) = (0.25 * PI * (node + 1.0)).sin_cos();
-                let t = end * sin_s;
+            for (part, weight) in rule {
+                let t = end * part;
                 let mu = ((ahead - t) * (behind + t)).max(f64::MIN_POSITIVE).sqrt();
                 let level = (1.0 + (linear + square * t) * t).max(0.0);
-                let area = t * end * cos_s * 0.25 * PI * weight * 2.0 * PI / DIRECTIONS as f64;
-                visit([t * cos, t * sin], area * level.sqrt() / mu);
+                let area = angle * t * end * weight;
+                visit(direction.map(|x| t * x), area * level.sqrt() / mu);
             }
         }
     }
+}
+
+/// Gauss's rule on `t = sin(s)`, which takes a root at `t = 1` away, above or below.
+fn rule_to_roots() -> Vec<(f64, f64)> {
+    gauss_legendre(16)
+        .into_iter()
+        .map(|(node, weight)| {
+            let (sin, cos) = (0.25 * PI * (node + 1.0)).sin_cos();
+            (sin, 0.25 * PI * weight * cos)
+        })
+        .collect()
 }
 
 fn rim_angle(place: f64) -> f64 {
@@ -615,7 +653,7 @@ mod tests {
             for reference in &REFERENCES {
                 let (density, gap) = reference.solve(degree);
                 let part = finder.find(&density, &gap).unwrap();
-                let reach = part.farthest_from([-reference.distance, 0.0]);
+                let reach = part.region.farthest_from([-reference.distance, 0.0]);
                 let off = reach - reference.reach;
                 let points = 400;
                 let inside = (0..points * points)
@@ -648,7 +686,7 @@ mod tests {
             let force = UNIT_FORCE * density[0];
             assert!((force / reference.force - 1.0).abs() < 0.1);
             let mut sum = 0.0;
-            for ([x, y], weight) in hemisphere(300, 1201) {
+            for ([x, y], weight) in hemisphere(600, 4801) {
                 let q = part.density([x, y]);
                 assert!(q >= 0.0);
                 sum += weight * q;
