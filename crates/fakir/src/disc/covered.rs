@@ -132,13 +132,12 @@ impl CoverFinder {
         }
         let middle = [1, 2].map(|mode| FIRST_MOMENT * density.get(mode).unwrap_or(&0.0) / force);
         let points: Vec<_> = edge.iter().map(|point| (*point, 1.0)).collect();
-        let mut part = CoveredPart {
+        let region = Region {
             middle,
             conic: conic_through(middle, &points),
-            amplitude: [1.0, 0.0, 0.0],
         };
-        part.amplitude = self.amplitude(&part, density)?;
-        Some(part)
+        let amplitude = self.amplitude(&region, density)?;
+        Some(CoveredPart { region, amplitude })
     }
 
     /// The middle of the pressure, and the widest gap at a node.
