@@ -5,7 +5,8 @@ mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::contact::{
-    Accuracy, ContactState, CriticalState, Fields, Method, PillarState, PillarStatus, PunchForm, Run,
+    Accuracy, ContactState, CriticalState, Fields, Method, PillarState, PillarStatus, PunchForm,
+    Run,
 };
 use fakir::love::ElementMesh;
 use fakir::system::{HexagonalLattice, PillarCompliance, Point, System};
@@ -109,7 +110,10 @@ fn no_pressure_where_the_gap_is_open_and_the_force_is_kept() {
             for (point, gap) in points_on(pillar).zip(&gaps) {
                 let pressure = fields.pressure(point);
                 assert!(pressure >= 0.0);
-                assert!(pressure <= 0.0 || *gap < 0.2 * widest, "{pressure:e} Pa at {gap:e} of {widest:e} m");
+                assert!(
+                    pressure <= 0.0 || *gap < 0.2 * widest,
+                    "{pressure:e} Pa at {gap:e} of {widest:e} m"
+                );
             }
             let outline = fields.covered_outline(pillar.index, 64);
             assert!(outline.len() == 64);
@@ -129,11 +133,17 @@ fn mean_pressures_over_cells_sum_up_to_the_force_and_have_no_peaks() {
     let reach = state.contact_radius + 2.0 * RADIUS;
     for count in [40_u32, 241, 600] {
         let step = 2.0 * reach / f64::from(count);
-        let mut x: Vec<f64> = (0..count).map(|k| (f64::from(k) + 0.5) * step - reach).collect();
+        let mut x: Vec<f64> = (0..count)
+            .map(|k| (f64::from(k) + 0.5) * step - reach)
+            .collect();
         x.reverse();
         let samples = fields.on_grid(&x, &x, &Run::default()).unwrap();
         let sum: f64 = samples.pressure.iter().sum::<f64>() * step * step;
-        assert!((sum / state.force - 1.0).abs() < 1e-3, "{count}: {sum:e} {:e}", state.force);
+        assert!(
+            (sum / state.force - 1.0).abs() < 1e-3,
+            "{count}: {sum:e} {:e}",
+            state.force
+        );
         // Of a flat punch: p = F/(2 pi a^2 mu), over a cell of size s at the rim no more than
         // F/(2 pi a^2) sqrt(2 a/s) times a factor of order one.
         let largest = samples.pressure.iter().copied().fold(0.0, f64::max);

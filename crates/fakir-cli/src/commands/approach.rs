@@ -3,7 +3,7 @@
 use crate::arguments::LoadingPath;
 use crate::failure::Failure;
 use crate::numbers::{digits, with_unit};
-use crate::report::state::{VERSION, texture_line, warnings, radius_digits};
+use crate::report::state::{VERSION, radius_digits, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::numbers::{seconds, significant};
-use crate::report::state::{VERSION, load_words, texture_line, warnings, radius_digits};
+use crate::report::state::{VERSION, load_words, radius_digits, texture_line, warnings};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;

@@ -330,7 +330,10 @@ mod tests {
             let map = pressed(force, points);
             let sum: f64 = numbers(&map, "pressure").iter().sum();
             let found = sum * map.x.spacing * map.y.spacing;
-            assert!((found / force - 1.0).abs() < 1e-3, "{found} {force} {points:?}");
+            assert!(
+                (found / force - 1.0).abs() < 1e-3,
+                "{found} {force} {points:?}"
+            );
         }
     }
 

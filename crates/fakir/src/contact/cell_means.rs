@@ -89,7 +89,10 @@ impl Fields {
         run: &Run<'_>,
     ) -> Result<Vec<f64>, SolveError> {
         let scaled = |coordinates: &[f64]| -> Vec<f64> {
-            coordinates.iter().map(|x| x / self.problem.length).collect()
+            coordinates
+                .iter()
+                .map(|x| x / self.problem.length)
+                .collect()
         };
         let (x, y) = (scaled(x), scaled(y));
         let narrowest = |a, b| Cells::narrowest(a).or_else(|| Cells::narrowest(b));
@@ -122,10 +125,12 @@ impl Fields {
                 *mean *= self.problem.pressure / ((top - bottom) * (right - left));
             }
         }
-        let values = rows
-            .place
-            .iter()
-            .flat_map(|row| columns.place.iter().map(|column| means[*row * width + *column]));
+        let values = rows.place.iter().flat_map(|row| {
+            columns
+                .place
+                .iter()
+                .map(|column| means[*row * width + *column])
+        });
         Ok(values.collect())
     }
 }
@@ -196,13 +201,7 @@ impl Block {
     }
 
     /// Shares the forces of cells whose middle is not in contact among the nearest whose middle is, if any.
-    fn gather(
-        &mut self,
-        disc: &Disc,
-        density: &mut Density<'_>,
-        columns: &Cells,
-        rows: &Cells,
-    ) {
+    fn gather(&mut self, disc: &Disc, density: &mut Density<'_>, columns: &Cells, rows: &Cells) {
         let places: Vec<(Point, f64)> = self
             .cells()
             .map(|(row, column, force)| ([columns.middle(column), rows.middle(row)], force))

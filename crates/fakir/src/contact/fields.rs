@@ -228,7 +228,9 @@ impl Fields {
 
     /// `q` on a disc.
     pub(super) fn density_on(&self, disc: usize) -> Density<'_> {
-        let Disc { coefficients, gap, .. } = &self.discs[disc];
+        let Disc {
+            coefficients, gap, ..
+        } = &self.discs[disc];
         if gap.is_none() {
             let count = coefficients.len();
             return Density::Expansion {

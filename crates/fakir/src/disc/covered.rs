@@ -121,10 +121,23 @@ impl CoverFinder {
         })
     }
 
+    /// Distance from an axis, given from the centre of the pillar, of the farther of the two places of the
+    /// rim at which the contact ends; `None` if it does not end there.
+    pub(crate) fn farthest_corner(&self, gap: &[f64], axis: Point) -> Option<f64> {
+        self.corners(gap)
+            .into_iter()
+            .map(|[x, y]| (x - axis[0]).hypot(y - axis[1]))
+            .max_by(f64::total_cmp)
+    }
+
     /// The middle of the pressure, and the widest gap at a node.
     fn middle(&self, density: &[f64], gap: &[f64]) -> Option<(Point, f64)> {
         let (mut sum, mut at, mut widest) = (0.0, [0.0; 2], 0.0_f64);
-        for (node, row) in self.nodes.iter().zip(self.at_nodes.chunks_exact(self.count)) {
+        for (node, row) in self
+            .nodes
+            .iter()
+            .zip(self.at_nodes.chunks_exact(self.count))
+        {
             let pressure = dot(row, density).max(0.0);
             let weight = pressure * pressure;
             sum += weight;
@@ -142,10 +155,14 @@ impl CoverFinder {
             .chunks_exact(self.count)
             .map(|row| dot(row, gap))
             .collect();
-        let (start, widest) = gaps.iter().copied().enumerate().fold(
-            (0, 0.0),
-            |(place, most), (k, gap)| if gap > most { (k, gap) } else { (place, most) },
-        );
+        let (start, widest) =
+            gaps.iter()
+                .copied()
+                .enumerate()
+                .fold(
+                    (0, 0.0),
+                    |(place, most), (k, gap)| if gap > most { (k, gap) } else { (place, most) },
+                );
         if widest <= 0.0 {
             return Vec::new();
         }
@@ -160,7 +177,10 @@ impl CoverFinder {
                 Some(steps as f64 - (level * widest - after) / (before - after))
             };
             let steps = [passed(LEVELS[0])?, passed(LEVELS[1])?];
-            Some(closing(LEVELS.map(|level| level.powf(OPENING_AT_RIM)), steps))
+            Some(closing(
+                LEVELS.map(|level| level.powf(OPENING_AT_RIM)),
+                steps,
+            ))
         };
         let (Some(forward), Some(back)) = (end(true), end(false)) else {
             return Vec::new();
@@ -202,7 +222,11 @@ impl CoverFinder {
             }
             let levels = LEVELS.map(|level| {
                 let level = level * widest;
-                if level < 0.7 * last { level } else { level / widest * last }
+                if level < 0.7 * last {
+                    level
+                } else {
+                    level / widest * last
+                }
             });
             let end = match levels.map(|level| ray.last_below(level)) {
                 [Some(first), Some(second)] => closing(
@@ -303,7 +327,10 @@ impl Region {
         };
         let (best, _) = (0..DIRECTIONS)
             .map(|k| (k as f64 * step, distance(k as f64 * step)))
-            .fold((0.0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
+            .fold(
+                (0.0, 0.0),
+                |best, next| if next.1 > best.1 { next } else { best },
+            );
         // There may be a kink where the contact ends at the rim: no derivatives.
         let (mut low, mut high) = (best - step, best + step);
         for _ in 0..24 {
@@ -331,7 +358,7 @@ impl Region {
 
     /// Visits points of the part (from its middle) with weights `sqrt(l) dA/mu`.
     fn integrate(&self, rule: &[(f64, f64)], mut visit: impl FnMut(Point, f64)) {
-        const DIRECTIONS: usize = 512;
+        const DIRECTIONS: usize = 1024;
         let step = 2.0 * PI / DIRECTIONS as f64;
         // Evenly over the part as if it were stretched to be as wide as it is long: it may be thin.
         let [x, y] = self.middle;
@@ -367,7 +394,7 @@ impl Region {
 
 /// Gauss's rule on `t = sin(s)`, which takes a root at `t = 1` away, above or below.
 fn rule_to_roots() -> Vec<(f64, f64)> {
-    gauss_legendre(16)
+    gauss_legendre(12)
         .into_iter()
         .map(|(node, weight)| {
             let (sin, cos) = (0.25 * PI * (node + 1.0)).sin_cos();
@@ -394,7 +421,11 @@ fn first_root(b: f64, c: f64) -> f64 {
         return f64::INFINITY;
     }
     let below = discriminant.sqrt() - b;
-    if below > 0.0 { 2.0 / below } else { f64::INFINITY }
+    if below > 0.0 {
+        2.0 / below
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// Value at zero of the straight line through two points.
@@ -437,7 +468,13 @@ fn conic_through(middle: Point, points: &[(Point, f64)]) -> [f64; 5] {
     solve_upper(&flat, 5, &mut right);
     let [k0, k1, k2, k3, k4] = right;
     let square = scale * scale;
-    [k0 / scale, k1 / scale, k2 / square, k3 / square, k4 / square]
+    [
+        k0 / scale,
+        k1 / scale,
+        k2 / square,
+        k3 / square,
+        k4 / square,
+    ]
 }
 
 /// Solution of three equations with a symmetric matrix.
@@ -613,9 +650,15 @@ mod tests {
                     .filter(|point| part.density(*point) > 0.0)
                     .count();
                 let covered = inside as f64 * 4.0 / (points * points) as f64 / PI;
-                println!("degree {degree}: reach {off:.4}, covered {covered:.4}, {:.4}", reference.covered);
+                println!(
+                    "degree {degree}: reach {off:.4}, covered {covered:.4}, {:.4}",
+                    reference.covered
+                );
                 assert!(off.abs() < allowed, "degree {degree}: {reach}");
-                assert!((covered - reference.covered).abs() < 0.03, "degree {degree}: {covered}");
+                assert!(
+                    (covered - reference.covered).abs() < 0.03,
+                    "degree {degree}: {covered}"
+                );
             }
         }
     }

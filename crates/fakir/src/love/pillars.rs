@@ -543,7 +543,11 @@ impl ElementSolution<'_> {
         const FEW: f64 = 3.0;
         let size = self.level.elements.size;
         let centre = |pillar: &TouchedPillar| {
-            let [x, y] = self.level.problem.lattice.centre(pillar.index.0, pillar.index.1);
+            let [x, y] = self
+                .level
+                .problem
+                .lattice
+                .centre(pillar.index.0, pillar.index.1);
             x.hypot(y)
         };
         let certain = touched
