@@ -10,7 +10,7 @@ use super::answers::TouchedPillar;
 use super::fields::degree_with;
 use super::newton::Newton;
 use crate::disc::basis::{BasisEvaluator, compliances};
-use crate::disc::covered::CoverFinder;
+use crate::disc::covered::{CoverFinder, Region};
 use crate::disc::unilateral::{LocalSolver, PillarTop, Resolution};
 use crate::vector::{dot, subtract};
 use std::f64::consts::TAU;
@@ -67,22 +67,20 @@ pub(super) fn contact_reach(
         if distance + 1.0 < farthest - coarse_error - 1e-3 {
             break;
         }
-        let partial = pillar.state.status == PillarStatus::Partial;
-        let (reach, error) = if let Some(edge) = &pillar.disc.sliver {
-            (edge.reach, edge.error)
-        } else if partial {
-            let part = pillar
-                .disc
-                .gap
-                .as_ref()
-                .and_then(|gap| finder.region(&pillar.disc.coefficients, gap));
-            let axis = pillar.disc.centre.map(|x| -x);
-            // Of a contact too small to be seen, its nearest point.
-            let nearest = (distance - 1.0).max(0.0);
-            let reach = part.map_or(nearest, |part| part.farthest_from(axis));
-            (reach.max(nearest), coarse_error)
-        } else {
-            (distance + 1.0, full_error(pillar))
+        let (reach, error) = match (&pillar.disc.sliver, &pillar.disc.gap) {
+            (Some(edge), _) => (edge.reach, edge.error),
+            (None, None) => (distance + 1.0, full_error(pillar)),
+            (None, Some(gap)) => {
+                let axis = pillar.disc.centre.map(|x| -x);
+                let at_rim = finder.farthest_corner(gap, axis);
+                let reach = at_rim.or_else(|| {
+                    let region = finder.region(&pillar.disc.coefficients, gap)?;
+                    Some(region.farthest_from(axis))
+                });
+                // Of a contact too small to be seen, its nearest point.
+                let nearest = (distance - 1.0).max(0.0);
+                (reach.unwrap_or(0.0).max(nearest), coarse_error)
+            }
         };
         farthest = farthest.max(reach);
         candidates.push(Candidate {
@@ -93,9 +91,7 @@ pub(super) fn contact_reach(
     }
     candidates.retain(|candidate| candidate.reach >= farthest - 2.0 * coarse_error);
     candidates.sort_by(|a, b| b.reach.total_cmp(&a.reach));
-    if degree < FINE_DEGREE {
-        refine(newton, &mut candidates);
-    }
+    refine(newton, &mut candidates, &mut finder);
     let Some(best) = candidates
         .iter()
         .max_by(|a, b| (a.reach - a.error).total_cmp(&(b.reach - b.error)))
@@ -135,51 +131,76 @@ fn full_error(pillar: &TouchedPillar) -> f64 {
     }
 }
 
-/// Solves the first partially touched candidates on more nodes.
-fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>]) {
+/// Looks closer at the first partially touched candidates, on more nodes where there were few.
+fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut CoverFinder) {
     let mut partial = candidates
         .iter_mut()
         .filter(|candidate| {
-            let TouchedPillar { state, disc, .. } = candidate.pillar;
-            state.status == PillarStatus::Partial && disc.sliver.is_none()
+            let disc = &candidate.pillar.disc;
+            disc.gap.is_some() && disc.sliver.is_none()
         })
         .take(CANDIDATES)
         .peekable();
     if partial.peek().is_none() {
         return;
     }
-    let kappa = newton.problem.column_compliance_ratio;
-    let resolution = Resolution {
-        nodes: FINE_DEGREE,
-        turn: 0.0,
-        rings: 0,
-    };
-    let top = PillarTop::new(resolution, newton.degree(), kappa);
-    let compliance = compliances(FINE_DEGREE, kappa);
-    let mut solver = LocalSolver::new(&top);
-    let mut finder = CoverFinder::new(FINE_DEGREE);
-    let mut density = vec![0.0; top.count()];
+    let mut finer = (degree_with(newton.top.count()) < FINE_DEGREE).then(|| Finer::new(newton));
     for candidate in partial {
-        let load = newton.full_load(candidate.pillar.place);
-        let mut active = solver.first_guess(&top, &load);
-        if !solver.solve(&top, &load, &mut active).converged {
-            continue;
-        }
-        solver.coefficients(&top, &load, &mut density);
-        let mut gap: Vec<f64> = density
-            .iter()
-            .zip(&compliance)
-            .map(|(c, l)| c * l)
-            .collect();
-        subtract(&mut gap, &load);
         let axis = candidate.pillar.disc.centre.map(|x| -x);
-        if let Some(part) = finder.region(&density, &gap) {
-            let reach = part.farthest_from(axis);
+        let region = match (&mut finer, &candidate.pillar.disc.gap) {
+            (Some(finer), _) => finer.region(newton, candidate.pillar.place),
+            (None, Some(gap)) => finder.region(&candidate.pillar.disc.coefficients, gap),
+            (None, None) => None,
+        };
+        if let Some(region) = region {
+            let reach = region.farthest_from(axis);
             // Where two solutions differ by more than usual, so may the truth.
             let change = (reach - candidate.reach).abs();
-            candidate.error = edge_error(FINE_DEGREE) + change;
+            let degree = degree_with(newton.top.count()).max(FINE_DEGREE);
+            candidate.error = edge_error(degree) + change;
             candidate.reach = reach;
         }
+    }
+}
+
+/// Solutions of single pillars on more nodes.
+struct Finer {
+    top: PillarTop,
+    compliance: Vec<f64>,
+    solver: LocalSolver,
+    finder: CoverFinder,
+}
+
+impl Finer {
+    fn new(newton: &Newton<'_>) -> Self {
+        let kappa = newton.problem.column_compliance_ratio;
+        let resolution = Resolution {
+            nodes: FINE_DEGREE,
+            turn: 0.0,
+            rings: 0,
+        };
+        let top = PillarTop::new(resolution, newton.degree(), kappa);
+        Self {
+            compliance: compliances(FINE_DEGREE, kappa),
+            solver: LocalSolver::new(&top),
+            finder: CoverFinder::new(FINE_DEGREE),
+            top,
+        }
+    }
+
+    /// What is covered of a pillar; `None` if that is not found.
+    fn region(&mut self, newton: &Newton<'_>, pillar: usize) -> Option<Region> {
+        let load = newton.full_load(pillar);
+        let mut active = self.solver.first_guess(&self.top, &load);
+        if !self.solver.solve(&self.top, &load, &mut active).converged {
+            return None;
+        }
+        let mut density = vec![0.0; self.top.count()];
+        self.solver.coefficients(&self.top, &load, &mut density);
+        let modes = density.iter().zip(&self.compliance);
+        let mut gap: Vec<f64> = modes.map(|(c, lambda)| c * lambda).collect();
+        subtract(&mut gap, &load);
+        self.finder.region(&density, &gap)
     }
 }
 

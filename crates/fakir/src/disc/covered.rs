@@ -140,6 +140,15 @@ impl CoverFinder {
         Some(CoveredPart { region, amplitude })
     }
 
+    /// Distance from an axis, given from the centre of the pillar, of the farther of the two places of the
+    /// rim at which the contact ends; `None` if it does not end there.
+    pub(crate) fn farthest_corner(&self, gap: &[f64], axis: Point) -> Option<f64> {
+        self.corners(gap)
+            .into_iter()
+            .map(|[x, y]| (x - axis[0]).hypot(y - axis[1]))
+            .max_by(f64::total_cmp)
+    }
+
     /// The middle of the pressure, and the widest gap at a node.
     fn middle(&self, density: &[f64], gap: &[f64]) -> Option<(Point, f64)> {
         let (mut sum, mut at, mut widest) = (0.0, [0.0; 2], 0.0_f64);
@@ -365,7 +374,7 @@ impl Region {
 
     /// Visits points of the part (from its middle) with weights `sqrt(l) dA/mu`.
     fn integrate(&self, rule: &[(f64, f64)], mut visit: impl FnMut(Point, f64)) {
-        const DIRECTIONS: usize = 512;
+        const DIRECTIONS: usize = 1024;
         let step = 2.0 * PI / DIRECTIONS as f64;
         // Evenly over the part as if it were stretched to be as wide as it is long: it may be thin.
         let [x, y] = self.middle;
@@ -401,7 +410,7 @@ impl Region {
 
 /// Gauss's rule on `t = sin(s)`, which takes a root at `t = 1` away, above or below.
 fn rule_to_roots() -> Vec<(f64, f64)> {
-    gauss_legendre(16)
+    gauss_legendre(12)
         .into_iter()
         .map(|(node, weight)| {
             let (sin, cos) = (0.25 * PI * (node + 1.0)).sin_cos();
