@@ -374,8 +374,6 @@ impl Region {
 
     /// Visits points of the part (from its middle) with weights `sqrt(l) dA/mu`.
     fn integrate(&self, rule: &[(f64, f64)], mut visit: impl FnMut(Point, f64)) {
-        const DIRECTIONS: usize = 1024;
-        let step = 2.0 * PI / DIRECTIONS as f64;
         // Evenly over the part as if it were stretched to be as wide as it is long: it may be thin.
         let [x, y] = self.middle;
         let distance = x.hypot(y);
@@ -387,8 +385,11 @@ impl Region {
         let along = [-outwards[1], outwards[0]];
         let extent = |axis: Point| self.end(axis) + self.end(axis.map(|x| -x));
         let (depth, length) = (extent(outwards), extent(along));
-        for k in 0..DIRECTIONS {
-            let (sin, cos) = (step * (k as f64 + 0.5)).sin_cos();
+        // The ends of a thin part are seen from its middle in few directions.
+        let directions = if depth < 0.25 * length { 8192 } else { 1024 };
+        let step = 2.0 * PI / f64::from(directions);
+        for k in 0..directions {
+            let (sin, cos) = (step * (f64::from(k) + 0.5)).sin_cos();
             let (a, b) = (depth * cos, length * sin);
             let stretched = a.hypot(b);
             let direction = [0, 1].map(|i| (a * outwards[i] + b * along[i]) / stretched);
