@@ -24,7 +24,7 @@ fn system(surface_fraction: f64, offset: f64, degrees: f64) -> System {
 }
 
 fn critical(system: &System, method: Method) -> CriticalState {
-    let critical = fakir::transition(system, method, &Run::default()).expect("a critical state");
+    let critical = fakir::transition(system, method, &Run::default()).expect("a case of the paper");
     assert!(critical.contact.converged());
     critical
 }

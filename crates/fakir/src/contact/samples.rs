@@ -129,7 +129,7 @@ impl Fields {
     /// coordinates, and as far beyond the outermost. Where there is but one coordinate the cell is as
     /// wide as the narrowest the other way. A point that is not in contact has no pressure: what is in contact of
     /// its cell counts for the nearest point that is. The sum of pressure times area over cells that hold a
-    /// pillar is the force on it, to 1e-6 where it is covered and to 0.002 where the edge of the contact
+    /// pillar is the force on it, to 1e-6 where it is covered and to 0.003 where the edge of the contact
     /// crosses it.
     ///
     /// # Errors
