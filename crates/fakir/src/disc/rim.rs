@@ -116,21 +116,26 @@ impl Rim {
         (Self::angle(place), wanted)
     }
 
-    /// The maximum next to a place, by golden section.
+    /// Change of what the rim is asked to come down by with the angle.
+    fn slope(&mut self, load: &[f64], angle: f64) -> f64 {
+        let (sin, cos) = angle.sin_cos();
+        self.basis
+            .evaluate_polar(0.0, 1.0, [cos, sin], &mut self.values);
+        let (modes, values) = (self.basis.modes(), &self.values);
+        // A cosine comes just before its sine.
+        (1..load.len().min(values.len()))
+            .filter(|&k| modes[k].sine)
+            .map(|k| modes[k].order as f64 * (load[k] * values[k - 1] - load[k - 1] * values[k]))
+            .sum()
+    }
+
+    /// The maximum next to a place, where the slope changes its sign.
     fn maximum_near(&mut self, load: &[f64], angle: f64) -> (f64, f64) {
-        const GOLDEN: f64 = 0.618_033_988_749_895;
         let step = Self::angle(1);
-        let (mut low, mut high) = (angle - step, angle + step);
-        for _ in 0..40 {
-            let (a, b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-            if self.wanted(load, a, 0.0) < self.wanted(load, b, 0.0) {
-                low = a;
-            } else {
-                high = b;
-            }
-        }
-        let angle = 0.5 * (low + high);
-        (angle, self.wanted(load, angle, 0.0))
+        let start = angle - step;
+        let rises = |rim: &mut Self, along: f64| rim.slope(load, start + along);
+        let along = first_zero(2.0 * step, |along| rises(self, along)).unwrap_or(step);
+        (start + along, self.wanted(load, start + along, 0.0))
     }
 
     /// Whether any place of the rim is asked to come down.
