@@ -204,15 +204,15 @@ def test_height_maps():
     hertz = 4 / 3 * modulus * np.sqrt(1e-3) * 0.5e-6**1.5
     assert contact.force == pytest.approx(hertz, rel=2e-3)
     assert contact.pressure_map.sum() * 1e-12 == pytest.approx(contact.force, rel=1e-9)
-    # A topography is [x, y]; here a ridge along y, in um.
-    heights = np.zeros((64, 32))
-    heights[30:34] = 0.1
-    topography = Topography(heights, (64.0, 32.0), "um")
+    # A topography is [x, y]; here a ridge along y, in um, as wide as the lens reaches.
+    heights = np.zeros((96, 112))
+    heights[46:50] = 0.1
+    topography = Topography(heights, (96.0, 112.0), "um")
     ridge = fakir.love.Surface(topography, lens, substrate, floor=0.0)
-    assert ridge.heights.shape == (32, 64)
+    assert ridge.heights.shape == (112, 96)
     assert ridge.heights.max() == pytest.approx(0.1e-6)
     found = ridge.press(force="1 uN").to_xarray()
-    assert dict(found.sizes) == {"y": 32, "x": 64}
+    assert dict(found.sizes) == {"y": 112, "x": 96}
     assert float(found.pressure.sel(x=0, y=0, method="nearest")) > 0.0
     assert ridge.transition().force > 0.0
     with pytest.raises(ValueError, match="heights has the shape"):

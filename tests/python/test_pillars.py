@@ -25,4 +25,8 @@ def test_centre_pressures_are_those_of_the_map(critical):
     with xarray.open_dataset(folder / "fields.nc") as data:
         # The lens axis is a point of the map and the centre of the first pillar.
         at_axis = data.pressure.sel(x=0.0, y=0.0)
-        assert float(at_axis) == pytest.approx(pillars.centre_pressure_Pa[0], rel=1e-12)
+        # The map has means over cells, of a side s in pillar radii: over such a cell the pressure of a flat
+        # punch, p/sqrt(1 - r^2), is p (1 + s^2/12) on the average; the lens is a little curved.
+        side = float(data.x[1] - data.x[0]) / 3e-6
+        mean = pillars.centre_pressure_Pa[0] * (1.0 + side**2 / 12.0)
+        assert float(at_axis) == pytest.approx(mean, rel=2e-4)
