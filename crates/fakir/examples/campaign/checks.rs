@@ -110,7 +110,8 @@ impl Findings {
             ("smallest floor gap", state.smallest_floor_gap),
         ];
         for (name, number) in numbers {
-            if !number.is_finite() || (number < 0.0 && name != "smallest floor gap") {
+            let negative = number < 0.0 && state.converged() && name != "smallest floor gap";
+            if !number.is_finite() || negative {
                 self.faults.push(format!("{name} is {number}"));
             }
         }

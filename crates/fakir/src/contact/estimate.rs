@@ -156,7 +156,7 @@ fn adjoints(
 /// How partially touched pillars are resolved again.
 ///
 /// The error of a node array depends on where the edge of the contact falls between its nodes, so that one
-/// other array may happen to err alike. Three do not. Where pillars are many, their errors average out, and
+/// other array may happen to err alike. Five hardly do. Where pillars are many, their errors average out, and
 /// the first is enough.
 fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
     let nodes = tops.nodes;
@@ -170,8 +170,14 @@ fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
         (larger, 0.0, tops.rings / 2),
         (larger, PI, tops.rings / 2),
         (smaller, 0.3, 2 * tops.rings / 3),
+        (larger, 0.6, 2 * tops.rings / 5),
+        (smaller, 1.1, 4 * tops.rings / 5),
     ];
-    let count = if partial <= FEW_PILLARS { 3 } else { 1 };
+    let count = if partial <= FEW_PILLARS {
+        others.len()
+    } else {
+        1
+    };
     let of = |(nodes, turn, rings)| Resolution { nodes, turn, rings };
     others.into_iter().take(count).map(of).collect()
 }
