@@ -768,19 +768,9 @@ impl<'a> Newton<'a> {
     }
 
     fn statuses(&self) -> Vec<PillarStatus> {
-        // The lightest touches depend on all of the lens shape.
-        let light_touches = self.top.resolution().rings > 0;
-        let degree = if light_touches {
-            self.load_degree()
-        } else {
-            self.degree()
-        };
-        let work = || (vec![0.0; self.modes], Rim::new(degree));
+        let work = || (vec![0.0; self.modes], Rim::new(self.degree()));
         let count = self.window.len();
         self.run.map(count, PILLARS, work, |(load, rim), pillar| {
-            if light_touches {
-                return self.top.status(&self.full_load(pillar), rim);
-            }
             self.load(pillar, load);
             self.top.status(load, rim)
         })
