@@ -12,7 +12,6 @@ use super::fields::{Density, Disc, Fields};
 use super::run::Run;
 use crate::quadrature::gauss_legendre;
 use crate::system::Point;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Points of the rule on a piece, and longest pieces, in disc radii or rad.
@@ -100,7 +99,7 @@ impl Fields {
         let columns = Cells::around(&x, narrowest(&x, &y).unwrap_or(lone));
         let rows = Cells::around(&y, narrowest(&y, &x).unwrap_or(lone));
         let rule = gauss_legendre(POINTS);
-        let one = |disc: usize| -> Result<Block, SolveError> {
+        let one = |(): &mut (), disc: usize| -> Result<Block, SolveError> {
             run.check_cancelled()?;
             let mut block = Block::around(&self.discs[disc], &columns, &rows);
             let mut density = self.density_on(disc);
@@ -108,15 +107,11 @@ impl Fields {
             block.gather(&self.discs[disc], &mut density, &columns, &rows);
             Ok(block)
         };
-        let count = self.discs.len();
-        let blocks: Result<Vec<_>, SolveError> = match run.pool {
-            Some(pool) => pool.install(|| (0..count).into_par_iter().map(one).collect()),
-            None => (0..count).map(one).collect(),
-        };
+        let blocks = run.map(self.discs.len(), 1, || (), one);
         let width = columns.bounds.len();
         let mut means = vec![0.0; width * rows.bounds.len()];
-        for block in blocks? {
-            for (row, column, force) in block.cells() {
+        for block in blocks {
+            for (row, column, force) in block?.cells() {
                 means[row * width + column] += force;
             }
         }

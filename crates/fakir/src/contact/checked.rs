@@ -11,6 +11,10 @@ impl ContactState {
             ("force", &mut self.force),
             ("indentation", &mut self.indentation),
             ("contact radius", &mut self.contact_radius),
+            (
+                "error estimate of the contact radius",
+                &mut self.contact_radius_error,
+            ),
             ("smallest floor gap", &mut self.smallest_floor_gap),
             ("place of the smallest floor gap", x),
             ("place of the smallest floor gap", y),

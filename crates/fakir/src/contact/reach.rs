@@ -174,11 +174,7 @@ struct Finer {
 impl Finer {
     fn new(newton: &Newton<'_>) -> Self {
         let kappa = newton.problem.column_compliance_ratio;
-        let resolution = Resolution {
-            nodes: FINE_DEGREE,
-            turn: 0.0,
-            rings: 0,
-        };
+        let resolution = Resolution::of_nodes(FINE_DEGREE);
         let top = PillarTop::new(resolution, newton.degree(), kappa);
         Self {
             compliance: compliances(FINE_DEGREE, kappa),

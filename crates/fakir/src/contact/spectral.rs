@@ -54,11 +54,7 @@ pub(crate) struct Solution<'a> {
 const FEW_PILLARS: usize = 20;
 
 /// Of pillars that are touched at their centre or not at all.
-const CENTRES: Resolution = Resolution {
-    nodes: 0,
-    turn: 0.0,
-    rings: 0,
-};
+const CENTRES: Resolution = Resolution::of_nodes(0);
 
 /// Solves the punch lattice, in which pillars are touched or not as a whole.
 pub(crate) fn solve_punch<'a>(

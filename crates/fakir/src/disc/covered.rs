@@ -621,11 +621,7 @@ mod tests {
     impl Reference {
         /// Its solution on nodes of a degree: coefficients of `q` and of the gap.
         fn solve(&self, degree: usize) -> (Vec<f64>, Vec<f64>) {
-            let resolution = Resolution {
-                nodes: degree,
-                turn: 0.0,
-                rings: 0,
-            };
+            let resolution = Resolution::of_nodes(degree);
             let top = PillarTop::new(resolution, 2, self.kappa);
             let mut basis = BasisEvaluator::new(4);
             let mut values = vec![0.0; mode_count(4)];

@@ -540,11 +540,7 @@ mod tests {
         }
         let load = beside(700.0, 4.0, 1e-3);
         let fine = force(20, &load);
-        let resolution = Resolution {
-            nodes: 32,
-            turn: 0.0,
-            rings: 0,
-        };
+        let resolution = Resolution::of_nodes(32);
         let top = PillarTop::new(resolution, 2, 0.0);
         let mut solver = LocalSolver::new(&top);
         let mut active = solver.first_guess(&top, &load);

@@ -32,6 +32,17 @@ pub(crate) struct Resolution {
     pub(crate) rings: usize,
 }
 
+impl Resolution {
+    /// Nodes of a degree, for slivers too.
+    pub(crate) const fn of_nodes(nodes: usize) -> Self {
+        Self {
+            nodes,
+            turn: 0.0,
+            rings: 0,
+        }
+    }
+}
+
 /// A pillar top with a node array: what every pillar shares.
 #[derive(Debug)]
 pub(crate) struct PillarTop {
@@ -319,16 +330,8 @@ mod tests {
         load
     }
 
-    fn nodes(degree: usize) -> Resolution {
-        Resolution {
-            nodes: degree,
-            turn: 0.0,
-            rings: 0,
-        }
-    }
-
     fn solve(degree: usize, load: &[f64]) -> (Vec<f64>, Vec<bool>, Pivoting) {
-        let top = PillarTop::new(nodes(degree), 2, 0.0);
+        let top = PillarTop::new(Resolution::of_nodes(degree), 2, 0.0);
         let mut solver = LocalSolver::new(&top);
         let mut active = vec![false; top.count()];
         let pivoting = solver.solve(&top, load, &mut active);
@@ -341,7 +344,7 @@ mod tests {
     fn loads_that_are_no_numbers_have_no_solution() {
         let resolution = Resolution {
             rings: 10,
-            ..nodes(8)
+            ..Resolution::of_nodes(8)
         };
         let top = PillarTop::new(resolution, 2, 0.3);
         let mut solver = LocalSolver::new(&top);
@@ -384,7 +387,7 @@ mod tests {
             let load = project(2, |[x, _]| x);
             let (coefficients, active, pivoting) = solve(degree, &load);
             assert!(pivoting.converged);
-            let top = PillarTop::new(nodes(degree), 2, 0.0);
+            let top = PillarTop::new(Resolution::of_nodes(degree), 2, 0.0);
             let pressure: Vec<f64> = (0..top.count())
                 .map(|node| dot(top.row(&top.values, node), &coefficients))
                 .collect();
@@ -405,7 +408,7 @@ mod tests {
     #[test]
     fn derivative_is_that_of_the_solution() {
         // Linear as long as the active nodes stay: a central difference is exact.
-        let top = PillarTop::new(nodes(12), 2, 0.3);
+        let top = PillarTop::new(Resolution::of_nodes(12), 2, 0.3);
         let mut solver = LocalSolver::new(&top);
         let mut load = project(2, |[x, y]| 0.4 + x - 0.2 * y - 0.1 * x * x);
         let mut active = vec![false; top.count()];
