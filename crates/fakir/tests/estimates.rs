@@ -1,6 +1,6 @@
 //! Systems on which estimates once were too small.
 
-use fakir::contact::{Accuracy, ContactState, Method, Run};
+use fakir::contact::{Accuracy, ContactState, Load, Method, Run};
 use fakir::love::ElementMesh;
 use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 
@@ -94,4 +94,36 @@ fn a_sphere_on_one_wide_pillar() {
     );
     assert!(ratios.iter().all(|ratio| *ratio <= 1.0), "{ratios:?}");
     assert!(default.error.force < 1e-6 && accurate.error.force < 3e-8);
+}
+
+#[test]
+fn a_touch_that_only_the_whole_lens_shape_shows() {
+    // Pressed 1e-5 beyond first touch: up to degree 2 the sphere stays clear of the pillar, and the default
+    // accuracy answered with no force at all.
+    let lens = Lens {
+        radius: 6.553725008345147e-4,
+        material: Material::new(3.7739043743342404e3, 0.5),
+    };
+    let pillar = Pillar {
+        diameter: 1.910375836233268e-5,
+        height: 5.591587626534811e-6,
+        compliance: PillarCompliance::Column,
+    };
+    let lattice = HexagonalLattice {
+        offset: 0.2631735834747061,
+        offset_angle: 1.5468214061427357,
+        ..HexagonalLattice::new(4.918890537000998e-5)
+    };
+    let substrate = Material::new(4.563307782112325e8, 0.4054807325243255);
+    let system = System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system");
+    let press = |accuracy| {
+        let load = Load::Indentation(8.787422628639028e-9);
+        fakir::press(&system, load, Method::Spectral(accuracy), &Run::default()).expect("a contact")
+    };
+    let (default, accurate) = (press(Accuracy::Default), press(Accuracy::Accurate));
+    assert!(default.converged() && accurate.converged());
+    assert_eq!(default.pillars_in_contact, 1);
+    let [force, _] = over_estimates(&default, &accurate);
+    assert!(force <= 1.0, "{force}");
+    assert!(default.error.force < 0.1);
 }

@@ -776,6 +776,22 @@ impl<'a> Newton<'a> {
         })
     }
 
+    /// Whether a pillar counts as touched, or as untouched, only because the modes of the coupling
+    /// leave out a part of the lens shape.
+    pub(crate) fn has_marginal_pillars(&self) -> bool {
+        if self.degree() >= self.load_degree() {
+            return false;
+        }
+        let work = || Rim::new(self.load_degree());
+        let count = self.window.len();
+        let marginal = self.run.map(count, COSTLY_PILLARS, work, |rim, pillar| {
+            let in_full = self.top.status(&self.full_load(pillar), rim);
+            let untouched = PillarStatus::Untouched;
+            (in_full == untouched) != (self.status[pillar] == untouched)
+        });
+        marginal.contains(&true)
+    }
+
     /// The unilateral problem of one pillar: its new state, its leading coefficients, and
     /// whether its active nodes changed.
     fn solve_partial(

@@ -102,15 +102,15 @@ pub(crate) fn solve_spectral<'a>(
     problem: &'a Problem,
     target: Target,
     punch: Solution<'a>,
-    degrees: Degrees,
+    mut degrees: Degrees,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
     let mut steps = punch.steps;
     let mut coarse = punch.newton;
-    let pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
-    let modes = mode_count(degrees.coupling);
+    let mut pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
     let mut radius = coarse.reach() + 1.5 * problem.lattice.pitch;
     loop {
+        let modes = mode_count(degrees.coupling);
         let window = checked_window(problem, limited(problem, radius), modes, run)?;
         let mut tops = degrees.tops;
         if coarse.touched() > FEW_PILLARS {
@@ -121,19 +121,19 @@ pub(crate) fn solve_spectral<'a>(
         newton.start_from(&coarse);
         let outcome = newton.solve(target, Purpose::Answer)?;
         steps += outcome.steps;
-        match growth(problem, &newton)? {
-            Some(larger) => {
-                radius = larger;
-                coarse = newton;
-            }
-            None => {
-                return Ok(Solution {
-                    newton,
-                    outcome,
-                    steps,
-                });
-            }
+        if let Some(larger) = growth(problem, &newton)? {
+            radius = larger;
+        } else if newton.touched() <= FEW_PILLARS && newton.has_marginal_pillars() {
+            degrees.coupling += 2;
+            pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
+        } else {
+            return Ok(Solution {
+                newton,
+                outcome,
+                steps,
+            });
         }
+        coarse = newton;
     }
 }
 
