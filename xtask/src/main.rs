@@ -6,6 +6,7 @@ mod campaign;
 mod instructions;
 mod package;
 mod python;
+mod structure;
 
 use std::ffi::{OsStr, OsString};
 use std::process::{Command, ExitCode};
@@ -36,7 +37,12 @@ const CHECKS: &[(&str, &[&str])] = &[
 type Other = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
 
 /// Come last: they use the program that the tests were run on.
-const OTHERS: [Other; 4] = [
+const OTHERS: [Other; 5] = [
+    (
+        "structure",
+        "arrows between files point downward",
+        structure::check,
+    ),
     ("campaign", "random systems", campaign::check),
     ("instructions", "counts of valgrind", instructions::check),
     ("python", "pytest tests/python", python::check),

@@ -4,12 +4,11 @@
 use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, LoadPoint, at_fraction, expected_pillars};
-use fakir::contact::{
-    Accuracy, ContactState, CriticalState, Load, Method, Normalized, PillarStatus, Run,
-};
-use fakir::system::{Point, System};
-use fakir::theory::closed_forms::{self, Form, TransitionEstimate};
-use fakir::theory::homogenised;
+use fakir::problem::{Accuracy, Load, Method};
+use fakir::problem::{Point, System};
+use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
+use fakir::theory::closed_forms;
+use fakir::theory::closed_forms::{Form, TransitionEstimate};
 use fakir_case::Case;
 use fakir_study::summary::{PressSummary, TransitionSummary};
 use serde::Serialize;
@@ -237,7 +236,7 @@ fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
     }
     let run = worker.run();
     // Where the model does not apply there is no preview.
-    let Ok(critical) = homogenised::transition(system, &run) else {
+    let Ok(critical) = fakir::transition(system, Method::Homogenised, &run) else {
         return;
     };
     let critical = critical.contact;
@@ -245,7 +244,12 @@ fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
         critical.clone()
     } else {
         let indentation = indentation(case, critical.indentation, load.fraction);
-        match homogenised::press(system, Load::Indentation(indentation), &run) {
+        match fakir::press(
+            system,
+            Load::Indentation(indentation),
+            Method::Homogenised,
+            &run,
+        ) {
             Ok(state) => state,
             Err(_) => return,
         }
@@ -477,7 +481,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
     let many = |system: &&System| system.texture().surface_fraction() >= limit;
     for system in smooth.iter().step_by(2).filter(many) {
         worker.give_way()?;
-        if let Ok(critical) = homogenised::transition(system, &run) {
+        if let Ok(critical) = fakir::transition(system, Method::Homogenised, &run) {
             points.push(CurvePoint::of_state(&critical));
         }
     }
@@ -498,7 +502,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
                 worker.send(&CurveLine::Point(CurvePoint::of_state(&critical)));
             }
             Ok(_) => {}
-            Err(fakir::contact::SolveError::Interrupted) => return Err(Failure::Cancelled),
+            Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),
             // Of this surface fraction there is no answer; of others there may be.
             Err(_) => {}
         }
@@ -575,7 +579,7 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
                 let [radius, force] = reduced(state.force, state.contact_radius);
                 worker.send(&PhaseLine::Path([fraction, radius, force]));
             }
-            Err(fakir::contact::SolveError::Interrupted) => return Err(Failure::Cancelled),
+            Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),
             Err(_) => {}
         }
     }

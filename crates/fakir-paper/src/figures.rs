@@ -4,8 +4,10 @@ use crate::analysis::{PowerLaw, Quantity};
 use crate::claims::LAW_RANGES;
 use crate::grid::{Grid, OFFSETS, Substrate, system};
 use crate::states::{Approach, States};
-use fakir::contact::{ContactState, Normalized, Run, SolveError};
-use fakir::theory::closed_forms::{self, Form};
+use fakir::problem::Method;
+use fakir::state::{ContactState, Normalized, Run, SolveError};
+use fakir::theory::closed_forms;
+use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::SumFit;
 use fakir_case::CaseError;
 use fakir_figure::{
@@ -254,7 +256,7 @@ fn models(grid: &Grid, substrate: Substrate) -> Result<Vec<CriticalCurve>, Drawi
         let estimate = closed_forms::large_contact(&system, Form::AsPrinted);
         large.push(CriticalPoint::of_estimate(&system, &estimate));
         let run = Run::default();
-        match fakir::theory::homogenised::transition(&system, &run) {
+        match fakir::transition(&system, Method::Homogenised, &run) {
             Ok(critical) => homogenised.push(CriticalPoint::from(&critical)),
             Err(SolveError::TextureTooDense { .. }) => {}
             Err(error) => return Err(error.into()),

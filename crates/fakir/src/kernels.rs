@@ -1,18 +1,19 @@
 //! Work of a fixed size for counts of instructions, from `examples/kernels.rs`, and beside what it needs at
 //! the least, from `examples/limits.rs`. Not part of the interface: it changes with what is inside.
 
-use crate::contact::Run;
-use crate::contact::floor::{FloorDisplacement, LoadedDiscs};
-use crate::coupling::LatticeCoupling;
-use crate::coupling::convolution::LatticeConvolution;
-use crate::coupling::pair::PairCoupling;
-use crate::coupling::window::Window;
-use crate::disc::basis::mode_count;
-use crate::disc::exterior::Exterior;
-use crate::disc::unilateral::{LocalSolver, PillarTop, Resolution};
-use crate::love::{Cells, FreeSpaceConvolution, Grid, Operator};
-use crate::system::HexagonalLattice;
-use crate::vector::{LANES, Lanes, widest};
+use crate::halfspace::coupling::convolution::LatticeConvolution;
+use crate::halfspace::coupling::lattice::LatticeCoupling;
+use crate::halfspace::coupling::pair::PairCoupling;
+use crate::halfspace::coupling::window::Window;
+use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::exterior::Exterior;
+use crate::halfspace::disc::nodes::Resolution;
+use crate::halfspace::elements::{FreeSpaceConvolution, Operator};
+use crate::numerics::vector::{LANES, Lanes, widest};
+use crate::problem::{Cells, Grid, HexagonalLattice};
+use crate::solve::floor::{FloorDisplacement, LoadedDiscs};
+use crate::solve::rules::unilateral::{LocalSolver, PillarTop};
+use crate::state::Run;
 
 /// Degree of the coupling of the spectral method, and its nodes.
 const DEGREE: usize = 2;
@@ -36,7 +37,7 @@ fn coefficients(count: usize) -> Vec<f64> {
 fn coupling() -> f64 {
     let window = Window::new(&lattice(), 100.0);
     let pair = PairCoupling::new(DEGREE, lattice().pitch);
-    let coupling = LatticeCoupling::new(&window, &pair, &Run::default());
+    let coupling = LatticeCoupling::new(&window, &pair, Run::default().workers());
     drop(coupling);
     window.len() as f64
 }
@@ -46,11 +47,11 @@ fn products() -> f64 {
     let window = Window::new(&lattice(), 100.0);
     let run = Run::default();
     let pair = PairCoupling::new(DEGREE, lattice().pitch);
-    let mut coupling = LatticeCoupling::new(&window, &pair, &run);
+    let mut coupling = LatticeCoupling::new(&window, &pair, run.workers());
     let mut c = coefficients(window.len() * mode_count(DEGREE));
     let mut far = vec![0.0; c.len()];
     for _ in 0..100 {
-        coupling.apply(&c, &mut far, &run);
+        coupling.apply(&c, &mut far, run.workers());
         c[0] += 1e-3 * far[0];
     }
     far[0]
@@ -164,10 +165,10 @@ fn product_limit(pillars: f64) -> Limit {
     let window = Window::new(&lattice(), radius);
     let run = Run::default();
     let pair = PairCoupling::new(DEGREE, lattice().pitch);
-    let mut coupling = LatticeConvolution::new(&window, &pair, &run);
+    let mut coupling = LatticeConvolution::new(&window, &pair, run.workers());
     let c = coefficients(window.len() * mode_count(DEGREE));
     let mut far = vec![0.0; c.len()];
-    let seconds = least_time(|| coupling.apply(&c, &mut far, &run));
+    let seconds = least_time(|| coupling.apply(&c, &mut far, run.workers()));
     let [operations, bytes] = coupling.least_work();
     Limit {
         name: format!("convolution, {} pillars", window.len()),

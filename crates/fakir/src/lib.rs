@@ -2,8 +2,9 @@
 //! which it stops resting on the pillar tops alone and touches the floor between them.
 //!
 //! ```
-//! use fakir::contact::{Method, Run};
-//! use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+//! use fakir::problem::Method;
+//! use fakir::state::Run;
+//! use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 //!
 //! let rubber = Material::new(2.0e6, 0.5);
 //! let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
@@ -17,19 +18,22 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Where things are
+//! # The rooms
 //!
-//! * [`system`]: what is pressed. Everything public is in SI units.
-//! * [`press`] and [`transition`]: the contact under a load, and the critical state, by any
-//!   [`Method`], coarse to exact:
-//!   [homogenised lattice](theory::homogenised), punch lattice, [Love elements](love), spectral.
-//! * [`love`]: elements of constant pressure, and contacts on any surface; [`verify()`] asks them
-//!   for a second opinion on the spectral method.
-//! * [`contact`]: what comes back: forces, radii, every pillar, [fields](contact::Fields),
-//!   convergence and error estimates.
-//! * [`love::SurfaceSystem`] and [`pattern`]: lens or plate on any height map, floor included,
-//!   past the transition too; and surfaces patterned with pillars of other forms.
-//! * [`theory`]: the closed forms of the paper with their errata, and the homogenised lattice.
+//! Each uses those above it in this list, and no other:
+//!
+//! * [`numerics`]: what mathematics and machines lend;
+//! * [`problem`]: what is asked: the bodies, the load, the method. Everything public is in SI units;
+//! * [`halfspace`]: how an elastic half-space gives way under pillar tops and rectangles;
+//! * [`state`]: what comes back: forces, radii, every pillar, [fields](state::Fields), convergence, error
+//!   estimates, and why there is no answer;
+//! * [`theory`]: the closed forms of the paper with their errata, and the homogenised lattice;
+//! * [`solve`]: the contact conditions, spectral and by [elements](solve::elements).
+//!
+//! [`press`] and [`transition`] hand a [`System`](problem::System) to a [`Method`](problem::Method), coarse to exact:
+//! [homogenised lattice](theory::homogenised), punch lattice, [Love elements](solve::elements), spectral.
+//! [`verify()`] asks two for the same. A lens or plate on any height map, floor included and past the transition too, is a
+//! [`SurfaceSystem`](problem::SurfaceSystem).
 //!
 //! # What is computed
 //!
@@ -41,73 +45,18 @@
 //! one of the unknowns. The punch lattice is its lowest degree.
 //!
 //! The crate opens no files, prints nothing and starts no threads; a
-//! [`Run`] hands it a thread pool, a listener for progress and a way to stop.
+//! [`Run`](state::Run) hands it a thread pool, a listener for progress and a way to stop.
 
-pub mod contact;
-pub mod convergence;
-mod coupling;
-mod disc;
+pub mod halfspace;
 #[doc(hidden)]
 pub mod kernels;
-pub mod love;
-pub mod pattern;
-mod quadrature;
-pub mod system;
+mod method;
+pub mod numerics;
+pub mod problem;
+pub mod solve;
+pub mod state;
 pub mod theory;
-mod vector;
 mod verify;
 
+pub use method::{press, transition};
 pub use verify::{Difference, Doubt, Question, Verdict, Verification, verify};
-
-use contact::{ContactState, CriticalState, Load, Method, PillarMethod, Run, SolveError};
-use system::System;
-
-/// The contact under a load, by the given method.
-///
-/// A load past the transition is answered as if the floor were not there; the smallest floor
-/// gap is then negative.
-///
-/// # Errors
-/// A load that cannot be, a contact too large for the lens or for memory, or interruption:
-/// see [`SolveError`]. A solution that did not converge is not an error: it says so in
-/// [`ContactState::termination`].
-pub fn press(
-    system: &System,
-    load: Load,
-    method: Method,
-    run: &Run<'_>,
-) -> Result<ContactState, SolveError> {
-    let load = load.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
-    match method {
-        Method::Spectral(accuracy) => {
-            contact::press(system, load, PillarMethod::Spectral(accuracy), run)
-        }
-        Method::Punch(form) => contact::press(system, load, PillarMethod::Punch(form), run),
-        Method::Love(mesh) => contact::press(system, load, PillarMethod::Love(mesh), run),
-        Method::Homogenised => theory::homogenised::pressed(system, load, run),
-    }?
-    .checked()
-}
-
-/// The critical state, in which the lens just reaches the floor, by the given method.
-///
-/// Where the lens reaches the floor before any pillar, that is a valid answer: the critical
-/// indentation is the pillar height and the critical force zero.
-///
-/// # Errors
-/// As [`press`].
-pub fn transition(
-    system: &System,
-    method: Method,
-    run: &Run<'_>,
-) -> Result<CriticalState, SolveError> {
-    match method {
-        Method::Spectral(accuracy) => {
-            contact::transition(system, PillarMethod::Spectral(accuracy), run)
-        }
-        Method::Punch(form) => contact::transition(system, PillarMethod::Punch(form), run),
-        Method::Love(mesh) => contact::transition(system, PillarMethod::Love(mesh), run),
-        Method::Homogenised => theory::homogenised::critical(system, run),
-    }?
-    .checked()
-}

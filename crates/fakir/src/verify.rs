@@ -5,12 +5,9 @@
 //! into squares. Where they agree within their own error estimates, both can be believed; where one
 //! of them did not converge, or knows no digit, they cannot tell.
 
-use crate::contact::{
-    Accuracy, ContactState, CriticalState, Load, Method, Run, SolveError, Termination,
-};
-use crate::convergence::{larger, within};
-use crate::love::ElementMesh;
-use crate::system::System;
+use crate::numerics::convergence::{larger, within};
+use crate::problem::{Accuracy, ElementMesh, Load, Method, System};
+use crate::state::{ContactState, CriticalState, Run, SolveError, Termination};
 
 /// The question that is answered twice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -195,10 +192,10 @@ pub fn verify(
     let answer = |method| -> Result<ContactState, SolveError> {
         match question {
             Question::Transition => {
-                let CriticalState { contact, .. } = crate::transition(system, method, run)?;
+                let CriticalState { contact, .. } = crate::method::transition(system, method, run)?;
                 Ok(contact)
             }
-            Question::Press(load) => crate::press(system, load, method, run),
+            Question::Press(load) => crate::method::press(system, load, method, run),
         }
     };
     let spectral = answer(Method::Spectral(Accuracy::Accurate))?;
@@ -227,7 +224,7 @@ pub fn verify(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Texture};
+    use crate::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Texture};
 
     fn paper(surface_fraction: f64) -> System {
         let material = Material::new(2e6, 0.5);
@@ -342,7 +339,7 @@ mod tests {
         let run = Run::default();
         // The nearest of 16 cells is some 0.19 um from the axis: 8 pm of sag.
         let load = Load::Indentation(1e-12);
-        let state = crate::press(&system, load, Method::Love(ElementMesh::default()), &run);
+        let state = crate::method::press(&system, load, Method::Love(ElementMesh::default()), &run);
         let state = state.unwrap();
         assert_eq!(state.pillars_in_contact, 0);
         assert!(state.error.force >= 1.0);

@@ -19,7 +19,7 @@
 //!    of the top contact is `d/2` there. [`TransitionEstimate`] holds both.
 
 use super::lattice_sums::{LatticeSums, SumCoefficients};
-use crate::system::{MAXIMUM_SURFACE_FRACTION, System};
+use crate::problem::{MAXIMUM_SURFACE_FRACTION, System};
 use std::f64::consts::PI;
 
 /// Which reading of a formula with an erratum.
@@ -290,9 +290,14 @@ fn small_contact_factor(system: &System) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reference::{INTERMEDIATE, RIGID, SOFT, intermediate, paper, reference};
+    use super::super::reference::INTERMEDIATE;
+    use super::super::reference::RIGID;
+    use super::super::reference::SOFT;
+    use super::super::reference::intermediate;
+    use super::super::reference::paper;
+    use super::super::reference::reference;
     use super::*;
-    use crate::system::{HexagonalLattice, Lens, PillarCompliance, Texture};
+    use crate::problem::{HexagonalLattice, Lens, PillarCompliance, Texture};
 
     /// Deviation of a closed form from the reference, in per cent.
     fn percent(value: f64, reference: f64) -> f64 {

@@ -23,12 +23,12 @@
 use super::closed_forms::TransitionEstimate;
 use super::lattice_potential::{hollow_potential, site_potential};
 use super::spring_layer::{LayerModes, UnitContact};
-use crate::contact::{
-    ContactState, CriticalState, ErrorEstimate, Load, Method, Regime, Run, SolveError, Termination,
-    contact_warnings,
+use crate::numerics::convergence::{Judgement, judge, larger, within};
+use crate::problem::{Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
+use crate::state::contact::contact_warnings;
+use crate::state::{
+    ContactState, CriticalState, ErrorEstimate, Regime, Run, SolveError, Termination,
 };
-use crate::convergence::{Judgement, judge, larger, within};
-use crate::system::{MAXIMUM_SURFACE_FRACTION, Point, System};
 use std::f64::consts::PI;
 
 /// Beyond this fraction of the lens radius a contact is refused.
@@ -134,15 +134,6 @@ pub fn central_force_amplification(system: &System) -> f64 {
 /// touched at the hollow site nearest to the lens axis.
 ///
 /// Where the lens meets the floor before any pillar, the answer is exact: no force.
-///
-/// # Errors
-/// [`SolveError::TextureTooDense`], [`SolveError::ContactExceedsLens`] or
-/// [`SolveError::Interrupted`].
-pub fn transition(system: &System, run: &Run<'_>) -> Result<CriticalState, SolveError> {
-    crate::transition(system, Method::Homogenised, run)
-}
-
-/// The critical state, not checked yet.
 pub(crate) fn critical(system: &System, run: &Run<'_>) -> Result<CriticalState, SolveError> {
     run.check_cancelled()?;
     if nearest_edge_sag(system) >= system.pillar().height {
@@ -163,16 +154,7 @@ pub(crate) fn critical(system: &System, run: &Run<'_>) -> Result<CriticalState, 
     })
 }
 
-/// The contact of the homogenised lattice under a load; pillars as in [`transition`].
-///
-/// # Errors
-/// [`SolveError::InvalidQuantity`] for a load that is negative, too small or no number, otherwise
-/// as [`transition`].
-pub fn press(system: &System, load: Load, run: &Run<'_>) -> Result<ContactState, SolveError> {
-    crate::press(system, load, Method::Homogenised, run)
-}
-
-/// The contact under a load that has been checked.
+/// The contact of the homogenised lattice under a load that has been checked; pillars as in [`critical`].
 pub(crate) fn pressed(
     system: &System,
     load: Load,
@@ -374,10 +356,21 @@ fn nearest_hollow(system: &System) -> Point {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reference::{RIGID, intermediate, paper, reference};
+    use super::super::reference::RIGID;
+    use super::super::reference::intermediate;
+    use super::super::reference::paper;
+    use super::super::reference::reference;
     use super::*;
-    use crate::contact::CancelToken;
-    use crate::system::{HexagonalLattice, Lens, Material, PillarCompliance, Texture};
+    use crate::numerics::workers::CancelToken;
+    use crate::problem::{HexagonalLattice, Lens, Material, PillarCompliance, Texture};
+
+    fn transition(system: &System, run: &Run<'_>) -> Result<CriticalState, SolveError> {
+        crate::transition(system, Method::Homogenised, run)
+    }
+
+    fn press(system: &System, load: Load, run: &Run<'_>) -> Result<ContactState, SolveError> {
+        crate::press(system, load, Method::Homogenised, run)
+    }
 
     fn critical(system: &System) -> CriticalState {
         transition(system, &Run::default()).unwrap()

@@ -6,7 +6,7 @@
 //! is the electrostatic potential computed here. Lengths are in pitches, charges are 1.
 
 use super::lattice_sums::inverse_power_sum;
-use crate::system::Point;
+use crate::problem::Point;
 use std::f64::consts::PI;
 
 const CELL_AREA: f64 = 0.866_025_403_784_438_6;
@@ -30,7 +30,7 @@ pub fn hollow_potential() -> f64 {
 }
 
 /// The potential at any point of the plane (in pitches from a lattice point, x along the
-/// second-neighbour direction as in [`crate::system`]). At a lattice point, where it is
+/// second-neighbour direction as in [`crate::problem`]). At a lattice point, where it is
 /// infinite, the charge there is left out.
 ///
 /// Ewald sum: P. P. Ewald, Annalen der Physik 369, 253 (1921), for charges in a plane.

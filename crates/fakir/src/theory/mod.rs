@@ -9,7 +9,7 @@
 //!   and to the floor between three;
 //! * [`homogenised`]: the model built on that, with no fitted constant.
 //!
-//! "The paper" is the one named in [`crate::system`]. All quantities are in SI units.
+//! "The paper" is the one named in [`crate::problem`]. All quantities are in SI units.
 
 pub mod closed_forms;
 pub mod homogenised;

@@ -1,6 +1,6 @@
 //! The paper's systems and the reference critical states, for tests.
 
-use crate::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use crate::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 
 /// Young's moduli of the rigid, intermediate and soft substrates of the paper, Pa.
 pub(super) const RIGID: f64 = 1e9;

@@ -31,7 +31,7 @@
 //!
 //! in which every term converges fast.
 
-use crate::quadrature::gauss_legendre;
+use crate::numerics::quadrature::gauss_legendre;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 

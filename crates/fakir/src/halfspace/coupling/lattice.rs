@@ -1,0 +1,127 @@
+//! The displacement that every pillar of a window sees from all others.
+
+use super::convolution::LatticeConvolution;
+use super::direct::DirectCoupling;
+use super::pair::PairCoupling;
+use super::window::Window;
+use crate::numerics::workers::Workers;
+
+/// Windows of up to this many pillars are coupled directly: below it one dense product takes
+/// less time than the transforms.
+const DIRECT_LIMIT: usize = 24;
+
+/// The displacement that every pillar of a window sees from all others.
+pub(crate) enum LatticeCoupling {
+    Direct(DirectCoupling),
+    Convolution(Box<LatticeConvolution>),
+}
+
+impl LatticeCoupling {
+    /// Prepares the coupling of the pillars of `window`.
+    pub(crate) fn new(window: &Window, pair: &PairCoupling, workers: Workers<'_>) -> Self {
+        if window.len() <= DIRECT_LIMIT {
+            Self::Direct(DirectCoupling::new(window, pair))
+        } else {
+            Self::Convolution(Box::new(LatticeConvolution::new(window, pair, workers)))
+        }
+    }
+
+    /// `far = B c`: the load coefficients on every pillar from the pressure coefficients of all
+    /// others; both pillar by pillar, `mode count` each. If it is cancelled, anything.
+    pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+        match self {
+            Self::Direct(direct) => direct.apply(coefficients, far),
+            Self::Convolution(convolution) => convolution.apply(coefficients, far, workers),
+        }
+    }
+}
+
+/// About how many bytes the solution of that many pillars takes.
+///
+/// The lattice array is the rhombus around the window; twice as long and wide after padding.
+pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
+    // A rhombus around a circle has 4/(pi sqrt3/2)... of its area, in lattice cells.
+    let side = (pillars * 4.0 / (std::f64::consts::PI * 0.866)).sqrt() + 2.0;
+    let modes = modes as f64;
+    let pairs = 0.5 * modes * (modes + 1.0);
+    let kernels = 8.0 * pairs * (2.0 * side) * (side + 1.0);
+    let build = 16.0 * pairs * side * (side + 1.0);
+    let spectrum = 16.0 * modes * side * (side + 1.0);
+    let vectors = 12.0 * 8.0 * modes * pillars;
+    kernels + build + spectrum + vectors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::disc::basis::mode_count;
+    use crate::numerics::workers::CancelToken;
+    use crate::problem::HexagonalLattice;
+
+    /// Any coefficients, reproducibly.
+    fn coefficients(count: usize) -> Vec<f64> {
+        (0..count)
+            .map(|k| (1.7 * k as f64 + 0.3 * (k as f64).sqrt()).sin())
+            .collect()
+    }
+
+    #[test]
+    fn direct_and_transformed_coupling_agree() {
+        for (degree, radius) in [(0, 9.0), (2, 9.0), (2, 31.0), (4, 17.0)] {
+            let lattice = HexagonalLattice {
+                pitch: 4.3,
+                offset: 0.3,
+                offset_angle: 0.5,
+            };
+            let window = Window::new(&lattice, radius);
+            let pair = PairCoupling::new(degree, lattice.pitch);
+            let c = coefficients(window.len() * mode_count(degree));
+            let mut direct = vec![0.0; c.len()];
+            DirectCoupling::new(&window, &pair).apply(&c, &mut direct);
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(2)
+                .build()
+                .unwrap();
+            for pool in [None, Some(&pool)] {
+                let workers = Workers {
+                    pool,
+                    cancel: &CancelToken::default(),
+                };
+                let mut transformed = vec![f64::NAN; c.len()];
+                LatticeConvolution::new(&window, &pair, workers).apply(
+                    &c,
+                    &mut transformed,
+                    workers,
+                );
+                let scale = direct.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+                for (a, b) in direct.iter().zip(&transformed) {
+                    assert!((a - b).abs() < 1e-13 * scale, "degree {degree}: {a} {b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coupling_is_symmetric_and_positive_with_the_self_terms() {
+        // Reciprocity: a' B c = c' B a for any two sets of pressures.
+        let lattice = HexagonalLattice::new(3.5);
+        let window = Window::new(&lattice, 20.0);
+        let pair = PairCoupling::new(2, lattice.pitch);
+        let cancel = CancelToken::default();
+        let workers = Workers {
+            pool: None,
+            cancel: &cancel,
+        };
+        let mut coupling = LatticeCoupling::new(&window, &pair, workers);
+        let a = coefficients(window.len() * 6);
+        let c: Vec<f64> = a.iter().map(|v| (7.0 * v).cos()).collect();
+        let (mut ba, mut bc) = (vec![0.0; a.len()], vec![0.0; a.len()]);
+        coupling.apply(&a, &mut ba, workers);
+        coupling.apply(&c, &mut bc, workers);
+        let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
+        assert!((dot(&c, &ba) - dot(&a, &bc)).abs() < 1e-12 * dot(&a, &a));
+        let own = crate::halfspace::disc::basis::compliances(2, 0.0);
+        let energy: f64 = a.iter().enumerate().map(|(k, v)| own[k % 6] * v * v).sum();
+        assert!(energy + dot(&a, &ba) > 0.0);
+    }
+}

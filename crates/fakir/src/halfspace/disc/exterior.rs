@@ -1,0 +1,522 @@
+//! Displacement of the surface outside a loaded disc.
+//!
+//! Outside, the mode `Y_lm/mu` moves the surface by
+//! `W_lm = {1|sqrt2 cos m Phi|sqrt2 sin m Phi} y_lm/sqrt(pi) G((1+l+m)/2) G((1+l-m)/2)/G(l+3/2)
+//! delta^(-l-1) 2F1((1+l+m)/2, (1+l-m)/2; l+3/2; 1/delta^2)`, with `delta` the distance from the
+//! centre in pillar radii. For `l = 0` this is `arcsin(1/delta)` up to its factor, the flat
+//! punch (Johnson, Contact Mechanics, eq. 3.37).
+
+use super::basis::{Mode, equator_value, gamma_degree, modes};
+use crate::numerics::special::gamma_half;
+use crate::numerics::vector::{LANES, Lanes};
+use std::f64::consts::{PI, SQRT_2};
+
+/// Above this `z = 1/delta^2` the hypergeometric series is summed about `z = 1` instead.
+const NEAR: f64 = 0.75;
+
+/// Terms kept about `z = 0`: enough for 1e-16 at `z = NEAR`.
+const FAR_TERMS: usize = 140;
+
+/// Terms kept about `z = 1`: enough for 1e-16 at `1 - z = 1 - NEAR`.
+const NEAR_TERMS: usize = 40;
+
+/// Number of terms that leaves less than 1e-16 behind, for `z` up to the bound.
+const TERMS_FOR: [(f64, usize); 7] = [
+    (1.0 / 4096.0, 5),
+    (1.0 / 1024.0, 6),
+    (1.0 / 256.0, 7),
+    (1.0 / 64.0, 10),
+    (1.0 / 16.0, 15),
+    (1.0 / 4.0, 29),
+    (1.0 / 2.0, 56),
+];
+
+/// Radial part of `W_lm` without `cos`/`sin`, as a function of `t = delta^2`, divided by
+/// `delta^m`: `W = Re|Im (x + iy)^m S(t)`.
+#[derive(Debug, Clone)]
+pub(crate) struct RadialFunction {
+    order: usize,
+    /// `2 alpha = l + m + 1`: `S = z^alpha F(z)`, `z = 1/t`.
+    twice_power: usize,
+    /// Coefficients of `F` in powers of `z`.
+    far: Vec<f64>,
+    /// Coefficients of the regular part of `F` in powers of `1 - z` ...
+    regular: Vec<f64>,
+    /// ... and of the part that goes with `sqrt(1 - z)`.
+    singular: Vec<f64>,
+}
+
+/// A function of one variable with its first two derivatives, at [`LANES`] places.
+#[derive(Debug, Clone, Copy)]
+struct Jets {
+    value: Lanes,
+    first: Lanes,
+    second: Lanes,
+}
+
+/// A polynomial and two derivatives, by Horner's rule.
+#[inline(always)]
+fn horner_jets(coefficients: &[f64], x: Lanes) -> Jets {
+    let mut value = Lanes::default();
+    let mut first = Lanes::default();
+    let mut half_second = Lanes::default();
+    for coefficient in coefficients.iter().rev() {
+        half_second = half_second * x + first;
+        first = first * x + value;
+        value = value * x + Lanes::splat(*coefficient);
+    }
+    Jets {
+        value,
+        first,
+        second: half_second + half_second,
+    }
+}
+
+/// A polynomial, by Horner's rule.
+fn horner(coefficients: &[f64], x: f64) -> f64 {
+    coefficients
+        .iter()
+        .rev()
+        .fold(0.0, |value, coefficient| value * x + coefficient)
+}
+
+/// Number of terms about `z = 0` that are enough at `z`.
+fn far_terms(z: f64) -> usize {
+    TERMS_FOR
+        .iter()
+        .find(|(bound, _)| z <= *bound)
+        .map_or(FAR_TERMS, |(_, terms)| *terms)
+}
+
+/// Coefficients of `factor 2F1(a, b; c; x)` in powers of `x`.
+fn hypergeometric(factor: f64, a: f64, b: f64, c: f64, terms: usize) -> Vec<f64> {
+    let mut coefficients = Vec::with_capacity(terms);
+    let mut term = factor;
+    for k in 0..terms {
+        coefficients.push(term);
+        let k = k as f64;
+        term *= (a + k) * (b + k) / ((c + k) * (k + 1.0));
+    }
+    coefficients
+}
+
+impl RadialFunction {
+    pub(crate) fn new(degree: usize, order: usize) -> Self {
+        let (a2, b2) = (1 + degree + order, 1 + degree - order);
+        let (a, b, c) = (0.5 * a2 as f64, 0.5 * b2 as f64, degree as f64 + 1.5);
+        let angular = if order == 0 { 1.0 } else { SQRT_2 };
+        let (gamma_a, gamma_b, gamma_c) = (gamma_half(a2), gamma_half(b2), gamma_degree(degree));
+        let factor =
+            angular * equator_value(degree, order) / PI.sqrt() * gamma_a * gamma_b / gamma_c;
+        // Abramowitz & Stegun 15.3.6 with c - a - b = 1/2.
+        let gamma_c_a = gamma_half(2 * degree + 3 - a2);
+        let gamma_c_b = gamma_half(2 * degree + 3 - b2);
+        let regular = gamma_c * PI.sqrt() / (gamma_c_a * gamma_c_b);
+        let singular = gamma_c * (-2.0 * PI.sqrt()) / (gamma_a * gamma_b);
+        Self {
+            order,
+            twice_power: degree + order + 1,
+            far: hypergeometric(factor, a, b, c, FAR_TERMS),
+            regular: hypergeometric(factor * regular, a, b, 0.5, NEAR_TERMS),
+            singular: hypergeometric(factor * singular, c - a, c - b, 1.5, NEAR_TERMS),
+        }
+    }
+
+    /// `F(z)`
+    fn series(&self, z: f64) -> f64 {
+        if z <= NEAR {
+            return horner(&self.far[..far_terms(z)], z);
+        }
+        let u = (1.0 - z).max(0.0);
+        horner(&self.regular, u) + u.sqrt() * horner(&self.singular, u)
+    }
+
+    /// `F` with its derivatives with respect to `z`, places near the disc apart. At `z = 1` the
+    /// derivatives are infinite.
+    #[inline(always)]
+    fn series_jets(&self, z: Lanes) -> Jets {
+        let (least, most) =
+            z.0.iter()
+                .fold((f64::INFINITY, 0.0_f64), |(least, most), z| {
+                    (least.min(*z), most.max(*z))
+                });
+        if most <= NEAR {
+            return horner_jets(&self.far[..far_terms(most)], z);
+        }
+        let near = self.series_jets_near(z);
+        if least > NEAR {
+            return near;
+        }
+        // Far places among near ones.
+        let far = horner_jets(&self.far, z.map(|z| z.min(NEAR)));
+        let pick = |near: Lanes, far: Lanes| {
+            Lanes(std::array::from_fn(|k| {
+                if z.0[k] <= NEAR { far.0[k] } else { near.0[k] }
+            }))
+        };
+        Jets {
+            value: pick(near.value, far.value),
+            first: pick(near.first, far.first),
+            second: pick(near.second, far.second),
+        }
+    }
+
+    fn series_jets_near(&self, z: Lanes) -> Jets {
+        let u = z.map(|z| (1.0 - z.max(NEAR)).max(0.0));
+        let root = u.map(f64::sqrt);
+        let inverse_root = root.map(f64::recip);
+        let regular = horner_jets(&self.regular, u);
+        let singular = horner_jets(&self.singular, u);
+        let (s0, s1, s2) = (singular.value, singular.first, singular.second);
+        let first = regular.first + root * s1 + 0.5 * (s0 * inverse_root);
+        let inverse = u.map(f64::recip);
+        Jets {
+            value: regular.value + root * s0,
+            first: -1.0 * first,
+            second: regular.second + root * s2 + s1 * inverse_root
+                - 0.25 * (s0 * inverse_root * inverse),
+        }
+    }
+
+    /// `S` with its derivatives with respect to `t`, `powers` those of the inverse distance.
+    #[inline(always)]
+    fn jets(&self, z: Lanes, powers: &[Lanes]) -> Jets {
+        // S = z^alpha F(z); z dS/dz and z^2 d2S/dz2 follow, and dz/dt = -z^2.
+        let series = self.series_jets(z);
+        let alpha = 0.5 * self.twice_power as f64;
+        let power = powers[self.twice_power];
+        let (f, zf1, z2f2) = (series.value, z * series.first, z * z * series.second);
+        let zg1 = power * (alpha * f + zf1);
+        let z2g2 = power * (alpha * (alpha - 1.0) * f + 2.0 * alpha * zf1 + z2f2);
+        Jets {
+            value: power * f,
+            first: -1.0 * (z * zg1),
+            second: z * z * (z2g2 + 2.0 * zg1),
+        }
+    }
+
+    /// `S` alone.
+    pub(crate) fn value(&self, inverse_distance: f64) -> f64 {
+        let z = inverse_distance * inverse_distance;
+        inverse_distance.powi(self.twice_power as i32) * self.series(z)
+    }
+}
+
+/// A scalar field in the plane with its gradient and Hessian `[xx, xy, yy]`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct FieldJet {
+    pub(crate) value: f64,
+    pub(crate) gradient: [f64; 2],
+    pub(crate) hessian: [f64; 3],
+}
+
+impl FieldJet {
+    /// Adds `factor` times another field.
+    pub(crate) fn add_scaled(&mut self, factor: f64, other: &Self) {
+        self.value += factor * other.value;
+        for k in 0..2 {
+            self.gradient[k] += factor * other.gradient[k];
+        }
+        for k in 0..3 {
+            self.hessian[k] += factor * other.hessian[k];
+        }
+    }
+}
+
+/// The displacement outside a disc, for all modes up to a degree.
+#[derive(Debug, Clone)]
+pub(crate) struct Exterior {
+    modes: Vec<Mode>,
+    /// One per (degree, order), and for every mode which.
+    radial: Vec<RadialFunction>,
+    radial_of: Vec<usize>,
+}
+
+/// Highest degree of which derivatives are evaluated.
+pub(crate) const MAXIMUM_DEGREE: usize = 16;
+
+impl Exterior {
+    pub(crate) fn new(degree: usize) -> Self {
+        let modes = modes(degree);
+        let mut radial = Vec::new();
+        let mut radial_of = Vec::with_capacity(modes.len());
+        for mode in &modes {
+            if !mode.sine {
+                radial.push(RadialFunction::new(mode.degree, mode.order));
+            }
+            radial_of.push(radial.len() - 1);
+        }
+        Self {
+            modes,
+            radial,
+            radial_of,
+        }
+    }
+
+    /// Highest degree.
+    pub(crate) fn degree(&self) -> usize {
+        self.modes.last().map_or(0, |mode| mode.degree)
+    }
+
+    /// Number of modes.
+    pub(crate) fn count(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// Adds to `sums` the displacement at [`LANES`] points (pillar radii from the centres of as many
+    /// discs, and outside them), each under two sets of coefficients at once. For degrees up to
+    /// [`MAXIMUM_DEGREE`].
+    #[inline(always)]
+    pub(crate) fn add_jets(
+        &self,
+        [x, y]: [Lanes; 2],
+        coefficients: [[&[f64]; LANES]; 2],
+        sums: &mut [LaneJets; 2],
+    ) {
+        let degree = self.degree().min(MAXIMUM_DEGREE);
+        let inverse_square = (x * x + y * y).map(f64::recip);
+        let inverse_distance = inverse_square.map(f64::sqrt);
+        let mut powers = [Lanes::splat(1.0); 2 * MAXIMUM_DEGREE + 2];
+        for k in 1..2 * degree + 2 {
+            powers[k] = powers[k - 1] * inverse_distance;
+        }
+        let mut harmonics = [[Lanes::splat(1.0), Lanes::default()]; MAXIMUM_DEGREE + 1];
+        for k in 1..=degree {
+            let [re, im] = harmonics[k - 1];
+            harmonics[k] = [re * x - im * y, re * y + im * x];
+        }
+        let mut evaluated = usize::MAX;
+        let mut radial = Jets {
+            value: Lanes::default(),
+            first: Lanes::default(),
+            second: Lanes::default(),
+        };
+        for (number, mode) in self.modes.iter().enumerate() {
+            if self.radial_of[number] != evaluated {
+                evaluated = self.radial_of[number];
+                radial = self.radial[evaluated].jets(inverse_square, &powers);
+            }
+            let field = harmonic_times(mode, [x, y], &harmonics, &radial);
+            for (sum, coefficients) in sums.iter_mut().zip(coefficients) {
+                let factor = Lanes(coefficients.map(|of_disc| of_disc[number]));
+                sum.add_product(factor, &field);
+            }
+        }
+    }
+
+    /// Displacement at `point` of every mode, into `values`.
+    pub(crate) fn values(&self, point: [f64; 2], values: &mut [f64]) {
+        self.values_of_first(self.modes.len(), point, values);
+    }
+
+    /// As [`Self::values`], for the first `count` modes at the most.
+    pub(crate) fn values_of_first(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
+        let inverse_distance = point[0].hypot(point[1]).recip();
+        let mut radial = 0.0;
+        for ((value, mode), &which) in values
+            .iter_mut()
+            .zip(&self.modes)
+            .zip(&self.radial_of)
+            .take(count)
+        {
+            if !mode.sine {
+                radial = self.radial[which].value(inverse_distance);
+            }
+            let [re, im] = power(point, self.radial[which].order);
+            *value = radial * if mode.sine { im } else { re };
+        }
+    }
+}
+
+/// `(x + iy)^m`
+fn power([x, y]: [f64; 2], exponent: usize) -> [f64; 2] {
+    let mut result = [1.0, 0.0];
+    for _ in 0..exponent {
+        result = [result[0] * x - result[1] * y, result[0] * y + result[1] * x];
+    }
+    result
+}
+
+/// Fields at [`LANES`] points, or by as many discs.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct LaneJets {
+    value: Lanes,
+    gradient: [Lanes; 2],
+    hessian: [Lanes; 3],
+}
+
+impl LaneJets {
+    #[inline(always)]
+    fn add_product(&mut self, factor: Lanes, other: &Self) {
+        self.value += factor * other.value;
+        for k in 0..2 {
+            self.gradient[k] += factor * other.gradient[k];
+        }
+        for k in 0..3 {
+            self.hessian[k] += factor * other.hessian[k];
+        }
+    }
+
+    /// Sum of all.
+    pub(crate) fn sum(&self) -> FieldJet {
+        FieldJet {
+            value: self.value.sum(),
+            gradient: self.gradient.map(Lanes::sum),
+            hessian: self.hessian.map(Lanes::sum),
+        }
+    }
+}
+
+/// `H(x, y) S(t)` with `H` the real or imaginary part of `(x + iy)^m` and `t = x^2 + y^2`;
+/// `harmonics` the powers of `x + iy`, `radial` is `S` with its two derivatives.
+#[inline(always)]
+fn harmonic_times(
+    mode: &Mode,
+    [x, y]: [Lanes; 2],
+    harmonics: &[[Lanes; 2]],
+    radial: &Jets,
+) -> LaneJets {
+    let m = mode.order;
+    let pick = |[re, im]: [Lanes; 2]| if mode.sine { im } else { re };
+    // d/dx (x+iy)^m = m (x+iy)^(m-1), d/dy = i d/dx.
+    let times_i = |[re, im]: [Lanes; 2]| [-1.0 * im, re];
+    let derivative = |order: usize, factor: f64| {
+        if m >= order {
+            harmonics[m - order].map(|v| factor * v)
+        } else {
+            [Lanes::default(); 2]
+        }
+    };
+    let h = pick(harmonics[m]);
+    let first = derivative(1, m as f64);
+    let second = derivative(2, (m * m.saturating_sub(1)) as f64);
+    let (hx, hy) = (pick(first), pick(times_i(first)));
+    let (hxx, hxy) = (pick(second), pick(times_i(second)));
+    let (s, twice_s1, four_s2) = (radial.value, 2.0 * radial.first, 4.0 * radial.second);
+    let (h_s1, h_s2) = (h * twice_s1, h * four_s2);
+    let (x_s1, y_s1) = (x * twice_s1, y * twice_s1);
+    LaneJets {
+        value: h * s,
+        gradient: [hx * s + h * x_s1, hy * s + h * y_s1],
+        hessian: [
+            hxx * s + 2.0 * (hx * x_s1) + h_s1 + x * x * h_s2,
+            hxy * s + hy * x_s1 + hx * y_s1 + x * y * h_s2,
+            2.0 * (hy * y_s1) + h_s1 + y * y * h_s2 - hxx * s,
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::basis::BasisEvaluator;
+    use super::super::basis::mode_count;
+    use super::*;
+    use crate::numerics::quadrature::hemisphere;
+
+    #[test]
+    fn flat_punch_outside() {
+        // Johnson 3.37: u = (2/pi) zeta arcsin(1/delta) with c_00 Y_00 lambda = zeta = 1.
+        let radial = RadialFunction::new(0, 0);
+        let coefficient = (2.0 * PI).sqrt() / PI;
+        for delta in [1.0, 1.0 + 1e-9, 1.01, 1.15, 1.2, 1.5, 4.0, 17.0, 300.0_f64] {
+            let expected = 2.0 / PI * delta.recip().asin();
+            let found = coefficient * radial.value(delta.recip());
+            assert!(
+                (found / expected - 1.0).abs() < 1e-14,
+                "{delta}: {found} {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn every_mode_by_quadrature() {
+        let degree = 6;
+        let mut basis = BasisEvaluator::new(degree);
+        let exterior = Exterior::new(degree);
+        let count = mode_count(degree);
+        for point in [[2.0, 0.9], [-1.3, 2.2], [4.0, -3.0], [25.0, 7.0]] {
+            let mut expected = vec![0.0; count];
+            let mut modes = vec![0.0; count];
+            for (at, weight) in hemisphere(30, 120) {
+                basis.evaluate(at, &mut modes);
+                let distance = (at[0] - point[0]).hypot(at[1] - point[1]);
+                for (sum, mode) in expected.iter_mut().zip(&modes) {
+                    *sum += weight * mode / (PI * distance);
+                }
+            }
+            let mut found = vec![0.0; count];
+            exterior.values(point, &mut found);
+            for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                assert!(
+                    (found - expected).abs() < 1e-13,
+                    "mode {index} at {point:?}: {found} {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn continuous_with_the_displacement_inside() {
+        // At the edge W = lambda y, for every mode: the two closed forms must meet.
+        let degree = 12;
+        let exterior = Exterior::new(degree);
+        let mut basis = BasisEvaluator::new(degree);
+        let count = mode_count(degree);
+        let (mut outside, mut inside) = (vec![0.0; count], vec![0.0; count]);
+        let direction = [0.6_f64, 0.8];
+        exterior.values(direction, &mut outside);
+        basis.evaluate_polar(0.0, 1.0, direction, &mut inside);
+        for ((outside, inside), mode) in outside.iter().zip(&inside).zip(modes(degree)) {
+            let expected = inside * super::super::basis::eigenvalue(mode.degree, mode.order);
+            assert!(
+                (outside - expected).abs() < 1e-9,
+                "{mode:?}: {outside} {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_value() {
+        for degree in [0, 1, 3] {
+            check_derivatives(degree);
+        }
+    }
+
+    fn check_derivatives(degree: usize) {
+        let exterior = Exterior::new(degree);
+        let count = mode_count(degree);
+        let step = 1e-5;
+        for point in [[1.05, 0.1], [1.4, -0.7], [-3.0, 2.0], [9.0, 20.0]] {
+            for which in 0..count {
+                let mut unit = vec![0.0; count];
+                unit[which] = 1.0;
+                // With three more discs, far and near, that bear nothing.
+                let zero = vec![0.0; count];
+                let at = |dx: f64, dy: f64| {
+                    let mut sums = [LaneJets::default(); 2];
+                    let x = Lanes([point[0] + dx, 1.01, 30.0, -2.0]);
+                    let y = Lanes([point[1] + dy, 0.0, 4.0, 3.0]);
+                    let coefficients: [&[f64]; LANES] = [&unit, &zero, &zero, &zero];
+                    exterior.add_jets([x, y], [coefficients; 2], &mut sums);
+                    sums[0].sum()
+                };
+                let jet = at(0.0, 0.0);
+                let mut values = vec![0.0; count];
+                exterior.values(point, &mut values);
+                assert!((jet.value - values[which]).abs() < 1e-14);
+                let scale = 1e-4 * (jet.value.abs() + 1e-3);
+                let dx = (at(step, 0.0).value - at(-step, 0.0).value) / (2.0 * step);
+                let dy = (at(0.0, step).value - at(0.0, -step).value) / (2.0 * step);
+                assert!((dx - jet.gradient[0]).abs() < scale);
+                assert!((dy - jet.gradient[1]).abs() < scale);
+                let xx = (at(step, 0.0).gradient[0] - at(-step, 0.0).gradient[0]) / (2.0 * step);
+                let xy = (at(step, 0.0).gradient[1] - at(-step, 0.0).gradient[1]) / (2.0 * step);
+                let yy = (at(0.0, step).gradient[1] - at(0.0, -step).gradient[1]) / (2.0 * step);
+                let scale = 1e-3 * (1.0 + jet.hessian[0].abs());
+                assert!((xx - jet.hessian[0]).abs() < scale);
+                assert!((xy - jet.hessian[1]).abs() < scale);
+                assert!((yy - jet.hessian[2]).abs() < scale);
+            }
+        }
+    }
+}

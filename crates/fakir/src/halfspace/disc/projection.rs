@@ -1,0 +1,99 @@
+//! The lens shape over a pillar top, in the modes of its pressure.
+
+use super::basis::{BasisEvaluator, mode_count};
+use crate::numerics::quadrature::hemisphere;
+use crate::problem::Point;
+use crate::problem::scaled::{Problem, SMALL_LENS};
+
+/// Degree up to which the lens shape is projected on the modes of a pillar top. The sag is
+/// quadratic over a pillar top but for terms of order `(d/2R)^2`, which degree 4 carries, and of `(d/2R)^4` and
+/// more, which matter for small lenses only.
+fn load_degree(problem: &Problem) -> usize {
+    if problem.lens.radius < SMALL_LENS {
+        8
+    } else {
+        4
+    }
+}
+
+/// Projects the lens shape over pillar tops on their modes.
+pub(crate) struct LensProjector {
+    points: Vec<Point>,
+    /// Weight times mode, one row per point.
+    weights: Vec<f64>,
+    count: usize,
+}
+
+impl LensProjector {
+    pub(crate) fn new(problem: &Problem, degree: usize) -> Self {
+        let degree = degree.max(load_degree(problem));
+        let count = mode_count(degree);
+        let mut basis = BasisEvaluator::new(degree);
+        let rule = hemisphere(degree / 2 + 3, 2 * degree + 5);
+        let mut weights = vec![0.0; rule.len() * count];
+        for ((point, weight), row) in rule.iter().zip(weights.chunks_exact_mut(count)) {
+            basis.evaluate(*point, row);
+            row.iter_mut().for_each(|value| *value *= weight);
+        }
+        Self {
+            points: rule.into_iter().map(|(point, _)| point).collect(),
+            weights,
+            count,
+        }
+    }
+
+    /// Number of modes it projects on.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// `- ∫ Y_i f dOmega` over the pillar top at `centre`, for as many modes as `load` holds.
+    pub(crate) fn project(&self, problem: &Problem, centre: Point, load: &mut [f64]) {
+        load.fill(0.0);
+        for (point, row) in self
+            .points
+            .iter()
+            .zip(self.weights.chunks_exact(self.count))
+        {
+            let sag = problem.sag_with_brim([centre[0] + point[0], centre[1] + point[1]]);
+            for (value, weight) in load.iter_mut().zip(row) {
+                *value -= weight * sag;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::disc::basis::UNIT_FORCE;
+    use crate::problem::{HexagonalLattice, Lens, System};
+
+    #[test]
+    fn mean_sag_over_a_pillar_top() {
+        // The mean of r^2 with weight 1/mu over the unit disc is 2/3: X^2 + 2/3, over 2R.
+        let pillar = crate::problem::system::Pillar {
+            diameter: 2.0,
+            height: 0.7,
+            compliance: crate::problem::system::PillarCompliance::None,
+        };
+        let material = crate::problem::system::Material::new(1.0, 0.3);
+        let radius = 1.0e7;
+        let system = System::new(
+            Lens { radius, material },
+            material,
+            crate::problem::system::Texture {
+                pillar,
+                lattice: HexagonalLattice::new(5.0),
+            },
+        )
+        .unwrap();
+        let problem = Problem::new(&system);
+        let projector = LensProjector::new(&problem, 2);
+        let mut load = vec![0.0; projector.count()];
+        projector.project(&problem, [30.0, 40.0], &mut load);
+        let expected = -UNIT_FORCE * (2500.0 + 2.0 / 3.0) / (2.0 * radius);
+        assert!((load[0] / expected - 1.0).abs() < 1e-9);
+        assert!(load[6..].iter().all(|b| b.abs() < 1e-12));
+    }
+}

@@ -1,0 +1,427 @@
+//! Convolutions over the cells of a grid by fast Fourier transform: what the free and the
+//! periodic half-space share.
+//!
+//! A product makes three passes. Rows that hold cells are transformed; then, a block of columns
+//! at a time, the columns are transformed, multiplied by the kernel and transformed back while
+//! they are in the cache; then the rows that hold cells are transformed back. Rows without cells
+//! are neither stored nor transformed.
+
+use super::operator::check_lengths;
+use crate::problem::{Cells, Segment};
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use rustfft::num_complex::Complex64;
+use std::ops::Range;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
+
+/// Columns transformed together: two cache lines of each row.
+pub(super) const BLOCK_WIDTH: usize = 8;
+
+/// Rows transformed together, so that each visit to a block of columns writes a stretch of it.
+const ROW_BLOCK: usize = 8;
+
+/// Added to the distance of lines in work space: lines whose distance is a power of two would
+/// share few sets of the cache.
+const LINE_PADDING: usize = 4;
+
+/// Spectra of fewer points than this are not worth sharing between threads.
+const PARALLEL_POINTS: usize = 10_000;
+
+/// The one-dimensional transforms of a convolution, and its kernel.
+pub(super) trait Transform: Send + Sync {
+    /// Cells along x and y that it takes.
+    fn shape(&self) -> [usize; 2];
+
+    /// Complex numbers that a row of reals becomes.
+    fn column_count(&self) -> usize;
+
+    /// Transforms a row, which may be overwritten.
+    fn row_forward(&self, row: &mut [f64], spectrum: &mut [Complex64], scratch: &mut [Complex64]);
+
+    /// Transforms a row back; the spectrum may be overwritten.
+    fn row_back(&self, spectrum: &mut [Complex64], row: &mut [f64], scratch: &mut [Complex64]);
+
+    /// Convolves a block of columns along y, in place: transform, kernel, transform back.
+    fn convolve(&self, block: &mut ColumnBlock<'_>, work: &mut Workspace);
+
+    /// Complex numbers needed as scratch by any of the transforms.
+    fn scratch_len(&self) -> usize;
+
+    /// Columns of full length that `convolve` needs at once, for each column of the block.
+    fn columns_at_once(&self) -> usize;
+}
+
+/// Neighbouring columns of the spectrum, of which only some rows are held.
+pub(super) struct ColumnBlock<'a> {
+    /// First column.
+    pub(super) first: usize,
+    /// Number of columns.
+    pub(super) width: usize,
+    /// Rows held, ascending.
+    pub(super) rows: &'a [usize],
+    /// For each row held, the columns.
+    pub(super) values: &'a mut [Complex64],
+}
+
+/// What one thread works in.
+pub(super) struct Workspace {
+    /// Rows or columns, [`line_stride`] apart.
+    pub(super) lines: Vec<Complex64>,
+    /// Scratch of the transforms.
+    pub(super) scratch: Vec<Complex64>,
+    row: Vec<f64>,
+}
+
+impl Workspace {
+    fn new(transform: &impl Transform) -> Self {
+        let lines = line_memory(transform) / size_of::<Complex64>();
+        Self {
+            lines: vec![Complex64::default(); lines],
+            scratch: vec![Complex64::default(); transform.scratch_len()],
+            row: vec![0.0; transform.shape()[0]],
+        }
+    }
+}
+
+/// Distance of lines of the given length in work space.
+pub(super) fn line_stride(length: usize) -> usize {
+    length + LINE_PADDING
+}
+
+/// Bytes of rows or columns that one thread works on at once.
+fn line_memory(transform: &impl Transform) -> usize {
+    line_memory_of(
+        transform.column_count(),
+        transform.shape()[1],
+        transform.columns_at_once(),
+    )
+}
+
+fn line_memory_of(columns: usize, rows: usize, columns_at_once: usize) -> usize {
+    let for_rows = ROW_BLOCK * line_stride(columns);
+    let for_columns = columns_at_once * BLOCK_WIDTH * line_stride(rows);
+    size_of::<Complex64>() * for_rows.max(for_columns)
+}
+
+/// Bytes of the spectrum of `held` rows of `columns` complex numbers, with the work space of
+/// `threads` threads.
+pub(super) fn memory_estimate(
+    columns: usize,
+    rows: usize,
+    held: usize,
+    columns_at_once: usize,
+    threads: usize,
+) -> usize {
+    let scratch = 2 * size_of::<Complex64>() * columns.max(rows);
+    let lines = line_memory_of(columns, rows, columns_at_once);
+    size_of::<Complex64>() * held * columns + threads * (lines + scratch)
+}
+
+/// The rectangle of a grid that holds all the given cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Bounds {
+    /// First column and row.
+    pub(super) first: [usize; 2],
+    /// Columns and rows; at least one.
+    pub(super) shape: [usize; 2],
+    /// Rows that hold cells.
+    pub(super) held_rows: usize,
+}
+
+impl Bounds {
+    pub(super) fn of(cells: &Cells) -> Self {
+        let segments = cells.segments();
+        let (Some(lowest), Some(highest)) = (segments.first(), segments.last()) else {
+            return Self {
+                first: [0, 0],
+                shape: [1, 1],
+                held_rows: 0,
+            };
+        };
+        let left = segments
+            .iter()
+            .map(|segment| segment.column)
+            .min()
+            .unwrap_or(0);
+        let right = segments
+            .iter()
+            .map(|segment| segment.column + segment.count)
+            .max();
+        Self {
+            first: [left, lowest.row],
+            shape: [
+                right.map_or(1, |right| right - left),
+                highest.row + 1 - lowest.row,
+            ],
+            held_rows: segments.chunk_by(|a, b| a.row == b.row).count(),
+        }
+    }
+}
+
+/// A convolution over some cells of a grid.
+pub(super) struct Convolution<'p, T> {
+    cells: Cells,
+    transform: Arc<T>,
+    /// Column that is the first of the transform.
+    first_column: usize,
+    /// Rows that hold cells, counted from the first of the transform.
+    rows: Vec<usize>,
+    /// Where the segments of each of these rows start, and the end.
+    row_segments: Vec<usize>,
+    /// The spectrum, a block of columns after the other; each has the columns of every row held.
+    /// The locks let threads that own rows write to blocks, and are held for a moment.
+    spectrum: Vec<RwLock<Vec<Complex64>>>,
+    /// One for each thread.
+    workspaces: Vec<Mutex<Workspace>>,
+    pool: Option<&'p ThreadPool>,
+}
+
+impl<'p, T: Transform> Convolution<'p, T> {
+    /// Prepares the convolution; cell `first` of the grid is the first of the transform, whose
+    /// shape reaches over all cells.
+    pub(super) fn new(
+        cells: Cells,
+        first: [usize; 2],
+        transform: Arc<T>,
+        pool: Option<&'p ThreadPool>,
+    ) -> Self {
+        let mut rows = Vec::new();
+        let mut row_segments = vec![0];
+        for segments in cells.segments().chunk_by(|a, b| a.row == b.row) {
+            rows.push(segments[0].row - first[1]);
+            row_segments.push(row_segments[rows.len() - 1] + segments.len());
+        }
+        let columns = transform.column_count();
+        let spectrum: Vec<_> = (0..columns)
+            .step_by(BLOCK_WIDTH)
+            .map(|first| {
+                let width = BLOCK_WIDTH.min(columns - first);
+                RwLock::new(vec![Complex64::default(); width * rows.len()])
+            })
+            .collect();
+        let pool = pool.filter(|pool| {
+            pool.current_num_threads() > 1 && columns * rows.len() >= PARALLEL_POINTS
+        });
+        let threads = pool.map_or(1, ThreadPool::current_num_threads);
+        Self {
+            workspaces: (0..threads)
+                .map(|_| Mutex::new(Workspace::new(&*transform)))
+                .collect(),
+            first_column: first[0],
+            cells,
+            transform,
+            rows,
+            row_segments,
+            spectrum,
+            pool,
+        }
+    }
+
+    pub(super) fn cells(&self) -> &Cells {
+        &self.cells
+    }
+
+    pub(super) fn transform(&self) -> &Arc<T> {
+        &self.transform
+    }
+
+    pub(super) fn pool(&self) -> Option<&'p ThreadPool> {
+        self.pool
+    }
+
+    /// Bytes of the spectrum and the work spaces.
+    #[cfg(test)]
+    pub(super) fn memory(&self) -> usize {
+        let spectrum: usize = self
+            .spectrum
+            .iter()
+            .map(|block| size_of_val(&**block.read().unwrap()))
+            .sum();
+        let work: usize = self
+            .workspaces
+            .iter()
+            .map(|work| {
+                let work = work.lock().unwrap();
+                size_of_val(&*work.lines) + size_of_val(&*work.scratch) + size_of_val(&*work.row)
+            })
+            .sum();
+        spectrum + work
+    }
+
+    pub(super) fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+        check_lengths(&self.cells, pressure, displacement);
+        let blocks = self.rows.len().div_ceil(ROW_BLOCK);
+        match self.pool {
+            Some(pool) => pool.install(|| {
+                (0..blocks)
+                    .into_par_iter()
+                    .for_each(|block| self.row_block_forward(block, pressure));
+                self.columns_in_parallel();
+                self.rows_back(0..self.rows.len(), displacement);
+            }),
+            None => {
+                for block in 0..blocks {
+                    self.row_block_forward(block, pressure);
+                }
+                self.columns();
+                for block in 0..blocks {
+                    let rows = self.row_block(block);
+                    let unknowns = self.unknowns(&rows);
+                    self.row_block_back(rows, &mut displacement[unknowns]);
+                }
+            }
+        }
+    }
+
+    /// The work space of this thread. Of several threads each has its own, so the lock is free.
+    fn workspace(&self) -> MutexGuard<'_, Workspace> {
+        let thread = self.pool.and_then(ThreadPool::current_thread_index);
+        self.workspaces[thread.unwrap_or(0)]
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn row_block(&self, block: usize) -> Range<usize> {
+        block * ROW_BLOCK..((block + 1) * ROW_BLOCK).min(self.rows.len())
+    }
+
+    /// Runs of one of the rows held.
+    fn segments(&self, row: usize) -> &[Segment] {
+        &self.cells.segments()[self.row_segments[row]..self.row_segments[row + 1]]
+    }
+
+    /// Places in vectors of the cells of some of the rows held.
+    fn unknowns(&self, rows: &Range<usize>) -> Range<usize> {
+        let start = |row: usize| {
+            let segments = &self.cells.segments()[self.row_segments[row]..];
+            segments
+                .first()
+                .map_or(self.cells.len(), |segment| segment.start)
+        };
+        start(rows.start)..start(rows.end)
+    }
+
+    fn row_block_forward(&self, block: usize, pressure: &[f64]) {
+        let rows = self.row_block(block);
+        let columns = self.transform.column_count();
+        let stride = line_stride(columns);
+        let work = &mut *self.workspace();
+        for (row, line) in rows.clone().zip(work.lines.chunks_exact_mut(stride)) {
+            work.row.fill(0.0);
+            for segment in self.segments(row) {
+                let column = segment.column - self.first_column;
+                work.row[column..column + segment.count]
+                    .copy_from_slice(&pressure[segment.start..segment.start + segment.count]);
+            }
+            self.transform
+                .row_forward(&mut work.row, &mut line[..columns], &mut work.scratch);
+        }
+        for (index, block) in self.spectrum.iter().enumerate() {
+            let first = index * BLOCK_WIDTH;
+            let width = BLOCK_WIDTH.min(columns - first);
+            let mut values = block.write().unwrap_or_else(PoisonError::into_inner);
+            let values = &mut values[rows.start * width..rows.end * width];
+            for (values, line) in values
+                .chunks_exact_mut(width)
+                .zip(work.lines.chunks_exact(stride))
+            {
+                values.copy_from_slice(&line[first..first + width]);
+            }
+        }
+    }
+
+    fn columns(&mut self) {
+        let columns = self.transform.column_count();
+        let work = self.workspaces[0]
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner);
+        for (index, values) in self.spectrum.iter_mut().enumerate() {
+            let first = index * BLOCK_WIDTH;
+            let mut block = ColumnBlock {
+                first,
+                width: BLOCK_WIDTH.min(columns - first),
+                rows: &self.rows,
+                values: values.get_mut().unwrap_or_else(PoisonError::into_inner),
+            };
+            self.transform.convolve(&mut block, work);
+        }
+    }
+
+    fn columns_in_parallel(&self) {
+        let columns = self.transform.column_count();
+        self.spectrum
+            .par_iter()
+            .enumerate()
+            .for_each(|(index, values)| {
+                let first = index * BLOCK_WIDTH;
+                let mut block = ColumnBlock {
+                    first,
+                    width: BLOCK_WIDTH.min(columns - first),
+                    rows: &self.rows,
+                    values: &mut values.write().unwrap_or_else(PoisonError::into_inner),
+                };
+                self.transform.convolve(&mut block, &mut self.workspace());
+            });
+    }
+
+    /// Transforms some of the rows held back, halves of them in parallel.
+    fn rows_back(&self, rows: Range<usize>, displacement: &mut [f64]) {
+        if rows.len() <= ROW_BLOCK {
+            self.row_block_back(rows, displacement);
+            return;
+        }
+        let middle = rows.start + (rows.len() / 2).next_multiple_of(ROW_BLOCK);
+        let (low, high) = (rows.start..middle, middle..rows.end);
+        let (low_part, high_part) = displacement.split_at_mut(self.unknowns(&low).len());
+        rayon::join(
+            || self.rows_back(low, low_part),
+            || self.rows_back(high, high_part),
+        );
+    }
+
+    fn row_block_back(&self, rows: Range<usize>, displacement: &mut [f64]) {
+        let columns = self.transform.column_count();
+        let stride = line_stride(columns);
+        let work = &mut *self.workspace();
+        for (index, block) in self.spectrum.iter().enumerate() {
+            let first = index * BLOCK_WIDTH;
+            let width = BLOCK_WIDTH.min(columns - first);
+            let values = block.read().unwrap_or_else(PoisonError::into_inner);
+            let values = &values[rows.start * width..rows.end * width];
+            for (values, line) in values
+                .chunks_exact(width)
+                .zip(work.lines.chunks_exact_mut(stride))
+            {
+                line[first..first + width].copy_from_slice(values);
+            }
+        }
+        let offset = self.unknowns(&rows).start;
+        for (row, line) in rows.zip(work.lines.chunks_exact_mut(stride)) {
+            self.transform
+                .row_back(&mut line[..columns], &mut work.row, &mut work.scratch);
+            for segment in self.segments(row) {
+                let column = segment.column - self.first_column;
+                let start = segment.start - offset;
+                displacement[start..start + segment.count]
+                    .copy_from_slice(&work.row[column..column + segment.count]);
+            }
+        }
+    }
+}
+
+/// Sets some rows of columns that are `stride` apart to zero.
+pub(super) fn clear_rows(columns: &mut [Complex64], stride: usize, rows: Range<usize>) {
+    if rows.is_empty() {
+        return;
+    }
+    for column in columns.chunks_exact_mut(stride) {
+        column[rows.clone()].fill(Complex64::default());
+    }
+}
+
+/// Multiplies a transformed column by its kernel, which is real.
+pub(super) fn multiply(values: &mut [Complex64], kernel: &[f64]) {
+    for (value, kernel) in values.iter_mut().zip(kernel) {
+        *value *= kernel;
+    }
+}

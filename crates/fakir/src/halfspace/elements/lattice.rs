@@ -1,0 +1,686 @@
+//! Elements on a lattice of equal grids, one centred on each pillar.
+//!
+//! The displacement of a cell depends on how many lattice vectors and how many cells away the
+//! pressure is: a convolution over four indices, done by fast Fourier transforms over the cells
+//! of each grid and over the lattice. All pillars then have the same cells, whatever the pitch,
+//! which grids laid over the whole pattern cannot give.
+
+use super::operator::Operator;
+use super::rectangle::Rectangle;
+use crate::halfspace::coupling::convolution::smooth_size;
+use crate::problem::{Cells, Point};
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Work below which threads are not worth waking, complex values of all spectra.
+const PARALLEL_VALUES: usize = 20_000;
+
+/// The free half-space under grids of equal cells at points of a lattice.
+///
+/// Unknowns are ordered pillar by pillar, in each by the order of `cells`.
+pub struct LatticeOfGrids<'a> {
+    /// Indices of the cells of one grid in its padded array.
+    places: Vec<usize>,
+    /// Rows and columns of every pillar in the array of lattice indices.
+    pillars: Vec<(usize, usize)>,
+    shape: (usize, usize),
+    local: LocalTransform,
+    lattice: LatticeTransform,
+    /// Transformed kernel: for every local frequency, the padded lattice array; real, as the
+    /// kernel is even. With the normalisation of all inverse transforms.
+    kernel: Vec<f64>,
+    /// Inverse of the transformed kernel of one grid alone, with the normalisation.
+    inverse: Vec<f64>,
+    /// Local spectra: for every local frequency, all pillars.
+    spectra: Vec<Complex64>,
+    pool: Option<&'a ThreadPool>,
+}
+
+/// Transforms over a grid padded to at least twice its size.
+#[derive(Clone)]
+struct LocalTransform {
+    rows: usize,
+    columns: usize,
+    /// Complex columns kept of a real transform.
+    half: usize,
+    row: Arc<dyn RealToComplex<f64>>,
+    row_back: Arc<dyn ComplexToReal<f64>>,
+    column: Arc<dyn Fft<f64>>,
+    column_back: Arc<dyn Fft<f64>>,
+}
+
+/// Transforms over the array of lattice indices padded to at least twice its size.
+#[derive(Clone)]
+struct LatticeTransform {
+    rows: usize,
+    columns: usize,
+    row: Arc<dyn Fft<f64>>,
+    row_back: Arc<dyn Fft<f64>>,
+    column: Arc<dyn Fft<f64>>,
+    column_back: Arc<dyn Fft<f64>>,
+}
+
+impl<'a> LatticeOfGrids<'a> {
+    /// `cells` of one grid; `pillars` the places of the pillars in the array of lattice indices
+    /// from (0, 0) on; `vectors` the lattice vectors (m) of the first and the second index;
+    /// `compliance` that of the half-space, 1/Pa.
+    #[must_use]
+    pub fn new(
+        cells: &Cells,
+        pillars: Vec<(usize, usize)>,
+        vectors: [Point; 2],
+        compliance: f64,
+        pool: Option<&'a ThreadPool>,
+    ) -> Self {
+        let extent =
+            |pick: fn(&(usize, usize)) -> usize| pillars.iter().map(pick).max().unwrap_or(0) + 1;
+        let shape = (extent(|p| p.0), extent(|p| p.1));
+        let grid = cells.grid();
+        let local = LocalTransform::new(
+            smooth_size(2 * grid.rows() - 1),
+            smooth_size(2 * grid.columns() - 1),
+        );
+        let lattice = LatticeTransform::new(padded(shape.0), padded(shape.1));
+        let places = cells
+            .positions()
+            .map(|(column, row)| row * local.columns + column)
+            .collect();
+        let frequencies = local.frequencies();
+        let mut operator = Self {
+            places,
+            spectra: vec![Complex64::default(); frequencies * pillars.len()],
+            kernel: Vec::new(),
+            inverse: Vec::new(),
+            pillars,
+            shape,
+            local,
+            lattice,
+            pool,
+        };
+        let influence = Influence {
+            rectangle: Rectangle::new(grid.cell()[0], grid.cell()[1]),
+            cell: grid.cell(),
+            vectors,
+            scale: compliance / PI,
+        };
+        operator.fill_kernels(&influence);
+        operator
+    }
+
+    /// Bytes that it takes for so many cells across each grid and such an array of lattice
+    /// indices.
+    #[must_use]
+    pub fn memory_estimate(cells_across: usize, pillars: usize, shape: (usize, usize)) -> usize {
+        let across = smooth_size(2 * cells_across - 1);
+        let frequencies = across * (across / 2 + 1);
+        let lattice = padded(shape.0) * padded(shape.1);
+        // The kernel, half of it as complex numbers while it is built, and the spectra.
+        frequencies * (16 * lattice + 16 * pillars)
+    }
+
+    /// Cells of one grid.
+    #[must_use]
+    pub fn cells_per_pillar(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Transforms the potential over the cells for every lattice offset, then over the lattice for
+    /// every local frequency.
+    fn fill_kernels(&mut self, influence: &Influence) {
+        let frequencies = self.local.frequencies();
+        let (rows, columns) = (self.lattice.rows, self.lattice.columns);
+        let points = rows * columns;
+        let normalisation = 1.0 / (points * self.local.rows * self.local.columns) as f64;
+        let (local, lattice, shape) = (&self.local, &self.lattice, self.shape);
+        let pool = self.shared_pool();
+        let opposite = |place: usize| {
+            let (row, column) = (place / columns, place % columns);
+            ((rows - row) % rows) * columns + (columns - column) % columns
+        };
+        // At the opposite offset the spectrum is the conjugate: half of them are enough.
+        let offset_spectrum = |place: usize| -> Vec<Complex64> {
+            let (row, column) = (place / columns, place % columns);
+            let offset = (
+                wrapped(row, shape.0, rows),
+                wrapped(column, shape.1, columns),
+            );
+            match offset {
+                (Some(i), Some(j)) if place <= opposite(place) => {
+                    local.kernel_spectrum(influence, (i, j))
+                }
+                _ => Vec::new(),
+            }
+        };
+        let spectra: Vec<Vec<Complex64>> = match pool {
+            Some(pool) => {
+                pool.install(|| (0..points).into_par_iter().map(offset_spectrum).collect())
+            }
+            None => (0..points).map(offset_spectrum).collect(),
+        };
+        self.inverse = local.inverse(&spectra[0]);
+        let value = |place: usize, frequency: usize| {
+            let half = place.min(opposite(place));
+            let value = spectra[half].get(frequency).copied().unwrap_or_default();
+            if half == place { value } else { value.conj() }
+        };
+        let fill = |work: &mut LatticeWork, frequency: usize, kernel: &mut [f64]| {
+            for (place, entry) in work.array.iter_mut().enumerate() {
+                *entry = value(place, frequency);
+            }
+            lattice.forward(rows, work);
+            for (kernel, value) in kernel.iter_mut().zip(&work.array) {
+                *kernel = normalisation * value.re;
+            }
+        };
+        let mut kernel = vec![0.0; frequencies * points];
+        match pool {
+            Some(pool) => pool.install(|| {
+                kernel
+                    .par_chunks_exact_mut(points)
+                    .enumerate()
+                    .for_each_init(
+                        || LatticeWork::new(lattice),
+                        |work, (frequency, kernel)| fill(work, frequency, kernel),
+                    );
+            }),
+            None => {
+                let mut work = LatticeWork::new(lattice);
+                for (frequency, kernel) in kernel.chunks_exact_mut(points).enumerate() {
+                    fill(&mut work, frequency, kernel);
+                }
+            }
+        }
+        self.kernel = kernel;
+    }
+
+    fn shared_pool(&self) -> Option<&'a ThreadPool> {
+        self.pool.filter(|pool| {
+            pool.current_num_threads() > 1
+                && self.local.frequencies() * self.pillars.len() >= PARALLEL_VALUES
+        })
+    }
+
+    /// Local spectra of all grids.
+    fn spread(&mut self, values: &[f64]) {
+        let count = self.pillars.len();
+        let (local, places) = (&self.local, &self.places);
+        let per_pillar = places.len();
+        let frequencies = local.frequencies();
+        // A few pillars at a time, whose spectra are then written side by side.
+        let mut block = vec![Complex64::default(); BLOCK * frequencies];
+        let mut work = LocalWork::new(local);
+        for first in (0..count).step_by(BLOCK) {
+            let size = BLOCK.min(count - first);
+            for (k, spectrum) in block.chunks_exact_mut(frequencies).take(size).enumerate() {
+                let pillar = first + k;
+                work.array.fill(0.0);
+                for (place, value) in places
+                    .iter()
+                    .zip(&values[pillar * per_pillar..(pillar + 1) * per_pillar])
+                {
+                    work.array[*place] = *value;
+                }
+                local.forward(&mut work, spectrum);
+            }
+            for frequency in 0..frequencies {
+                for k in 0..size {
+                    self.spectra[frequency * count + first + k] =
+                        block[k * frequencies + frequency];
+                }
+            }
+        }
+    }
+
+    /// Values of all cells from the local spectra.
+    fn collect(&mut self, values: &mut [f64]) {
+        let count = self.pillars.len();
+        let (local, places) = (&self.local, &self.places);
+        let per_pillar = places.len();
+        let frequencies = local.frequencies();
+        let mut block = vec![Complex64::default(); BLOCK * frequencies];
+        let mut work = LocalWork::new(local);
+        for first in (0..count).step_by(BLOCK) {
+            let size = BLOCK.min(count - first);
+            for frequency in 0..frequencies {
+                for k in 0..size {
+                    block[k * frequencies + frequency] =
+                        self.spectra[frequency * count + first + k];
+                }
+            }
+            for (k, spectrum) in block.chunks_exact_mut(frequencies).take(size).enumerate() {
+                let pillar = first + k;
+                local.backward(spectrum, &mut work);
+                for (place, value) in places
+                    .iter()
+                    .zip(&mut values[pillar * per_pillar..(pillar + 1) * per_pillar])
+                {
+                    *value = work.array[*place];
+                }
+            }
+        }
+    }
+
+    /// Convolves over the lattice, frequency by frequency.
+    fn convolve(&mut self) {
+        let pool = self.shared_pool();
+        let points = self.lattice.rows * self.lattice.columns;
+        let (lattice, pillars, shape) = (&self.lattice, &self.pillars, self.shape);
+        let one = |work: &mut LatticeWork, spectrum: &mut [Complex64], kernel: &[f64]| {
+            work.array.fill(Complex64::default());
+            for ((row, column), value) in pillars.iter().zip(spectrum.iter()) {
+                work.array[row * lattice.columns + column] = *value;
+            }
+            lattice.forward(shape.0, work);
+            for (value, kernel) in work.array.iter_mut().zip(kernel) {
+                *value *= kernel;
+            }
+            lattice.backward(shape.0, work);
+            for ((row, column), value) in pillars.iter().zip(spectrum.iter_mut()) {
+                *value = work.array[row * lattice.columns + column];
+            }
+        };
+        let count = pillars.len();
+        match pool {
+            Some(pool) => pool.install(|| {
+                self.spectra
+                    .par_chunks_exact_mut(count)
+                    .zip(self.kernel.par_chunks_exact(points))
+                    .for_each_init(
+                        || LatticeWork::new(lattice),
+                        |work, (spectrum, kernel)| one(work, spectrum, kernel),
+                    );
+            }),
+            None => {
+                let mut work = LatticeWork::new(lattice);
+                for (spectrum, kernel) in self
+                    .spectra
+                    .chunks_exact_mut(count)
+                    .zip(self.kernel.chunks_exact(points))
+                {
+                    one(&mut work, spectrum, kernel);
+                }
+            }
+        }
+    }
+}
+
+/// Grids whose spectra are transposed together.
+const BLOCK: usize = 8;
+
+fn padded(extent: usize) -> usize {
+    if extent == 1 {
+        1
+    } else {
+        smooth_size(2 * extent - 1)
+    }
+}
+
+/// The signed offset that a place of a padded array stands for; `None` in the padding.
+fn wrapped(place: usize, extent: usize, padded: usize) -> Option<i64> {
+    if place < extent {
+        Some(place as i64)
+    } else if place + extent > padded {
+        Some(place as i64 - padded as i64)
+    } else {
+        None
+    }
+}
+
+impl Operator for LatticeOfGrids<'_> {
+    fn len(&self) -> usize {
+        self.places.len() * self.pillars.len()
+    }
+
+    fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+        assert_eq!(pressure.len(), self.len(), "one pressure for every cell");
+        assert_eq!(
+            displacement.len(),
+            self.len(),
+            "one displacement for every cell"
+        );
+        self.spread(pressure);
+        self.convolve();
+        self.collect(displacement);
+    }
+
+    /// That of every grid alone, wrapped around.
+    fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
+        let (local, places) = (&self.local, &self.places);
+        let mut work = LocalWork::new(local);
+        let mut spectrum = vec![Complex64::default(); local.frequencies()];
+        for (residual, direction) in residual
+            .chunks_exact(places.len())
+            .zip(direction.chunks_exact_mut(places.len()))
+        {
+            if residual.iter().all(|value| *value == 0.0) {
+                direction.fill(0.0);
+                continue;
+            }
+            work.array.fill(0.0);
+            for (place, value) in places.iter().zip(residual) {
+                work.array[*place] = *value;
+            }
+            local.forward(&mut work, &mut spectrum);
+            for (value, inverse) in spectrum.iter_mut().zip(&self.inverse) {
+                *value *= inverse;
+            }
+            local.backward(&mut spectrum, &mut work);
+            for (place, value) in places.iter().zip(direction) {
+                *value = work.array[*place];
+            }
+        }
+    }
+}
+
+/// The potential of one cell on another, by lattice and cell offset.
+struct Influence {
+    rectangle: Rectangle,
+    cell: [f64; 2],
+    vectors: [Point; 2],
+    scale: f64,
+}
+
+struct LocalWork {
+    array: Vec<f64>,
+    row: Vec<Complex64>,
+    line: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+impl LocalWork {
+    fn new(local: &LocalTransform) -> Self {
+        let scratch = local
+            .row
+            .get_scratch_len()
+            .max(local.row_back.get_scratch_len())
+            .max(local.column.get_inplace_scratch_len())
+            .max(local.column_back.get_inplace_scratch_len());
+        Self {
+            array: vec![0.0; local.rows * local.columns],
+            row: vec![Complex64::default(); local.rows * local.half],
+            line: vec![Complex64::default(); local.rows * local.half],
+            scratch: vec![Complex64::default(); scratch],
+        }
+    }
+}
+
+impl LocalTransform {
+    fn new(rows: usize, columns: usize) -> Self {
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        Self {
+            rows,
+            columns,
+            half: columns / 2 + 1,
+            row: real.plan_fft_forward(columns),
+            row_back: real.plan_fft_inverse(columns),
+            column: complex.plan_fft_forward(rows),
+            column_back: complex.plan_fft_inverse(rows),
+        }
+    }
+
+    fn frequencies(&self) -> usize {
+        self.half * self.rows
+    }
+
+    /// Spectrum of `work.array`, which is used up; column by column.
+    fn forward(&self, work: &mut LocalWork, spectrum: &mut [Complex64]) {
+        for (values, row) in work
+            .array
+            .chunks_exact_mut(self.columns)
+            .zip(work.row.chunks_exact_mut(self.half))
+        {
+            if values.iter().all(|value| *value == 0.0) {
+                row.fill(Complex64::default());
+                continue;
+            }
+            let done = self
+                .row
+                .process_with_scratch(values, row, &mut work.scratch);
+            debug_assert!(done.is_ok());
+        }
+        transpose(&work.row, spectrum, self.rows, self.half);
+        self.column
+            .process_with_scratch(spectrum, &mut work.scratch);
+    }
+
+    /// `work.array` from its spectrum, which is used up; not normalised.
+    fn backward(&self, spectrum: &mut [Complex64], work: &mut LocalWork) {
+        self.column_back
+            .process_with_scratch(spectrum, &mut work.scratch);
+        transpose(spectrum, &mut work.line, self.half, self.rows);
+        for (row, values) in work
+            .line
+            .chunks_exact_mut(self.half)
+            .zip(work.array.chunks_exact_mut(self.columns))
+        {
+            // The imaginary parts of the first and, for even sizes, the last are rounding.
+            row[0].im = 0.0;
+            if self.columns.is_multiple_of(2) {
+                row[self.half - 1].im = 0.0;
+            }
+            let done = self
+                .row_back
+                .process_with_scratch(row, values, &mut work.scratch);
+            debug_assert!(done.is_ok());
+        }
+    }
+
+    /// Inverse of a kernel's spectrum, with the normalisation of the transforms.
+    ///
+    /// The kernel is cut off where the grid ends, so that small values of its spectrum may have
+    /// any sign; they are kept away from zero.
+    fn inverse(&self, spectrum: &[Complex64]) -> Vec<f64> {
+        let largest = spectrum.iter().map(|k| k.re.abs()).fold(0.0, f64::max);
+        let normalisation = 1.0 / (self.rows * self.columns) as f64;
+        spectrum
+            .iter()
+            .map(|k| normalisation / k.re.abs().max(1e-6 * largest))
+            .collect()
+    }
+
+    /// Spectrum of the potential at all cell offsets of grids so many lattice vectors apart.
+    fn kernel_spectrum(&self, influence: &Influence, (i, j): (i64, i64)) -> Vec<Complex64> {
+        let mut work = LocalWork::new(self);
+        let [a, b] = influence.vectors;
+        let (i, j) = (i as f64, j as f64);
+        let origin = [a[0] * i + b[0] * j, a[1] * i + b[1] * j];
+        let (row_extent, column_extent) = (self.rows.div_ceil(2), self.columns.div_ceil(2));
+        for row in 0..self.rows {
+            let Some(v) = wrapped(row, row_extent, self.rows) else {
+                continue;
+            };
+            for column in 0..self.columns {
+                let Some(u) = wrapped(column, column_extent, self.columns) else {
+                    continue;
+                };
+                work.array[row * self.columns + column] = influence.scale
+                    * influence.rectangle.potential(
+                        origin[0] + u as f64 * influence.cell[0],
+                        origin[1] + v as f64 * influence.cell[1],
+                    );
+            }
+        }
+        let mut spectrum = vec![Complex64::default(); self.frequencies()];
+        self.forward(&mut work, &mut spectrum);
+        spectrum
+    }
+}
+
+fn transpose(from: &[Complex64], to: &mut [Complex64], rows: usize, columns: usize) {
+    for (row, values) in from.chunks_exact(columns).enumerate() {
+        for (column, value) in values.iter().enumerate() {
+            to[column * rows + row] = *value;
+        }
+    }
+}
+
+struct LatticeWork {
+    array: Vec<Complex64>,
+    line: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+impl LatticeWork {
+    fn new(lattice: &LatticeTransform) -> Self {
+        let scratch = lattice
+            .row
+            .get_inplace_scratch_len()
+            .max(lattice.row_back.get_inplace_scratch_len())
+            .max(lattice.column.get_inplace_scratch_len())
+            .max(lattice.column_back.get_inplace_scratch_len());
+        Self {
+            array: vec![Complex64::default(); lattice.rows * lattice.columns],
+            line: vec![Complex64::default(); lattice.rows * lattice.columns],
+            scratch: vec![Complex64::default(); scratch],
+        }
+    }
+}
+
+impl LatticeTransform {
+    fn new(rows: usize, columns: usize) -> Self {
+        let mut planner = FftPlanner::new();
+        Self {
+            rows,
+            columns,
+            row: planner.plan_fft_forward(columns),
+            row_back: planner.plan_fft_inverse(columns),
+            column: planner.plan_fft_forward(rows),
+            column_back: planner.plan_fft_inverse(rows),
+        }
+    }
+
+    /// Transforms `work.array`, of which only the first `used` rows hold anything. The result
+    /// is left transposed.
+    fn forward(&self, used: usize, work: &mut LatticeWork) {
+        self.row
+            .process_with_scratch(&mut work.array[..used * self.columns], &mut work.scratch);
+        transpose(&work.array, &mut work.line, self.rows, self.columns);
+        self.column
+            .process_with_scratch(&mut work.line, &mut work.scratch);
+        std::mem::swap(&mut work.array, &mut work.line);
+    }
+
+    /// Back from [`Self::forward`], as far as the first `used` rows; not normalised.
+    fn backward(&self, used: usize, work: &mut LatticeWork) {
+        self.column_back
+            .process_with_scratch(&mut work.array, &mut work.scratch);
+        transpose(&work.array, &mut work.line, self.columns, self.rows);
+        self.row_back
+            .process_with_scratch(&mut work.line[..used * self.columns], &mut work.scratch);
+        std::mem::swap(&mut work.array, &mut work.line);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::Grid;
+
+    const COMPLIANCE: f64 = 0.7;
+    const VECTORS: [Point; 2] = [[3.0, 1.6], [2.9, -1.7]];
+
+    fn numbers(count: usize) -> Vec<f64> {
+        (0..count).map(|k| (1.3 * k as f64).sin()).collect()
+    }
+
+    fn cells(across: usize) -> Cells {
+        let grid = Grid::centred(across, across, 2.0 / across as f64).unwrap();
+        Cells::where_centre(&grid, |[x, y]| x.hypot(y) < 1.0)
+    }
+
+    fn places() -> Vec<Vec<(usize, usize)>> {
+        vec![
+            vec![(0, 0)],
+            vec![(0, 0), (0, 1), (1, 0), (2, 3)],
+            (0..5).flat_map(|i| (0..3).map(move |j| (i, j))).collect(),
+        ]
+    }
+
+    #[test]
+    fn agrees_with_direct_summation() {
+        for across in [4, 5, 8] {
+            let cells = cells(across);
+            let [size, _] = cells.grid().cell();
+            let rectangle = Rectangle::new(size, size);
+            for pillars in places() {
+                let mut operator =
+                    LatticeOfGrids::new(&cells, pillars.clone(), VECTORS, COMPLIANCE, None);
+                let centres: Vec<Point> = pillars
+                    .iter()
+                    .flat_map(|(i, j)| {
+                        let (i, j) = (*i as f64, *j as f64);
+                        cells.centres().map(move |[x, y]| {
+                            [
+                                x + i * VECTORS[0][0] + j * VECTORS[1][0],
+                                y + i * VECTORS[0][1] + j * VECTORS[1][1],
+                            ]
+                        })
+                    })
+                    .collect();
+                assert_eq!(operator.len(), centres.len());
+                let pressure = numbers(centres.len());
+                let mut displacement = vec![0.0; centres.len()];
+                operator.apply(&pressure, &mut displacement);
+                for ([x, y], displacement) in centres.iter().zip(&displacement) {
+                    let sum: f64 = centres
+                        .iter()
+                        .zip(&pressure)
+                        .map(|([u, v], p)| p * rectangle.potential(x - u, y - v))
+                        .sum();
+                    let error = displacement - COMPLIANCE / PI * sum;
+                    assert!(error.abs() < 1e-13, "{error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn preconditioner_is_nearly_the_inverse_on_one_pillar() {
+        // Symmetric, positive, and with the operator not far from one.
+        let cells = cells(12);
+        let mut operator = LatticeOfGrids::new(&cells, vec![(0, 0)], VECTORS, COMPLIANCE, None);
+        let (a, b) = (numbers(operator.len()), vec![1.0; operator.len()]);
+        let mut apply = |values: &[f64]| {
+            let mut result = vec![0.0; values.len()];
+            operator.precondition(values, &mut result);
+            result
+        };
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let (pa, pb) = (apply(&a), apply(&b));
+        assert!((dot(&a, &pb) / dot(&b, &pa) - 1.0).abs() < 1e-12);
+        assert!(dot(&a, &pa) > 0.0 && dot(&b, &pb) > 0.0);
+        for values in [a, b] {
+            let mut response = vec![0.0; values.len()];
+            operator.apply(&values, &mut response);
+            let mut back = vec![0.0; values.len()];
+            operator.precondition(&response, &mut back);
+            let ratio = dot(&back, &values) / dot(&values, &values);
+            assert!((0.3..3.0).contains(&ratio), "{ratio}");
+        }
+    }
+
+    #[test]
+    fn threads_change_nothing() {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .build()
+            .unwrap();
+        let cells = cells(16);
+        let pillars: Vec<_> = (0..9).flat_map(|i| (0..9).map(move |j| (i, j))).collect();
+        let run = |pool| {
+            let mut operator =
+                LatticeOfGrids::new(&cells, pillars.clone(), VECTORS, COMPLIANCE, pool);
+            let pressure = numbers(operator.len());
+            let mut displacement = vec![0.0; operator.len()];
+            operator.apply(&pressure, &mut displacement);
+            displacement
+        };
+        assert_eq!(run(None), run(Some(&pool)));
+    }
+}

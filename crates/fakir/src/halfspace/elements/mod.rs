@@ -1,0 +1,27 @@
+//! Elements of constant pressure on a half-space, after Love.
+//!
+//! The surface is divided into equal rectangles, usually squares, with a constant pressure on
+//! each; the displacement is taken at their centres (A. E. H. Love, Phil. Trans. R. Soc. A 228,
+//! 377 (1929); K. L. Johnson, Contact Mechanics, section 3.3). Nothing here knows the spectral
+//! basis of a disc, so that each method can check the other.
+//!
+//! * [`Rectangle`]: the potential of one loaded rectangle, at any point, to rounding;
+//! * [`Operator`]: the displacement of all cells from the pressures on them, with its
+//!   implementations.
+//!
+//! Lengths in m, pressures in Pa, compliances in 1/Pa.
+
+#[cfg(test)]
+mod conformance;
+pub(crate) mod convolution;
+pub(crate) mod free_space;
+pub(crate) mod lattice;
+pub(crate) mod operator;
+pub(crate) mod periodic;
+pub(crate) mod rectangle;
+
+pub use free_space::FreeSpaceConvolution;
+pub use lattice::LatticeOfGrids;
+pub use operator::{Columns, Dense, Operator, displacement_at};
+pub use periodic::{PeriodicConvolution, Preconditioned};
+pub use rectangle::Rectangle;

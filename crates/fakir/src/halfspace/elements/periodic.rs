@@ -1,0 +1,250 @@
+//! A periodic half-space by fast Fourier transform.
+
+use super::convolution::{
+    Bounds, ColumnBlock, Convolution, Transform, Workspace, clear_rows, line_stride,
+    memory_estimate, multiply,
+};
+use super::free_space::quick_length;
+use super::operator::Operator;
+use crate::problem::Cells;
+use rayon::ThreadPool;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// The operator of a half-space on which the grid repeats for ever along x and y.
+///
+/// A pressure of wave vector `q` makes the displacement `2 c p/|q|` (Johnson, Contact Mechanics,
+/// section 13.2; `2 pi/|q|` is the transform of `1/|x|`, and the factor of the potential is
+/// `c/pi`). The waves are those that the grid resolves, with `|q|` itself, as is usual for
+/// periodic contacts: the pressure is the trigonometric interpolant of the values on the cells.
+/// This is not the periodic sum of Love's rectangles, which carry all shorter waves too; the two
+/// agree as the cells become small.
+///
+/// The mean pressure would sink the half-space without limit. Its displacement is set to zero,
+/// so that every displacement is relative to the mean of its cell.
+pub struct PeriodicConvolution<'p> {
+    convolution: Convolution<'p, Periodic>,
+}
+
+impl<'p> PeriodicConvolution<'p> {
+    /// The operator on `cells`, whose grid is the period, of a half-space of compliance
+    /// `compliance`, 1/Pa. The work is shared between the threads of `pool`.
+    ///
+    /// Any size works; sizes of the form `2^a 3^b 5^c` are fastest.
+    #[must_use]
+    pub fn new(cells: Cells, compliance: f64, pool: Option<&'p ThreadPool>) -> Self {
+        let grid = cells.grid();
+        let shape = [grid.columns(), grid.rows()];
+        let mut periodic = Periodic::new(shape, grid.cell(), |q| 2.0 * compliance / q);
+        periodic.kernel[0] = 0.0;
+        Self {
+            convolution: Convolution::new(cells, [0, 0], Arc::new(periodic), pool),
+        }
+    }
+
+    /// About how many bytes the operator on `cells` takes, without the cells themselves; shared
+    /// between `threads` threads.
+    #[must_use]
+    pub fn memory_estimate(cells: &Cells, threads: usize) -> usize {
+        let grid = cells.grid();
+        let columns = grid.columns() / 2 + 1;
+        let held = cells.segments().chunk_by(|a, b| a.row == b.row).count();
+        let spectrum = memory_estimate(columns, grid.rows(), held, 1, threads);
+        size_of::<f64>() * columns * (grid.rows() / 2 + 1) + spectrum
+    }
+}
+
+impl PeriodicConvolution<'_> {
+    /// The cells that it acts on.
+    #[must_use]
+    pub fn cells(&self) -> &Cells {
+        self.convolution.cells()
+    }
+}
+
+impl Operator for PeriodicConvolution<'_> {
+    fn len(&self) -> usize {
+        self.cells().len()
+    }
+
+    fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+        self.convolution.apply(pressure, displacement);
+    }
+}
+
+/// An operator with the inverse of the periodic half-space as its preconditioner.
+///
+/// On the free half-space it is wrong only for the longest waves, so that the number of
+/// iterations hardly grows with the number of cells (J. Zhao, E. A. H. Vollebregt, C. W.
+/// Oosterlee, J. Comput. Phys. 292, 1 (2015) use the like for one contact).
+pub struct Preconditioned<'p, O> {
+    operator: O,
+    inverse: Convolution<'p, Periodic>,
+}
+
+impl<'p, O: Operator> Preconditioned<'p, O> {
+    /// Preconditions `operator`, which acts on `cells`.
+    ///
+    /// # Panics
+    /// If it does not act on as many.
+    #[must_use]
+    pub fn new(operator: O, cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
+        assert_eq!(operator.len(), cells.len(), "the cells of the operator");
+        let bounds = Bounds::of(&cells);
+        let shape = bounds.shape.map(quick_length);
+        let inverse = Periodic::new(shape, cells.grid().cell(), |q| q);
+        Self {
+            operator,
+            inverse: Convolution::new(cells, bounds.first, Arc::new(inverse), pool),
+        }
+    }
+
+    /// About how many bytes it takes besides the operator.
+    #[must_use]
+    pub fn memory_estimate(cells: &Cells) -> usize {
+        let bounds = Bounds::of(cells);
+        let [columns, rows] = bounds.shape.map(quick_length);
+        let spectrum = memory_estimate(columns / 2 + 1, rows, bounds.held_rows, 1, 1);
+        size_of::<f64>() * (columns / 2 + 1) * (rows / 2 + 1) + spectrum
+    }
+}
+
+impl<O: Operator> Operator for Preconditioned<'_, O> {
+    fn len(&self) -> usize {
+        self.operator.len()
+    }
+
+    fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+        self.operator.apply(pressure, displacement);
+    }
+
+    fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
+        self.inverse.apply(residual, direction);
+    }
+}
+
+/// Transforms and kernel of the periodic half-space.
+struct Periodic {
+    shape: [usize; 2],
+    row: Arc<dyn RealToComplex<f64>>,
+    row_back: Arc<dyn ComplexToReal<f64>>,
+    column: Arc<dyn Fft<f64>>,
+    column_back: Arc<dyn Fft<f64>>,
+    /// For every column of the transform, its rows that are not mirror images, `rows/2 + 1`;
+    /// with the normalisation of the transforms.
+    kernel: Vec<f64>,
+}
+
+impl Periodic {
+    /// The kernel is a function of the wave number; of the smallest there is, halved, for the
+    /// mean.
+    fn new([columns, rows]: [usize; 2], cell: [f64; 2], of_wave: impl Fn(f64) -> f64) -> Self {
+        let [width, height] = cell;
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        let wave = |index: usize, period: f64| 2.0 * PI * index as f64 / period;
+        let longest = (width * columns as f64).max(height * rows as f64);
+        let smallest = PI / longest;
+        let scale = 1.0 / (columns * rows) as f64;
+        let kernel: Vec<f64> = (0..=columns / 2)
+            .flat_map(|column| (0..=rows / 2).map(move |row| (column, row)))
+            .map(|(column, row)| {
+                let x = wave(column, width * columns as f64);
+                let y = wave(row, height * rows as f64);
+                scale * of_wave(x.hypot(y).max(smallest))
+            })
+            .collect();
+        Self {
+            shape: [columns, rows],
+            row: real.plan_fft_forward(columns),
+            row_back: real.plan_fft_inverse(columns),
+            column: complex.plan_fft_forward(rows),
+            column_back: complex.plan_fft_inverse(rows),
+            kernel,
+        }
+    }
+}
+
+impl Transform for Periodic {
+    fn shape(&self) -> [usize; 2] {
+        self.shape
+    }
+
+    fn column_count(&self) -> usize {
+        self.shape[0] / 2 + 1
+    }
+
+    fn row_forward(&self, row: &mut [f64], spectrum: &mut [Complex64], scratch: &mut [Complex64]) {
+        // The lengths are those that the transform was made for, so this cannot fail.
+        let _ = self.row.process_with_scratch(row, spectrum, scratch);
+    }
+
+    fn row_back(&self, spectrum: &mut [Complex64], row: &mut [f64], scratch: &mut [Complex64]) {
+        // The transform of real data is real at its ends; rounding must not say otherwise.
+        spectrum[0].im = 0.0;
+        if self.shape[0].is_multiple_of(2) {
+            spectrum[self.shape[0] / 2].im = 0.0;
+        }
+        let _ = self.row_back.process_with_scratch(spectrum, row, scratch);
+    }
+
+    fn convolve(&self, block: &mut ColumnBlock<'_>, work: &mut Workspace) {
+        let rows = self.shape[1];
+        let stride = line_stride(rows);
+        let lines = &mut work.lines[..block.width * stride];
+        let mut next = 0;
+        for (&row, values) in block
+            .rows
+            .iter()
+            .zip(block.values.chunks_exact(block.width))
+        {
+            clear_rows(lines, stride, next..row);
+            next = row + 1;
+            for (value, place) in values.iter().zip(lines[row..].iter_mut().step_by(stride)) {
+                *place = *value;
+            }
+        }
+        clear_rows(lines, stride, next..rows);
+        let half = rows / 2 + 1;
+        let kernel = self.kernel[block.first * half..].chunks_exact(half);
+        for (line, kernel) in lines.chunks_exact_mut(stride).zip(kernel) {
+            let line = &mut line[..rows];
+            self.column.process_with_scratch(line, &mut work.scratch);
+            let (low, high) = line.split_at_mut(half);
+            multiply(low, kernel);
+            for (value, kernel) in high.iter_mut().rev().zip(&kernel[1..]) {
+                *value *= kernel;
+            }
+            self.column_back
+                .process_with_scratch(line, &mut work.scratch);
+        }
+        for (&row, values) in block
+            .rows
+            .iter()
+            .zip(block.values.chunks_exact_mut(block.width))
+        {
+            for (value, place) in values.iter_mut().zip(lines[row..].iter().step_by(stride)) {
+                *value = *place;
+            }
+        }
+    }
+
+    fn scratch_len(&self) -> usize {
+        [
+            self.row.get_scratch_len(),
+            self.row_back.get_scratch_len(),
+            self.column.get_inplace_scratch_len(),
+            self.column_back.get_inplace_scratch_len(),
+        ]
+        .into_iter()
+        .max()
+        .unwrap_or(0)
+    }
+
+    fn columns_at_once(&self) -> usize {
+        1
+    }
+}

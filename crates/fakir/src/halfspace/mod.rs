@@ -1,0 +1,9 @@
+//! How an elastic half-space gives way.
+//!
+//! * `disc`: one pillar top, its pressure in the eigenfunctions of a disc, and the surface around it;
+//! * `coupling`: how the pillars of a lattice act on each other;
+//! * [`elements`]: rectangles of constant pressure, and the displacement of all from all.
+
+pub(crate) mod coupling;
+pub(crate) mod disc;
+pub mod elements;

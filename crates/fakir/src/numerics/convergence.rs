@@ -1,0 +1,99 @@
+//! When a solution is good enough: every solver, search and certificate decides it here.
+//!
+//! A comparison with NaN is false, so that its opposite seems to hold, and `max` and `min` drop NaN.
+//! What is decided here is never accepted because a number is undefined: [`judge`] tells errors
+//! that are small from those that are large and from those that are no numbers, and [`larger`],
+//! [`smaller`] and [`largest`] keep NaN where the functions of `f64` lose it.
+
+/// What an error says of a solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[must_use]
+pub enum Judgement {
+    /// The error is within its bound.
+    Good,
+    /// The error is beyond its bound, or infinite.
+    TooLarge,
+    /// The error is no number, or its bound is none: nothing is known of the solution.
+    Undefined,
+}
+
+/// Judges an error by its bound, both in the same unit.
+///
+/// ```
+/// use fakir::numerics::convergence::{Judgement, judge};
+///
+/// assert_eq!(judge(1e-9, 1e-8), Judgement::Good);
+/// assert_eq!(judge(f64::INFINITY, 1e-8), Judgement::TooLarge);
+/// assert_eq!(judge(f64::NAN, 1e-8), Judgement::Undefined);
+/// assert_eq!(judge(1e-9, f64::INFINITY), Judgement::Undefined);
+/// ```
+#[inline]
+pub fn judge(error: f64, bound: f64) -> Judgement {
+    if error.is_nan() || error == f64::NEG_INFINITY || !bound.is_finite() {
+        Judgement::Undefined
+    } else if error <= bound {
+        Judgement::Good
+    } else {
+        Judgement::TooLarge
+    }
+}
+
+/// Whether an error is within its bound; never where one of them is no number.
+#[inline]
+#[must_use]
+pub fn within(error: f64, bound: f64) -> bool {
+    judge(error, bound) == Judgement::Good
+}
+
+/// The larger of two numbers, NaN if one of them is.
+#[inline]
+#[must_use]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
+/// The smaller of two numbers, NaN if one of them is.
+#[inline]
+#[must_use]
+pub fn smaller(a: f64, b: f64) -> f64 {
+    if a < b || a.is_nan() { a } else { b }
+}
+
+/// The largest absolute value, NaN if one of them is, 0 if there are none.
+#[must_use]
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values
+        .into_iter()
+        .fold(0.0, |largest, value| larger(largest, value.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ODD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+
+    #[test]
+    fn nothing_undefined_is_good() {
+        for odd in ODD {
+            assert!(!within(odd, 1.0) && !within(0.5, odd) && !within(odd, odd));
+        }
+        assert!(within(0.0, 0.0) && within(0.5, 1.0) && !within(1.5, 1.0));
+        assert_eq!(judge(f64::NEG_INFINITY, 1.0), Judgement::Undefined);
+    }
+
+    #[test]
+    fn nan_is_not_dropped() {
+        for (a, b) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::NAN, f64::NAN)] {
+            assert!(larger(a, b).is_nan() && smaller(a, b).is_nan());
+        }
+        for place in 0..3 {
+            let mut values = [1.0, -7.0, 2.0];
+            assert_eq!(largest(values).to_bits(), 7f64.to_bits());
+            values[place] = f64::NAN;
+            assert!(largest(values).is_nan());
+        }
+        assert_eq!(larger(-1.0, 2.0).to_bits(), 2f64.to_bits());
+        assert_eq!(smaller(-1.0, 2.0).to_bits(), (-1f64).to_bits());
+    }
+}

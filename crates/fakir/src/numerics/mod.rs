@@ -1,0 +1,12 @@
+//! What mathematics and machines lend: vectors, factorisations, quadrature, special functions, shared threads, and the one
+//! place that decides when a solution is good enough.
+//!
+//! Nothing here knows of lenses or pillars.
+
+pub(crate) mod cholesky;
+pub mod convergence;
+pub(crate) mod pivoting;
+pub(crate) mod quadrature;
+pub(crate) mod special;
+pub(crate) mod vector;
+pub(crate) mod workers;

@@ -1,0 +1,187 @@
+//! Linear complementarity problems by block principal pivoting.
+//!
+//! Given a symmetric positive definite matrix `G` and a constant `q0`, find `s >= 0` with
+//! `q = q0 + G s >= 0` and `q's = 0`. Every index is *active* (`q = 0`) or not (`s = 0`); those that
+//! violate a sign change sides all at once, and, where that does not lower their number, one at a
+//! time by Murty's rule, which is finite (J. J. Júdice, F. M. Pires, Comput. Oper. Res. 21, 587 (1994)).
+
+use super::cholesky::{factorise, solve_lower, solve_upper};
+use super::convergence::largest;
+use super::vector::{add_scaled, dot};
+
+/// `q` may be this far below zero, relative to the largest `|q0|`: rounding, not a violation.
+const TOLERANCE: f64 = 1e-11;
+
+/// Steps without fewer violations before pivoting one index at a time.
+const PATIENCE: usize = 5;
+
+/// Pivoting steps after which the problem counts as not converged. Murty's rule is finite but may be
+/// long; the longest seen at 561 unknowns is some hundred.
+const STEP_LIMIT: usize = 4000;
+
+/// How pivoting ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Pivoting {
+    pub(crate) converged: bool,
+    pub(crate) steps: usize,
+}
+
+/// Working storage, and the solution.
+pub(crate) struct PivotSolver {
+    /// `q0`, to be set before solving.
+    pub(crate) constant: Vec<f64>,
+    /// `q`
+    slack: Vec<f64>,
+    /// `s`
+    multiplier: Vec<f64>,
+    /// The active indices.
+    indices: Vec<usize>,
+    /// Cholesky factor of `G` on them.
+    factor: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl PivotSolver {
+    pub(crate) fn new(count: usize) -> Self {
+        Self {
+            constant: vec![0.0; count],
+            slack: vec![0.0; count],
+            multiplier: vec![0.0; count],
+            indices: Vec::with_capacity(count),
+            factor: vec![0.0; count * count],
+            right: vec![0.0; count],
+        }
+    }
+
+    /// Solves for the matrix, row by row. `active` marks the active indices: the first guess on
+    /// entry, the solution on return.
+    pub(crate) fn solve(&mut self, matrix: &[f64], active: &mut [bool]) -> Pivoting {
+        let count = self.constant.len();
+        let scale = largest(self.constant.iter().copied());
+        if !scale.is_finite() {
+            return Pivoting {
+                converged: false,
+                steps: 0,
+            };
+        }
+        let mut fewest = usize::MAX;
+        let mut patience = PATIENCE;
+        for steps in 1..=STEP_LIMIT {
+            if !self.solve_active(matrix, active) {
+                return Pivoting {
+                    converged: false,
+                    steps,
+                };
+            }
+            let violated = |k: usize, active: &[bool], solver: &Self| {
+                // Asked this way, what is no number is violated.
+                let holds = if active[k] {
+                    solver.multiplier[k] >= 0.0
+                } else {
+                    solver.slack[k] >= -TOLERANCE * scale
+                };
+                !holds
+            };
+            let violations = (0..count).filter(|&k| violated(k, active, self)).count();
+            if violations == 0 {
+                return Pivoting {
+                    converged: true,
+                    steps,
+                };
+            }
+            if violations < fewest {
+                (fewest, patience) = (violations, PATIENCE);
+            } else if patience > 0 {
+                patience -= 1;
+            } else {
+                if let Some(last) = (0..count).rev().find(|&k| violated(k, active, self)) {
+                    active[last] = !active[last];
+                }
+                continue;
+            }
+            for k in 0..count {
+                if violated(k, active, self) {
+                    // Flipping k alone leaves the values of the others as they are.
+                    active[k] = !active[k];
+                    self.multiplier[k] = 0.0;
+                    self.slack[k] = 0.0;
+                }
+            }
+        }
+        Pivoting {
+            converged: false,
+            steps: STEP_LIMIT,
+        }
+    }
+
+    /// The active indices with their `s`.
+    pub(crate) fn multipliers(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.indices.iter().map(|&k| (k, self.multiplier[k]))
+    }
+
+    /// `W' G_II^-1 W` row by row into `product`, with `G_II` the matrix on the active indices and
+    /// `W` the `columns` columns of values at them; `room` is for `columns` columns of any length.
+    pub(crate) fn projected_inverse(
+        &self,
+        columns: usize,
+        room: &mut [f64],
+        product: &mut [f64],
+        value: impl Fn(usize, usize) -> f64,
+    ) {
+        let size = self.indices.len();
+        for column in 0..columns {
+            let half = &mut room[column * size..(column + 1) * size];
+            for (slot, &k) in half.iter_mut().zip(&self.indices) {
+                *slot = value(k, column);
+            }
+            solve_lower(&self.factor[..size * size], size, half);
+        }
+        let half = |column: usize| &room[column * size..(column + 1) * size];
+        for i in 0..columns {
+            for j in 0..columns {
+                product[i * columns + j] = dot(half(i), half(j));
+            }
+        }
+    }
+
+    /// With `q` zero at the active indices: their multipliers, and `q` elsewhere.
+    fn solve_active(&mut self, matrix: &[f64], active: &[bool]) -> bool {
+        if !self.factorise(matrix, active) {
+            return false;
+        }
+        let (count, size) = (self.constant.len(), self.indices.len());
+        let right = &mut self.right[..size];
+        for (slot, &k) in right.iter_mut().zip(&self.indices) {
+            *slot = -self.constant[k];
+        }
+        solve_lower(&self.factor[..size * size], size, right);
+        solve_upper(&self.factor[..size * size], size, right);
+        self.multiplier.fill(0.0);
+        self.slack.copy_from_slice(&self.constant);
+        for (&s, &k) in right.iter().zip(&self.indices) {
+            self.multiplier[k] = s;
+            add_scaled(&mut self.slack, s, &matrix[k * count..(k + 1) * count]);
+        }
+        for &k in &self.indices {
+            self.slack[k] = 0.0;
+        }
+        true
+    }
+
+    fn factorise(&mut self, matrix: &[f64], active: &[bool]) -> bool {
+        let count = self.constant.len();
+        self.indices.clear();
+        self.indices.extend((0..count).filter(|&k| active[k]));
+        let size = self.indices.len();
+        for (column, &k) in self.indices.iter().enumerate() {
+            let row = &matrix[k * count..(k + 1) * count];
+            for (slot, &l) in self.factor[column * size..(column + 1) * size]
+                .iter_mut()
+                .zip(&self.indices)
+            {
+                *slot = row[l];
+            }
+        }
+        factorise(&mut self.factor[..size * size], size)
+    }
+}

@@ -1,0 +1,39 @@
+//! Under which load a contact is asked for.
+
+use super::quantity::{InvalidQuantity, Quantity, Requirement};
+
+/// What is prescribed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// Indentation `zeta`, m: zero, or at least 1e-20 of a pillar radius.
+    Indentation(f64),
+    /// Normal force `F`, N: zero, or at least 1e-30 of `E*` times a pillar radius squared.
+    Force(f64),
+}
+
+/// Smallest contact radius that has a meaning, over the size of what is touched: of a pillar a
+/// metre wide it is the size of an atom, 1e-10 m, and of all others less.
+const SMALLEST_CONTACT: f64 = 1e-10;
+
+impl Load {
+    /// The load, if it can be: a finite number, zero or large enough for a contact of
+    /// [`SMALLEST_CONTACT`] under a lens as small as what is touched. By Hertz's solution that
+    /// takes an indentation of `length SMALLEST_CONTACT^2` and a force of about
+    /// `modulus length^2 SMALLEST_CONTACT^3`. `length` is half the width of what is touched (m),
+    /// `modulus` is `E*` (Pa).
+    pub(crate) fn checked(self, length: f64, modulus: f64) -> Result<Self, InvalidQuantity> {
+        // Adding zero takes the sign from a negative one.
+        match self {
+            Self::Indentation(value) => {
+                let smallest = length * SMALLEST_CONTACT.powi(2);
+                Requirement::ZeroOrIndentation(smallest).check(Quantity::Indentation, value)?;
+                Ok(Self::Indentation(value + 0.0))
+            }
+            Self::Force(value) => {
+                let smallest = modulus * length * length * SMALLEST_CONTACT.powi(3);
+                Requirement::ZeroOrForce(smallest).check(Quantity::Force, value)?;
+                Ok(Self::Force(value + 0.0))
+            }
+        }
+    }
+}

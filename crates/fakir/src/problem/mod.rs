@@ -1,0 +1,36 @@
+//! What is asked: the bodies that are pressed, the load, and the method.
+//!
+//! A [`System`] is a smooth elastic lens on an elastic substrate that carries a hexagonal lattice of
+//! cylindrical pillars; a [`SurfaceSystem`] is a lens or a plate on any [`HeightMap`], such as those of [`pattern`].
+//!
+//! Everything is in SI units and valid once constructed: a [`System`] that
+//! exists can be solved. Both bodies are elastic half-spaces without friction;
+//! a pressure `p` on the pillar tops moves the two surfaces apart by
+//! `w(x) = (c/pi) ∫ p(x')/|x - x'| dA'`, with `c` the [`System::contact_compliance`].
+//! Symbols follow R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard,
+//! Phys. Rev. E 104, 055007 (2021), "the paper" throughout this crate.
+//!
+//! Coordinates: the lens axis is the origin, x is the second-neighbour
+//! direction of the lattice.
+
+pub(crate) mod grid;
+pub(crate) mod height_map;
+pub(crate) mod lattice;
+pub(crate) mod load;
+pub(crate) mod method;
+pub mod pattern;
+pub(crate) mod point;
+pub(crate) mod quantity;
+pub(crate) mod scaled;
+pub(crate) mod surface;
+pub(crate) mod system;
+
+pub use grid::{Cells, Grid, InvalidGrid, Segment};
+pub use height_map::{HeightMap, InvalidHeightMap, PillarColumns};
+pub use lattice::{HexagonalLattice, LatticeSymmetry, MAXIMUM_SURFACE_FRACTION};
+pub use load::Load;
+pub use method::{Accuracy, ElementMesh, MeshLayout, Method, PunchForm};
+pub use point::Point;
+pub use quantity::{InvalidQuantity, Quantity, Requirement};
+pub use surface::{Boundary, Floor, Indenter, SurfaceSystem};
+pub use system::{Lens, Material, Pillar, PillarCompliance, System, Texture};

@@ -1,0 +1,149 @@
+//! What a pattern may not be.
+
+/// A value of a [`Pattern`](super::Pattern).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum PatternQuantity {
+    /// Diameter of a circle, or of that through the corners of a polygon, m.
+    Diameter,
+    /// Side of a square, m.
+    Side,
+    /// Number of sides of a polygon.
+    Sides,
+    /// Length of an ellipse, m.
+    Length,
+    /// Width of an ellipse, m.
+    Width,
+    /// Angle by which pillars are turned, rad.
+    Orientation,
+    /// Pillar height, m.
+    Height,
+    /// How much lower the edge of a top is than its centre, m.
+    Drop,
+    /// Width of a sloping edge, m.
+    ChamferWidth,
+    /// Radius of a rounded edge, m.
+    EdgeRadius,
+    /// Distance between neighbours on a lattice, m.
+    Pitch,
+    /// Place of the lens axis on a lattice, m or pitches.
+    Offset,
+    /// Direction of the offset, rad.
+    OffsetAngle,
+    /// Fraction of the surface that is pillar.
+    SurfaceFraction,
+    /// Smallest distance between pillars placed at random, m.
+    MinimumDistance,
+    /// Fraction of the pillars that are missing.
+    Missing,
+    /// Relative variation of heights.
+    HeightSpread,
+    /// Young's modulus of the substrate, Pa.
+    YoungModulus,
+}
+
+impl PatternQuantity {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Diameter => "pillar diameter",
+            Self::Side => "side of the pillars",
+            Self::Sides => "number of sides",
+            Self::Length => "length of the pillars",
+            Self::Width => "width of the pillars",
+            Self::Orientation => "orientation",
+            Self::Height => "pillar height",
+            Self::Drop => "drop of the top",
+            Self::ChamferWidth => "width of the chamfer",
+            Self::EdgeRadius => "edge radius",
+            Self::Pitch => "pitch",
+            Self::Offset => "offset",
+            Self::OffsetAngle => "offset angle",
+            Self::SurfaceFraction => "surface fraction",
+            Self::MinimumDistance => "minimum distance",
+            Self::Missing => "fraction of missing pillars",
+            Self::HeightSpread => "spread of heights",
+            Self::YoungModulus => "Young's modulus of the substrate",
+        }
+    }
+
+    pub(crate) fn refused(self, value: f64, requirement: &'static str) -> InvalidPattern {
+        InvalidPattern::Value {
+            quantity: self,
+            value,
+            requirement,
+        }
+    }
+
+    pub(crate) fn within(
+        self,
+        value: f64,
+        accepted: bool,
+        requirement: &'static str,
+    ) -> Result<(), InvalidPattern> {
+        if accepted && value.is_finite() {
+            Ok(())
+        } else {
+            Err(self.refused(value, requirement))
+        }
+    }
+
+    pub(crate) fn positive(self, value: f64) -> Result<(), InvalidPattern> {
+        self.within(value, value > 0.0, "a finite number greater than 0")
+    }
+}
+
+impl std::fmt::Display for PatternQuantity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A pattern that cannot be.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InvalidPattern {
+    /// A value that cannot be.
+    #[error("{quantity} cannot be {value}: it must be {requirement}")]
+    Value {
+        /// Which one.
+        quantity: PatternQuantity,
+        /// The value given, in SI units.
+        value: f64,
+        /// What would be accepted.
+        requirement: &'static str,
+    },
+    /// Neighbours on a lattice overlap.
+    #[error(
+        "pillars {outer_diameter:e} m across overlap on a lattice of pitch {pitch:e} m: widen the \
+         pitch, or turn or shrink the pillars"
+    )]
+    Overlap {
+        /// Distance between neighbours, m.
+        pitch: f64,
+        /// Largest extent of a pillar, m.
+        outer_diameter: f64,
+    },
+    /// A grid that is no period of the lattice.
+    #[error(
+        "a side of {side:e} m is not a whole multiple of the period of the lattice, {period:e} m"
+    )]
+    NotAPeriod {
+        /// Side of the grid, m.
+        side: f64,
+        /// Period of the lattice along it, m.
+        period: f64,
+    },
+    /// Not enough places were found at random.
+    #[error(
+        "only {placed} of {wanted} pillars found a place at least {minimum_distance:e} m from the \
+         others: lower the surface fraction or the minimum distance"
+    )]
+    TooCrowded {
+        /// Pillars placed.
+        placed: usize,
+        /// Pillars wanted.
+        wanted: usize,
+        /// Smallest distance between centres, m.
+        minimum_distance: f64,
+    },
+}

@@ -1,0 +1,150 @@
+//! The input quantities and the ranges in which they make sense.
+
+use super::lattice::MAXIMUM_SURFACE_FRACTION;
+use std::fmt;
+
+/// An input quantity of a [`System`](super::System).
+///
+/// Errors carry it, so that a caller who read the value from a file or a form
+/// can point at the place it came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Radius of the lens, m.
+    LensRadius,
+    /// Young's modulus of the lens, Pa.
+    LensYoungModulus,
+    /// Poisson's ratio of the lens.
+    LensPoissonRatio,
+    /// Young's modulus of the substrate and its pillars, Pa.
+    SubstrateYoungModulus,
+    /// Poisson's ratio of the substrate and its pillars.
+    SubstratePoissonRatio,
+    /// Pillar diameter, m.
+    PillarDiameter,
+    /// Pillar height, m.
+    PillarHeight,
+    /// Distance between the centres of neighbouring pillars, m.
+    Pitch,
+    /// Fraction of the surface covered by pillar tops.
+    SurfaceFraction,
+    /// Distance of the lens axis from a pillar centre, in pitches.
+    Offset,
+    /// Direction of the offset from x, rad.
+    OffsetAngle,
+    /// Prescribed indentation, m.
+    Indentation,
+    /// Prescribed force, N.
+    Force,
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::LensRadius => "lens radius",
+            Self::LensYoungModulus => "Young's modulus of the lens",
+            Self::LensPoissonRatio => "Poisson's ratio of the lens",
+            Self::SubstrateYoungModulus => "Young's modulus of the substrate",
+            Self::SubstratePoissonRatio => "Poisson's ratio of the substrate",
+            Self::PillarDiameter => "pillar diameter",
+            Self::PillarHeight => "pillar height",
+            Self::Pitch => "pitch",
+            Self::SurfaceFraction => "surface fraction",
+            Self::Offset => "offset",
+            Self::OffsetAngle => "offset angle",
+            Self::Indentation => "indentation",
+            Self::Force => "force",
+        })
+    }
+}
+
+/// A quantity whose value cannot be.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{quantity} cannot be {value}: it must be {requirement}")]
+pub struct InvalidQuantity {
+    /// Which quantity.
+    pub quantity: Quantity,
+    /// The value given, in SI units.
+    pub value: f64,
+    /// What would be accepted.
+    pub requirement: Requirement,
+}
+
+/// What a quantity has to satisfy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Requirement {
+    /// A finite number above zero.
+    Positive,
+    /// A force, N: zero, or a finite number and at least this one.
+    ZeroOrForce(f64),
+    /// An indentation, m: zero, or a finite number and at least this one.
+    ZeroOrIndentation(f64),
+    /// A finite number.
+    Finite,
+    /// Pitches, zero or above, few enough to tell positions within one of them apart.
+    Pitches,
+    /// A number from 0 to 0.5, ends included.
+    PoissonRatio,
+    /// At least the pillar diameter (m), so that neighbours do not overlap.
+    AtLeastDiameter(f64),
+    /// Above zero and at most pi/(2 sqrt 3), where neighbouring pillars touch.
+    SurfaceFraction,
+    /// Above zero and below the lens radius (m).
+    BelowLensRadius(f64),
+}
+
+impl fmt::Display for Requirement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Positive => f.write_str("a finite number greater than 0"),
+            Self::ZeroOrForce(smallest) => {
+                write!(f, "0, or a finite number and at least {smallest:.2e} N")
+            }
+            Self::ZeroOrIndentation(smallest) => {
+                write!(f, "0, or a finite number and at least {smallest:.2e} m")
+            }
+            Self::Finite => f.write_str("a finite number"),
+            Self::Pitches => f.write_str("a number of pitches from 0 to 1000"),
+            Self::PoissonRatio => f.write_str("between 0 and 0.5 (0.5 is incompressible)"),
+            Self::AtLeastDiameter(diameter) => write!(
+                f,
+                "at least the pillar diameter, {diameter:e} m (closer pillars overlap)"
+            ),
+            Self::SurfaceFraction => f.write_str(
+                "greater than 0 and at most pi/(2 sqrt 3) = 0.9069, where neighbouring pillars touch",
+            ),
+            Self::BelowLensRadius(radius) => {
+                write!(f, "greater than 0 and below the lens radius, {radius:e} m")
+            }
+        }
+    }
+}
+
+impl Requirement {
+    /// `value` if it satisfies the requirement.
+    pub(crate) fn check(self, quantity: Quantity, value: f64) -> Result<f64, InvalidQuantity> {
+        let accepted = value.is_finite()
+            && match self {
+                Self::Positive => value > 0.0,
+                Self::ZeroOrForce(smallest) | Self::ZeroOrIndentation(smallest) => {
+                    value == 0.0 || value >= smallest
+                }
+                Self::Finite => true,
+                Self::Pitches => (0.0..=1000.0).contains(&value),
+                Self::PoissonRatio => (0.0..=0.5).contains(&value),
+                Self::AtLeastDiameter(diameter) => value >= diameter,
+                Self::SurfaceFraction => value > 0.0 && value <= MAXIMUM_SURFACE_FRACTION,
+                Self::BelowLensRadius(radius) => value > 0.0 && value < radius,
+            };
+        if accepted {
+            Ok(value)
+        } else {
+            Err(InvalidQuantity {
+                quantity,
+                value,
+                requirement: self,
+            })
+        }
+    }
+}

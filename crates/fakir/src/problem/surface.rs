@@ -1,0 +1,196 @@
+//! A lens or a plate above any surface.
+
+use super::height_map::HeightMap;
+use super::quantity::{InvalidQuantity, Quantity, Requirement};
+use super::system::{Lens, Material};
+
+/// What is pressed onto a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Indenter {
+    /// A lens, its axis at the origin of the surface's coordinates.
+    Lens(Lens),
+    /// A flat plate parallel to the surface and larger than it, kept from tilting; rigid if no
+    /// material is given.
+    Flat(Option<Material>),
+}
+
+impl Indenter {
+    fn check(&self) -> Result<(), InvalidQuantity> {
+        if let Self::Lens(lens) = self {
+            Requirement::Positive.check(Quantity::LensRadius, lens.radius)?;
+        }
+        let Some(material) = self.material() else {
+            return Ok(());
+        };
+        Requirement::Positive.check(Quantity::LensYoungModulus, material.young_modulus)?;
+        Requirement::PoissonRatio.check(Quantity::LensPoissonRatio, material.poisson_ratio)?;
+        Ok(())
+    }
+
+    fn material(&self) -> Option<Material> {
+        match self {
+            Self::Lens(lens) => Some(lens.material),
+            Self::Flat(material) => *material,
+        }
+    }
+}
+
+/// What lies around the grid of a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Boundary {
+    /// A free half-space, not touched outside of the grid.
+    #[default]
+    FreeSpace,
+    /// The grid is one period of a surface that repeats for ever.
+    Periodic,
+}
+
+/// Which part of a surface is the floor, for the [shares](crate::state::SurfaceContact::shares) of the load
+/// and the [transition](SurfaceSystem::transition).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Floor {
+    /// The cells that belong to no pillar.
+    OffPillars,
+    /// The cells at this height (m) or below.
+    AtOrBelow(f64),
+}
+
+impl Floor {
+    /// Whether a cell of the surface is floor.
+    #[must_use]
+    pub fn contains(self, surface: &HeightMap, cell: usize) -> bool {
+        match self {
+            Self::OffPillars => surface.label(cell) == HeightMap::NO_PILLAR,
+            Self::AtOrBelow(height) => surface.heights()[cell] <= height,
+        }
+    }
+}
+
+/// An indenter above a surface: the complete problem, validated.
+///
+/// ```
+/// use fakir::problem::Load;
+/// use fakir::state::Run;
+/// use fakir::problem::{Boundary, Grid, HeightMap, Indenter, SurfaceSystem};
+/// use fakir::problem::{Lens, Material};
+///
+/// // A rubber lens on a flat rubber: Hertz, F = 4/3 E* sqrt(R) zeta^(3/2).
+/// let rubber = Material::new(2.0e6, 0.5);
+/// let lens = Indenter::Lens(Lens { radius: 1.0e-3, material: rubber });
+/// let flat = HeightMap::from_height(Grid::centred(64, 64, 1.0e-6)?, |_| 0.0)?;
+/// let system = SurfaceSystem::new(lens, rubber, flat, Boundary::FreeSpace)?;
+/// let contact = system.press(Load::Indentation(0.5e-6), &Run::default())?;
+/// let hertz = 4.0 / 3.0 * system.reduced_modulus() * 1.0e-3f64.sqrt() * 0.5e-6f64.powf(1.5);
+/// assert!((contact.force / hertz - 1.0).abs() < 2e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceSystem {
+    indenter: Indenter,
+    substrate: Material,
+    pub(crate) surface: HeightMap,
+    pub(crate) boundary: Boundary,
+    round_tops: Option<f64>,
+    continued: bool,
+}
+
+impl SurfaceSystem {
+    /// Checks the quantities of both bodies; the surface is valid already.
+    ///
+    /// # Errors
+    /// A radius or modulus that is not positive and finite, or a Poisson's ratio not between 0
+    /// and 0.5; those of a plate are named as the lens's.
+    pub fn new(
+        indenter: Indenter,
+        substrate: Material,
+        surface: HeightMap,
+        boundary: Boundary,
+    ) -> Result<Self, InvalidQuantity> {
+        indenter.check()?;
+        Requirement::Positive.check(Quantity::SubstrateYoungModulus, substrate.young_modulus)?;
+        Requirement::PoissonRatio
+            .check(Quantity::SubstratePoissonRatio, substrate.poisson_ratio)?;
+        Ok(Self {
+            indenter,
+            substrate,
+            surface,
+            boundary,
+            round_tops: None,
+            continued: false,
+        })
+    }
+
+    /// The same system, told that its pillars have round flat tops of this diameter (m).
+    ///
+    /// Cells cover a disc badly, and the force under them converges only as their size. What the
+    /// cells of each pillar lack of the compliance `1/(2 E* a)` of a flat punch (Johnson, Contact
+    /// Mechanics, eq. 3.36) is then added to its own, which removes most of that error. Pillars
+    /// cut by the border of the grid are left as they are.
+    ///
+    /// # Errors
+    /// A diameter that is not positive and finite.
+    pub fn with_round_tops(self, diameter: f64) -> Result<Self, InvalidQuantity> {
+        Requirement::Positive.check(Quantity::PillarDiameter, diameter)?;
+        Ok(Self {
+            round_tops: Some(diameter),
+            ..self
+        })
+    }
+
+    /// The same system, told that the surface goes on around its grid as inside, as a pattern does
+    /// of which the grid shows a part: a lens that could touch the highest of it outside is refused
+    /// with [`SurfaceError::SurfaceEnds`](crate::state::SurfaceError::SurfaceEnds). Otherwise that is judged by what lies near the border.
+    #[must_use]
+    pub fn continued(self) -> Self {
+        Self {
+            continued: true,
+            ..self
+        }
+    }
+
+    /// What is pressed onto the surface.
+    #[must_use]
+    pub fn indenter(&self) -> &Indenter {
+        &self.indenter
+    }
+
+    /// The material under the surface.
+    #[must_use]
+    pub fn substrate(&self) -> &Material {
+        &self.substrate
+    }
+
+    /// The surface.
+    #[must_use]
+    pub fn surface(&self) -> &HeightMap {
+        &self.surface
+    }
+
+    /// What lies around it.
+    #[must_use]
+    pub fn boundary(&self) -> Boundary {
+        self.boundary
+    }
+
+    pub(crate) fn round_tops(&self) -> Option<f64> {
+        self.round_tops
+    }
+
+    pub(crate) fn is_continued(&self) -> bool {
+        self.continued
+    }
+
+    /// `c = 1/E*`, the sum of the `(1 - nu^2)/E` of both bodies, 1/Pa.
+    #[must_use]
+    pub fn contact_compliance(&self) -> f64 {
+        let indenter = self.indenter.material();
+        indenter.map_or(0.0, |material| material.plane_strain_compliance())
+            + self.substrate.plane_strain_compliance()
+    }
+
+    /// `E*`, Pa.
+    #[must_use]
+    pub fn reduced_modulus(&self) -> f64 {
+        self.contact_compliance().recip()
+    }
+}

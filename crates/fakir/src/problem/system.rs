@@ -1,0 +1,302 @@
+//! A lens on a hexagonal lattice of cylindrical pillars.
+
+use super::lattice::{HexagonalLattice, MAXIMUM_SURFACE_FRACTION};
+use super::quantity::{InvalidQuantity, Quantity, Requirement};
+use std::f64::consts::PI;
+
+/// A linear elastic, isotropic material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus, Pa.
+    pub young_modulus: f64,
+    /// Poisson's ratio, 0 to 0.5.
+    pub poisson_ratio: f64,
+}
+
+impl Material {
+    /// Material with the given Young's modulus (Pa) and Poisson's ratio.
+    #[must_use]
+    pub fn new(young_modulus: f64, poisson_ratio: f64) -> Self {
+        Self {
+            young_modulus,
+            poisson_ratio,
+        }
+    }
+
+    /// `(1 - nu^2)/E`, 1/Pa.
+    #[must_use]
+    pub fn plane_strain_compliance(&self) -> f64 {
+        (1.0 - self.poisson_ratio * self.poisson_ratio) / self.young_modulus
+    }
+}
+
+/// The lens: a sphere of an elastic material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lens {
+    /// Radius of curvature `R`, m.
+    pub radius: f64,
+    /// What it is made of.
+    pub material: Material,
+}
+
+impl Lens {
+    /// Height of the undeformed lens above its lowest point, at distance
+    /// `distance` from the axis: `R - sqrt(R^2 - r^2)`, the exact sphere, m.
+    ///
+    /// Written as `r^2/(R + sqrt(R^2 - r^2))`, which does not cancel. Infinite
+    /// beyond the equator, where the lens has no lower surface.
+    #[must_use]
+    pub fn sag(&self, distance: f64) -> f64 {
+        self.sag_at_square(distance * distance)
+    }
+
+    /// The same at the square of a distance.
+    pub(crate) fn sag_at_square(&self, squared: f64) -> f64 {
+        let rest = self.radius * self.radius - squared;
+        if rest < 0.0 {
+            return f64::INFINITY;
+        }
+        squared / (self.radius + rest.sqrt())
+    }
+}
+
+/// Whether a pillar gives way as a column, besides indenting at its top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PillarCompliance {
+    /// The pillar top sinks uniformly by `4 h F/(pi E_s d^2)` (Hooke) more than
+    /// the floor around its foot, as in the paper.
+    #[default]
+    Column,
+    /// Pillars are as stiff as the half-space they stand on.
+    None,
+}
+
+/// A cylindrical pillar, of the material of the substrate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pillar {
+    /// Diameter `d`, m.
+    pub diameter: f64,
+    /// Height `h`, m.
+    pub height: f64,
+    /// Whether it shortens under load.
+    pub compliance: PillarCompliance,
+}
+
+/// Pillars on a lattice, and where the lens lands on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Texture {
+    /// One pillar.
+    pub pillar: Pillar,
+    /// Where the pillars stand, relative to the lens axis.
+    pub lattice: HexagonalLattice,
+}
+
+impl Texture {
+    /// `phi = pi/(2 sqrt 3) (d/e)^2`, the fraction of the surface that is pillar top.
+    #[must_use]
+    pub fn surface_fraction(&self) -> f64 {
+        let ratio = self.pillar.diameter / self.lattice.pitch;
+        MAXIMUM_SURFACE_FRACTION * ratio * ratio
+    }
+}
+
+/// A lens above a patterned substrate: the complete problem, validated.
+///
+/// ```
+/// use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+///
+/// let rubber = Material::new(2.0e6, 0.5);
+/// let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
+/// let lattice = HexagonalLattice::with_surface_fraction(0.1, pillar.diameter);
+/// let system = System::new(
+///     Lens { radius: 2.2e-3, material: rubber },
+///     rubber,
+///     Texture { pillar, lattice },
+/// )?;
+/// assert!((system.reduced_modulus() - 1.0e6 / 0.75).abs() < 1e-3);
+/// # Ok::<(), fakir::problem::InvalidQuantity>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct System {
+    lens: Lens,
+    substrate: Material,
+    texture: Texture,
+}
+
+impl System {
+    /// Checks every quantity and the relations between them.
+    ///
+    /// # Errors
+    /// The first [`InvalidQuantity`]: lengths and moduli must be positive and
+    /// finite, Poisson's ratios between 0 and 0.5, the pitch at least the
+    /// diameter, the pillars lower than the lens radius.
+    pub fn new(lens: Lens, substrate: Material, texture: Texture) -> Result<Self, InvalidQuantity> {
+        use Quantity as Q;
+        use Requirement as R;
+        let Texture { pillar, lattice } = texture;
+        R::Positive.check(Q::LensRadius, lens.radius)?;
+        R::Positive.check(Q::LensYoungModulus, lens.material.young_modulus)?;
+        R::PoissonRatio.check(Q::LensPoissonRatio, lens.material.poisson_ratio)?;
+        R::Positive.check(Q::SubstrateYoungModulus, substrate.young_modulus)?;
+        R::PoissonRatio.check(Q::SubstratePoissonRatio, substrate.poisson_ratio)?;
+        R::Positive.check(Q::PillarDiameter, pillar.diameter)?;
+        R::BelowLensRadius(lens.radius).check(Q::PillarHeight, pillar.height)?;
+        R::Positive.check(Q::Pitch, lattice.pitch)?;
+        // A surface fraction of exactly the maximum may round to a pitch just below the diameter.
+        let overlap_tolerance = 1.0 - 4.0 * f64::EPSILON;
+        if lattice.pitch < pillar.diameter * overlap_tolerance {
+            R::AtLeastDiameter(pillar.diameter).check(Q::Pitch, lattice.pitch)?;
+        }
+        R::Pitches.check(Q::Offset, lattice.offset)?;
+        R::Finite.check(Q::OffsetAngle, lattice.offset_angle)?;
+        Ok(Self {
+            lens,
+            substrate,
+            texture,
+        })
+    }
+
+    /// The lens.
+    #[must_use]
+    pub fn lens(&self) -> &Lens {
+        &self.lens
+    }
+
+    /// The material of the substrate and the pillars.
+    #[must_use]
+    pub fn substrate(&self) -> &Material {
+        &self.substrate
+    }
+
+    /// The pillars and their lattice.
+    #[must_use]
+    pub fn texture(&self) -> &Texture {
+        &self.texture
+    }
+
+    /// The pillar shape.
+    #[must_use]
+    pub fn pillar(&self) -> &Pillar {
+        &self.texture.pillar
+    }
+
+    /// The lattice of pillar centres.
+    #[must_use]
+    pub fn lattice(&self) -> &HexagonalLattice {
+        &self.texture.lattice
+    }
+
+    /// `c = (1 - nu_l^2)/E_l + (1 - nu_s^2)/E_s`, 1/Pa.
+    #[must_use]
+    pub fn contact_compliance(&self) -> f64 {
+        self.lens.material.plane_strain_compliance() + self.substrate.plane_strain_compliance()
+    }
+
+    /// `E* = 1/c`, Pa.
+    #[must_use]
+    pub fn reduced_modulus(&self) -> f64 {
+        self.contact_compliance().recip()
+    }
+
+    /// How far a pillar top sinks below its foot per unit force,
+    /// `4 h/(pi E_s d^2)`, m/N; 0 without column compliance.
+    #[must_use]
+    pub fn column_compliance(&self) -> f64 {
+        match self.pillar().compliance {
+            PillarCompliance::None => 0.0,
+            PillarCompliance::Column => {
+                4.0 * self.pillar().height
+                    / (PI * self.substrate.young_modulus * self.pillar().diameter.powi(2))
+            }
+        }
+    }
+
+    /// `kappa = (4 h/(pi E_s d))/c`: column compliance of a pillar relative to
+    /// its compliance as a flat punch, `c/d`.
+    #[must_use]
+    pub fn column_compliance_ratio(&self) -> f64 {
+        self.column_compliance() * self.pillar().diameter * self.reduced_modulus()
+    }
+
+    /// The paper's `gamma_int = c + 4h/(pi E_s d)`, 1/Pa: a lone pillar under
+    /// force `F` gives way by `gamma_int F/d`. Without column compliance it is `c`.
+    #[must_use]
+    pub fn internal_compliance(&self) -> f64 {
+        self.contact_compliance() + self.column_compliance() * self.pillar().diameter
+    }
+
+    /// The paper's `gamma_ext = 2c/pi`, 1/Pa: a force `F` moves the surfaces apart
+    /// by `gamma_ext F/(2r)` at a distance `r`.
+    #[must_use]
+    pub fn external_compliance(&self) -> f64 {
+        2.0 / PI * self.contact_compliance()
+    }
+
+    /// The same system with another pitch, offset or offset direction.
+    ///
+    /// # Errors
+    /// As [`System::new`].
+    pub fn with_lattice(&self, lattice: HexagonalLattice) -> Result<Self, InvalidQuantity> {
+        let pillar = self.texture.pillar;
+        Self::new(self.lens, self.substrate, Texture { pillar, lattice })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paper(young_modulus: f64) -> Result<System, InvalidQuantity> {
+        let pillar = Pillar {
+            diameter: 6.0e-6,
+            height: 2.2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        System::new(
+            Lens {
+                radius: 2.2e-3,
+                material: Material::new(2.0e6, 0.5),
+            },
+            Material::new(young_modulus, 0.5),
+            Texture {
+                pillar,
+                lattice: HexagonalLattice::with_surface_fraction(0.1, pillar.diameter),
+            },
+        )
+    }
+
+    #[test]
+    fn compliances_of_the_intermediate_substrate() {
+        // By hand from the definitions: c = 0.75/MPa, 4h/(pi E_s d) = 8.8/(12 pi) per MPa.
+        let system = paper(2.0e6).unwrap();
+        let column = 8.8 / (12.0 * PI) * 1e-6;
+        assert!((system.contact_compliance() / 0.75e-6 - 1.0).abs() < 1e-14);
+        assert!((system.internal_compliance() / (0.75e-6 + column) - 1.0).abs() < 1e-14);
+        assert!((system.external_compliance() / (1.5e-6 / PI) - 1.0).abs() < 1e-14);
+        assert!((system.column_compliance_ratio() / (column / 0.75e-6) - 1.0).abs() < 1e-14);
+        assert!((system.texture().surface_fraction() - 0.1).abs() < 1e-15);
+    }
+
+    #[test]
+    fn sag_is_the_exact_sphere() {
+        let lens = *paper(2.0e6).unwrap().lens();
+        let r: f64 = 1.0e-3;
+        let sphere = lens.radius - (lens.radius.powi(2) - r * r).sqrt();
+        assert!((lens.sag(r) - sphere).abs() < 1e-15);
+        assert!(lens.sag(2.3e-3).is_infinite());
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_with_its_quantity() {
+        let refused = paper(-1.0).unwrap_err();
+        assert_eq!(refused.quantity, Quantity::SubstrateYoungModulus);
+        let refused = paper(f64::NAN).unwrap_err();
+        assert_eq!(refused.requirement, Requirement::Positive);
+        let system = paper(2.0e6).unwrap();
+        let overlapping = HexagonalLattice::new(5.9e-6);
+        let refused = system.with_lattice(overlapping).unwrap_err();
+        assert_eq!(refused.quantity, Quantity::Pitch);
+        let touching = HexagonalLattice::with_surface_fraction(MAXIMUM_SURFACE_FRACTION, 6.0e-6);
+        assert!(system.with_lattice(touching).is_ok());
+    }
+}

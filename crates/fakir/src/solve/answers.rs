@@ -1,0 +1,544 @@
+//! Answers of the methods that resolve pillars, assembled from their solutions.
+
+use super::elements::pillars;
+use super::elements::pillars::ElementSolution;
+use super::estimate::{estimate, unknowns_only};
+use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::newton::{MISMATCH_TOLERANCE, Purpose, Target};
+use super::reach::{Reach, contact_reach, punch_reach};
+use super::rules::patch::{Patch, PatchSolver};
+use super::spectral::{
+    LARGEST_CONTACT, Solution, degrees, rough_contact_radius, solve_punch, solve_spectral,
+};
+use super::touched::{TouchedPillar, nearest_first, touched_pillars};
+use crate::halfspace::coupling::window::Window;
+use crate::halfspace::disc::basis::degree_with;
+use crate::halfspace::disc::exterior::Exterior;
+use crate::numerics::workers::CancelToken;
+use crate::problem::scaled::Problem;
+use crate::problem::{Accuracy, ElementMesh, Load, Method, Point, PunchForm, System};
+use crate::state::contact::contact_warnings;
+use crate::state::fields::Disc;
+use crate::state::{
+    ContactState, CriticalState, ErrorEstimate, Fields, PillarState, PillarStatus, Progress,
+    Regime, Run, SolveError, Stage, Termination,
+};
+use crate::theory::homogenised;
+use std::sync::Arc;
+
+/// Relative error claimed for a contact inside one pillar top.
+const PATCH_ERROR: f64 = 1e-8;
+
+/// An error that is not estimated yet.
+const UNKNOWN: ErrorEstimate = ErrorEstimate {
+    force: f64::NAN,
+    indentation: f64::NAN,
+};
+
+/// What the punch lattices leave out, relative, plain and corrected: the largest differences from
+/// the spectral method at surface fractions up to 0.2. They do not refine, so this cannot be
+/// estimated from within.
+const PUNCH_ERROR: [f64; 2] = [0.1, 0.02];
+
+/// Which method solves the pillars.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PillarMethod {
+    Spectral(Accuracy),
+    Punch(PunchForm),
+    Love(ElementMesh),
+}
+
+impl From<PillarMethod> for Method {
+    fn from(method: PillarMethod) -> Self {
+        match method {
+            PillarMethod::Spectral(accuracy) => Self::Spectral(accuracy),
+            PillarMethod::Punch(form) => Self::Punch(form),
+            PillarMethod::Love(mesh) => Self::Love(mesh),
+        }
+    }
+}
+
+/// The contact under a load that has been checked.
+pub(crate) fn press(
+    system: &System,
+    load: Load,
+    method: PillarMethod,
+    run: &Run<'_>,
+) -> Result<ContactState, SolveError> {
+    let problem = Problem::new(system);
+    let target = match load {
+        Load::Indentation(indentation) => Target::Indentation(indentation / problem.length),
+        Load::Force(force) => Target::Force(force / problem.force()),
+    };
+    let first_touch = problem.lens.sag(problem.nearest_edge());
+    match target {
+        Target::Indentation(indentation) if indentation <= first_touch => {
+            return Ok(without_contact(system, &problem, method, indentation));
+        }
+        Target::Force(force) if force <= 0.0 => {
+            // A lens that cannot reach any pillar comes down to the floor.
+            let level = if first_touch.is_finite() {
+                first_touch
+            } else {
+                problem.height
+            };
+            return Ok(without_contact(system, &problem, method, level));
+        }
+        _ => {}
+    }
+    Ok(solve(system, &problem, target, method, run)?.0)
+}
+
+/// The critical state.
+pub(crate) fn transition(
+    system: &System,
+    method: PillarMethod,
+    run: &Run<'_>,
+) -> Result<CriticalState, SolveError> {
+    let problem = Problem::new(system);
+    if problem.touches_floor_first() {
+        let mut contact = without_contact(system, &problem, method, problem.height);
+        contact.smallest_floor_gap = 0.0;
+        contact.smallest_gap_position = [0.0, 0.0];
+        return Ok(CriticalState {
+            regime: Regime::BottomFirst,
+            contact,
+            floor_contact: [0.0, 0.0],
+        });
+    }
+    let (mut contact, alone) = solve(system, &problem, Target::Floor, method, run)?;
+    contact.smallest_floor_gap = 0.0;
+    let [x, y] = contact.smallest_gap_position;
+    let floor_contact = if alone {
+        [x.hypot(y), 0.0]
+    } else {
+        system.lattice().symmetry().fold([x, y])
+    };
+    Ok(CriticalState {
+        regime: Regime::TopFirst,
+        contact,
+        floor_contact,
+    })
+}
+
+/// Solves for a target; says too whether the contact is round, with one pillar under the axis.
+fn solve(
+    system: &System,
+    problem: &Problem,
+    target: Target,
+    method: PillarMethod,
+    run: &Run<'_>,
+) -> Result<(ContactState, bool), SolveError> {
+    if let PillarMethod::Spectral(_) = method
+        && let Some(patch) = find_patch(problem, target)
+    {
+        let state = patch_state(system, problem, method, &patch);
+        let alone = is_under_axis(problem, state.pillars[0].centre);
+        return Ok((state, alone));
+    }
+    let guess = homogenised_radius(system, problem, target);
+    let state = match method {
+        PillarMethod::Spectral(accuracy) => {
+            let degrees = degrees(accuracy, problem);
+            let form = PunchForm::Corrected;
+            let mut punch = solve_punch(problem, target, guess, form, Purpose::Start, run)?;
+            // Under a prescribed force a state is assembled at the cost of the solution.
+            let listener = run.interim.filter(|_| !matches!(target, Target::Force(_)));
+            if let Some(listener) = listener
+                && punch.newton.touched() > MANY_TO_WAIT_FOR
+            {
+                let lattice = PillarMethod::Punch(form);
+                let error = punch_error(form, target, &punch);
+                let state = assemble(system, problem, target, lattice, &mut punch, error)?;
+                listener(&state);
+            }
+            let mut solution = solve_spectral(problem, target, punch, degrees, run)?;
+            if let Some(listener) = listener {
+                let mut state = assemble(system, problem, target, method, &mut solution, UNKNOWN)?;
+                listener(&state);
+                state.error = refined(&mut solution, target, run)?;
+                state
+            } else {
+                let error = refined(&mut solution, target, run)?;
+                assemble(system, problem, target, method, &mut solution, error)?
+            }
+        }
+        PillarMethod::Punch(form) => {
+            let purpose = Purpose::Answer;
+            let mut solution = solve_punch(problem, target, guess, form, purpose, run)?;
+            let error = punch_error(form, target, &solution);
+            assemble(system, problem, target, method, &mut solution, error)?
+        }
+        PillarMethod::Love(mesh) => {
+            let solution = pillars::solve(problem, target, guess, mesh, run)?;
+            elements(system, problem, target, method, &solution)
+        }
+    };
+    let alone = state.pillars.len() == 1 && is_under_axis(problem, state.pillars[0].centre);
+    Ok((state, alone))
+}
+
+/// What a punch lattice leaves out.
+fn punch_error(form: PunchForm, target: Target, solution: &Solution<'_>) -> ErrorEstimate {
+    let error = match form {
+        PunchForm::Plain => PUNCH_ERROR[0],
+        PunchForm::Corrected => PUNCH_ERROR[1],
+    };
+    unknowns_only(target, solution.outcome.termination, [error; 2])
+}
+
+/// Pillars touched above which the homogenised lattice knows the contact radius well.
+const MANY_PILLARS: f64 = 40.0;
+
+/// Pillars touched up to which nobody wants to see the punch lattice before the solution: that takes a few
+/// tens of milliseconds.
+const MANY_TO_WAIT_FOR: usize = 1000;
+
+/// Contact radius of the homogenised lattice, where it can be trusted.
+fn homogenised_radius(system: &System, problem: &Problem, target: Target) -> Option<f64> {
+    let rough = rough_contact_radius(problem, target);
+    if Window::expected_len(&problem.lattice, rough) < MANY_PILLARS {
+        return None;
+    }
+    let load = match target {
+        Target::Floor => None,
+        Target::Force(force) => Some(Load::Force(force * problem.force())),
+        Target::Indentation(indentation) => Some(Load::Indentation(indentation * problem.length)),
+    };
+    let radius = homogenised::rough_contact_radius(system, load)? / problem.length;
+    Some(radius).filter(|radius| *radius > 0.0)
+}
+
+/// Whether a pillar stands under the lens axis.
+fn is_under_axis(problem: &Problem, centre: Point) -> bool {
+    centre[0].hypot(centre[1]) < 1e-9 * problem.length
+}
+
+/// Error estimate of the spectral method, from other nodes and a higher degree.
+fn refined(
+    solution: &mut Solution<'_>,
+    target: Target,
+    run: &Run<'_>,
+) -> Result<ErrorEstimate, SolveError> {
+    let termination = solution.outcome.termination;
+    if termination != Termination::Converged {
+        return Ok(unknowns_only(target, termination, [1.0; 2]));
+    }
+    run.report(Progress {
+        stage: Stage::ErrorEstimate,
+        step: solution.steps,
+        pillars: solution.newton.window.len(),
+        touched: solution.newton.touched(),
+    });
+    estimate(&mut solution.newton, &solution.outcome, target)
+}
+
+/// A state without any contact: the lens above, or just at, the pillar tops.
+fn without_contact(
+    system: &System,
+    problem: &Problem,
+    method: PillarMethod,
+    indentation: f64,
+) -> ContactState {
+    let exterior = Exterior::new(0);
+    let discs = LoadedDiscs {
+        exterior: &exterior,
+        modes: 1,
+        centres: &[],
+        radius: 1.0,
+        coefficients: [&[], &[]],
+        run: &Run::default(),
+    };
+    let lowest = FloorSearch::default().lowest(problem, &discs, &CancelToken::default());
+    let fields = Fields::new(problem.clone(), indentation, Vec::new(), 0, 0);
+    ContactState {
+        fields: Some(Arc::new(fields)),
+        ..floor_gap(
+            problem,
+            ContactState::untouched(system, method.into(), indentation * problem.length),
+            indentation,
+            lowest,
+        )
+    }
+}
+
+/// The state with its smallest floor gap.
+fn floor_gap(
+    problem: &Problem,
+    state: ContactState,
+    indentation: f64,
+    lowest: Option<FloorPoint>,
+) -> ContactState {
+    match lowest {
+        None => state,
+        Some(point) => ContactState {
+            smallest_floor_gap: (point.indentation - indentation) * problem.length,
+            smallest_gap_position: problem.metres(point.position),
+            ..state
+        },
+    }
+}
+
+/// The contact as a circle inside the pillar top under the lens axis, if it is one.
+fn find_patch(problem: &Problem, target: Target) -> Option<Patch> {
+    let lattice = &problem.lattice;
+    let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
+    let [x, y] = lattice.centre(i, j);
+    let largest = 1.0 - x.hypot(y);
+    if largest <= 0.0 {
+        return None;
+    }
+    let solver = PatchSolver::new(problem.column_compliance_ratio);
+    let sag = |r: f64| problem.lens.sag(r);
+    let patch = match target {
+        Target::Indentation(value) => solver.find(largest, sag, |patch| patch.indentation, value),
+        Target::Force(value) => solver.find(largest, sag, |patch| patch.force, value),
+        Target::Floor => {
+            // The pressure moves the floor away from the lens, which has to come down by its height at least.
+            if solver.with_radius(largest, sag).indentation < problem.height {
+                return None;
+            }
+            let exterior = Exterior::new(patch_degree());
+            let reached = |patch: &Patch| {
+                patch_floor(problem, &exterior, patch).map_or(f64::NEG_INFINITY, |point| {
+                    patch.indentation - (point.indentation - problem.height)
+                })
+            };
+            solver.find(largest, sag, reached, problem.height)
+        }
+    }?;
+    // No other pillar may be touched: the nearest edge of the next one stays below the lens.
+    let next = next_nearest(problem, (i, j));
+    (problem.lens.sag((next - 1.0).max(0.0)) > patch.indentation).then_some(patch)
+}
+
+fn patch_degree() -> usize {
+    degree_with(PatchSolver::new(0.0).count())
+}
+
+/// Distance from the lens axis of the nearest pillar other than `index`.
+fn next_nearest(problem: &Problem, (i, j): (i64, i64)) -> f64 {
+    [(1, 0), (0, 1), (-1, 0), (0, -1), (1, -1), (-1, 1)]
+        .into_iter()
+        .map(|(di, dj)| {
+            let [x, y] = problem.lattice.centre(i + di, j + dj);
+            x.hypot(y)
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Lowest point of the floor under a patch: its gap plus the indentation.
+fn patch_floor(problem: &Problem, exterior: &Exterior, patch: &Patch) -> Option<FloorPoint> {
+    let zeros = vec![0.0; patch.coefficients.len()];
+    let discs = LoadedDiscs {
+        exterior,
+        modes: patch.coefficients.len(),
+        centres: &[[0.0, 0.0]],
+        radius: patch.radius,
+        coefficients: [&zeros, &patch.coefficients],
+        run: &Run::default(),
+    };
+    FloorSearch::default().lowest(problem, &discs, &CancelToken::default())
+}
+
+fn patch_state(
+    system: &System,
+    problem: &Problem,
+    method: PillarMethod,
+    patch: &Patch,
+) -> ContactState {
+    let index = problem.lattice.nearest_pillar([0.0, 0.0]);
+    let degree = patch_degree();
+    let lowest = patch_floor(problem, &Exterior::new(degree), patch);
+    let disc = Disc {
+        index,
+        centre: [0.0, 0.0],
+        radius: patch.radius,
+        coefficients: patch.coefficients.clone(),
+        gap: None,
+        sliver: None,
+    };
+    let fields = Fields::new(
+        problem.clone(),
+        patch.indentation,
+        vec![disc],
+        degree,
+        degree,
+    );
+    let centre = system.lattice().centre(index.0, index.1);
+    let force = patch.force * problem.force();
+    let pillar = PillarState {
+        index,
+        centre,
+        status: PillarStatus::Partial,
+        force,
+        centre_pressure: fields.pressure(centre),
+        edge_coefficient: Some([0.0; 2]),
+    };
+    let indentation = patch.indentation * problem.length;
+    floor_gap(
+        problem,
+        ContactState {
+            force,
+            contact_radius: patch.radius * problem.length,
+            contact_radius_error: PATCH_ERROR * patch.radius * problem.length,
+            pillars_in_contact: 1,
+            pillars_partially_in_contact: 1,
+            pillars: vec![pillar],
+            fields: Some(Arc::new(fields)),
+            error: ErrorEstimate {
+                force: PATCH_ERROR,
+                indentation: PATCH_ERROR,
+            },
+            ..ContactState::untouched(system, method.into(), indentation)
+        },
+        patch.indentation,
+        lowest,
+    )
+}
+
+/// The answer from a solution of all pillars.
+fn assemble(
+    system: &System,
+    problem: &Problem,
+    target: Target,
+    method: PillarMethod,
+    solution: &mut Solution<'_>,
+    error: ErrorEstimate,
+) -> Result<ContactState, SolveError> {
+    let Solution {
+        newton,
+        outcome,
+        steps,
+    } = solution;
+    let indentation = outcome.indentation;
+    let lowest = match target {
+        Target::Floor => outcome.floor,
+        Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(),
+    };
+    newton.run.check_cancelled()?;
+    let mut touched = touched_pillars(problem, newton);
+    let force = share_force(&mut touched, target, problem);
+    let Reach {
+        radius: contact_radius,
+        error: radius_error,
+    } = match method {
+        PillarMethod::Punch(form) => punch_reach(newton, form, indentation, &touched),
+        _ => contact_reach(newton, indentation, &touched),
+    };
+    let radius_error = if outcome.termination == Termination::Converged {
+        radius_error
+    } else {
+        contact_radius
+    };
+    let ratio = contact_radius / problem.lens.radius;
+    if ratio > LARGEST_CONTACT {
+        return Err(SolveError::ContactExceedsLens {
+            contact_radius: contact_radius * problem.length,
+            lens_radius: system.lens().radius,
+        });
+    }
+    let partial = touched
+        .iter()
+        .filter(|pillar| pillar.state.status == PillarStatus::Partial)
+        .count();
+    let close_degree = touched
+        .iter()
+        .map(|pillar| degree_with(pillar.disc.coefficients.len()))
+        .max()
+        .unwrap_or(0);
+    let (pillars, discs): (Vec<_>, Vec<_>) = touched.into_iter().map(|p| (p.state, p.disc)).unzip();
+    let fields = Fields::new(
+        problem.clone(),
+        indentation,
+        discs,
+        newton.degree(),
+        close_degree,
+    );
+    let state = ContactState {
+        force,
+        contact_radius: contact_radius * problem.length,
+        contact_radius_error: radius_error * problem.length,
+        pillars_in_contact: pillars.len(),
+        pillars_partially_in_contact: partial,
+        pillars,
+        fields: Some(Arc::new(fields)),
+        error,
+        termination: outcome.termination,
+        iterations: *steps,
+        warnings: contact_warnings(ratio),
+        ..ContactState::untouched(system, method.into(), indentation * problem.length)
+    };
+    Ok(floor_gap(problem, state, indentation, lowest))
+}
+
+/// The answer from a solution on elements.
+fn elements(
+    system: &System,
+    problem: &Problem,
+    target: Target,
+    method: PillarMethod,
+    solution: &ElementSolution<'_>,
+) -> ContactState {
+    let contact = &solution.contact;
+    let touched = solution.touched_pillars();
+    let contact_radius = touched.iter().map(|p| p.reach).fold(0.0, f64::max);
+    let radius_error = if contact.termination == Termination::Converged {
+        solution.reach_error(contact_radius, &touched)
+    } else {
+        contact_radius
+    };
+    let mut pillars: Vec<PillarState> = touched
+        .iter()
+        .map(|pillar| PillarState {
+            index: pillar.index,
+            centre: system.lattice().centre(pillar.index.0, pillar.index.1),
+            status: pillar.status,
+            force: pillar.force * problem.force(),
+            centre_pressure: pillar.centre_pressure * problem.pressure,
+            edge_coefficient: None,
+        })
+        .collect();
+    nearest_first(&mut pillars, |pillar| pillar, problem.length);
+    let partial = pillars
+        .iter()
+        .filter(|pillar| pillar.status == PillarStatus::Partial)
+        .count();
+    let indentation = contact.indentation;
+    let state = ContactState {
+        force: contact.force * problem.force(),
+        contact_radius: contact_radius * problem.length,
+        contact_radius_error: radius_error * problem.length,
+        pillars_in_contact: pillars.len(),
+        pillars_partially_in_contact: partial,
+        pillars,
+        error: unknowns_only(target, contact.termination, solution.errors()),
+        termination: contact.termination,
+        iterations: solution.products,
+        warnings: contact_warnings(contact_radius / problem.lens.radius),
+        ..ContactState::untouched(system, method.into(), indentation * problem.length)
+    };
+    floor_gap(problem, state, indentation, solution.floor)
+}
+
+/// Relative difference between the prescribed force and the sum over pillars that is rounding of the solver:
+/// what it leaves on one pillar, some times over.
+const PILLARS_MISMATCH: f64 = 100.0 * MISMATCH_TOLERANCE;
+
+/// The force on all pillars. What is prescribed is met within the solver's tolerance; the pillars
+/// share what is missing, so that they bear it to the last digit.
+fn share_force(touched: &mut [TouchedPillar], target: Target, problem: &Problem) -> f64 {
+    let sum: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
+    let Target::Force(force) = target else {
+        return sum;
+    };
+    let prescribed = force * problem.force();
+    let close = (prescribed - sum).abs() <= PILLARS_MISMATCH * prescribed;
+    if !close {
+        return sum;
+    }
+    for pillar in touched {
+        pillar.state.force *= prescribed / sum;
+    }
+    prescribed
+}

@@ -1,0 +1,820 @@
+//! The contact on a hexagonal lattice of pillars, by elements.
+//!
+//! Two meshes: a grid of its own centred on each pillar, or the paper's one grid over the whole
+//! pattern. Either way a solution starts from that on cells twice as large, and that from one on
+//! cells twice as large again: it saves work, and their differences give the error estimate.
+//!
+//! Squares cover a disc badly, so that the force under them converges only as the size of a
+//! cell. Where `matched` is asked for, a flat punch alone on each pillar's cells bears exactly
+//! `F = 2 E* a zeta` (Johnson, Contact Mechanics, eq. 3.36): cells centred on the pillar are
+//! resized a little, those of one grid get what is missing as a compliance of their pillar. That
+//! removes most of the error.
+//!
+//! Units are those of [`Problem`]: lengths in pillar radii, pressures in `E*`.
+
+use super::solver::{ElementContact, Settings};
+use crate::halfspace::coupling::window::Window;
+use crate::halfspace::disc::exterior::FieldJet;
+use crate::halfspace::elements::{
+    Columns, Dense, FreeSpaceConvolution, LatticeOfGrids, Operator, Preconditioned,
+};
+use crate::numerics::convergence::{Judgement, judge, larger, within};
+use crate::numerics::workers::CancelToken;
+use crate::problem::scaled::Problem;
+use crate::problem::{Cells, ElementMesh, Grid, Load, MeshLayout, Point};
+use crate::solve::elements::solver;
+use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch};
+use crate::solve::newton::Target;
+use crate::solve::spectral::{LARGEST_CONTACT, rough_contact_radius};
+use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+/// Cells across a pillar on the coarsest level, at least.
+const COARSEST_CELLS: usize = 4;
+
+/// Fewest cells across a pillar that can be asked for: one refinement of the coarsest.
+pub(crate) const FEWEST_CELLS: usize = 2 * COARSEST_CELLS;
+
+/// The floor gap is closed to this fraction of the pillar height.
+const FLOOR_TOLERANCE: f64 = 1e-8;
+
+/// Most solutions at one level in search of the critical indentation.
+const SEARCH_LIMIT: usize = 60;
+
+/// Relative energy error of every solution: its force is then good to about as much.
+const TOLERANCE: f64 = 1e-9;
+
+/// The elements on the pillars of a window, and the contact on them.
+pub(crate) struct Level<'a> {
+    problem: &'a Problem,
+    window: Window,
+    run: &'a Run<'a>,
+    operator: Box<dyn Operator + 'a>,
+    elements: Elements,
+    separation: Vec<f64>,
+    start: Vec<f64>,
+    floor: FloorSearch,
+    products: usize,
+}
+
+/// Where the elements are.
+struct Elements {
+    centres: Vec<Point>,
+    /// The pillar of each, as its place in the window.
+    pillars: Vec<u32>,
+    /// Side of a cell.
+    size: f64,
+    /// Half the side of a pillar's grid.
+    half_width: f64,
+    /// Elements by pillar, column and row.
+    lookup: HashMap<(u32, i64, i64), usize>,
+    layout: MeshLayout,
+}
+
+impl Elements {
+    fn new(mesh: ElementMesh, size: f64, window: &Window, cells: &[(Point, u32)]) -> Self {
+        let mut elements = Self {
+            half_width: 0.5 * mesh.cells_per_diameter as f64 * size,
+            centres: cells.iter().map(|(centre, _)| *centre).collect(),
+            pillars: cells.iter().map(|(_, pillar)| *pillar).collect(),
+            size,
+            lookup: HashMap::with_capacity(cells.len()),
+            layout: mesh.layout,
+        };
+        for (element, (centre, pillar)) in cells.iter().enumerate() {
+            let key = elements.key(window, *pillar, *centre);
+            elements.lookup.insert(key, element);
+        }
+        elements
+    }
+
+    /// Columns and rows count from the corner of the pillar's grid, or from the lens axis.
+    fn key(&self, window: &Window, pillar: u32, [x, y]: Point) -> (u32, i64, i64) {
+        let [x0, y0] = match self.layout {
+            MeshLayout::Pillars => {
+                let [x, y] = window.centres()[pillar as usize];
+                [x - self.half_width, y - self.half_width]
+            }
+            MeshLayout::Pattern => [0.0, 0.0],
+        };
+        let count = |offset: f64| (offset / self.size).floor() as i64;
+        (pillar, count(x - x0), count(y - y0))
+    }
+
+    fn len(&self) -> usize {
+        self.centres.len()
+    }
+}
+
+/// Cells in a disc of radius 1, `across` of them along its diameter; resized to bear the force
+/// of a flat punch if `matched`.
+fn disc_cells(across: usize, matched: bool) -> Cells {
+    let of_size = |size: f64| {
+        let radius = 0.5 * across as f64 * size;
+        let grid = Grid::centred(across, across, size).expect("cells have a size");
+        Cells::where_centre(&grid, |[x, y]| x.hypot(y) < radius)
+    };
+    if matched {
+        of_size(2.0 / capacity(of_size(1.0)))
+    } else {
+        of_size(2.0 / across as f64)
+    }
+}
+
+/// Force that a flat punch of these cells bears at indentation 1.
+fn capacity(cells: Cells) -> f64 {
+    let area = cells.grid().cell_area();
+    let level = vec![0.0; cells.len()];
+    let settings = Settings {
+        tolerance: 1e-11,
+        ..Settings::default()
+    };
+    let mut operator = Dense::new(cells, 1.0);
+    let load = Load::Indentation(1.0);
+    solver::solve(
+        &mut operator,
+        &level,
+        area,
+        load,
+        None,
+        &settings,
+        &CancelToken::default(),
+    )
+    .force
+}
+
+/// Relative error of the force on a flat punch on the cells of a mesh.
+fn punch_error(mesh: ElementMesh) -> f64 {
+    if mesh.matched {
+        return 0.0;
+    }
+    (0.5 * capacity(disc_cells(mesh.cells_per_diameter, false)) - 1.0).abs()
+}
+
+impl<'a> Level<'a> {
+    /// Elements on all pillars with centres within `radius` of the lens axis.
+    fn new(
+        problem: &'a Problem,
+        mesh: ElementMesh,
+        radius: f64,
+        run: &'a Run<'a>,
+    ) -> Result<Self, SolveError> {
+        let window = Window::new(&problem.lattice, radius);
+        let (operator, elements): (Box<dyn Operator + 'a>, _) = match mesh.layout {
+            MeshLayout::Pillars => on_pillars(problem, mesh, &window, run)?,
+            MeshLayout::Pattern => on_pattern(problem, mesh, &window, run)?,
+        };
+        let separation = elements
+            .centres
+            .iter()
+            .map(|at| problem.sag_with_brim(*at))
+            .collect();
+        Ok(Self {
+            problem,
+            window,
+            run,
+            operator,
+            start: vec![0.0; elements.len()],
+            elements,
+            separation,
+            floor: FloorSearch::default(),
+            products: 0,
+        })
+    }
+
+    /// Finer or wider elements that start from the pressures found on these.
+    fn successor(&self, mesh: ElementMesh, radius: f64) -> Result<Self, SolveError> {
+        let mut next = Self::new(self.problem, mesh, radius, self.run)?;
+        let known: Vec<Option<usize>> = (0..next.window.len())
+            .map(|pillar| self.window.find(next.window.index(pillar)))
+            .collect();
+        for element in 0..next.elements.len() {
+            let Some(pillar) = known[next.elements.pillars[element] as usize] else {
+                continue;
+            };
+            let key =
+                self.elements
+                    .key(&self.window, pillar as u32, next.elements.centres[element]);
+            if let Some(parent) = self.elements.lookup.get(&key) {
+                next.start[element] = self.start[*parent];
+            }
+        }
+        next.floor = self.floor.clone();
+        next.products = self.products;
+        Ok(next)
+    }
+
+    fn press(&mut self, load: Load) -> Result<ElementContact, SolveError> {
+        self.run.check_cancelled()?;
+        let settings = Settings {
+            tolerance: TOLERANCE,
+            ..Settings::default()
+        };
+        let area = self.elements.size * self.elements.size;
+        let contact = solver::solve(
+            &mut *self.operator,
+            &self.separation,
+            area,
+            load,
+            Some(&self.start),
+            &settings,
+            &self.run.cancel,
+        );
+        self.run.check_cancelled()?;
+        self.products += contact.products;
+        self.run.report(Progress {
+            stage: Stage::Elements,
+            step: self.products,
+            pillars: self.window.len(),
+            touched: self.touched(&contact).iter().filter(|p| **p).count(),
+        });
+        self.start.copy_from_slice(&contact.pressure);
+        Ok(contact)
+    }
+
+    /// Whether each pillar bears anything.
+    fn touched(&self, contact: &ElementContact) -> Vec<bool> {
+        let mut touched = vec![false; self.window.len()];
+        for (pillar, pressure) in self.elements.pillars.iter().zip(&contact.pressure) {
+            touched[*pillar as usize] |= *pressure > 0.0;
+        }
+        touched
+    }
+
+    /// Distance from the lens axis of the farthest pillar that bears anything.
+    fn reach(&self, contact: &ElementContact) -> f64 {
+        self.touched(contact)
+            .into_iter()
+            .zip(self.window.centres())
+            .filter(|(touched, _)| *touched)
+            .map(|(_, [x, y])| x.hypot(*y))
+            .fold(0.0, f64::max)
+    }
+
+    fn lowest(&mut self, contact: &ElementContact) -> Result<Option<FloorPoint>, SolveError> {
+        let cells = FloorUnderCells::new(&self.elements, &contact.pressure);
+        let lowest = self.floor.lowest(self.problem, &cells, &self.run.cancel);
+        self.run.check_cancelled()?;
+        Ok(lowest)
+    }
+}
+
+/// The floor under loaded cells, each taken as a point charge with the second moment of a
+/// square: at the distances of the floor from most cells the rest is below 1e-6.
+struct FloorUnderCells {
+    /// Place and charge over pi.
+    charges: Vec<(Point, f64)>,
+    /// `h^2/24`, the second moment over the area.
+    moment: f64,
+}
+
+impl FloorUnderCells {
+    fn new(elements: &Elements, pressure: &[f64]) -> Self {
+        let area = elements.size * elements.size;
+        Self {
+            charges: elements
+                .centres
+                .iter()
+                .zip(pressure)
+                .filter(|(_, pressure)| **pressure > 0.0)
+                .map(|(centre, pressure)| (*centre, area * pressure / PI))
+                .collect(),
+            moment: area / 24.0,
+        }
+    }
+}
+
+impl FloorDisplacement for FloorUnderCells {
+    fn displacement(&self, [x0, y0]: Point) -> [FieldJet; 2] {
+        let mut sum = FieldJet::default();
+        for ([x, y], charge) in &self.charges {
+            let (x, y) = (x0 - x, y0 - y);
+            let inverse_square = (x * x + y * y).recip();
+            let inverse = charge * inverse_square.sqrt();
+            // 1/r + m/r^3 and its derivatives.
+            let moment = self.moment * inverse_square;
+            let slope = -(1.0 + 3.0 * moment) * inverse * inverse_square;
+            let curvature = (3.0 + 15.0 * moment) * inverse * inverse_square * inverse_square;
+            sum.value += inverse * (1.0 + moment);
+            sum.gradient[0] += slope * x;
+            sum.gradient[1] += slope * y;
+            sum.hessian[0] += slope + curvature * x * x;
+            sum.hessian[1] += curvature * x * y;
+            sum.hessian[2] += slope + curvature * y * y;
+        }
+        [FieldJet::default(), sum]
+    }
+}
+
+type Mesh<'a> = (Box<dyn Operator + 'a>, Elements);
+
+fn check_memory(pillars: usize, bytes: usize, run: &Run<'_>) -> Result<(), SolveError> {
+    let limit = run.memory_limit();
+    if bytes > limit {
+        return Err(SolveError::TooLarge {
+            pillars,
+            bytes,
+            limit,
+        });
+    }
+    Ok(())
+}
+
+/// Bytes of a solution for every element, besides the operator.
+const BYTES_PER_ELEMENT: usize = 300;
+
+/// A grid centred on each pillar.
+fn on_pillars<'a>(
+    problem: &Problem,
+    mesh: ElementMesh,
+    window: &Window,
+    run: &'a Run<'a>,
+) -> Result<Mesh<'a>, SolveError> {
+    let across = mesh.cells_per_diameter;
+    let bytes = LatticeOfGrids::memory_estimate(across, window.len(), window.shape())
+        + BYTES_PER_ELEMENT * across * across * window.len();
+    check_memory(window.len(), bytes, run)?;
+    let cells = disc_cells(across, mesh.matched);
+    let size = cells.grid().cell()[0];
+    let vectors = [
+        problem.lattice.lattice_vector(1, 0),
+        problem.lattice.lattice_vector(0, 1),
+    ];
+    let operator = LatticeOfGrids::new(&cells, window.places().to_vec(), vectors, 1.0, run.pool);
+    let placed: Vec<(Point, u32)> = window
+        .centres()
+        .iter()
+        .zip(0..)
+        .flat_map(|([x, y], pillar)| cells.centres().map(move |[u, v]| ([x + u, y + v], pillar)))
+        .collect();
+    let elements = Elements::new(mesh, size, window, &placed);
+    let column = 0.5 * problem.column_compliance_ratio * size * size;
+    let operator = Columns::new(
+        operator,
+        elements.pillars.clone(),
+        vec![column; window.len()],
+    );
+    Ok((Box::new(operator), elements))
+}
+
+/// One grid over the pattern, with a corner of cells on the lens axis.
+fn on_pattern<'a>(
+    problem: &Problem,
+    mesh: ElementMesh,
+    window: &Window,
+    run: &'a Run<'a>,
+) -> Result<Mesh<'a>, SolveError> {
+    let size = 2.0 / mesh.cells_per_diameter as f64;
+    let extent = |axis: usize| {
+        let reach = window.centres().iter().map(|c| c[axis].abs() + 1.0);
+        2 * (reach.fold(0.0, f64::max) / size).ceil() as usize
+    };
+    let (columns, rows) = (extent(0), extent(1));
+    let grid = Grid::centred(columns, rows, size).expect("the window has a size");
+    let pillar_at = |point: Point| {
+        let (i, j) = problem.lattice.nearest_pillar(point);
+        let [x, y] = problem.lattice.centre(i, j);
+        let inside = (point[0] - x).hypot(point[1] - y) < 1.0;
+        inside.then(|| window.find((i, j))).flatten()
+    };
+    let cells = Cells::where_centre(&grid, |point| pillar_at(point).is_some());
+    let threads = run.pool.map_or(1, rayon::ThreadPool::current_num_threads);
+    let bytes = Preconditioned::<FreeSpaceConvolution<'_>>::memory_estimate(&cells)
+        + FreeSpaceConvolution::memory_estimate(&cells, threads)
+        + BYTES_PER_ELEMENT * cells.len();
+    check_memory(window.len(), bytes, run)?;
+    let placed: Vec<(Point, u32)> = cells
+        .centres()
+        .filter_map(|point| Some((point, pillar_at(point)? as u32)))
+        .collect();
+    let elements = Elements::new(mesh, size, window, &placed);
+    let area = size * size;
+    let column = 0.5 * problem.column_compliance_ratio;
+    let missing = if mesh.matched {
+        missing_compliance(&elements, window)
+    } else {
+        vec![0.0; window.len()]
+    };
+    let compliance = missing.iter().map(|c| area * (c + column)).collect();
+    let operator = FreeSpaceConvolution::new(cells.clone(), 1.0, run.pool);
+    let operator = Preconditioned::new(operator, cells, run.pool);
+    let operator = Columns::new(operator, elements.pillars.clone(), compliance);
+    Ok((Box::new(operator), elements))
+}
+
+/// What each pillar's cells lack of the compliance `1/2` of a flat punch.
+fn missing_compliance(elements: &Elements, window: &Window) -> Vec<f64> {
+    let mut patterns: Vec<Vec<(i64, i64)>> = vec![Vec::new(); window.len()];
+    for (centre, pillar) in elements.centres.iter().zip(&elements.pillars) {
+        let (_, column, row) = elements.key(window, *pillar, *centre);
+        patterns[*pillar as usize].push((column, row));
+    }
+    missing_compliances(patterns, [elements.size; 2])
+}
+
+/// What each pattern of cells, given by columns and rows, lacks of the compliance `1/2` of a flat
+/// punch of radius 1; nothing where there are no cells.
+pub(super) fn missing_compliances(patterns: Vec<Vec<(i64, i64)>>, cell: [f64; 2]) -> Vec<f64> {
+    let mut known: HashMap<Vec<(i64, i64)>, f64> = HashMap::new();
+    patterns
+        .into_iter()
+        .map(|mut pattern| {
+            let Some(left) = pattern.iter().map(|c| c.0).min() else {
+                return 0.0;
+            };
+            let bottom = pattern.iter().map(|c| c.1).min().unwrap_or(0);
+            for (column, row) in &mut pattern {
+                *column -= left;
+                *row -= bottom;
+            }
+            *known
+                .entry(pattern)
+                .or_insert_with_key(|pattern| 0.5 - 1.0 / pattern_capacity(pattern, cell))
+        })
+        .collect()
+}
+
+fn pattern_capacity(pattern: &[(i64, i64)], cell: [f64; 2]) -> f64 {
+    let extent = |pick: fn(&(i64, i64)) -> i64| pattern.iter().map(pick).max().unwrap_or(0) + 1;
+    let (columns, rows) = (extent(|c| c.0) as usize, extent(|c| c.1) as usize);
+    let grid = Grid::new(columns, rows, cell, [0.0, 0.0]).expect("a pillar has cells");
+    let mut selected = vec![false; columns * rows];
+    for (column, row) in pattern {
+        selected[*row as usize * columns + *column as usize] = true;
+    }
+    capacity(Cells::where_true(&grid, |index| selected[index]))
+}
+
+/// The contact on the finest level.
+pub(crate) struct ElementSolution<'a> {
+    pub(crate) level: Level<'a>,
+    pub(crate) contact: ElementContact,
+    pub(crate) floor: Option<FloorPoint>,
+    /// Products with the operators of all levels.
+    pub(crate) products: usize,
+    /// Force and indentation of every level, the coarsest first.
+    levels: Vec<[f64; 2]>,
+    /// Relative error of a flat punch on the finest cells; none where they are matched.
+    punch_error: f64,
+}
+
+/// A pillar that bears pressure.
+pub(crate) struct TouchedPillar {
+    pub(crate) index: (i64, i64),
+    pub(crate) status: PillarStatus,
+    pub(crate) force: f64,
+    /// That of the cell at its centre, or around it.
+    pub(crate) centre_pressure: f64,
+    /// Distance from the lens axis of its farthest point in contact.
+    pub(crate) reach: f64,
+}
+
+/// What is summed up over the cells of a pillar.
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    cells: usize,
+    loaded: usize,
+    pressure: f64,
+    /// Sum of the pressures, and number, of the cells around the centre.
+    central: [f64; 2],
+    farthest: f64,
+}
+
+impl ElementSolution<'_> {
+    /// Estimated relative errors of force and indentation.
+    ///
+    /// Halving the cells at least halves the error (by a factor of about 2.6 where they are
+    /// matched), so what is left should be less than the last difference between levels. As
+    /// squares cover discs and contact edges better by chance on one level than on another,
+    /// earlier differences count too, halved for every level since; where they are not matched
+    /// the error of a flat punch on the same cells counts as well; and all is doubled: with that
+    /// it covers the difference from the spectral method on all but a few of a thousand random
+    /// systems and loads. A single difference may be small by chance, and counts three times as much.
+    ///
+    /// The lens has come down far enough to touch a pillar. Where it touches no cell of it, between
+    /// the centres of cells, nothing is known.
+    pub(crate) fn errors(&self) -> [f64; 2] {
+        let safety = if self.levels.len() > 2 { 2.0 } else { 6.0 };
+        if within(self.contact.force, 0.0) {
+            return [1.0; 2];
+        }
+        let [force, indentation] = [0, 1].map(|quantity| {
+            let value = |level: &[f64; 2]| level[quantity];
+            let last = self.levels.last().map_or(f64::NAN, value);
+            let difference = self
+                .levels
+                .windows(2)
+                .map(|pair| (value(&pair[1]) - value(&pair[0])).abs() / last)
+                .fold(0.0, |error, difference| larger(difference, 0.5 * error));
+            larger(safety * larger(difference, self.punch_error), TOLERANCE)
+        });
+        [force, indentation]
+    }
+
+    /// Error of the contact radius, pillar radii: the edge of the contact is found to two cells, and pillars
+    /// that are not touched may be between cells, or those that are may not, if a few cells bear it.
+    pub(crate) fn reach_error(&self, radius: f64, touched: &[TouchedPillar]) -> f64 {
+        const CELLS: f64 = 2.0;
+        /// Touched only just: this part of the reach of a pillar, in cells.
+        const FEW: f64 = 3.0;
+        let size = self.level.elements.size;
+        let centre = |pillar: &TouchedPillar| {
+            let [x, y] = self
+                .level
+                .problem
+                .lattice
+                .centre(pillar.index.0, pillar.index.1);
+            x.hypot(y)
+        };
+        let certain = touched
+            .iter()
+            .filter(|pillar| pillar.reach - (centre(pillar) - 1.0) > FEW * size)
+            .map(|pillar| pillar.reach)
+            .fold(0.0, f64::max);
+        (CELLS * size).max(radius - certain)
+    }
+
+    /// The pillars that bear pressure.
+    pub(crate) fn touched_pillars(&self) -> Vec<TouchedPillar> {
+        let window = &self.level.window;
+        let elements = &self.level.elements;
+        let mut tallies = vec![Tally::default(); window.len()];
+        for ((centre, pillar), pressure) in elements
+            .centres
+            .iter()
+            .zip(&elements.pillars)
+            .zip(&self.contact.pressure)
+        {
+            let pillar = *pillar as usize;
+            let [x, y] = window.centres()[pillar];
+            let tally = &mut tallies[pillar];
+            tally.cells += 1;
+            tally.pressure += pressure;
+            if (centre[0] - x).hypot(centre[1] - y) < elements.size {
+                tally.central[0] += pressure;
+                tally.central[1] += 1.0;
+            }
+            if *pressure > 0.0 {
+                tally.loaded += 1;
+                let outer = centre[0].hypot(centre[1]) + 0.5 * elements.size;
+                tally.farthest = tally.farthest.max(outer);
+            }
+        }
+        let area = elements.size * elements.size;
+        tallies
+            .iter()
+            .enumerate()
+            .filter(|(_, tally)| tally.loaded > 0)
+            .map(|(pillar, tally)| {
+                let [x, y] = window.centres()[pillar];
+                let full = tally.loaded == tally.cells;
+                TouchedPillar {
+                    index: window.index(pillar),
+                    status: if full {
+                        PillarStatus::Full
+                    } else {
+                        PillarStatus::Partial
+                    },
+                    force: area * tally.pressure,
+                    centre_pressure: tally.central[0] / tally.central[1].max(1.0),
+                    reach: if full {
+                        x.hypot(y) + 1.0
+                    } else {
+                        tally.farthest
+                    },
+                }
+            })
+            .collect()
+    }
+}
+
+/// Solves for a target level by level, up to the mesh.
+pub(crate) fn solve<'a>(
+    problem: &'a Problem,
+    target: Target,
+    contact_radius: Option<f64>,
+    mesh: ElementMesh,
+    run: &'a Run<'a>,
+) -> Result<ElementSolution<'a>, SolveError> {
+    if mesh.cells_per_diameter < FEWEST_CELLS {
+        return Err(SolveError::MeshTooCoarse {
+            cells_per_diameter: mesh.cells_per_diameter,
+            fewest: FEWEST_CELLS,
+        });
+    }
+    let mut levels = vec![mesh];
+    while let Some(last) = levels.last().copied()
+        && last.cells_per_diameter >= FEWEST_CELLS
+    {
+        levels.push(ElementMesh {
+            cells_per_diameter: last.cells_per_diameter / 2,
+            ..last
+        });
+    }
+    let pitch = problem.lattice.pitch;
+    let guess = contact_radius.unwrap_or_else(|| rough_contact_radius(problem, target));
+    let mut radius = 1.05 * guess + 1.5 * pitch + 1.0;
+    let mut search = Search {
+        indentation: problem.height,
+        slope: None,
+    };
+    let mut solved: Option<ElementSolution<'a>> = None;
+    while let Some(mesh) = levels.pop() {
+        let mut level = match &solved {
+            None => Level::new(problem, mesh, limited(problem, radius), run)?,
+            Some(coarse) => coarse.level.successor(mesh, limited(problem, radius))?,
+        };
+        let (contact, floor) = loop {
+            let (contact, floor) = level.find(target, &mut search)?;
+            let reach = level.reach(&contact);
+            check_contact(problem, reach)?;
+            if reach + pitch <= level.window.radius() {
+                break (contact, floor);
+            }
+            radius = (1.3 * level.window.radius()).max(reach + 2.0 * pitch);
+            level = level.successor(mesh, limited(problem, radius))?;
+        };
+        radius = level.reach(&contact) + 1.5 * pitch;
+        let mut found = solved.map_or_else(Vec::new, |coarse| coarse.levels);
+        found.push([contact.force, contact.indentation]);
+        solved = Some(ElementSolution {
+            products: level.products,
+            level,
+            contact,
+            floor,
+            levels: found,
+            punch_error: punch_error(mesh),
+        });
+    }
+    Ok(solved.expect("there is at least one level"))
+}
+
+fn limited(problem: &Problem, radius: f64) -> f64 {
+    radius.min(LARGEST_CONTACT * problem.lens.radius + 2.0 * problem.lattice.pitch)
+}
+
+fn check_contact(problem: &Problem, reach: f64) -> Result<(), SolveError> {
+    if reach - 1.0 > LARGEST_CONTACT * problem.lens.radius {
+        return Err(SolveError::ContactExceedsLens {
+            contact_radius: reach * problem.length,
+            lens_radius: problem.lens.radius * problem.length,
+        });
+    }
+    Ok(())
+}
+
+/// What is known of the critical indentation before a level is solved.
+struct Search {
+    indentation: f64,
+    /// Slope of the floor gap over the indentation.
+    slope: Option<f64>,
+}
+
+impl Level<'_> {
+    fn find(
+        &mut self,
+        target: Target,
+        search: &mut Search,
+    ) -> Result<(ElementContact, Option<FloorPoint>), SolveError> {
+        let load = match target {
+            Target::Indentation(indentation) => Load::Indentation(indentation),
+            Target::Force(force) => Load::Force(force),
+            Target::Floor => return self.close_floor(search),
+        };
+        let contact = self.press(load)?;
+        let floor = self.lowest(&contact)?;
+        Ok((contact, floor))
+    }
+
+    /// Raises the indentation until the floor gap is closed: secants, kept within a bracket once
+    /// there is one.
+    fn close_floor(
+        &mut self,
+        search: &mut Search,
+    ) -> Result<(ElementContact, Option<FloorPoint>), SolveError> {
+        let tolerance = FLOOR_TOLERANCE * self.problem.height;
+        let mut indentation = search.indentation;
+        let mut bracket = [0.0, f64::INFINITY];
+        let mut previous: Option<[f64; 2]> = None;
+        for _ in 0..SEARCH_LIMIT {
+            let contact = self.press(Load::Indentation(indentation))?;
+            check_contact(self.problem, self.reach(&contact))?;
+            let floor = self.lowest(&contact)?;
+            let gap = floor.map_or(f64::INFINITY, |point| point.indentation - indentation);
+            if let Some([other, other_gap]) = previous
+                && (indentation - other).abs() > 1e-13 * indentation
+            {
+                search.slope = Some((gap - other_gap) / (indentation - other));
+            }
+            match judge(gap.abs(), tolerance) {
+                Judgement::Good => {
+                    search.indentation = indentation;
+                    return Ok((contact, floor));
+                }
+                Judgement::TooLarge => {}
+                Judgement::Undefined => {
+                    let termination = Termination::NotFinite;
+                    return Ok((
+                        ElementContact {
+                            termination,
+                            ..contact
+                        },
+                        floor,
+                    ));
+                }
+            }
+            bracket[usize::from(gap < 0.0)] = indentation;
+            previous = Some([indentation, gap]);
+            indentation = next_indentation(indentation, gap, search.slope, bracket);
+        }
+        search.indentation = indentation;
+        let mut contact = self.press(Load::Indentation(indentation))?;
+        contact.termination = Termination::IterationLimit;
+        let floor = self.lowest(&contact)?;
+        Ok((contact, floor))
+    }
+}
+
+/// The next trial for the critical indentation.
+pub(super) fn next_indentation(
+    indentation: f64,
+    gap: f64,
+    slope: Option<f64>,
+    bracket: [f64; 2],
+) -> f64 {
+    let [low, high] = bracket;
+    let guess = match slope {
+        Some(slope) if slope < 0.0 => indentation - gap / slope,
+        // The floor follows the lens: down by the gap closes half of it, say.
+        _ => indentation + 2.0 * gap,
+    };
+    if high.is_finite() {
+        if guess > low && guess < high {
+            guess
+        } else {
+            0.5 * (low + high)
+        }
+    } else {
+        // No upper bound yet: at most double.
+        guess.clamp(1.001 * indentation, 2.0 * indentation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matched_cells_bear_the_force_of_a_flat_punch() {
+        // F = 2 E* a zeta, Johnson, Contact Mechanics, eq. 3.36, with a = E* = zeta = 1.
+        for across in [4, 5, 8, 11, 16] {
+            assert!((capacity(disc_cells(across, true)) / 2.0 - 1.0).abs() < 1e-9);
+            let plain = capacity(disc_cells(across, false)) / 2.0 - 1.0;
+            assert!(
+                plain.abs() > 1e-4 && plain.abs() < 0.5 / across as f64,
+                "{plain}"
+            );
+        }
+    }
+
+    #[test]
+    fn displacement_of_the_floor_is_that_of_its_cells() {
+        // Against Love's rectangle, at the distance of a floor contact in a dense texture.
+        let cells = disc_cells(16, true);
+        let [size, _] = cells.grid().cell();
+        let placed: Vec<(Point, u32)> = cells.centres().map(|centre| (centre, 0)).collect();
+        let lattice = crate::problem::lattice::HexagonalLattice::new(4.0);
+        let window = Window::new(&lattice, 0.1);
+        let elements = Elements::new(ElementMesh::default(), size, &window, &placed);
+        let pressure: Vec<f64> = placed.iter().map(|([x, y], _)| 2.0 + x - y * y).collect();
+        let floor = FloorUnderCells::new(&elements, &pressure);
+        for point in [[2.0, 0.4], [0.0, -1.7], [5.0, 9.0]] {
+            let expected =
+                crate::halfspace::elements::displacement_at(&cells, 1.0, &pressure, point);
+            let jet = floor.displacement(point)[1];
+            let error = jet.value / expected - 1.0;
+            assert!(error.abs() < 1e-6, "{error:e}");
+            let step = 1e-4;
+            let at = |dx: f64, dy: f64| floor.displacement([point[0] + dx, point[1] + dy])[1];
+            let slope = (at(step, 0.0).value - at(-step, 0.0).value) / (2.0 * step);
+            assert!((slope - jet.gradient[0]).abs() < 1e-6);
+            let bend = (at(0.0, step).gradient[0] - at(0.0, -step).gradient[0]) / (2.0 * step);
+            assert!((bend - jet.hessian[1]).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn next_trial_stays_in_the_bracket() {
+        let unbounded = [1.0, f64::INFINITY];
+        for (gap, slope, bracket, expected) in [
+            (0.5, Some(-1.0), unbounded, 1.5),
+            (5.0, Some(-1.0), unbounded, 2.0),
+            (-0.1, Some(-0.01), [0.6, 1.0], 0.8),
+            (-0.1, None, [0.5, 1.0], 0.8),
+        ] {
+            let next = next_indentation(1.0, gap, slope, bracket);
+            assert!((next - expected).abs() < 1e-12, "{next}");
+        }
+    }
+}

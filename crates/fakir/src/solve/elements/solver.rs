@@ -1,0 +1,758 @@
+//! The contact problem on elements, as a quadratic problem with bounds.
+//!
+//! Under an indentation `zeta` the pressures minimise the energy
+//!
+//! ```text
+//! E(p) = A (1/2 p·Wp + p·(s - zeta)),   p >= 0,
+//! ```
+//!
+//! `A` the area of an element, `W` its [`Operator`] and `s` the separation of the undeformed
+//! surfaces; its gradient `v = Wp + s - zeta` is the gap. Under a force `F` they minimise the
+//! same without `zeta` among all `p >= 0` with `A Σp = F`, and `zeta` is the multiplier.
+//!
+//! # Certificate
+//!
+//! For any `p >= 0` and any lower bound `m` of `v`, the energy of `p` at the indentation
+//! `zeta + m` is at most `A Σ p (v - m)` above the minimum: the duality gap, since `W` is
+//! positive definite and `v - m >= 0` makes `p` dual feasible. Under a force it is the gap of
+//! M. Frank and P. Wolfe (Nav. Res. Logist. Q. 3, 95 (1956)). At a prescribed indentation the
+//! work `-m A Σ p` over the distance by which it is missed is added. The certificate needs
+//! nothing but the gap, so it can neither be fooled by small steps nor by a wrong contact area;
+//! iteration ends when it falls below a fraction of the elastic energy, and for no other reason.
+//!
+//! # Method
+//!
+//! Conjugate gradients on the elements that bear pressure or interpenetrate, projected onto
+//! `p >= 0` (I. A. Polonsky and L. M. Keer, Wear 231, 206 (1999)), preconditioned by the
+//! operator's own approximate inverse. Under a force, residuals and directions lose their mean
+//! over these elements, so that pressures keep their sum. Steps that fail to lower the energy, as
+//! projection can make them, are replaced by projected gradient steps, halved until they do.
+
+use crate::halfspace::elements::Operator;
+use crate::numerics::convergence::{Judgement, judge, larger, largest, smaller, within};
+use crate::numerics::workers::CancelToken;
+use crate::problem::Load;
+use crate::state::{Certificate, Termination};
+
+/// When to stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Largest certified energy error accepted, relative to the elastic energy.
+    pub tolerance: f64,
+    /// Most products with the operator.
+    pub product_limit: usize,
+}
+
+impl Default for Settings {
+    /// A tolerance of 1e-8, which makes forces good to about as much: below what elements
+    /// resolve.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-8,
+            product_limit: 5000,
+        }
+    }
+}
+
+/// Pressures on elements that press two surfaces together.
+#[derive(Debug, Clone)]
+pub struct ElementContact {
+    /// Pressure on every element, Pa.
+    pub pressure: Vec<f64>,
+    /// Gap at the centre of every element, m.
+    pub gap: Vec<f64>,
+    /// Indentation, m.
+    pub indentation: f64,
+    /// Force, N.
+    pub force: f64,
+    /// How well the contact conditions are met.
+    pub certificate: Certificate,
+    /// Why the iteration ended.
+    pub termination: Termination,
+    /// Products with the operator.
+    pub products: usize,
+}
+
+/// Products after which the certificate must have improved, or the solver has stagnated.
+const PATIENCE: usize = 200;
+
+/// Improvement of the certificate that counts.
+const IMPROVEMENT: f64 = 0.9;
+
+/// Halvings of a projected gradient step before giving up on it.
+const HALVINGS: usize = 40;
+
+/// Solves the contact problem.
+///
+/// `separation` is that of the undeformed surfaces at each element (m) at no indentation,
+/// `area` that of an element (m^2), `start` pressures to start from (Pa), if any are known. All
+/// are finite: elements that can never be touched have no place here. Otherwise it ends with
+/// [`Termination::NotFinite`].
+///
+/// # Panics
+/// If a length is not that of the operator.
+pub fn solve<O: Operator + ?Sized>(
+    operator: &mut O,
+    separation: &[f64],
+    area: f64,
+    load: Load,
+    start: Option<&[f64]>,
+    settings: &Settings,
+    cancel: &CancelToken,
+) -> ElementContact {
+    assert_eq!(separation.len(), operator.len());
+    let mut iteration = Iteration::new(operator, separation, area, load, start);
+    let termination = iteration.run(settings, cancel);
+    iteration.finish(termination)
+}
+
+struct Iteration<'a, O: ?Sized> {
+    operator: &'a mut O,
+    separation: &'a [f64],
+    area: f64,
+    load: Load,
+    /// Sum of the pressures under a prescribed force, Pa.
+    total: f64,
+    pressure: Vec<f64>,
+    /// `W p`.
+    displacement: Vec<f64>,
+    /// Preconditioned residual.
+    search: Vec<f64>,
+    direction: Vec<f64>,
+    /// The residual while a direction is found; then `W` times the direction; then, in a step
+    /// that meets a bound, the pressures to go back to.
+    response: Vec<f64>,
+    free: Vec<bool>,
+    /// Of these, and under a prescribed force the mean of the gap there.
+    free_count: usize,
+    mean_gap: f64,
+    /// Residual times preconditioned residual, of the last iteration.
+    slope: f64,
+    products: usize,
+    certificate: Certificate,
+    indentation: f64,
+}
+
+impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
+    fn new(
+        operator: &'a mut O,
+        separation: &'a [f64],
+        area: f64,
+        load: Load,
+        start: Option<&[f64]>,
+    ) -> Self {
+        let count = separation.len();
+        let mut pressure = start.map_or_else(|| vec![0.0; count], <[f64]>::to_vec);
+        assert_eq!(pressure.len(), count);
+        for value in &mut pressure {
+            *value = larger(*value, 0.0);
+        }
+        let total = match load {
+            Load::Force(force) => force / area,
+            Load::Indentation(_) => 0.0,
+        };
+        let mut iteration = Self {
+            operator,
+            separation,
+            area,
+            load,
+            total,
+            pressure,
+            displacement: vec![0.0; count],
+            search: vec![0.0; count],
+            direction: vec![0.0; count],
+            response: vec![0.0; count],
+            free: vec![false; count],
+            free_count: 0,
+            mean_gap: 0.0,
+            slope: 0.0,
+            products: 0,
+            certificate: Certificate {
+                energy_bound: f64::INFINITY,
+                interpenetration: 0.0,
+                gap_under_pressure: 0.0,
+            },
+            indentation: 0.0,
+        };
+        iteration.carry_the_force();
+        iteration
+    }
+
+    /// Under a prescribed force, scales the pressures to carry it; the nearest elements begin to
+    /// where there are none.
+    fn carry_the_force(&mut self) {
+        let Load::Force(_) = self.load else {
+            return;
+        };
+        let sum: f64 = self.pressure.iter().sum();
+        if !within(sum, 0.0) {
+            let scale = self.total / sum;
+            self.pressure.iter_mut().for_each(|p| *p *= scale);
+            return;
+        }
+        let nearest = self
+            .separation
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        let touching = |s: f64| s <= nearest;
+        let count = self.separation.iter().filter(|s| touching(**s)).count();
+        for (pressure, separation) in self.pressure.iter_mut().zip(self.separation) {
+            if touching(*separation) {
+                *pressure = self.total / count as f64;
+            }
+        }
+    }
+
+    fn run(&mut self, settings: &Settings, cancel: &CancelToken) -> Termination {
+        self.refresh_displacement();
+        let mut best = f64::INFINITY;
+        let mut best_at = 0;
+        let mut fresh = true;
+        let mut restart = true;
+        loop {
+            self.assess();
+            match judge(self.certificate.energy_bound, settings.tolerance) {
+                Judgement::Good if fresh => return Termination::Converged,
+                Judgement::Good => {
+                    // The displacement was carried along by increments: look again without them.
+                    self.refresh_displacement();
+                    fresh = true;
+                    continue;
+                }
+                Judgement::Undefined => return Termination::NotFinite,
+                Judgement::TooLarge => {}
+            }
+            if self.certificate.energy_bound < IMPROVEMENT * best {
+                best = self.certificate.energy_bound;
+                best_at = self.products;
+            }
+            if cancel.is_cancelled() {
+                return Termination::Interrupted;
+            }
+            if self.products >= settings.product_limit {
+                return Termination::IterationLimit;
+            }
+            if self.products > best_at + PATIENCE {
+                return Termination::Stagnated;
+            }
+            let grown = self.find_free();
+            let slope = self.find_direction(restart || grown);
+            match self.advance(slope) {
+                Step::Plain => (fresh, restart) = (false, false),
+                Step::Projected => (fresh, restart) = (true, false),
+                Step::Gradient => (fresh, restart) = (true, true),
+                Step::Failed => return Termination::Stagnated,
+            }
+        }
+    }
+
+    fn refresh_displacement(&mut self) {
+        self.operator.apply(&self.pressure, &mut self.displacement);
+        self.products += 1;
+    }
+
+    fn gap(&self, element: usize) -> f64 {
+        self.displacement[element] + self.separation[element] - self.indentation
+    }
+
+    /// Finds the indentation that belongs to a force, and the certificate.
+    fn assess(&mut self) {
+        let mut weighted = 0.0;
+        let mut lowest = f64::INFINITY;
+        let mut sum = 0.0;
+        let mut work = 0.0;
+        for ((p, u), s) in self
+            .pressure
+            .iter()
+            .zip(&self.displacement)
+            .zip(self.separation)
+        {
+            weighted += p * (u + s);
+            lowest = smaller(lowest, u + s);
+            sum += p;
+            work += p * u;
+        }
+        self.indentation = match self.load {
+            Load::Indentation(indentation) => indentation,
+            Load::Force(_) if sum > 0.0 => weighted / sum,
+            Load::Force(_) => lowest,
+        };
+        let depth = larger(self.indentation - lowest, 0.0);
+        // A Σ p (v - m) over the elastic energy A/2 Σ p u, and the work over the distance by
+        // which a prescribed indentation is missed.
+        let missed = match self.load {
+            Load::Indentation(_) => depth,
+            Load::Force(_) => 0.0,
+        };
+        let bound = larger(weighted - sum * (self.indentation - depth - missed), 0.0);
+        self.certificate = Certificate {
+            energy_bound: if work > 0.0 {
+                2.0 * bound / work
+            } else if depth > 0.0 {
+                f64::INFINITY
+            } else if (work + depth + bound).is_finite() {
+                0.0
+            } else {
+                f64::NAN
+            },
+            interpenetration: depth,
+            gap_under_pressure: 0.0,
+        };
+    }
+
+    /// Finds the elements that bear pressure or interpenetrate; says whether there are new ones.
+    fn find_free(&mut self) -> bool {
+        let mut grown = false;
+        let mut sum = 0.0;
+        self.free_count = 0;
+        for element in 0..self.pressure.len() {
+            let gap = self.gap(element);
+            let free = self.pressure[element] > 0.0 || gap < 0.0;
+            grown |= free && !self.free[element];
+            self.free[element] = free;
+            if free {
+                self.free_count += 1;
+                sum += gap;
+            }
+        }
+        self.mean_gap = self.mean_of_free(sum);
+        grown
+    }
+
+    /// Under a prescribed force, which directions must leave alone, the mean over the free
+    /// elements of what has this sum; otherwise zero.
+    fn mean_of_free(&self, sum: f64) -> f64 {
+        match self.load {
+            Load::Force(_) => sum / self.free_count as f64,
+            Load::Indentation(_) => 0.0,
+        }
+    }
+
+    /// The negative gradient on a free element.
+    fn residual(&self, element: usize) -> f64 {
+        if self.free[element] {
+            self.mean_gap - self.gap(element)
+        } else {
+            0.0
+        }
+    }
+
+    /// The conjugate direction, or after a `restart` the preconditioned gradient. Returns the
+    /// slope along it, the residual times the direction.
+    fn find_direction(&mut self, restart: bool) -> f64 {
+        // The residual times the last preconditioned one: on the same elements the last residual
+        // times the preconditioned one to come, as preconditioners are symmetric.
+        let mut mixed = 0.0;
+        for element in 0..self.pressure.len() {
+            let residual = self.residual(element);
+            mixed += residual * self.search[element];
+            self.response[element] = residual;
+        }
+        self.operator.precondition(&self.response, &mut self.search);
+        clear_bound(&mut self.search, &self.free);
+        let mean = self.mean_of_free(sum(&self.search));
+        let slope = subtract_mean(&mut self.search, mean, &self.free, &self.response);
+        // Polak and Ribiere, restarting where it is negative.
+        let memory = if restart || self.slope <= 0.0 {
+            0.0
+        } else {
+            larger((slope - mixed) / self.slope, 0.0)
+        };
+        self.slope = slope;
+        for ((direction, search), free) in
+            self.direction.iter_mut().zip(&self.search).zip(&self.free)
+        {
+            *direction = if *free {
+                search + memory * *direction
+            } else {
+                0.0
+            };
+        }
+        // Elements that left the contact took their part of the direction with them.
+        let mean = self.mean_of_free(sum(&self.direction));
+        let along = subtract_mean(&mut self.direction, mean, &self.free, &self.response);
+        if along > 0.0 {
+            return along;
+        }
+        self.direction.copy_from_slice(&self.search);
+        slope
+    }
+
+    /// Energy over the area of an element, at the prescribed indentation or force.
+    fn energy(&self) -> f64 {
+        let indentation = match self.load {
+            Load::Indentation(indentation) => indentation,
+            Load::Force(_) => 0.0,
+        };
+        self.pressure
+            .iter()
+            .zip(&self.displacement)
+            .zip(self.separation)
+            .map(|((p, u), s)| p * (0.5 * u + s - indentation))
+            .sum()
+    }
+
+    /// Goes to the minimum along the direction, on which the energy falls with the given slope,
+    /// projected onto pressures that are not negative.
+    fn advance(&mut self, slope: f64) -> Step {
+        self.operator.apply(&self.direction, &mut self.response);
+        self.products += 1;
+        let stiffness = dot(&self.direction, &self.response);
+        if stiffness.is_nan() || stiffness <= 0.0 {
+            return Step::Failed;
+        }
+        let length = slope / stiffness;
+        let inside = self
+            .pressure
+            .iter()
+            .zip(&self.direction)
+            .all(|(p, t)| p + length * t >= 0.0);
+        if inside {
+            add_scaled(&mut self.pressure, length, &self.direction);
+            add_scaled(&mut self.displacement, length, &self.response);
+            return Step::Plain;
+        }
+        let energy = self.energy();
+        self.response.copy_from_slice(&self.pressure);
+        self.project(length);
+        if self.energy() < energy {
+            return Step::Projected;
+        }
+        self.go_back();
+        let mut length = self.turn_to_gradient();
+        for _ in 0..HALVINGS {
+            self.project(length);
+            if self.energy() < energy {
+                return Step::Gradient;
+            }
+            length *= 0.5;
+        }
+        self.go_back();
+        Step::Failed
+    }
+
+    /// Returns to the pressures kept.
+    fn go_back(&mut self) {
+        self.pressure.copy_from_slice(&self.response);
+        self.refresh_displacement();
+    }
+
+    /// Makes the gradient the direction; returns the step to the minimum along it, without
+    /// projection.
+    fn turn_to_gradient(&mut self) -> f64 {
+        for element in 0..self.pressure.len() {
+            self.direction[element] = self.residual(element);
+        }
+        self.operator.apply(&self.direction, &mut self.search);
+        self.products += 1;
+        dot(&self.direction, &self.direction) / dot(&self.direction, &self.search)
+    }
+
+    /// Sets the pressures to the positive part of those kept plus a step along the direction.
+    fn project(&mut self, length: f64) {
+        for ((pressure, kept), t) in self
+            .pressure
+            .iter_mut()
+            .zip(&self.response)
+            .zip(&self.direction)
+        {
+            *pressure = larger(kept + length * t, 0.0);
+        }
+        self.carry_the_force();
+        self.refresh_displacement();
+    }
+
+    fn finish(mut self, termination: Termination) -> ElementContact {
+        for element in 0..self.pressure.len() {
+            self.displacement[element] = self.gap(element);
+        }
+        let gap = self.displacement;
+        let under_pressure = gap
+            .iter()
+            .zip(&self.pressure)
+            .filter(|(_, pressure)| **pressure > 0.0)
+            .map(|(gap, _)| *gap);
+        self.certificate.gap_under_pressure = largest(under_pressure);
+        ElementContact {
+            indentation: self.indentation,
+            force: self.area * sum(&self.pressure),
+            certificate: self.certificate,
+            termination,
+            products: self.products,
+            gap,
+            pressure: self.pressure,
+        }
+    }
+}
+
+/// What came of a step.
+enum Step {
+    /// To the minimum, without meeting a bound.
+    Plain,
+    /// Projected, with lower energy.
+    Projected,
+    /// The projected gradient was followed instead.
+    Gradient,
+    /// No step lowers the energy any more.
+    Failed,
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn sum(values: &[f64]) -> f64 {
+    values.iter().sum()
+}
+
+fn add_scaled(sum: &mut [f64], factor: f64, values: &[f64]) {
+    for (sum, value) in sum.iter_mut().zip(values) {
+        *sum += factor * value;
+    }
+}
+
+/// Sets what is not free to zero.
+fn clear_bound(values: &mut [f64], free: &[bool]) {
+    for (value, free) in values.iter_mut().zip(free) {
+        if !free {
+            *value = 0.0;
+        }
+    }
+}
+
+/// Subtracts a mean from the free values; returns their product with the residual.
+fn subtract_mean(values: &mut [f64], mean: f64, free: &[bool], residual: &[f64]) -> f64 {
+    let mut product = 0.0;
+    for ((value, free), residual) in values.iter_mut().zip(free).zip(residual) {
+        if *free {
+            *value -= mean;
+        }
+        product += *value * residual;
+    }
+    product
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::elements::Dense;
+    use crate::problem::{Cells, Grid};
+
+    /// A sphere of radius 1 on 31 by 31 cells of a half-space of compliance 1.
+    fn sphere() -> (Dense, Vec<f64>, f64) {
+        let grid = Grid::centred(31, 31, 0.01).unwrap();
+        let cells = Cells::all(&grid);
+        let separation = cells
+            .centres()
+            .map(|[x, y]| 0.5 * (x * x + y * y))
+            .collect();
+        (Dense::new(cells, 1.0), separation, grid.cell_area())
+    }
+
+    fn press(load: Load, start: Option<&[f64]>) -> ElementContact {
+        let (mut operator, separation, area) = sphere();
+        solve(
+            &mut operator,
+            &separation,
+            area,
+            load,
+            start,
+            &Settings::default(),
+            &CancelToken::default(),
+        )
+    }
+
+    #[test]
+    fn sphere_as_hertz() {
+        // Johnson, Contact Mechanics, section 4.2: a^2 = R zeta, F = 4/3 E* sqrt(R) zeta^(3/2).
+        let indentation = 0.01;
+        let contact = press(Load::Indentation(indentation), None);
+        assert_eq!(contact.termination, Termination::Converged);
+        let hertz = 4.0 / 3.0 * f64::powf(indentation, 1.5);
+        assert!(
+            (contact.force / hertz - 1.0).abs() < 5e-3,
+            "{}",
+            contact.force / hertz
+        );
+        let area = contact.pressure.iter().filter(|p| **p > 0.0).count() as f64 * 1e-4;
+        assert!((area / (std::f64::consts::PI * indentation) - 1.0).abs() < 0.05);
+        assert!(contact.pressure.iter().all(|p| *p >= 0.0));
+        assert!(contact.certificate.interpenetration < 1e-7 * indentation);
+        assert!(contact.certificate.gap_under_pressure < 1e-7 * indentation);
+    }
+
+    #[test]
+    fn force_and_indentation_belong_together() {
+        let first = press(Load::Indentation(0.007), None);
+        let second = press(Load::Force(first.force), None);
+        assert_eq!(second.termination, Termination::Converged);
+        assert!((second.force / first.force - 1.0).abs() < 1e-12);
+        assert!((second.indentation / first.indentation - 1.0).abs() < 1e-7);
+        let largest = first.pressure.iter().copied().fold(0.0, f64::max);
+        for (a, b) in first.pressure.iter().zip(&second.pressure) {
+            assert!((a - b).abs() < 1e-3 * largest);
+        }
+    }
+
+    #[test]
+    fn any_start_leads_to_the_same_pressures() {
+        let cold = press(Load::Indentation(0.01), None);
+        let wild: Vec<f64> = (0..961).map(|k| f64::from(k % 7) - 2.0).collect();
+        let warm = press(Load::Indentation(0.01), Some(&wild));
+        assert_eq!(warm.termination, Termination::Converged);
+        assert!((warm.force / cold.force - 1.0).abs() < 1e-7);
+    }
+
+    #[test]
+    fn certificate_bounds_the_energy_error() {
+        // Against a solution ten thousand times as exact.
+        let energy = |contact: &ElementContact| -> f64 {
+            let (_, separation, _) = sphere();
+            contact
+                .pressure
+                .iter()
+                .zip(&contact.gap)
+                .zip(&separation)
+                .map(|((p, gap), s)| 0.5 * p * (gap + s - contact.indentation))
+                .sum()
+        };
+        let (mut operator, separation, area) = sphere();
+        let mut at = |tolerance| {
+            let settings = Settings {
+                tolerance,
+                ..Settings::default()
+            };
+            let load = Load::Indentation(0.01);
+            let cancel = CancelToken::default();
+            solve(
+                &mut operator,
+                &separation,
+                area,
+                load,
+                None,
+                &settings,
+                &cancel,
+            )
+        };
+        let exact = at(1e-12);
+        for tolerance in [1e-1, 1e-2, 1e-4, 1e-6] {
+            let rough = at(tolerance);
+            let elastic: f64 = rough
+                .pressure
+                .iter()
+                .zip(&rough.gap)
+                .zip(&separation)
+                .map(|((p, gap), s)| 0.5 * p * (gap - s + rough.indentation))
+                .sum();
+            let error = (energy(&rough) - energy(&exact)) / elastic;
+            assert!(error <= rough.certificate.energy_bound + 1e-12);
+            assert!(error >= -1e-12);
+        }
+    }
+
+    #[test]
+    fn nothing_is_touched_without_indentation() {
+        let contact = press(Load::Indentation(0.0), None);
+        assert_eq!(contact.termination, Termination::Converged);
+        assert!(contact.pressure.iter().all(|p| p.abs() < f64::MIN_POSITIVE));
+    }
+
+    /// An operator that gives one displacement that is none.
+    struct Odd(Dense, f64);
+
+    impl Operator for Odd {
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+
+        fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+            self.0.apply(pressure, displacement);
+            displacement[7] = self.1;
+        }
+
+        fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
+            self.0.precondition(residual, direction);
+        }
+    }
+
+    #[test]
+    fn undefined_numbers_never_converge() {
+        for load in [Load::Indentation(0.01), Load::Force(1e-3)] {
+            for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let solve =
+                    |operator: &mut dyn Operator, separation: &[f64], start: Option<&[f64]>| {
+                        let settings = Settings {
+                            product_limit: 100,
+                            ..Settings::default()
+                        };
+                        let cancel = CancelToken::default();
+                        let contact =
+                            solve(operator, separation, 1e-4, load, start, &settings, &cancel);
+                        contact.termination
+                    };
+                // Under the lens, and far from it, where nothing is touched.
+                for element in [480, 0] {
+                    let (mut operator, mut separation, _) = sphere();
+                    separation[element] = odd;
+                    let ended = solve(&mut operator, &separation, None);
+                    assert_ne!(ended, Termination::Converged, "{load:?} {odd}");
+                    let (mut operator, separation, _) = sphere();
+                    let mut start = vec![1.0; separation.len()];
+                    start[element] = odd;
+                    let ended = solve(&mut operator, &separation, Some(start.as_slice()));
+                    // A negative start counts as none.
+                    assert!(
+                        odd < 0.0 || ended == Termination::NotFinite,
+                        "{load:?} {odd}"
+                    );
+                }
+                let (operator, separation, _) = sphere();
+                let ended = solve(&mut Odd(operator, odd), &separation, None);
+                assert_ne!(ended, Termination::Converged, "{load:?} {odd}");
+            }
+        }
+        for load in [Load::Indentation(f64::NAN), Load::Force(f64::NAN)] {
+            assert_eq!(press(load, None).termination, Termination::NotFinite);
+        }
+    }
+
+    #[test]
+    fn stops_when_asked() {
+        let (mut operator, separation, area) = sphere();
+        let cancel = CancelToken::default();
+        cancel.cancel();
+        let contact = solve(
+            &mut operator,
+            &separation,
+            area,
+            Load::Indentation(0.01),
+            None,
+            &Settings::default(),
+            &cancel,
+        );
+        assert_eq!(contact.termination, Termination::Interrupted);
+    }
+
+    #[test]
+    fn says_that_it_did_not_converge() {
+        let (mut operator, separation, area) = sphere();
+        let settings = Settings {
+            product_limit: 3,
+            ..Settings::default()
+        };
+        let load = Load::Force(1e-3);
+        let cancel = CancelToken::default();
+        let contact = solve(
+            &mut operator,
+            &separation,
+            area,
+            load,
+            None,
+            &settings,
+            &cancel,
+        );
+        assert_eq!(contact.termination, Termination::IterationLimit);
+        assert!(contact.certificate.energy_bound > settings.tolerance);
+    }
+}

@@ -1,0 +1,242 @@
+//! A lens or a plate pressed onto any surface, by elements.
+//!
+//! Every cell of a [`HeightMap`] may be touched: the floor between pillars is a part of the
+//! surface like their tops, so that the contact goes on past the transition. Both bodies are
+//! elastic half-spaces without friction, as in [`crate::problem`]; a pillar with a compliance sinks
+//! as a column besides, and floor cells do not.
+//!
+//! # Indentation
+//!
+//! On a half-space that stands free it counts from where the lowest point of the lens, or the
+//! plate, is level with the highest point of the surface, wherever that is. Displacements under
+//! pressure are never negative there, so that only cells with a separation of the undeformed
+//! surfaces below the indentation can be touched, and only those are unknowns. Under a
+//! prescribed force the indentation found with some of them is an upper bound of the true one;
+//! their number grows until it is below all separations left out.
+//!
+//! On a periodic half-space the mean pressure would cause an infinite displacement, and the mean
+//! displacement is left out ([`PeriodicConvolution`](crate::halfspace::elements::PeriodicConvolution)): the
+//! indentation is that beyond the mean displacement of the surface. It grows from zero at first
+//! contact to the mean separation at full contact, for any pressure beyond; prescribe a force
+//! there. A force is that on one period: the mean pressure times its area.
+//!
+//! # Error estimate
+//!
+//! The contact is solved on cells four times and twice as large first, which gives a start, and
+//! the error estimate is the difference of the last two, or half that of the first two if that
+//! is larger: elements converge in proportion to their size at least, but pillars of a few cells
+//! do so unsteadily. Measured heights are averaged on the larger cells, so that it contains the
+//! effect of the smallest wavelengths.
+
+use super::surface_level::{Level, Pressed, check_fields};
+use crate::numerics::convergence::larger;
+use crate::problem::{Boundary, Floor, HeightMap, Load, SurfaceSystem};
+use crate::state::{ErrorEstimate, Regime, Run, SurfaceContact, SurfaceError, SurfaceTransition};
+
+impl SurfaceSystem {
+    /// The contact under a load.
+    ///
+    /// # Errors
+    /// A load that cannot be, a contact too large for the lens, the period or the memory
+    /// allowed, or interruption: see [`SurfaceError`]. A solution that did not converge is not an
+    /// error: it says so in [`SurfaceContact::termination`].
+    pub fn press(&self, load: Load, run: &Run<'_>) -> Result<SurfaceContact, SurfaceError> {
+        let load = self.checked(load)?;
+        let mut solved: Option<(Level<'_>, Pressed)> = None;
+        let mut history = Vec::new();
+        check_fields(&self.surface, run)?;
+        for surface in self.levels() {
+            let mut level = Level::new(self, surface, None, run);
+            if let Some((last, pressed)) = &solved {
+                level.start_from(last, pressed.indentation);
+            }
+            let pressed = level.press(load)?;
+            history.push([pressed.force, pressed.indentation]);
+            solved = Some((level, pressed));
+        }
+        let (level, pressed) = solved.expect("there is at least one level");
+        let [force, indentation] = match load {
+            Load::Indentation(_) => [true, false],
+            Load::Force(_) => [false, true],
+        };
+        let error = estimate(&history).map(|estimate| ErrorEstimate {
+            force: if force { estimate.force } else { 0.0 },
+            indentation: if indentation {
+                estimate.indentation
+            } else {
+                0.0
+            },
+        });
+        level.finish(&pressed, error)?.checked()
+    }
+
+    /// The critical state: the first indentation at which the floor bears pressure. The state is
+    /// that just before, with the floor touched and not loaded.
+    ///
+    /// It is found with the floor taken away: the gap to where it was falls steadily with the
+    /// indentation, as no free part of the surface is moved by more than the parts in contact.
+    ///
+    /// # Errors
+    /// As [`press`](Self::press); and [`SurfaceError::NoFloor`] if no cell is floor.
+    pub fn transition(
+        &self,
+        floor: Floor,
+        run: &Run<'_>,
+    ) -> Result<SurfaceTransition, SurfaceError> {
+        let mut solved: Option<(Level<'_>, Pressed, usize)> = None;
+        let mut history = Vec::new();
+        check_fields(&self.surface, run)?;
+        for surface in self.levels() {
+            let mut level = Level::new(self, surface, Some(floor), run);
+            if !level.has_floor() {
+                // Large cells may miss a small floor; the last level are the cells themselves.
+                continue;
+            }
+            if let Some((last, pressed, _)) = &solved {
+                level.start_from(last, pressed.indentation);
+            }
+            let (pressed, cell) = level.close_floor()?;
+            history.push([pressed.force, pressed.indentation]);
+            solved = Some((level, pressed, cell));
+        }
+        let (level, pressed, cell) = solved.ok_or(SurfaceError::NoFloor)?;
+        let columns = self.surface.grid().columns();
+        let floor_contact = self.surface.grid().centre(cell % columns, cell / columns);
+        let contact = level.finish(&pressed, estimate(&history))?.checked()?;
+        Ok(SurfaceTransition {
+            regime: if contact.force > 0.0 {
+                Regime::TopFirst
+            } else {
+                Regime::BottomFirst
+            },
+            contact,
+            floor_contact,
+        })
+    }
+
+    /// The surface on larger and larger cells, largest first.
+    fn levels(&self) -> Vec<HeightMap> {
+        let mut levels = vec![self.surface.clone()];
+        while levels.len() < LEVELS
+            && let Some(last) = levels.last()
+        {
+            let (columns, rows) = (last.grid().columns(), last.grid().rows());
+            let whole = columns.is_multiple_of(2) && rows.is_multiple_of(2);
+            let small = columns.min(rows) < 2 * FEWEST_CELLS;
+            if small || (self.boundary == Boundary::Periodic && !whole) {
+                break;
+            }
+            let Some(next) = last.coarsened() else {
+                break;
+            };
+            levels.push(next);
+        }
+        levels.reverse();
+        levels
+    }
+
+    /// The load, relative to the size of a cell.
+    fn checked(&self, load: Load) -> Result<Load, SurfaceError> {
+        let [width, height] = self.surface.grid().cell();
+        Ok(load.checked(0.5 * width.min(height), self.reduced_modulus())?)
+    }
+}
+
+/// Levels of cells to solve on.
+const LEVELS: usize = 3;
+
+/// Fewest cells along a side of the surface on the coarsest level.
+const FEWEST_CELLS: usize = 16;
+
+/// Relative errors of the last of the forces and indentations on smaller and smaller cells.
+fn estimate(history: &[[f64; 2]]) -> Option<ErrorEstimate> {
+    let (&last, coarser) = history.split_last()?;
+    let &before = coarser.last()?;
+    let first = coarser.first().copied().unwrap_or(before);
+    let relative = |k: usize| {
+        let change = larger(
+            (last[k] - before[k]).abs(),
+            0.5 * (before[k] - first[k]).abs(),
+        );
+        if change == 0.0 {
+            0.0
+        } else if last[k] == 0.0 {
+            // There is something on larger cells only: nothing is known.
+            1.0
+        } else {
+            change / last[k]
+        }
+    };
+    Some(ErrorEstimate {
+        force: relative(0),
+        indentation: relative(1),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{Grid, HeightMap, Indenter, Lens, Material};
+
+    fn contact() -> SurfaceContact {
+        let material = Material::new(2e6, 0.5);
+        let lens = Indenter::Lens(Lens {
+            radius: 1e-3,
+            material,
+        });
+        let grid = Grid::centred(32, 32, 1.25e-6).unwrap();
+        let flat = HeightMap::from_height(grid, |_| 0.0).unwrap();
+        let system = SurfaceSystem::new(lens, material, flat, Boundary::FreeSpace).unwrap();
+        let load = Load::Indentation(0.1e-6);
+        system.press(load, &Run::default()).unwrap()
+    }
+
+    #[test]
+    fn no_number_that_is_none_gets_out() {
+        let contact = contact();
+        assert!(contact.clone().checked().is_ok());
+        let places: [fn(&mut SurfaceContact) -> &mut f64; 12] = [
+            |contact| &mut contact.force,
+            |contact| &mut contact.indentation,
+            |contact| &mut contact.contact_area,
+            |contact| contact.contact_radius.as_mut().unwrap(),
+            |contact| &mut contact.error.as_mut().unwrap().force,
+            |contact| &mut contact.error.as_mut().unwrap().indentation,
+            |contact| &mut contact.certificate.energy_bound,
+            |contact| &mut contact.certificate.interpenetration,
+            |contact| &mut contact.certificate.gap_under_pressure,
+            |contact| &mut contact.pressure[17],
+            |contact| &mut contact.displacement[17],
+            |contact| &mut contact.gap[17],
+        ];
+        for place in places {
+            for odd in [f64::NAN, f64::NEG_INFINITY] {
+                let mut bad = contact.clone();
+                *place(&mut bad) = odd;
+                let error = bad.checked().unwrap_err();
+                assert!(matches!(error, SurfaceError::NotFinite { .. }));
+            }
+            let mut signed = contact.clone();
+            *place(&mut signed) = -0.0;
+            let mut plain = signed.checked().unwrap();
+            assert_eq!(place(&mut plain).to_bits(), 0f64.to_bits());
+        }
+    }
+
+    #[test]
+    fn estimates_keep_what_is_undefined() {
+        let of_forces = |forces: [f64; 3]| {
+            let history = forces.map(|force| [force, 1.0]);
+            estimate(&history).unwrap().force
+        };
+        assert!((of_forces([0.7, 0.9, 1.0]) - 0.1).abs() < 1e-12);
+        assert!((of_forces([0.5, 1.0, 1.0]) - 0.25).abs() < 1e-12);
+        for place in 0..3 {
+            let mut forces = [0.7, 0.9, 1.0];
+            forces[place] = f64::NAN;
+            assert!(of_forces(forces).is_nan());
+        }
+        // Touched on large cells only: nothing is known.
+        assert!((of_forces([0.2, 0.1, 0.0]) - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,757 @@
+//! The contact with a surface on cells of one size.
+
+use super::pillars::{missing_compliances, next_indentation};
+use super::solver::Settings;
+use crate::halfspace::elements::{
+    Columns, FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
+};
+use crate::numerics::convergence::{Judgement, judge};
+use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Load, SurfaceSystem};
+use crate::solve::elements::solver;
+use crate::solve::spectral::LARGEST_CONTACT;
+use crate::state::contact::DOUBTFUL_CONTACT;
+use crate::state::{
+    Certificate, ErrorEstimate, Progress, Run, Stage, SurfaceContact, SurfaceError, SurfaceWarning,
+    Termination,
+};
+use std::f64::consts::PI;
+
+/// Relative energy error of every solution: its force is then good to about as much.
+const TOLERANCE: f64 = 1e-9;
+
+/// The floor gap is closed to this fraction of the indentation.
+const FLOOR_TOLERANCE: f64 = 1e-6;
+
+/// Most solutions at one level in search of the critical indentation.
+const SEARCH_LIMIT: usize = 60;
+
+/// Cells to begin with under a prescribed force, and the factor by which they grow.
+const FIRST_CELLS: usize = 64;
+const GROWTH: usize = 4;
+
+/// Cells are sought up to this multiple of the indentation that is expected.
+const MARGIN: f64 = 1.03;
+
+/// A surface that ends within reach of the lens has to be wider by this factor at the least.
+const GROWN: f64 = 1.25;
+
+/// Part of the indentation by which the lens may be below the surface at the border: contact
+/// conditions are met to less.
+const BORDER_TOLERANCE: f64 = 1e-6;
+
+/// Bytes of a solution for every unknown, besides the operator: twelve arrays of the solver,
+/// labels, segments.
+const BYTES_PER_UNKNOWN: usize = 150;
+
+/// Bytes for every cell of the surface: the heights, separation, start and the fields that are
+/// returned.
+const BYTES_PER_CELL: usize = 60;
+
+/// Pillars whose cells cover another area than that of their round top by more than this
+/// fraction are no round tops.
+const ROUND: f64 = 0.4;
+
+/// The cells that may bear pressure, and their operator.
+struct Candidates<'a> {
+    /// The largest separation among them.
+    bound: f64,
+    cells: Cells,
+    operator: Box<dyn Operator + 'a>,
+    separation: Vec<f64>,
+}
+
+/// The floor cells that may be touched, among all cells that may.
+struct FloorCells<'a> {
+    bound: f64,
+    cells: Cells,
+    operator: Box<dyn Operator + 'a>,
+}
+
+/// Forces and pressures on the cells of one size.
+pub(super) struct Pressed {
+    pub(super) indentation: f64,
+    pub(super) force: f64,
+    certificate: Certificate,
+    termination: Termination,
+}
+
+/// The surface on cells of one size.
+pub(super) struct Level<'a> {
+    system: &'a SurfaceSystem,
+    run: &'a Run<'a>,
+    surface: HeightMap,
+    /// Separation of the undeformed surfaces of every cell.
+    separation: Vec<f64>,
+    /// Whether a cell is floor, where that is taken away.
+    floor: Option<Vec<bool>>,
+    /// Pressure on every cell: what to start from, or the solution.
+    pressure: Vec<f64>,
+    /// Sinking of every pillar under a unit force, m/N.
+    column_compliance: Vec<f64>,
+    /// Indentation that is expected.
+    expected: Option<f64>,
+    /// Slope of the floor gap over the indentation, as far as it is known.
+    floor_slope: Option<f64>,
+    candidates: Option<Candidates<'a>>,
+    floor_cells: Option<FloorCells<'a>>,
+    products: usize,
+}
+
+impl<'a> Level<'a> {
+    /// The surface; with the floor taken away, if it is named.
+    pub(super) fn new(
+        system: &'a SurfaceSystem,
+        surface: HeightMap,
+        floor: Option<Floor>,
+        run: &'a Run<'a>,
+    ) -> Self {
+        let cell_count = surface.grid().cell_count();
+        let floor = floor.map(|floor| {
+            (0..cell_count)
+                .map(|cell| floor.contains(&surface, cell))
+                .collect()
+        });
+        Self {
+            separation: separation(system, &surface),
+            column_compliance: column_compliance(system, &surface),
+            floor,
+            pressure: vec![0.0; cell_count],
+            expected: None,
+            floor_slope: None,
+            candidates: None,
+            floor_cells: None,
+            products: 0,
+            system,
+            surface,
+            run,
+        }
+    }
+
+    /// Whether the lens could reach any of the floor.
+    pub(super) fn has_floor(&self) -> bool {
+        let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
+        let mut reachable = floor.iter().zip(&self.separation);
+        reachable.any(|(floor, separation)| *floor && separation.is_finite())
+    }
+
+    /// Starts from the pressures on cells twice as large.
+    pub(super) fn start_from(&mut self, coarse: &Level<'_>, indentation: f64) {
+        self.expected = Some(indentation);
+        self.floor_slope = coarse.floor_slope;
+        let grid = self.surface.grid();
+        let (columns, rows) = (
+            coarse.surface.grid().columns(),
+            coarse.surface.grid().rows(),
+        );
+        for (cell, pressure) in self.pressure.iter_mut().enumerate() {
+            let (column, row) = (cell % grid.columns() / 2, cell / grid.columns() / 2);
+            if column < columns && row < rows {
+                *pressure = coarse.pressure[row * columns + column];
+            }
+        }
+    }
+
+    pub(super) fn press(&mut self, load: Load) -> Result<Pressed, SurfaceError> {
+        match load {
+            Load::Indentation(indentation) => {
+                self.check_periodic_indentation(indentation)?;
+                self.choose_candidates(indentation)?;
+                self.solve(load)
+            }
+            Load::Force(force) if force > 0.0 => self.press_with_force(force),
+            Load::Force(_) => {
+                self.pressure.fill(0.0);
+                self.choose_candidates(0.0)?;
+                self.solve(Load::Indentation(0.0))
+            }
+        }
+    }
+
+    /// Takes in cells until none that is left out can be touched.
+    fn press_with_force(&mut self, force: f64) -> Result<Pressed, SurfaceError> {
+        let mut bound = match self.expected {
+            Some(expected) => MARGIN * expected,
+            None => self
+                .nearest(FIRST_CELLS)
+                .max(self.smooth_indentation(force)),
+        };
+        loop {
+            self.choose_candidates(bound)?;
+            let pressed = self.solve(Load::Force(force))?;
+            let count = self.candidates.as_ref().map_or(0, |c| c.cells.len());
+            let farthest = self.farthest_allowed();
+            let all = self.separation.iter().filter(|s| **s <= farthest).count();
+            if count == all || pressed.indentation <= bound {
+                return Ok(pressed);
+            }
+            // With fewer cells to bear the force the indentation is larger: enough is known.
+            let more = self.nearest(GROWTH * count.max(FIRST_CELLS));
+            bound = pressed.indentation.min(more);
+        }
+    }
+
+    /// The indentation on a smooth surface, `(3 F c/(4 sqrt R))^(2/3)` after Hertz: rough ones
+    /// take more.
+    fn smooth_indentation(&self, force: f64) -> f64 {
+        match self.system.indenter() {
+            Indenter::Lens(lens) => {
+                let c = self.system.contact_compliance();
+                (0.75 * force * c / lens.radius.sqrt()).powf(2.0 / 3.0)
+            }
+            Indenter::Flat(_) => 0.0,
+        }
+    }
+
+    /// The separation that this many cells do not exceed.
+    fn nearest(&self, count: usize) -> f64 {
+        let mut separation: Vec<f64> = self
+            .separation
+            .iter()
+            .copied()
+            .filter(|s| s.is_finite())
+            .collect();
+        if separation.is_empty() {
+            return 0.0;
+        }
+        let place = count.min(separation.len()) - 1;
+        *separation.select_nth_unstable_by(place, f64::total_cmp).1
+    }
+
+    /// A uniform pressure works against the mean separation alone, unless there are columns.
+    fn check_periodic_indentation(&self, indentation: f64) -> Result<(), SurfaceError> {
+        let mean_separation = self.separation.iter().sum::<f64>() / self.separation.len() as f64;
+        let limited = self.system.boundary() == Boundary::Periodic
+            && self.floor.is_none()
+            && self.column_compliance.iter().all(|c| *c <= 0.0);
+        if limited && indentation >= mean_separation && mean_separation > 0.0 {
+            return Err(SurfaceError::FullContact {
+                indentation,
+                mean_separation,
+            });
+        }
+        Ok(())
+    }
+
+    /// Takes the cells with a separation up to `bound` as unknowns; all in a periodic surface,
+    /// where displacements can be negative. None too far out for the lens: a contact that reaches
+    /// the last of those kept is refused.
+    fn choose_candidates(&mut self, bound: f64) -> Result<(), SurfaceError> {
+        let bound = match self.system.boundary() {
+            Boundary::FreeSpace => bound,
+            Boundary::Periodic => f64::MAX,
+        };
+        if self.candidates.as_ref().is_some_and(|c| c.bound >= bound) {
+            return Ok(());
+        }
+        self.candidates = None;
+        let farthest = self.farthest_allowed();
+        let grid = *self.surface.grid();
+        let cells = Cells::where_true(&grid, |cell| {
+            let free = self.floor.as_ref().is_none_or(|floor| !floor[cell]);
+            free && self.separation[cell] <= bound && self.separation[cell] <= farthest
+        });
+        let bytes = self.half_space_memory(&cells)
+            + Preconditioned::<FreeSpaceConvolution<'_>>::memory_estimate(&cells)
+            + BYTES_PER_UNKNOWN * cells.len();
+        self.check_memory(cells.len(), bytes)?;
+        self.check_cancelled()?;
+        let operator =
+            Preconditioned::new(self.half_space(cells.clone()), cells.clone(), self.run.pool);
+        let labels = cells
+            .indices()
+            .map(|cell| self.surface.label(cell))
+            .collect();
+        let area = grid.cell_area();
+        let influence = self.column_compliance.iter().map(|c| c * area).collect();
+        self.candidates = Some(Candidates {
+            bound,
+            separation: cells.indices().map(|cell| self.separation[cell]).collect(),
+            operator: Box::new(Columns::new(operator, labels, influence)),
+            cells,
+        });
+        Ok(())
+    }
+
+    /// Separation beyond which a contact is too large for the lens: that of half its radius, at
+    /// the lowest point of the surface, and some more.
+    fn farthest_allowed(&self) -> f64 {
+        match self.system.indenter() {
+            Indenter::Lens(lens) => {
+                let depth = self.surface.highest() - self.surface.lowest();
+                lens.sag(1.2 * LARGEST_CONTACT * lens.radius) + depth
+            }
+            Indenter::Flat(_) => f64::MAX,
+        }
+    }
+
+    fn half_space(&self, cells: Cells) -> Box<dyn Operator + 'a> {
+        let compliance = self.system.contact_compliance();
+        match self.system.boundary() {
+            Boundary::FreeSpace => {
+                Box::new(FreeSpaceConvolution::new(cells, compliance, self.run.pool))
+            }
+            Boundary::Periodic => {
+                Box::new(PeriodicConvolution::new(cells, compliance, self.run.pool))
+            }
+        }
+    }
+
+    fn half_space_memory(&self, cells: &Cells) -> usize {
+        let pool = self.run.pool;
+        let threads = pool.map_or(1, rayon::ThreadPool::current_num_threads);
+        match self.system.boundary() {
+            Boundary::FreeSpace => FreeSpaceConvolution::memory_estimate(cells, threads),
+            Boundary::Periodic => PeriodicConvolution::memory_estimate(cells, threads),
+        }
+    }
+
+    /// Whether `bytes` for `cells` of them fit the memory allowed, with the fields.
+    fn check_memory(&self, cells: usize, bytes: usize) -> Result<(), SurfaceError> {
+        let fields = BYTES_PER_CELL * self.separation.len();
+        let whole = self.system.surface();
+        check_memory(whole, &self.surface, cells, bytes + fields, self.run)
+    }
+
+    fn check_cancelled(&self) -> Result<(), SurfaceError> {
+        if self.run.cancel.is_cancelled() {
+            Err(SurfaceError::Interrupted)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Solves on the candidates, from the pressures known.
+    fn solve(&mut self, load: Load) -> Result<Pressed, SurfaceError> {
+        self.check_cancelled()?;
+        let Candidates {
+            cells,
+            operator,
+            separation,
+            ..
+        } = self
+            .candidates
+            .as_mut()
+            .expect("candidates are chosen before they are solved for");
+        let mut start = vec![0.0; cells.len()];
+        cells.gather(&self.pressure, &mut start);
+        let settings = Settings {
+            tolerance: TOLERANCE,
+            ..Settings::default()
+        };
+        let contact = solver::solve(
+            &mut **operator,
+            separation,
+            self.surface.grid().cell_area(),
+            load,
+            Some(&start),
+            &settings,
+            &self.run.cancel,
+        );
+        if contact.termination == Termination::Interrupted {
+            return Err(SurfaceError::Interrupted);
+        }
+        self.products += contact.products;
+        self.pressure.fill(0.0);
+        cells.scatter(&contact.pressure, &mut self.pressure);
+        self.run.report(Progress {
+            stage: Stage::Surface,
+            step: self.products,
+            pillars: cells.len(),
+            touched: contact.pressure.iter().filter(|p| **p > 0.0).count(),
+        });
+        self.check_extent()?;
+        Ok(Pressed {
+            indentation: contact.indentation,
+            force: contact.force,
+            certificate: contact.certificate,
+            termination: contact.termination,
+        })
+    }
+
+    /// Refuses contacts too large for the lens or the period.
+    fn check_extent(&self) -> Result<(), SurfaceError> {
+        let Indenter::Lens(lens) = self.system.indenter() else {
+            return Ok(());
+        };
+        let contact_radius = self.contact_radius();
+        if contact_radius > LARGEST_CONTACT * lens.radius {
+            return Err(SurfaceError::ContactExceedsLens {
+                contact_radius,
+                lens_radius: lens.radius,
+            });
+        }
+        if self.system.boundary() == Boundary::Periodic {
+            let grid = self.surface.grid();
+            let [width, height] = grid.cell();
+            let period = [grid.columns() as f64 * width, grid.rows() as f64 * height];
+            let on_border = self.loaded().any(|cell| {
+                let [x, y] = from_axis(self.system, grid, cell);
+                x.abs() > 0.5 * period[0] - width || y.abs() > 0.5 * period[1] - height
+            });
+            if on_border {
+                return Err(SurfaceError::ContactExceedsPeriod { period });
+            }
+        }
+        Ok(())
+    }
+
+    fn loaded(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.pressure.len()).filter(|cell| self.pressure[*cell] > 0.0)
+    }
+
+    fn contact_radius(&self) -> f64 {
+        let grid = self.surface.grid();
+        let [width, height] = grid.cell();
+        self.loaded()
+            .map(|cell| {
+                let [x, y] = from_axis(self.system, grid, cell);
+                x.hypot(y) + 0.5 * width.min(height)
+            })
+            .fold(0.0, f64::max)
+    }
+
+    /// Raises the indentation until the gap to the floor that was taken away is closed; with the
+    /// cell where it is.
+    pub(super) fn close_floor(&mut self) -> Result<(Pressed, usize), SurfaceError> {
+        let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
+        let lowest = self
+            .separation
+            .iter()
+            .zip(floor)
+            .filter(|(_, floor)| **floor)
+            .map(|(separation, _)| *separation)
+            .fold(f64::INFINITY, f64::min);
+        // On a free half-space the nearest point of the floor is touched at this indentation
+        // under no pressure, and later under any; a periodic floor rises as the tops sink.
+        let least = match self.system.boundary() {
+            Boundary::FreeSpace => lowest,
+            Boundary::Periodic => 0.0,
+        };
+        let mut indentation = self.expected.unwrap_or(lowest).max(least);
+        let mut bracket = [least, f64::INFINITY];
+        let mut previous: Option<[f64; 2]> = None;
+        for _ in 0..SEARCH_LIMIT {
+            self.choose_candidates(MARGIN * indentation)?;
+            let pressed = self.solve(Load::Indentation(indentation))?;
+            let (gap, cell) = self.floor_gap(indentation)?;
+            if let Some([other, other_gap]) = previous
+                && (indentation - other).abs() > 1e-13 * indentation
+            {
+                self.floor_slope = Some((gap - other_gap) / (indentation - other));
+            }
+            match judge(gap.abs(), FLOOR_TOLERANCE * indentation) {
+                Judgement::Good => return Ok((pressed, cell)),
+                Judgement::TooLarge => {}
+                Judgement::Undefined => {
+                    let termination = Termination::NotFinite;
+                    return Ok((
+                        Pressed {
+                            termination,
+                            ..pressed
+                        },
+                        cell,
+                    ));
+                }
+            }
+            bracket[usize::from(gap < 0.0)] = indentation;
+            previous = Some([indentation, gap]);
+            indentation = next_indentation(indentation, gap, self.floor_slope, bracket);
+        }
+        self.choose_candidates(indentation)?;
+        let pressed = self.solve(Load::Indentation(indentation))?;
+        let (_, cell) = self.floor_gap(indentation)?;
+        let termination = Termination::IterationLimit;
+        Ok((
+            Pressed {
+                termination,
+                ..pressed
+            },
+            cell,
+        ))
+    }
+
+    /// The smallest gap to the floor, and its cell.
+    fn floor_gap(&mut self, indentation: f64) -> Result<(f64, usize), SurfaceError> {
+        let reusable = self.floor_cells.take();
+        let known = match reusable.filter(|known| known.bound >= indentation) {
+            Some(known) => known,
+            None => self.floor_cells_up_to(MARGIN * indentation)?,
+        };
+        let known = self.floor_cells.insert(known);
+        let mut pressure = vec![0.0; known.cells.len()];
+        let mut displacement = pressure.clone();
+        known.cells.gather(&self.pressure, &mut pressure);
+        known.operator.apply(&pressure, &mut displacement);
+        let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
+        let nearest = known
+            .cells
+            .indices()
+            .zip(&displacement)
+            .filter(|(cell, _)| floor[*cell])
+            .map(|(cell, displacement)| (self.separation[cell] + displacement - indentation, cell))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(nearest.unwrap_or((f64::INFINITY, 0)))
+    }
+
+    /// All cells with a separation up to `bound`, floor or not; on a periodic surface all.
+    fn floor_cells_up_to(&self, bound: f64) -> Result<FloorCells<'a>, SurfaceError> {
+        let bound = match self.system.boundary() {
+            Boundary::FreeSpace => bound,
+            Boundary::Periodic => f64::MAX,
+        };
+        let grid = self.surface.grid();
+        let cells = Cells::where_true(grid, |cell| self.separation[cell] <= bound);
+        self.check_memory(cells.len(), self.half_space_memory(&cells))?;
+        let operator = self.half_space(cells.clone());
+        Ok(FloorCells {
+            bound,
+            cells,
+            operator,
+        })
+    }
+
+    /// The fields on the whole grid.
+    pub(super) fn finish(
+        mut self,
+        pressed: &Pressed,
+        error: Option<ErrorEstimate>,
+    ) -> Result<SurfaceContact, SurfaceError> {
+        self.candidates = None;
+        self.floor_cells = None;
+        let displacement = self.displacement()?;
+        self.check_border(&displacement, pressed.indentation)?;
+        let warnings = self.warnings(&displacement, pressed.indentation);
+        let gap = self
+            .separation
+            .iter()
+            .zip(&displacement)
+            .map(|(separation, displacement)| separation + displacement - pressed.indentation)
+            .collect();
+        let grid = *self.surface.grid();
+        Ok(SurfaceContact {
+            grid,
+            indentation: pressed.indentation,
+            force: pressed.force,
+            contact_area: self.loaded().count() as f64 * grid.cell_area(),
+            contact_radius: match self.system.indenter() {
+                Indenter::Lens(_) => Some(self.contact_radius()),
+                Indenter::Flat(_) => None,
+            },
+            warnings,
+            displacement,
+            gap,
+            certificate: pressed.certificate,
+            error,
+            termination: pressed.termination,
+            products: self.products,
+            pressure: self.pressure,
+        })
+    }
+
+    fn displacement(&self) -> Result<Vec<f64>, SurfaceError> {
+        let grid = self.surface.grid();
+        let cells = Cells::all(grid);
+        self.check_memory(cells.len(), self.half_space_memory(&cells))?;
+        self.check_cancelled()?;
+        let area = grid.cell_area();
+        let mut operator = Columns::new(
+            self.half_space(cells),
+            (0..self.pressure.len())
+                .map(|cell| self.surface.label(cell))
+                .collect(),
+            self.column_compliance.iter().map(|c| c * area).collect(),
+        );
+        let mut displacement = vec![0.0; self.pressure.len()];
+        operator.apply(&self.pressure, &mut displacement);
+        Ok(displacement)
+    }
+
+    /// Refuses a lens that could touch more of the surface than the grid has of it.
+    ///
+    /// On a free half-space no displacement is negative, so that nothing is touched where the
+    /// separation of the undeformed surfaces is larger than the indentation: a grid as wide as that
+    /// has all of the contact.
+    fn check_border(&self, displacement: &[f64], indentation: f64) -> Result<(), SurfaceError> {
+        let (Indenter::Lens(lens), Boundary::FreeSpace) =
+            (self.system.indenter(), self.system.boundary())
+        else {
+            return Ok(());
+        };
+        let highest = self.system.surface().highest();
+        let outside = if self.system.is_continued() {
+            highest
+        } else {
+            highest_near_border(&self.surface)
+        };
+        if !self.is_low_at_border(displacement, indentation, outside) {
+            return Ok(());
+        }
+        let grid = self.surface.grid();
+        let [width, height] = grid.cell();
+        let sides = [grid.columns() as f64 * width, grid.rows() as f64 * height];
+        let depth = (indentation - (highest - outside)).clamp(0.0, lens.radius);
+        let reach = (depth * (2.0 * lens.radius - depth)).sqrt();
+        let most = LARGEST_CONTACT * lens.radius;
+        // Wider in any case: the reach is found with the contact cut off.
+        let needed = (2.0 * MARGIN * reach.min(most)).max(GROWN * sides[0].max(sides[1]));
+        Err(SurfaceError::SurfaceEnds { sides, needed })
+    }
+
+    /// Whether the lens is lower than `level` (m) at the border, or touches a cell there.
+    fn is_low_at_border(&self, displacement: &[f64], indentation: f64, level: f64) -> bool {
+        let grid = self.surface.grid();
+        let heights = self.surface.heights();
+        border_cells(grid).any(|cell| {
+            let gap = self.separation[cell] + displacement[cell] - indentation;
+            let above_level = gap - (level - heights[cell]);
+            self.pressure[cell] > 0.0 || above_level < -BORDER_TOLERANCE * indentation
+        })
+    }
+
+    fn warnings(&self, displacement: &[f64], indentation: f64) -> Vec<SurfaceWarning> {
+        let mut warnings = Vec::new();
+        if let Indenter::Lens(lens) = self.system.indenter() {
+            let ratio = self.contact_radius() / lens.radius;
+            if ratio > DOUBTFUL_CONTACT {
+                warnings.push(SurfaceWarning::LargeContact { ratio });
+            }
+        }
+        // A plate is low everywhere, but bears on nothing where there is no surface.
+        let level = match self.system.indenter() {
+            Indenter::Lens(_) => self.system.surface().highest(),
+            Indenter::Flat(_) => f64::NEG_INFINITY,
+        };
+        if self.system.boundary() == Boundary::FreeSpace
+            && self.is_low_at_border(displacement, indentation, level)
+        {
+            warnings.push(SurfaceWarning::ReachesBorder);
+        }
+        warnings
+    }
+}
+
+/// Height of the highest cell in a band along the border, an eighth of the surface wide: what the
+/// surface is like outside, as far as it tells.
+fn highest_near_border(surface: &HeightMap) -> f64 {
+    let grid = surface.grid();
+    let band = |count: usize| count.div_ceil(8);
+    let near = |place: usize, count: usize| place < band(count) || place + band(count) >= count;
+    let cells = surface.heights().iter().enumerate();
+    cells
+        .filter(|(cell, _)| {
+            near(cell % grid.columns(), grid.columns()) || near(cell / grid.columns(), grid.rows())
+        })
+        .map(|(_, height)| *height)
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The cells along the border.
+fn border_cells(grid: &Grid) -> impl Iterator<Item = usize> + '_ {
+    (0..grid.cell_count()).filter(|cell| is_on_border(grid, *cell))
+}
+
+fn is_on_border(grid: &Grid, cell: usize) -> bool {
+    let (column, row) = (cell % grid.columns(), cell / grid.columns());
+    let at_end = |place: usize, count: usize| place == 0 || place + 1 == count;
+    at_end(column, grid.columns()) || at_end(row, grid.rows())
+}
+
+/// The centre of a cell as seen from the lens axis; in a periodic surface from the nearest one.
+fn from_axis(system: &SurfaceSystem, grid: &Grid, cell: usize) -> [f64; 2] {
+    let mut centre = grid.centre(cell % grid.columns(), cell / grid.columns());
+    if system.boundary() == Boundary::Periodic {
+        let [width, height] = grid.cell();
+        let period = [grid.columns() as f64 * width, grid.rows() as f64 * height];
+        for (coordinate, period) in centre.iter_mut().zip(period) {
+            *coordinate -= period * (*coordinate / period).round();
+        }
+    }
+    centre
+}
+
+/// Separation of the undeformed surfaces when the lowest point of the indenter is level with the
+/// highest of the surface as it was given.
+fn separation(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
+    let highest = system.surface().highest();
+    surface
+        .heights()
+        .iter()
+        .enumerate()
+        .map(|(cell, height)| {
+            let sag = match system.indenter() {
+                Indenter::Lens(lens) => {
+                    let [x, y] = from_axis(system, surface.grid(), cell);
+                    lens.sag(x.hypot(y))
+                }
+                Indenter::Flat(_) => 0.0,
+            };
+            sag + (highest - height)
+        })
+        .collect()
+}
+
+/// How far each pillar sinks under a unit force, with what its cells lack of the compliance of a
+/// round top.
+fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
+    let Some(pillars) = surface.pillars() else {
+        return Vec::new();
+    };
+    let Some(diameter) = system.round_tops() else {
+        return pillars.compliance.clone();
+    };
+    let grid = surface.grid();
+    let mut patterns: Vec<Vec<(i64, i64)>> = vec![Vec::new(); pillars.compliance.len()];
+    let mut cut = vec![false; pillars.compliance.len()];
+    for (cell, label) in pillars.labels.iter().enumerate() {
+        if let Some(pattern) = patterns.get_mut(*label as usize) {
+            let (column, row) = (cell % grid.columns(), cell / grid.columns());
+            pattern.push((column as i64, row as i64));
+            cut[*label as usize] |= is_on_border(grid, cell);
+        }
+    }
+    let area = 0.25 * PI * diameter * diameter;
+    for (pattern, cut) in patterns.iter_mut().zip(cut) {
+        let covered = pattern.len() as f64 * grid.cell_area() / area;
+        if cut || (covered - 1.0).abs() > ROUND {
+            pattern.clear();
+        }
+    }
+    let unit = 0.5 * diameter;
+    let missing = missing_compliances(patterns, grid.cell().map(|side| side / unit));
+    let scale = system.contact_compliance() / unit;
+    pillars
+        .compliance
+        .iter()
+        .zip(missing)
+        .map(|(compliance, missing)| compliance + scale * missing)
+        .collect()
+}
+
+/// Whether the fields of a surface fit the memory allowed.
+pub(super) fn check_fields(surface: &HeightMap, run: &Run<'_>) -> Result<(), SurfaceError> {
+    let cells = surface.grid().cell_count();
+    check_memory(surface, surface, cells, BYTES_PER_CELL * cells, run)
+}
+
+/// Whether `bytes` for `cells` of the surface on a level fit the memory allowed.
+fn check_memory(
+    whole: &HeightMap,
+    level: &HeightMap,
+    cells: usize,
+    bytes: usize,
+    run: &Run<'_>,
+) -> Result<(), SurfaceError> {
+    let limit = run.memory_limit();
+    if bytes <= limit {
+        return Ok(());
+    }
+    let side = |surface: &HeightMap| surface.grid().cell().into_iter().fold(0.0, f64::max);
+    Err(SurfaceError::TooLarge {
+        cells,
+        bytes,
+        limit,
+        cell: side(whole),
+        // Memory goes as the number of cells; a tenth to spare.
+        suggested_cell: 1.1 * side(level) * (bytes as f64 / limit as f64).sqrt(),
+    })
+}

@@ -1,0 +1,421 @@
+//! Error estimates by refinement around a converged solution.
+//!
+//! A change `delta` of the answer of one pillar to its load changes any linear result `r` by
+//! `s_r delta`, with `s_r = L - B y` and `y` the response of the pillars to the load `L` that
+//! belongs to the result: `b1` for the force, the displacement `W(x_c)` of the floor point for
+//! the indentation of first contact. Two refinements give such changes:
+//!
+//! * on partially touched pillars, the answer with another node array;
+//! * on fully touched ones, the modes beyond the degree of the coupling, which neighbours excite
+//!   at first order;
+//! * at the floor point, the modes of partially touched pillars beyond that degree.
+
+use super::newton::{COSTLY_PILLARS, Newton, Outcome, Response, Target};
+use super::rules::unilateral::{LocalSolver, PillarTop};
+use crate::halfspace::coupling::pair::PairCoupling;
+use crate::halfspace::disc::basis::{compliances, degree_with, mode_count};
+use crate::halfspace::disc::exterior::Exterior;
+use crate::halfspace::disc::nodes::Resolution;
+use crate::halfspace::disc::projection::LensProjector;
+use crate::numerics::vector::widest;
+use crate::problem::Point;
+use crate::problem::scaled::Problem;
+use crate::state::{ErrorEstimate, PillarStatus, SolveError, Termination};
+use std::f64::consts::PI;
+
+/// Relative error of linear algebra, quadrature and the lens shape together; nothing is claimed
+/// to be better.
+const FLOOR: f64 = 1e-8;
+
+/// What refinement finds is multiplied by this: the refined answer has an error of its own.
+const SAFETY: f64 = 2.0;
+
+/// Relative energy of the residual for the adjoint responses: two digits of an error are enough.
+const ADJOINT_TOLERANCE: f64 = 1e-3;
+
+/// Degrees by which the coupling is extended: interior pillars of a hexagonal lattice see little
+/// of degree 3, more of degree 4.
+const EXTRA_DEGREES: usize = 2;
+
+/// Neighbours beyond this distance (pillar radii) do not excite the extra modes noticeably.
+const NEIGHBOURHOOD: f64 = 13.0;
+
+/// Pillars that are symmetric copies of each other, as a rule, where few are crossed by the edge.
+const COPIES: usize = 4;
+
+/// Load and response that belong to one result.
+struct Adjoint {
+    /// Factor of `W(x_c)` in the load.
+    floor: f64,
+    /// `y`
+    coefficients: Vec<f64>,
+    /// `s_r = L - B y`
+    sensitivity: Vec<f64>,
+}
+
+/// Estimates the relative errors of force and indentation of a converged solution.
+pub(crate) fn estimate(
+    newton: &mut Newton<'_>,
+    outcome: &Outcome,
+    target: Target,
+) -> Result<ErrorEstimate, SolveError> {
+    let force = newton.force();
+    if force <= 0.0 || outcome.indentation <= 0.0 {
+        // The contact is smaller than the distance of nodes: nothing is known of it.
+        return Ok(unknowns_only(target, outcome.termination, [1.0; 2]));
+    }
+    let total = newton.coefficients().to_vec();
+    let [of_force, of_indentation] = adjoints(newton, outcome, target)?;
+    let adjoints = [&of_force, &of_indentation];
+    let nodes = node_changes(newton, &total, adjoints)?;
+    let degree = degree_changes(newton, outcome, &total, adjoints)?;
+    let floor = floor_changes(newton, outcome, adjoints);
+    let relative = |k: usize, value: f64| {
+        let changes = nodes[k] + degree[k] + floor[k];
+        FLOOR + outcome.mismatch + SAFETY * changes / value
+    };
+    let errors = [relative(0, force), relative(1, outcome.indentation)];
+    Ok(unknowns_only(target, outcome.termination, errors))
+}
+
+/// Changes of the two results when the floor point is displaced by all modes of partially touched
+/// pillars near it, and not by the leading ones only.
+fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]) -> [f64; 2] {
+    let Some(point) = outcome.floor else {
+        return [0.0; 2];
+    };
+    let near: Vec<(usize, Point)> = (0..newton.window.len())
+        .filter(|&pillar| newton.status[pillar] == PillarStatus::Partial)
+        .map(|pillar| {
+            let [x, y] = newton.window.centres()[pillar];
+            (pillar, [point.position[0] - x, point.position[1] - y])
+        })
+        .filter(|(_, [x, y])| x.hypot(*y) < NEIGHBOURHOOD)
+        .collect();
+    if near.is_empty() {
+        return [0.0; 2];
+    }
+    let exterior = Exterior::new(degree_with(newton.top.count()));
+    let mut displacement = vec![0.0; newton.top.count()];
+    let mut solver = LocalSolver::new(&newton.top);
+    let change: f64 = near
+        .into_iter()
+        .map(|(pillar, offset)| {
+            exterior.values(offset, &mut displacement);
+            newton
+                .partial_coefficients(pillar, &mut solver)
+                .iter()
+                .zip(&displacement)
+                .skip(newton.modes)
+                .map(|(c, w)| c * w)
+                .sum::<f64>()
+        })
+        .sum();
+    adjoints.map(|adjoint| (adjoint.floor * change).abs())
+}
+
+/// Adjoints of the force and of the indentation.
+fn adjoints(
+    newton: &mut Newton<'_>,
+    outcome: &Outcome,
+    target: Target,
+) -> Result<[Adjoint; 2], SolveError> {
+    newton.solve_unit(ADJOINT_TOLERANCE)?;
+    let stiffness = newton.stiffness();
+    let size = newton.unit.far.len();
+    let mut load = vec![0.0; size];
+    let mut response = Response::none(size);
+    let mut factor = 0.0;
+    if let Some(point) = outcome.floor {
+        load = newton.point_load(point.position);
+        response = newton.respond_to(&load, ADJOINT_TOLERANCE)?;
+        let unit_displacement: f64 = load
+            .iter()
+            .zip(&newton.unit.coefficients)
+            .map(|(w, c)| w * c)
+            .sum();
+        factor = 1.0 / (1.0 - unit_displacement);
+    }
+    let unit = newton.unit_sensitivity();
+    let combine = |along_unit: f64, floor: f64| Adjoint {
+        floor,
+        coefficients: (0..size)
+            .map(|k| along_unit * newton.unit.coefficients[k] + floor * response.coefficients[k])
+            .collect(),
+        sensitivity: (0..size)
+            .map(|k| along_unit * unit[k] + floor * (load[k] - response.far[k]))
+            .collect(),
+    };
+    Ok(match target {
+        Target::Force(_) => [combine(0.0, 0.0), combine(-1.0 / stiffness, 0.0)],
+        Target::Floor => [combine(1.0, stiffness * factor), combine(0.0, factor)],
+        Target::Indentation(_) => [combine(1.0, 0.0), combine(0.0, 0.0)],
+    })
+}
+
+/// How partially touched pillars are resolved again.
+///
+/// The error of a node array depends on where the edge of the contact falls between its nodes, so that one
+/// other array may happen to err alike. Five hardly do. Where pillars are many, their errors average out, and
+/// the first is enough.
+fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
+    let nodes = tops.nodes;
+    let [larger, smaller] = if nodes <= 16 {
+        [nodes + 4, nodes + 2]
+    } else {
+        [nodes - 8, nodes - 4]
+    };
+    // Coarser cells differ by more than what is left.
+    let others = [
+        (larger, 0.0, tops.rings / 2),
+        (larger, PI, tops.rings / 2),
+        (smaller, 0.3, 2 * tops.rings / 3),
+        (larger, 0.6, 2 * tops.rings / 5),
+        (smaller, 1.1, 4 * tops.rings / 5),
+    ];
+    let count = if partial <= FEW_PILLARS {
+        others.len()
+    } else {
+        1
+    };
+    let of = |(nodes, turn, rings)| Resolution { nodes, turn, rings };
+    others.into_iter().take(count).map(of).collect()
+}
+
+/// Partially touched pillars up to which each is checked on several node arrays.
+const FEW_PILLARS: usize = 12;
+
+/// Changes of the two results when partially touched pillars are solved on other node arrays. Errors of
+/// pillars that are symmetric copies of each other add up, others do as if their signs were random.
+fn node_changes(
+    newton: &Newton<'_>,
+    total: &[f64],
+    adjoints: [&Adjoint; 2],
+) -> Result<[f64; 2], SolveError> {
+    let modes = newton.modes;
+    let partial: Vec<usize> = (0..newton.window.len())
+        .filter(|&p| newton.status[p] == PillarStatus::Partial)
+        .collect();
+    if partial.is_empty() {
+        return Ok([0.0; 2]);
+    }
+    let mut of_pillars = vec![[0.0_f64; 2]; partial.len()];
+    let mut largest_sum = [0.0_f64; 2];
+    for resolution in other_resolutions(newton.top.resolution(), partial.len()) {
+        let ratio = newton.problem.column_compliance_ratio;
+        let top = PillarTop::new(resolution, newton.degree(), ratio);
+        let work = || (LocalSolver::new(&top), vec![0.0; modes]);
+        let one = |(solver, refined): &mut (LocalSolver, Vec<f64>), number: usize| {
+            let pillar = partial[number];
+            if newton.run.cancel.is_cancelled() {
+                return [0.0; 2];
+            }
+            let load = newton.full_load(pillar);
+            let load = &load[..load.len().min(top.count())];
+            let mut active = solver.first_guess(&top, load);
+            solver.solve(&top, load, &mut active);
+            solver.coefficients(&top, load, refined);
+            adjoints.map(|adjoint| {
+                (0..modes)
+                    .map(|i| {
+                        let index = pillar * modes + i;
+                        adjoint.sensitivity[index] * (refined[i] - total[index])
+                    })
+                    .sum::<f64>()
+            })
+        };
+        let changes = newton.run.workers().map(partial.len(), 1, work, one);
+        newton.run.check_cancelled()?;
+        for k in 0..2 {
+            let sum: f64 = changes.iter().map(|change| change[k]).sum();
+            largest_sum[k] = largest_sum[k].max(sum.abs());
+            for (of_pillar, change) in of_pillars.iter_mut().zip(&changes) {
+                of_pillar[k] = of_pillar[k].max(change[k].abs());
+            }
+        }
+    }
+    let copies = partial.len().min(COPIES) as f64;
+    Ok([0, 1].map(|k| {
+        let squares: f64 = of_pillars.iter().map(|change| change[k] * change[k]).sum();
+        largest_sum[k].max((copies * squares).sqrt())
+    }))
+}
+
+/// Changes of the two results when the coupling takes in the next degrees.
+fn degree_changes(
+    newton: &Newton<'_>,
+    outcome: &Outcome,
+    total: &[f64],
+    adjoints: [&Adjoint; 2],
+) -> Result<[f64; 2], SolveError> {
+    let (modes, extended) = (newton.modes, newton.degree() + EXTRA_DEGREES);
+    let count = mode_count(extended);
+    let neighbours = Neighbours::new(newton, extended);
+    let compliance = compliances(extended, 0.0);
+    let exterior = Exterior::new(extended);
+    let fields = [
+        total,
+        adjoints[0].coefficients.as_slice(),
+        adjoints[1].coefficients.as_slice(),
+    ];
+    let own_load = OwnLoad::new(newton.problem, extended);
+    let loads = || std::array::from_fn(|_| vec![0.0; count]);
+    let one = |[own, floor_load, loads @ ..]: &mut [Vec<f64>; 5], pillar: usize| {
+        if newton.status[pillar] != PillarStatus::Full || newton.run.cancel.is_cancelled() {
+            return [0.0; 2];
+        }
+        neighbours.loads(newton, pillar, fields, loads);
+        own_load.project(newton, pillar, own);
+        if let Some(point) = outcome.floor {
+            let [x, y] = newton.window.centres()[pillar];
+            exterior.values([point.position[0] - x, point.position[1] - y], floor_load);
+        }
+        [0, 1].map(|k| {
+            (modes..count)
+                .map(|i| {
+                    let sensitivity = adjoints[k].floor * floor_load[i] - loads[k + 1][i];
+                    (own[i] - loads[0][i]) * sensitivity / compliance[i]
+                })
+                .sum::<f64>()
+        })
+    };
+    let pillars = newton.window.len();
+    let changes = newton
+        .run
+        .workers()
+        .map(pillars, COSTLY_PILLARS, loads, one);
+    newton.run.check_cancelled()?;
+    let sums = changes
+        .into_iter()
+        .fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+    Ok(sums.map(f64::abs))
+}
+
+/// What the lens shape asks of the extra modes.
+struct OwnLoad {
+    /// None where the lens is a paraboloid as far as one pillar top can tell.
+    projector: Option<LensProjector>,
+}
+
+impl OwnLoad {
+    /// Lens radius, in pillar radii, above which the sphere's difference from a paraboloid over a pillar top
+    /// changes results by less than what is never claimed: 2e-5 at 8, as the inverse square.
+    const SMALL_LENS: f64 = 1000.0;
+
+    fn new(problem: &Problem, degree: usize) -> Self {
+        let small = problem.lens.radius < Self::SMALL_LENS;
+        Self {
+            projector: small.then(|| LensProjector::new(problem, degree)),
+        }
+    }
+
+    fn project(&self, newton: &Newton<'_>, pillar: usize, load: &mut [f64]) {
+        match &self.projector {
+            Some(projector) => {
+                projector.project(newton.problem, newton.window.centres()[pillar], load);
+            }
+            None => load.fill(0.0),
+        }
+    }
+}
+
+/// Coupling blocks to the extra modes from the neighbours of a pillar.
+struct Neighbours {
+    /// Lattice steps from receiver to source, and the block of each: for every present mode, the
+    /// modes beyond.
+    blocks: Vec<((i64, i64), Vec<f64>)>,
+}
+
+impl Neighbours {
+    fn new(newton: &Newton<'_>, degree: usize) -> Self {
+        let lattice = &newton.problem.lattice;
+        let pair = PairCoupling::new(degree, lattice.pitch);
+        let count = mode_count(degree);
+        let modes = newton.modes;
+        let reach = (NEIGHBOURHOOD / lattice.pitch * 2.0 / 3f64.sqrt())
+            .ceil()
+            .max(1.0) as i64;
+        let nearest_ring = 1.01 * lattice.pitch;
+        let mut whole = vec![0.0; count * count];
+        let mut blocks = Vec::new();
+        for i in -reach..=reach {
+            for j in -reach..=reach {
+                let [x, y]: Point = lattice.lattice_vector(i, j);
+                let distance = x.hypot(y);
+                if (i, j) == (0, 0) || distance > NEIGHBOURHOOD.max(nearest_ring) {
+                    continue;
+                }
+                pair.block([-x, -y], &mut whole);
+                let block = (0..modes)
+                    .flat_map(|source| (modes..count).map(move |row| row * count + source))
+                    .map(|place| whole[place])
+                    .collect();
+                blocks.push(((i, j), block));
+            }
+        }
+        Self { blocks }
+    }
+
+    /// Loads on the modes beyond, under several fields of coefficients.
+    fn loads(
+        &self,
+        newton: &Newton<'_>,
+        pillar: usize,
+        fields: [&[f64]; 3],
+        loads: &mut [Vec<f64>; 3],
+    ) {
+        let modes = newton.modes;
+        let (i, j) = newton.window.index(pillar);
+        for load in loads.iter_mut() {
+            load.fill(0.0);
+        }
+        for ((di, dj), block) in &self.blocks {
+            let Some(source) = newton.window.find((i + di, j + dj)) else {
+                continue;
+            };
+            for (load, field) in loads.iter_mut().zip(fields) {
+                let coefficients = &field[source * modes..(source + 1) * modes];
+                add_columns(block, coefficients, &mut load[modes..]);
+            }
+        }
+    }
+}
+
+/// Adds columns of a matrix times coefficients.
+fn add_columns(matrix: &[f64], coefficients: &[f64], sum: &mut [f64]) {
+    widest(
+        #[inline(always)]
+        || {
+            let columns = matrix.chunks_exact(sum.len());
+            for (coefficient, column) in coefficients.iter().zip(columns) {
+                for (value, b) in sum.iter_mut().zip(column) {
+                    *value += coefficient * b;
+                }
+            }
+        },
+    );
+}
+
+/// The error estimate of a solution: none for what was prescribed, all where it is no solution.
+pub(crate) fn unknowns_only(
+    target: Target,
+    termination: Termination,
+    [force, indentation]: [f64; 2],
+) -> ErrorEstimate {
+    if termination != Termination::Converged {
+        return ErrorEstimate {
+            force: 1.0,
+            indentation: 1.0,
+        };
+    }
+    ErrorEstimate {
+        force: match target {
+            Target::Force(_) => 0.0,
+            _ => force,
+        },
+        indentation: match target {
+            Target::Indentation(_) => 0.0,
+            _ => indentation,
+        },
+    }
+}

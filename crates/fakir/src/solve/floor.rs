@@ -1,0 +1,482 @@
+//! The smallest gap between the lens and the floor.
+//!
+//! With the pressure linear in the indentation, `c = zeta c1 + c0`, the floor gap
+//! `Delta(x) = h + f(x) + w(x) - zeta` vanishes at `x` for
+//! `zeta(x) = (h + f + w0)/(1 - w1)`; the smallest of these over the floor is the critical
+//! indentation for frozen contact. With `c1 = 0` the same function is the gap plus `zeta`.
+
+use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::exterior::{Exterior, FieldJet, LaneJets, MAXIMUM_DEGREE};
+use crate::numerics::vector::{LANES, Lanes, widest};
+use crate::numerics::workers::CancelToken;
+use crate::problem::Point;
+use crate::problem::scaled::Problem;
+use crate::state::Run;
+use std::ops::Range;
+
+/// Newton steps from one starting point.
+const STEP_LIMIT: usize = 60;
+
+/// A step this much smaller than the pillar radius ends the search: the value is then exact to
+/// its square.
+const STEP_TOLERANCE: f64 = 1e-9;
+
+/// So does a step that lowers the value by less than this, relatively: it is taken, and what it
+/// lowers the value by is believed.
+const LAST_DESCENT: f64 = 1e-12;
+
+/// Starting points taken from a scan, besides the holes.
+const SCANNED: usize = 8;
+
+/// In textures wider than this pitch (pillar radii) the lowest point may lie anywhere around a
+/// pillar; in denser ones it lies in a hole.
+const WIDE_PITCH: f64 = 8.0;
+
+/// Holes that are searched in dense textures: those with the lowest gap in their middle, which
+/// hardly differs from that at the lowest point. Holes that are alike count once.
+const LOWEST_HOLES: usize = 6;
+
+/// Lowest points from which a search goes on after the first one.
+const REMEMBERED: usize = 3;
+
+/// Relative difference of indentations of contact up to which a low point may become the lowest as the
+/// pressures change. (One that is farther off and does is found in the end, by a search from scratch.)
+const RIVALS: f64 = 2e-3;
+
+/// Relative difference of indentations of contact up to which two holes are alike, being copies of
+/// each other under a symmetry of the lattice.
+const ALIKE: f64 = 1e-9;
+
+/// Loaded discs, all of one radius, and what their pressure does.
+pub(crate) struct LoadedDiscs<'a> {
+    pub(crate) exterior: &'a Exterior,
+    /// Number of coefficients of each disc.
+    pub(crate) modes: usize,
+    /// Centres of the discs that bear pressure.
+    pub(crate) centres: &'a [Point],
+    pub(crate) radius: f64,
+    /// Coefficients `c1` and `c0`, disc by disc.
+    pub(crate) coefficients: [&'a [f64]; 2],
+    pub(crate) run: &'a Run<'a>,
+}
+
+/// A point of the floor with its indentation of contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FloorPoint {
+    pub(crate) position: Point,
+    /// Indentation at which the floor would be touched there, or gap plus indentation.
+    pub(crate) indentation: f64,
+}
+
+/// What the pressures do to the floor.
+pub(crate) trait FloorDisplacement {
+    /// `w1` and `w0` at a point off the pillars, with derivatives.
+    fn displacement(&self, position: Point) -> [FieldJet; 2];
+}
+
+impl LoadedDiscs<'_> {
+    /// The coefficients of a disc.
+    #[inline(always)]
+    fn coefficients_of(&self, set: usize, disc: usize) -> &[f64] {
+        &self.coefficients[set][disc * self.modes..(disc + 1) * self.modes]
+    }
+
+    /// What some discs do.
+    #[inline(always)]
+    fn sums(&self, discs: Range<usize>, [x, y]: Point) -> [LaneJets; 2] {
+        let mut sums = [LaneJets::default(); 2];
+        let scale = self.radius.recip();
+        let zeros = [0.0; NO_LOAD];
+        for first in discs.step_by(LANES) {
+            // Where there are no more discs, one far away that bears nothing.
+            let centre = |lane: usize| self.centres.get(first + lane);
+            let offset = |along: usize, at: f64| {
+                Lanes(std::array::from_fn(|lane| {
+                    centre(lane).map_or(FAR_AWAY, |centre| (at - centre[along]) * scale)
+                }))
+            };
+            let coefficients = |set: usize| {
+                std::array::from_fn(|lane| match centre(lane) {
+                    Some(_) => self.coefficients_of(set, first + lane),
+                    None => &zeros[..],
+                })
+            };
+            self.exterior.add_jets(
+                [offset(0, x), offset(1, y)],
+                [coefficients(0), coefficients(1)],
+                &mut sums,
+            );
+        }
+        sums
+    }
+}
+
+/// Discs that are summed up together, a multiple of [`LANES`].
+const BLOCK: usize = 1024;
+
+/// Blocks a thread takes at a time, at the least.
+const BLOCKS: usize = 4;
+
+/// Coefficients of a disc that is not there, enough for every degree.
+const NO_LOAD: usize = mode_count(MAXIMUM_DEGREE);
+
+/// Where it is, pillar radii.
+const FAR_AWAY: f64 = 1e3;
+
+impl FloorDisplacement for LoadedDiscs<'_> {
+    fn displacement(&self, position: Point) -> [FieldJet; 2] {
+        let count = self.centres.len();
+        let block = |(): &mut (), number: usize| {
+            let discs = number * BLOCK..count.min((number + 1) * BLOCK);
+            widest(
+                #[inline(always)]
+                || self.sums(discs, position),
+            )
+            .map(|sums| sums.sum())
+        };
+        let blocks = self
+            .run
+            .workers()
+            .map(count.div_ceil(BLOCK), BLOCKS, || (), block);
+        let mut sums = [FieldJet::default(); 2];
+        for block in blocks {
+            for (sum, part) in sums.iter_mut().zip(block) {
+                sum.add_scaled(1.0, &part);
+            }
+        }
+        let scale = self.radius.recip();
+        sums.map(|sum| FieldJet {
+            value: sum.value * self.radius,
+            hessian: sum.hessian.map(|h| h * scale),
+            ..sum
+        })
+    }
+}
+
+/// Searches the floor near the lens axis; remembers where the lowest points were.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct FloorSearch {
+    starts: Vec<Point>,
+}
+
+impl FloorSearch {
+    /// The lowest point of `zeta(x)`. `None` if the floor cannot be reached anywhere (nothing
+    /// of it has `w1 < 1`), or if it is cancelled.
+    ///
+    /// The first call looks everywhere near the lens axis, the following ones start from the
+    /// lowest points found before, of which there is one for all that are alike.
+    pub(crate) fn lowest(
+        &mut self,
+        problem: &Problem,
+        loaded: &impl FloorDisplacement,
+        cancel: &CancelToken,
+    ) -> Option<FloorPoint> {
+        if self.starts.is_empty() {
+            self.starts = first_starts(problem, loaded, cancel);
+        }
+        let mut minima: Vec<FloorPoint> = Vec::with_capacity(self.starts.len());
+        for start in &self.starts {
+            let Some(minimum) = descend(problem, loaded, *start, cancel) else {
+                continue;
+            };
+            let known = minima
+                .iter()
+                .any(|other| distance(other.position, minimum.position) < 1e-3);
+            if !known {
+                minima.push(minimum);
+            }
+        }
+        minima.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
+        minima.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
+        let lowest = minima.first().copied();
+        minima.retain(|point| {
+            lowest.is_some_and(|low| point.indentation < low.indentation * (1.0 + RIVALS))
+        });
+        minima.truncate(REMEMBERED);
+        self.starts.clear();
+        self.starts
+            .extend(minima.iter().map(|point| point.position));
+        lowest
+    }
+}
+
+fn distance(a: Point, b: Point) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Distance from the edge of the nearest pillar; negative inside it.
+fn clearance(problem: &Problem, position: Point) -> f64 {
+    let (i, j) = problem.lattice.nearest_pillar(position);
+    distance(problem.lattice.centre(i, j), position) - 1.0
+}
+
+/// `zeta(x)` with derivatives; `None` on pillars, where the floor recedes from the lens, and where
+/// they are no numbers.
+fn indentation_of_contact(
+    problem: &Problem,
+    loaded: &impl FloorDisplacement,
+    position: Point,
+) -> Option<FieldJet> {
+    if clearance(problem, position) <= 0.0 {
+        return None;
+    }
+    let [unit, rest] = loaded.displacement(position);
+    let sag = sag_jet(problem, position)?;
+    let denominator = 1.0 - unit.value;
+    if denominator <= 0.0 {
+        return None;
+    }
+    let mut numerator = rest;
+    numerator.value += problem.height;
+    numerator.add_scaled(1.0, &sag);
+    let value = numerator.value / denominator;
+    // zeta (1 - w1) = N: derivatives by the product rule.
+    let gradient = [0, 1].map(|k| (numerator.gradient[k] + value * unit.gradient[k]) / denominator);
+    let cross = [
+        2.0 * gradient[0] * unit.gradient[0],
+        gradient[0] * unit.gradient[1] + gradient[1] * unit.gradient[0],
+        2.0 * gradient[1] * unit.gradient[1],
+    ];
+    let hessian = [0, 1, 2]
+        .map(|k| (numerator.hessian[k] + value * unit.hessian[k] + cross[k]) / denominator);
+    // A sum is finite only if all of its terms are.
+    let sum = value + gradient.iter().sum::<f64>() + hessian.iter().sum::<f64>();
+    sum.is_finite().then_some(FieldJet {
+        value,
+        gradient,
+        hessian,
+    })
+}
+
+fn sag_jet(problem: &Problem, [x, y]: Point) -> Option<FieldJet> {
+    let radius = problem.lens.radius;
+    let depth_squared = radius * radius - x * x - y * y;
+    if depth_squared <= 0.0 {
+        return None;
+    }
+    let slope = depth_squared.sqrt().recip();
+    let cubed = slope.powi(3);
+    Some(FieldJet {
+        value: problem.sag([x, y]),
+        gradient: [x * slope, y * slope],
+        hessian: [slope + x * x * cubed, x * y * cubed, slope + y * y * cubed],
+    })
+}
+
+/// Newton's method with the Hessian made positive, halving steps that do not descend.
+fn descend(
+    problem: &Problem,
+    loaded: &impl FloorDisplacement,
+    start: Point,
+    cancel: &CancelToken,
+) -> Option<FloorPoint> {
+    let mut position = start;
+    let mut jet = indentation_of_contact(problem, loaded, position)?;
+    for _ in 0..STEP_LIMIT {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        let step = newton_step(&jet);
+        let length = step[0].hypot(step[1]);
+        // Half-way to the nearest edge at the most: beyond it lies a pillar.
+        let longest = 0.5 * clearance(problem, position).max(1e-12);
+        let descent = -0.5 * (step[0] * jet.gradient[0] + step[1] * jet.gradient[1]);
+        if length <= longest && descent <= LAST_DESCENT * jet.value.abs() {
+            position = [position[0] + step[0], position[1] + step[1]];
+            jet.value -= descent;
+            break;
+        }
+        let mut factor = if length > longest {
+            longest / length
+        } else {
+            1.0
+        };
+        let mut moved = None;
+        while factor * length > 0.1 * STEP_TOLERANCE {
+            let trial = [
+                position[0] + factor * step[0],
+                position[1] + factor * step[1],
+            ];
+            if let Some(next) = indentation_of_contact(problem, loaded, trial)
+                && next.value <= jet.value
+            {
+                moved = Some((trial, next));
+                break;
+            }
+            factor *= 0.5;
+        }
+        let Some((trial, next)) = moved else { break };
+        (position, jet) = (trial, next);
+        if factor * length < STEP_TOLERANCE {
+            break;
+        }
+    }
+    Some(FloorPoint {
+        position,
+        indentation: jet.value,
+    })
+}
+
+/// `- |H|^-1 g`, with `|H|` the Hessian with the absolute values of its eigenvalues.
+fn newton_step(jet: &FieldJet) -> [f64; 2] {
+    let [a, b, c] = jet.hessian;
+    let [gx, gy] = jet.gradient;
+    let mean = 0.5 * (a + c);
+    let spread = (0.5 * (a - c)).hypot(b);
+    let angle = 0.5 * (2.0 * b).atan2(a - c);
+    let (sin, cos) = angle.sin_cos();
+    let floor = 1e-6 * (mean.abs() + spread) + f64::MIN_POSITIVE;
+    let along = (gx * cos + gy * sin) / (mean + spread).abs().max(floor);
+    let across = (gy * cos - gx * sin) / (mean - spread).abs().max(floor);
+    [-(along * cos - across * sin), -(along * sin + across * cos)]
+}
+
+/// Where to start: holes and bridges near the lens axis, the lens axis itself, and in wide
+/// textures rings around the nearest pillars, as far as they promise a low gap.
+fn first_starts(
+    problem: &Problem,
+    loaded: &impl FloorDisplacement,
+    cancel: &CancelToken,
+) -> Vec<Point> {
+    let lattice = &problem.lattice;
+    let pitch = lattice.pitch;
+    let (i0, j0) = lattice.nearest_pillar([0.0, 0.0]);
+    let mut pillars: Vec<Point> = (-2..=2)
+        .flat_map(|i| (-2..=2).map(move |j| (i0 + i, j0 + j)))
+        .map(|(i, j)| lattice.centre(i, j))
+        .collect();
+    pillars.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+    let hole = pitch / 3f64.sqrt();
+    let mut holes: Vec<Point> = Vec::new();
+    for point in pillars
+        .iter()
+        .flat_map(|[x, y]| [[x + hole, *y], [x - hole, *y]])
+    {
+        let near = point[0].hypot(point[1]) < 1.6 * pitch;
+        if near
+            && holes
+                .iter()
+                .all(|other| distance(*other, point) > 0.1 * pitch)
+        {
+            holes.push(point);
+        }
+    }
+    let mut others = vec![[0.0, 0.0]];
+    if pitch > WIDE_PITCH {
+        for [x, y] in &pillars[..3] {
+            let widest = pitch - 1.5;
+            for ring in 0..12 {
+                let radius = 1.1 * (widest / 1.1).powf(f64::from(ring) / 11.0);
+                for step in 0..12 {
+                    let angle = std::f64::consts::PI / 6.0 * f64::from(step);
+                    others.push([x + radius * angle.cos(), y + radius * angle.sin()]);
+                }
+            }
+        }
+    }
+    let mut rated: Vec<(f64, Point)> = others
+        .into_iter()
+        .take_while(|_| !cancel.is_cancelled())
+        .filter_map(|point| Some((indentation_of_contact(problem, loaded, point)?.value, point)))
+        .collect();
+    rated.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut starts = if pitch > WIDE_PITCH {
+        holes
+    } else {
+        lowest_holes(problem, loaded, &holes, cancel)
+    };
+    let separation = 0.12 * pitch;
+    let mut added: Vec<Point> = Vec::new();
+    for (_, point) in rated {
+        if added.len() == SCANNED {
+            break;
+        }
+        if added
+            .iter()
+            .all(|other| distance(*other, point) > separation)
+        {
+            added.push(point);
+        }
+    }
+    starts.extend(added);
+    starts
+}
+
+/// The holes with the lowest gap, one of those that are alike.
+fn lowest_holes(
+    problem: &Problem,
+    loaded: &impl FloorDisplacement,
+    holes: &[Point],
+    cancel: &CancelToken,
+) -> Vec<Point> {
+    let mut rated: Vec<FloorPoint> = holes
+        .iter()
+        .take_while(|_| !cancel.is_cancelled())
+        .filter_map(|&position| {
+            let indentation = indentation_of_contact(problem, loaded, position)?.value;
+            Some(FloorPoint {
+                position,
+                indentation,
+            })
+        })
+        .collect();
+    rated.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
+    rated.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
+    rated.truncate(LOWEST_HOLES);
+    rated.into_iter().map(|point| point.position).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Displacements with one number that is none.
+    struct Odd(fn(&mut FieldJet));
+
+    impl FloorDisplacement for Odd {
+        fn displacement(&self, _: Point) -> [FieldJet; 2] {
+            let mut jets = [FieldJet::default(); 2];
+            self.0(&mut jets[1]);
+            jets
+        }
+    }
+
+    #[test]
+    fn no_point_is_the_lowest_among_undefined_ones() {
+        let problem = crate::solve::newton::tests::problem();
+        let cancel = CancelToken::default();
+        let lowest = |odd| FloorSearch::default().lowest(&problem, &Odd(odd), &cancel);
+        assert!(lowest(|_| ()).is_some());
+        for odd in [
+            |jet: &mut FieldJet| jet.value = f64::NAN,
+            |jet: &mut FieldJet| jet.value = f64::NEG_INFINITY,
+            |jet: &mut FieldJet| jet.gradient[1] = f64::NAN,
+            |jet: &mut FieldJet| jet.hessian[2] = f64::NAN,
+        ] {
+            assert!(lowest(odd).is_none());
+        }
+    }
+
+    #[test]
+    fn newton_step_descends_on_a_saddle() {
+        let jet = FieldJet {
+            value: 0.0,
+            gradient: [1.0, -2.0],
+            hessian: [3.0, 0.5, -1.0],
+        };
+        let step = newton_step(&jet);
+        assert!(step[0] * jet.gradient[0] + step[1] * jet.gradient[1] < 0.0);
+    }
+
+    #[test]
+    fn newton_step_is_exact_on_a_bowl() {
+        let jet = FieldJet {
+            value: 0.0,
+            gradient: [0.8, -0.3],
+            hessian: [2.0, 0.4, 1.0],
+        };
+        let [x, y] = newton_step(&jet);
+        assert!((2.0 * x + 0.4 * y + 0.8).abs() < 1e-14);
+        assert!((0.4 * x + 1.0 * y - 0.3).abs() < 1e-14);
+    }
+}

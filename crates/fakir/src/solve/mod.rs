@@ -1,0 +1,12 @@
+//! How questions are answered: the contact conditions on all pillars, the windows, starts and growth around them, error
+//! estimates, and [`elements`].
+
+pub(crate) mod answers;
+pub mod elements;
+mod estimate;
+pub(crate) mod floor;
+pub(crate) mod newton;
+mod reach;
+pub(crate) mod rules;
+pub(crate) mod spectral;
+mod touched;

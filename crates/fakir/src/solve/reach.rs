@@ -1,0 +1,332 @@
+//! How far the contact reaches from the lens axis, and how well that is known.
+//!
+//! Where the farthest pillar is covered in full, its rim is the answer. Where the edge of the contact crosses
+//! it, the covered part is found from the gap (see [`covered`](crate::halfspace::disc::covered)) of a solution on
+//! more nodes, for the candidates that reach farthest. And a pillar that is about to be touched, or only just
+//! is, makes the radius uncertain by as much as it would change.
+
+use super::newton::Newton;
+use super::rules::unilateral::{LocalSolver, PillarTop};
+use super::touched::TouchedPillar;
+use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with};
+use crate::halfspace::disc::covered::{CoverFinder, Region};
+use crate::halfspace::disc::nodes::Resolution;
+use crate::numerics::vector::{dot, subtract};
+use crate::problem::PunchForm;
+use crate::state::PillarStatus;
+use std::f64::consts::TAU;
+
+/// Degree of the nodes on which the farthest pillars are solved again, where they were coarser.
+const FINE_DEGREE: usize = 12;
+
+/// Candidates that are solved again.
+const CANDIDATES: usize = 3;
+
+/// Error of the place of the contact edge on one pillar top by degree of the nodes, pillar radii: the
+/// largest differences from elements of a 192nd of the diameter over 150 random loads.
+const EDGE_ERROR: [(usize, f64); 3] = [(8, 0.12), (12, 0.06), (usize::MAX, 0.04)];
+
+/// Error of a rim that lifts off between two nodes, pillar radii.
+const LIFT_OFF: f64 = 0.02;
+
+/// Part of the largest edge coefficient below which it may change its sign between nodes.
+const NEAR_LIFT_OFF: f64 = 0.05;
+
+/// How well the gap over a pillar is known: this part of the indentation, and the gap that the lens opens
+/// over this part of the pillar radius.
+const GAP_ERROR: f64 = 1e-4;
+const PLACE_ERROR: f64 = 0.03;
+
+/// Distance from the lens axis of the farthest point in contact and its error, pillar radii.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reach {
+    pub(super) radius: f64,
+    pub(super) error: f64,
+}
+
+/// How far one pillar reaches.
+struct Candidate<'p> {
+    pillar: &'p TouchedPillar,
+    reach: f64,
+    error: f64,
+}
+
+/// How far the contact reaches. The pillars are in the order of their distance.
+pub(super) fn contact_reach(
+    newton: &Newton<'_>,
+    indentation: f64,
+    touched: &[TouchedPillar],
+) -> Reach {
+    let degree = degree_with(newton.top.count());
+    let mut finder = CoverFinder::new(degree);
+    let coarse_error = edge_error(degree);
+    let mut candidates: Vec<Candidate<'_>> = Vec::new();
+    let mut farthest = 0.0_f64;
+    for pillar in touched.iter().rev() {
+        let distance = distance_of(pillar);
+        // The order is by rounded distances.
+        if distance + 1.0 < farthest - coarse_error - 1e-3 {
+            break;
+        }
+        let (reach, error) = match (&pillar.disc.sliver, &pillar.disc.gap) {
+            (Some(edge), _) => (edge.reach, edge.error),
+            (None, None) => (distance + 1.0, full_error(pillar)),
+            (None, Some(gap)) => {
+                let axis = pillar.disc.centre.map(|x| -x);
+                let at_rim = finder.farthest_corner(gap, axis);
+                let reach = at_rim.or_else(|| {
+                    let region = finder.region(&pillar.disc.coefficients, gap)?;
+                    Some(region.farthest_from(axis))
+                });
+                // Of a contact too small to be seen, its nearest point.
+                let nearest = (distance - 1.0).max(0.0);
+                (reach.unwrap_or(0.0).max(nearest), coarse_error)
+            }
+        };
+        farthest = farthest.max(reach);
+        candidates.push(Candidate {
+            pillar,
+            reach,
+            error,
+        });
+    }
+    candidates.retain(|candidate| candidate.reach >= farthest - 2.0 * coarse_error);
+    candidates.sort_by(|a, b| b.reach.total_cmp(&a.reach));
+    refine(newton, &mut candidates, &mut finder);
+    let Some(best) = candidates
+        .iter()
+        .max_by(|a, b| (a.reach - a.error).total_cmp(&(b.reach - b.error)))
+    else {
+        return Reach {
+            radius: 0.0,
+            error: 0.0,
+        };
+    };
+    let radius = best.reach;
+    // Others that may reach farther.
+    let error = candidates
+        .iter()
+        .map(|other| other.reach + other.error - radius)
+        .fold(best.error, f64::max);
+    Reach {
+        radius,
+        error: error.max(marginal(newton, indentation, touched, radius)),
+    }
+}
+
+fn distance_of(pillar: &TouchedPillar) -> f64 {
+    let [x, y] = pillar.disc.centre;
+    x.hypot(y)
+}
+
+fn edge_error(degree: usize) -> f64 {
+    let known = EDGE_ERROR.iter().find(|(most, _)| degree <= *most);
+    known.map_or(1.0, |(_, error)| *error)
+}
+
+/// A pillar that is covered in full has its rim where it is, unless that is about to lift off.
+fn full_error(pillar: &TouchedPillar) -> f64 {
+    match pillar.state.edge_coefficient {
+        Some([least, most]) if least < NEAR_LIFT_OFF * most => LIFT_OFF,
+        _ => 0.0,
+    }
+}
+
+/// Looks closer at the first partially touched candidates, on more nodes where there were few.
+fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut CoverFinder) {
+    let mut partial = candidates
+        .iter_mut()
+        .filter(|candidate| {
+            let disc = &candidate.pillar.disc;
+            disc.gap.is_some() && disc.sliver.is_none()
+        })
+        .take(CANDIDATES)
+        .peekable();
+    if partial.peek().is_none() {
+        return;
+    }
+    let mut finer = (degree_with(newton.top.count()) < FINE_DEGREE).then(|| Finer::new(newton));
+    for candidate in partial {
+        let axis = candidate.pillar.disc.centre.map(|x| -x);
+        let region = match (&mut finer, &candidate.pillar.disc.gap) {
+            (Some(finer), _) => finer.region(newton, candidate.pillar.place),
+            (None, Some(gap)) => finder.region(&candidate.pillar.disc.coefficients, gap),
+            (None, None) => None,
+        };
+        if let Some(region) = region {
+            let reach = region.farthest_from(axis);
+            // Where two solutions differ by more than usual, so may the truth.
+            let change = (reach - candidate.reach).abs();
+            let degree = degree_with(newton.top.count()).max(FINE_DEGREE);
+            candidate.error = edge_error(degree) + change;
+            candidate.reach = reach;
+        }
+    }
+}
+
+/// Solutions of single pillars on more nodes.
+struct Finer {
+    top: PillarTop,
+    compliance: Vec<f64>,
+    solver: LocalSolver,
+    finder: CoverFinder,
+}
+
+impl Finer {
+    fn new(newton: &Newton<'_>) -> Self {
+        let kappa = newton.problem.column_compliance_ratio;
+        let resolution = Resolution::of_nodes(FINE_DEGREE);
+        let top = PillarTop::new(resolution, newton.degree(), kappa);
+        Self {
+            compliance: compliances(FINE_DEGREE, kappa),
+            solver: LocalSolver::new(&top),
+            finder: CoverFinder::new(FINE_DEGREE),
+            top,
+        }
+    }
+
+    /// What is covered of a pillar; `None` if that is not found.
+    fn region(&mut self, newton: &Newton<'_>, pillar: usize) -> Option<Region> {
+        let load = newton.full_load(pillar);
+        let mut active = self.solver.first_guess(&self.top, &load);
+        if !self.solver.solve(&self.top, &load, &mut active).converged {
+            return None;
+        }
+        let mut density = vec![0.0; self.top.count()];
+        self.solver.coefficients(&self.top, &load, &mut density);
+        let modes = density.iter().zip(&self.compliance);
+        let mut gap: Vec<f64> = modes.map(|(c, lambda)| c * lambda).collect();
+        subtract(&mut gap, &load);
+        self.finder.region(&density, &gap)
+    }
+}
+
+/// By how much the radius would change if pillars that are about to be touched were, and those that only
+/// just are were not.
+fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], radius: f64) -> f64 {
+    let margin = GAP_ERROR * indentation;
+    let rim = RimGap::new(newton);
+    let may_touch = |pillar: usize| {
+        let [gap, unknown] = rim.least(newton, pillar);
+        gap < margin + unknown
+    };
+    let may_not_touch = |pillar: usize| {
+        let [gap, unknown] = rim.least(newton, pillar);
+        gap > -margin - unknown
+    };
+    let mut change = 0.0_f64;
+    let outer = radius + 1.0 + 1.2 * newton.problem.lattice.pitch;
+    for (pillar, centre) in newton.window.centres().iter().enumerate() {
+        let nearest = centre[0].hypot(centre[1]) - 1.0;
+        if newton.status[pillar] != PillarStatus::Untouched || nearest <= radius || nearest > outer
+        {
+            continue;
+        }
+        if nearest - radius > change && may_touch(pillar) {
+            change = nearest - radius;
+        }
+    }
+    // The farthest that are touched only just, and the first that is for certain.
+    let mut just = false;
+    for pillar in touched.iter().rev() {
+        let distance = distance_of(pillar);
+        if distance + 1.0 <= radius - change {
+            break;
+        }
+        let marginal = pillar.state.status == PillarStatus::Partial && may_not_touch(pillar.place);
+        if marginal {
+            just = true;
+        } else if just {
+            // At the least its nearest point.
+            let reach = (distance - 1.0).max(0.0);
+            return change.max(radius - reach);
+        } else {
+            break;
+        }
+    }
+    change
+}
+
+/// The gap around the rim of a pillar if nothing of it were touched.
+struct RimGap {
+    /// Modes around the rim, place by place.
+    values: Vec<f64>,
+    count: usize,
+}
+
+impl RimGap {
+    fn new(newton: &Newton<'_>) -> Self {
+        const PLACES: usize = 48;
+        let mut basis = BasisEvaluator::new(newton.load_degree());
+        let count = basis.modes().len();
+        let mut values = vec![0.0; PLACES * count];
+        for (k, row) in values.chunks_exact_mut(count).enumerate() {
+            let (sin, cos) = (TAU * k as f64 / PLACES as f64).sin_cos();
+            basis.evaluate_polar(0.0, 1.0, [cos, sin], row);
+        }
+        Self { values, count }
+    }
+
+    /// The least, less what is not known of where it is.
+    fn least(&self, newton: &Newton<'_>, pillar: usize) -> [f64; 2] {
+        let load = newton.full_load(pillar);
+        let (least, most) = self
+            .values
+            .chunks_exact(self.count)
+            .map(|row| -dot(&row[..load.len()], &load))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), gap| {
+                (least.min(gap), most.max(gap))
+            });
+        [least, 0.5 * PLACE_ERROR * (most - least)]
+    }
+}
+
+/// What the punch lattices leave out of the gap over a pillar, relative to the indentation, plain and
+/// corrected.
+const PUNCH_GAP_ERROR: [f64; 2] = [0.1, 0.02];
+
+/// How far the contact reaches on a punch lattice, where pillars are touched as a whole.
+pub(super) fn punch_reach(
+    newton: &Newton<'_>,
+    form: PunchForm,
+    indentation: f64,
+    touched: &[TouchedPillar],
+) -> Reach {
+    let Some(farthest) = touched.last() else {
+        // The nearest may be touched in part.
+        return Reach {
+            radius: 0.0,
+            error: newton.problem.nearest_edge() + 2.0,
+        };
+    };
+    let radius = distance_of(farthest) + 1.0;
+    let [plain, corrected] = PUNCH_GAP_ERROR;
+    let margin = indentation
+        * match form {
+            PunchForm::Plain => plain,
+            PunchForm::Corrected => corrected,
+        };
+    // Loads at centres, and how much more the lens comes down over the nearest point of the rim.
+    let sag = |distance: f64| newton.problem.lens.sag(distance);
+    let outer = radius + 2.0 * newton.problem.lattice.pitch;
+    let mut error = 2.0_f64;
+    for (pillar, [x, y]) in newton.window.centres().iter().enumerate() {
+        let distance = x.hypot(*y);
+        let untouched = newton.status[pillar] == PillarStatus::Untouched;
+        if untouched && distance > radius - 1.0 && distance < outer {
+            let mean = newton.mean_load(pillar);
+            if mean + sag(distance) - sag((distance - 1.0).max(0.0)) > -margin {
+                error = error.max(distance + 1.0 - radius);
+            }
+        }
+    }
+    // The first that is touched for certain.
+    for pillar in touched.iter().rev() {
+        let distance = distance_of(pillar);
+        error = error.max(radius - (distance - 1.0).max(0.0));
+        if newton.mean_load(pillar.place) > margin {
+            break;
+        }
+    }
+    Reach { radius, error }
+}

@@ -1,0 +1,5 @@
+//! What a pillar top does next under the load on it.
+
+pub(crate) mod patch;
+pub(crate) mod rim;
+pub(crate) mod unilateral;

@@ -1,0 +1,546 @@
+//! A sliver of contact at the rim of a pillar top, by elements.
+//!
+//! A lens that stands beside a pillar touches its rim first, and for a while no more than a sliver along
+//! it: too little for the nodes of [`unilateral`](super::unilateral) to see. The sliver lies within the part
+//! of the top that is asked to come down, which is divided into rings and sectors. Along the covered rim the
+//! pressure is infinite as the inverse root of the distance, so rings are graded quadratically
+//! towards it. Every cell bears a constant pressure, and none pulls: with `f` the forces on the cells, `H` the
+//! mean displacement of one cell per force on another and `V` the modes at the cells,
+//!
+//! ```text
+//! f >= 0,   gap = H f - V b >= 0,   f·gap = 0,   c = V' f,
+//! ```
+//!
+//! where `b` is the load and `c` are the coefficients of the pressure, `c_i = ∫ p Y_i dA`.
+//!
+//! `H` is a Galerkin mean over both cells. Seen from each other, cells are rectangles at the true distance of
+//! their centres; the mean of `1/r` over two aligned rectangles is a fourth difference of
+//! `x^2 y ln(y + r)/2 + x y^2 ln(x + r)/2 - r^3/6`.
+
+use crate::halfspace::disc::basis::{BasisEvaluator, mode_count};
+use crate::halfspace::disc::nodes::Resolution;
+use crate::numerics::pivoting::{PivotSolver, Pivoting};
+use crate::problem::Point;
+use crate::state::fields::SliverEdge;
+use std::f64::consts::{PI, TAU};
+
+/// Places around the rim at which a sliver is looked for.
+const RIM_PLACES: usize = 48;
+
+/// Largest half angle of a sliver, rad, and largest depth from the rim inwards, in pillar radii.
+const LARGEST: [f64; 2] = [1.5, 0.7];
+
+/// A sliver that is one stays one up to this much larger, so that no pillar goes back and forth.
+const HYSTERESIS: f64 = 1.1;
+
+/// Depth below which nothing is resolved: rounding of the cells' mean displacements.
+const SHALLOWEST: f64 = 1e-9;
+
+/// Halvings in search of an end of the sliver.
+const HALVINGS: usize = 60;
+
+/// Where a pillar top is asked to come down: a part along its rim.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sliver {
+    /// Direction of its middle from the centre of the pillar, rad.
+    direction: f64,
+    half_angle: f64,
+    depth: f64,
+}
+
+/// The modes along the rim.
+pub(crate) struct Rim {
+    basis: BasisEvaluator,
+    values: Vec<f64>,
+    /// The modes at the places around the rim, place by place.
+    places: Vec<f64>,
+    /// By how much each mode can be larger between two places than at the larger of them.
+    between: Vec<f64>,
+}
+
+impl Rim {
+    pub(crate) fn new(degree: usize) -> Self {
+        let mut basis = BasisEvaluator::new(degree);
+        let count = basis.modes().len();
+        let mut places = vec![0.0; RIM_PLACES * count];
+        for (place, values) in places.chunks_exact_mut(count).enumerate() {
+            let (sin, cos) = Self::angle(place).sin_cos();
+            basis.evaluate_polar(0.0, 1.0, [cos, sin], values);
+        }
+        // Half the square of half a step times the second derivative.
+        let half_step = 0.5 * Self::angle(1);
+        let modes = basis.modes().iter().enumerate();
+        let between = modes
+            .map(|(index, mode)| {
+                let column = places.iter().skip(index).step_by(count);
+                let largest = column.fold(0.0_f64, |largest, value| largest.max(value.abs()));
+                0.5 * (half_step * mode.order as f64).powi(2) * largest
+            })
+            .collect();
+        Self {
+            basis,
+            values: vec![0.0; count],
+            places,
+            between,
+        }
+    }
+
+    fn angle(place: usize) -> f64 {
+        TAU * place as f64 / RIM_PLACES as f64
+    }
+
+    /// What a point is asked to come down by.
+    fn wanted(&mut self, load: &[f64], angle: f64, depth: f64) -> f64 {
+        let (sin, cos) = angle.sin_cos();
+        let mu = (depth * (2.0 - depth)).sqrt();
+        self.basis
+            .evaluate_polar(mu, 1.0 - depth, [cos, sin], &mut self.values);
+        self.values.iter().zip(load).map(|(y, b)| y * b).sum()
+    }
+
+    /// The highest of the places that are looked at, and by how much it is asked to come down.
+    fn highest_place(&self, load: &[f64]) -> (f64, f64) {
+        let count = self.values.len();
+        let of_place =
+            |values: &[f64]| -> f64 { values.iter().zip(load).map(|(y, b)| y * b).sum() };
+        let wanted = self.places.chunks_exact(count).map(of_place);
+        let (place, wanted) =
+            wanted
+                .enumerate()
+                .fold((0, f64::NEG_INFINITY), |best, (place, wanted)| {
+                    if wanted > best.1 {
+                        (place, wanted)
+                    } else {
+                        best
+                    }
+                });
+        (Self::angle(place), wanted)
+    }
+
+    /// Change of what the rim is asked to come down by with the angle.
+    fn slope(&mut self, load: &[f64], angle: f64) -> f64 {
+        let (sin, cos) = angle.sin_cos();
+        self.basis
+            .evaluate_polar(0.0, 1.0, [cos, sin], &mut self.values);
+        let (modes, values) = (self.basis.modes(), &self.values);
+        // A cosine comes just before its sine.
+        (1..load.len().min(values.len()))
+            .filter(|&k| modes[k].sine)
+            .map(|k| modes[k].order as f64 * (load[k] * values[k - 1] - load[k - 1] * values[k]))
+            .sum()
+    }
+
+    /// The maximum next to a place, where the slope changes its sign.
+    fn maximum_near(&mut self, load: &[f64], angle: f64) -> (f64, f64) {
+        let step = Self::angle(1);
+        let start = angle - step;
+        let rises = |rim: &mut Self, along: f64| rim.slope(load, start + along);
+        let along = first_zero(2.0 * step, |along| rises(self, along)).unwrap_or(step);
+        (start + along, self.wanted(load, start + along, 0.0))
+    }
+
+    /// Whether any place of the rim is asked to come down.
+    pub(crate) fn is_touched(&mut self, load: &[f64]) -> bool {
+        let (angle, wanted) = self.highest_place(load);
+        let between = self.between.iter().zip(load);
+        let between: f64 = between.map(|(most, b)| most * b.abs()).sum();
+        wanted > 0.0 || (wanted + between > 0.0 && self.maximum_near(load, angle).1 > 0.0)
+    }
+
+    /// The sliver along the rim that is asked to come down, if that is all that is. It may be a little larger
+    /// where it was one `before`.
+    pub(crate) fn sliver(&mut self, load: &[f64], before: bool) -> Option<Sliver> {
+        let slack = if before { HYSTERESIS } else { 1.0 };
+        let [largest_angle, largest_depth] = LARGEST.map(|largest| largest * slack);
+        let (place, _) = self.highest_place(load);
+        // Most contacts reach farther inwards.
+        if self.wanted(load, place, largest_depth) > 0.0 {
+            return None;
+        }
+        let (direction, wanted) = self.maximum_near(load, place);
+        if wanted.is_nan() || wanted <= 0.0 {
+            return None;
+        }
+        let depth = first_zero(largest_depth, |depth| self.wanted(load, direction, depth))?;
+        let [left, right] = [-1.0_f64, 1.0].map(|side| {
+            first_zero(largest_angle, |angle| {
+                self.wanted(load, direction + side * angle, 0.0)
+            })
+        });
+        (depth > SHALLOWEST).then_some(Sliver {
+            direction,
+            half_angle: left?.max(right?),
+            depth,
+        })
+    }
+}
+
+/// Where a function that is positive at zero and falls ends to be; `None` if it is positive at the largest
+/// argument.
+fn first_zero(largest: f64, mut function: impl FnMut(f64) -> f64) -> Option<f64> {
+    if function(largest) > 0.0 {
+        return None;
+    }
+    let (mut low, mut high) = (0.0, largest);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if function(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(high)
+}
+
+/// The contact on the cells of a sliver.
+pub(crate) struct RimSolver {
+    /// Sectors and rings.
+    shape: [usize; 2],
+    column_compliance_ratio: f64,
+    basis: BasisEvaluator,
+    pivot: PivotSolver,
+    /// `H`
+    influence: Vec<f64>,
+    /// `V`, cell by cell.
+    values: Vec<f64>,
+    /// Modes, and those by which pillars act on each other.
+    count: usize,
+    lead: usize,
+    room: Vec<f64>,
+    cells: Vec<Cell>,
+}
+
+/// A cell, by its middle in polar coordinates of the pillar and its extents.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    angle: f64,
+    radius: f64,
+    /// Along the rim, and across.
+    sides: [f64; 2],
+}
+
+impl RimSolver {
+    /// As finely as `resolution` says, for a pillar top of as many modes as its nodes have, the leading `lead` of which
+    /// act on other pillars.
+    pub(crate) fn new(resolution: Resolution, lead: usize, column_compliance_ratio: f64) -> Self {
+        let shape = [2 * resolution.rings, resolution.rings];
+        let size = shape[0] * shape[1];
+        let count = mode_count(resolution.nodes);
+        Self {
+            shape,
+            column_compliance_ratio,
+            basis: BasisEvaluator::new(resolution.nodes),
+            pivot: PivotSolver::new(size),
+            influence: vec![0.0; size * size],
+            values: vec![0.0; size * count],
+            count,
+            lead,
+            room: vec![0.0; size * lead],
+            cells: Vec::with_capacity(size),
+        }
+    }
+
+    /// Divides a sliver into cells, ring by ring.
+    fn divide(&mut self, sliver: &Sliver) {
+        let [along, across] = self.shape;
+        let step = 2.0 * sliver.half_angle / along as f64;
+        let depth = |ring: usize| sliver.depth * (ring as f64 / across as f64).powi(2);
+        self.cells.clear();
+        for ring in 0..across {
+            let (outer, inner) = (depth(ring), depth(ring + 1));
+            let radius = 1.0 - 0.5 * (outer + inner);
+            for sector in 0..along {
+                let angle = sliver.direction - sliver.half_angle + step * (sector as f64 + 0.5);
+                self.cells.push(Cell {
+                    angle,
+                    radius,
+                    sides: [radius * step, inner - outer],
+                });
+            }
+        }
+        for (cell, values) in self
+            .cells
+            .iter()
+            .zip(self.values.chunks_exact_mut(self.count))
+        {
+            let (sin, cos) = cell.angle.sin_cos();
+            let depth = 1.0 - cell.radius;
+            let mu = (depth * (2.0 - depth)).sqrt();
+            self.basis
+                .evaluate_polar(mu, cell.radius, [cos, sin], values);
+        }
+        // The same for all pairs of sectors equally far apart.
+        let size = along * across;
+        let column = 0.5 * self.column_compliance_ratio;
+        for ring in 0..across {
+            for other in ring..across {
+                let (a, b) = (self.cells[ring * along], self.cells[other * along]);
+                for apart in 0..along {
+                    let value = mean_influence(&a, &b, step * apart as f64) + column;
+                    for first in 0..along - apart {
+                        for [i, j] in [[first, first + apart], [first + apart, first]] {
+                            let (row, col) = (ring * along + i, other * along + j);
+                            self.influence[row * size + col] = value;
+                            self.influence[col * size + row] = value;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Solves for a load. `active` marks the cells in contact: the first guess on entry, if it is of as many
+    /// cells, the solution on return.
+    pub(crate) fn solve(
+        &mut self,
+        sliver: &Sliver,
+        load: &[f64],
+        active: &mut Vec<bool>,
+    ) -> Pivoting {
+        self.divide(sliver);
+        let wanted = self.values.chunks_exact(self.count).map(|values| {
+            let terms = values.iter().zip(load);
+            terms.map(|(y, b)| y * b).sum::<f64>()
+        });
+        for (constant, wanted) in self.pivot.constant.iter_mut().zip(wanted) {
+            *constant = -wanted;
+        }
+        if active.len() != self.cells.len() {
+            *active = self.pivot.constant.iter().map(|gap| *gap < 0.0).collect();
+        }
+        self.pivot.solve(&self.influence, active)
+    }
+
+    /// `c = V' f`, as many as `coefficients` holds.
+    pub(crate) fn coefficients(&self, coefficients: &mut [f64]) {
+        coefficients.fill(0.0);
+        for (cell, force) in self.pivot.multipliers() {
+            let values = &self.values[cell * self.count..(cell + 1) * self.count];
+            for (c, value) in coefficients.iter_mut().zip(values) {
+                *c += value * force;
+            }
+        }
+    }
+
+    /// Derivative of the leading coefficients with respect to the leading load with the cells in contact
+    /// held, `V' H^-1 V` over these, row by row.
+    pub(crate) fn derivative(&mut self, derivative: &mut [f64]) {
+        let (values, count) = (&self.values, self.count);
+        self.pivot
+            .projected_inverse(self.lead, &mut self.room, derivative, |cell, mode| {
+                values[cell * count + mode]
+            });
+    }
+
+    /// Where the contact ends, and how far it reaches from an axis given from the centre of the pillar.
+    pub(crate) fn edge(&self, [x, y]: Point) -> SliverEdge {
+        let [along, _] = self.shape;
+        let mut edge = SliverEdge {
+            points: Vec::new(),
+            reach: 0.0,
+            error: 0.0,
+        };
+        // The innermost cell in contact of every sector.
+        let mut innermost: Vec<Option<Cell>> = vec![None; along];
+        for (cell, force) in self.pivot.multipliers() {
+            if force > 0.0 {
+                innermost[cell % along] = Some(self.cells[cell]);
+            }
+        }
+        for cell in innermost.iter().flatten() {
+            let corners = cell.corners();
+            let [_, _, inner, other_inner] = corners;
+            let middle = [0, 1].map(|axis| 0.5 * (inner[axis] + other_inner[axis]));
+            edge.points.push(middle);
+            let distances = corners.map(|[u, v]| (u - x).hypot(v - y));
+            let farthest = distances.into_iter().fold(0.0, f64::max);
+            let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
+            if farthest > edge.reach {
+                (edge.reach, edge.error) = (farthest, farthest - nearest);
+            }
+        }
+        let ends = [
+            innermost.iter().flatten().next(),
+            innermost.iter().flatten().last(),
+        ];
+        for (cell, side) in ends.into_iter().zip([-1.0, 1.0]) {
+            let Some(cell) = cell else { continue };
+            let angle = cell.angle + side * 0.5 * cell.sides[0] / cell.radius;
+            let (sin, cos) = angle.sin_cos();
+            edge.points.push([cos, sin]);
+        }
+        edge
+    }
+}
+
+impl Cell {
+    /// Two corners on the outer side, two on the inner.
+    fn corners(&self) -> [Point; 4] {
+        let turn = 0.5 * self.sides[0] / self.radius;
+        [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(along, across)| {
+            let (sin, cos) = (self.angle + along * turn).sin_cos();
+            let radius = self.radius + 0.5 * across * self.sides[1];
+            [radius * cos, radius * sin]
+        })
+    }
+}
+
+/// Mean displacement of one cell per force on another whose sector is `angle` away: the mean of `1/(pi r)`.
+fn mean_influence(one: &Cell, other: &Cell, angle: f64) -> f64 {
+    /// Distance over the longest side from which the second moments of the cells are enough.
+    const FAR: f64 = 4.0;
+    let x = 2.0 * (one.radius * other.radius).sqrt() * (0.5 * angle).sin();
+    let y = one.radius - other.radius;
+    let distance = x.hypot(y);
+    let longest = [one, other]
+        .iter()
+        .flat_map(|cell| cell.sides)
+        .fold(0.0, f64::max);
+    let mean = if distance > FAR * longest {
+        // 1/r and its second derivatives times the variances of the differences of coordinates.
+        let [x_variance, y_variance] =
+            [0, 1].map(|axis| (one.sides[axis].powi(2) + other.sides[axis].powi(2)) / 12.0);
+        let inverse_square = distance.powi(-2);
+        let second = |along: f64| 3.0 * along * along * inverse_square - 1.0;
+        let correction = 0.5 * inverse_square * (x_variance * second(x) + y_variance * second(y));
+        (1.0 + correction) / distance
+    } else {
+        mean_inverse_distance([x, y], one.sides, other.sides)
+    };
+    mean / PI
+}
+
+/// Mean of `1/r` over two aligned rectangles whose centres are `[x, y]` apart.
+fn mean_inverse_distance([x, y]: [f64; 2], one: [f64; 2], other: [f64; 2]) -> f64 {
+    let corners = |offset: f64, axis: usize| {
+        let (half_sum, half_difference) = (
+            0.5 * (one[axis] + other[axis]),
+            0.5 * (one[axis] - other[axis]),
+        );
+        [
+            (offset + half_sum, 1.0),
+            (offset + half_difference, -1.0),
+            (offset - half_difference, -1.0),
+            (offset - half_sum, 1.0),
+        ]
+    };
+    let mut sum = 0.0;
+    for (x, sign) in corners(x, 0) {
+        for (y, other_sign) in corners(y, 1) {
+            sum += sign * other_sign * fourth_integral(x.abs(), y.abs());
+        }
+    }
+    sum / (one[0] * one[1] * other[0] * other[1])
+}
+
+/// A function whose second derivative along both axes is `1/r`, even in both.
+fn fourth_integral(x: f64, y: f64) -> f64 {
+    let r = x.hypot(y);
+    // asinh differs from the logarithm of y + r by what the difference does not see.
+    let along = |a: f64, b: f64| {
+        if a > 0.0 {
+            0.5 * a * a * b * (b / a).asinh()
+        } else {
+            0.0
+        }
+    };
+    along(x, y) + along(y, x) - r.powi(3) / 6.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::disc::basis::UNIT_FORCE;
+    use crate::halfspace::disc::nodes::Resolution;
+    use crate::numerics::quadrature::hemisphere;
+    use crate::solve::rules::unilateral::{LocalSolver, PillarTop};
+
+    /// The load of a paraboloid of radius `lens` whose axis is `distance` from the pillar, which has come down
+    /// by `depth` more than to the rim.
+    fn beside(lens: f64, distance: f64, depth: f64) -> Vec<f64> {
+        let mut basis = BasisEvaluator::new(2);
+        let mut values = vec![0.0; 6];
+        let mut load = vec![0.0; 6];
+        let at_rim = (distance - 1.0).powi(2) / (2.0 * lens);
+        for ([x, y], weight) in hemisphere(6, 13) {
+            basis.evaluate([x, y], &mut values);
+            let sag = ((x - distance).powi(2) + y * y) / (2.0 * lens);
+            for (b, value) in load.iter_mut().zip(&values) {
+                *b += weight * (at_rim + depth - sag) * value;
+            }
+        }
+        load
+    }
+
+    fn force(rings: usize, load: &[f64]) -> f64 {
+        let resolution = Resolution {
+            nodes: 2,
+            turn: 0.0,
+            rings,
+        };
+        let top = PillarTop::new(resolution, 2, 0.0);
+        let mut solver = LocalSolver::new(&top);
+        let mut active = Vec::new();
+        assert!(solver.solve(&top, load, &mut active).converged);
+        assert!(solver.cells().is_some());
+        let mut coefficients = vec![0.0; 6];
+        solver.coefficients(&top, load, &mut coefficients);
+        UNIT_FORCE * coefficients[0]
+    }
+
+    #[test]
+    fn mean_over_rectangles_by_quadrature() {
+        // Gauss-Legendre points of rectangles apart from each other, and the square on itself: its mean of
+        // 1/r is 4 (ln(1 + sqrt 2) + (1 - sqrt 2)/3) over its side.
+        let own = mean_inverse_distance([0.0, 0.0], [1.0, 1.0], [1.0, 1.0]);
+        let root = 2.0_f64.sqrt();
+        let expected = 4.0 * (root.ln_1p() + (1.0 - root) / 3.0);
+        assert!((own / expected - 1.0).abs() < 1e-13, "{own}");
+        let points = |side: f64| {
+            let a = (0.6_f64).sqrt() * 0.5 * side;
+            [(-a, 5.0 / 18.0), (0.0, 8.0 / 18.0), (a, 5.0 / 18.0)]
+        };
+        let (one, other, [x, y]) = ([0.5, 0.1], [0.4, 0.2], [1.9, 0.7]);
+        let mut mean = 0.0;
+        for (x0, a) in points(one[0]) {
+            for (y0, b) in points(one[1]) {
+                for (x1, c) in points(other[0]) {
+                    for (y1, d) in points(other[1]) {
+                        mean += a * b * c * d / (x + x0 - x1).hypot(y + y0 - y1);
+                    }
+                }
+            }
+        }
+        let found = mean_inverse_distance([x, y], one, other);
+        assert!((found / mean - 1.0).abs() < 1e-7, "{found} {mean}");
+    }
+
+    #[test]
+    fn slivers_converge_and_join_the_nodes() {
+        // The depth of the lens at the rim sets the size of the sliver; the largest one is resolved by
+        // nodes too, as well as they can.
+        for depth in [1e-10, 1e-7, 1e-5, 1e-4] {
+            let load = beside(700.0, 4.0, depth);
+            let [coarse, middle, fine] = [6, 10, 20].map(|rings| force(rings, &load));
+            println!(
+                "{depth:e}: {:e} {:e} of {fine:e}",
+                coarse / fine - 1.0,
+                middle / fine - 1.0
+            );
+            assert!((coarse / fine - 1.0).abs() < 0.03);
+            assert!((middle / fine - 1.0).abs() < 0.012);
+        }
+        let load = beside(700.0, 4.0, 1e-3);
+        let fine = force(20, &load);
+        let resolution = Resolution::of_nodes(32);
+        let top = PillarTop::new(resolution, 2, 0.0);
+        let mut solver = LocalSolver::new(&top);
+        let mut active = solver.first_guess(&top, &load);
+        assert!(solver.solve(&top, &load, &mut active).converged);
+        let mut coefficients = vec![0.0; 6];
+        solver.coefficients(&top, &load, &mut coefficients);
+        let nodes = UNIT_FORCE * coefficients[0];
+        assert!((nodes / fine - 1.0).abs() < 0.03, "{nodes} {fine}");
+    }
+}

@@ -1,0 +1,405 @@
+//! The pressure on one pillar top that is pressed but not pulled.
+//!
+//! With coefficients `c` of `q` and the load `b` (the displacement that is asked for,
+//! projected on the modes), the pressure minimises `1/2 c' Lam c - c' b` under `q >= 0` at the
+//! nodes of [`bos_array`]. With `V` the modes at the nodes the dual problem is a linear
+//! complementarity problem with the matrix `G = V Lam^-1 V'`, the same for every pillar:
+//! `c = Lam^-1 (b + V' s)`, `q = V Lam^-1 b + G s`, `q >= 0`, `s >= 0`, `q's = 0`, solved by
+//! [block principal pivoting](super::pivoting).
+//!
+//! A sliver of contact along the rim lies between the nodes; it is solved on [cells](super::rim) instead.
+
+use super::rim::{Rim, RimSolver, Sliver};
+use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with, mode_count};
+use crate::halfspace::disc::nodes::{Resolution, bos_array};
+use crate::numerics::convergence::{larger, smaller, within};
+use crate::numerics::pivoting::{PivotSolver, Pivoting};
+use crate::numerics::vector::dot;
+use crate::state::PillarStatus;
+
+/// A pressure may be this far below zero at a node, relative to the largest unconstrained
+/// value: rounding of the node values, not tension.
+const PRESSURE_TOLERANCE: f64 = 1e-11;
+
+/// A pillar top with a node array: what every pillar shares.
+#[derive(Debug)]
+pub(crate) struct PillarTop {
+    resolution: Resolution,
+    column_compliance_ratio: f64,
+    /// Number of modes, and of nodes.
+    count: usize,
+    /// Number of leading modes by which pillars act on each other.
+    lead: usize,
+    /// `Lam`.
+    compliance: Vec<f64>,
+    /// `V`, one row of `count` values per node.
+    values: Vec<f64>,
+    /// `V Lam^-1`, likewise.
+    pressures: Vec<f64>,
+    /// `G`, symmetric.
+    response: Vec<f64>,
+    /// Largest absolute value of every leading mode at the nodes.
+    bounds: Vec<f64>,
+}
+
+/// Working storage of the local problem, and its solution.
+pub(crate) struct LocalSolver {
+    pivot: PivotSolver,
+    right: Vec<f64>,
+    /// Both made when the first load comes.
+    rim: Option<Rim>,
+    cells: Option<Box<RimSolver>>,
+    /// Whether the solution is that of a sliver, on cells.
+    on_cells: bool,
+}
+
+impl PillarTop {
+    /// `lead` is the degree of the coupling between pillars.
+    pub(crate) fn new(resolution: Resolution, lead: usize, column_compliance_ratio: f64) -> Self {
+        let Resolution {
+            nodes: degree,
+            turn,
+            ..
+        } = resolution;
+        let count = mode_count(degree);
+        let nodes = bos_array(degree, turn);
+        let compliance = compliances(degree, column_compliance_ratio);
+        let mut basis = BasisEvaluator::new(degree);
+        let mut values = vec![0.0; count * count];
+        for (node, row) in nodes.iter().zip(values.chunks_exact_mut(count)) {
+            basis.evaluate_polar(node.mu, node.rho, node.direction, row);
+        }
+        let pressures: Vec<f64> = values
+            .chunks_exact(count)
+            .flat_map(|row| row.iter().zip(&compliance).map(|(y, lambda)| y / lambda))
+            .collect();
+        let mut response = Vec::with_capacity(count * count);
+        for pressures in pressures.chunks_exact(count) {
+            response.extend(values.chunks_exact(count).map(|row| dot(pressures, row)));
+        }
+        let lead = mode_count(lead);
+        let largest = |mode: usize| {
+            let at_nodes = values.chunks_exact(count).map(|row| row[mode].abs());
+            at_nodes.fold(0.0, f64::max)
+        };
+        let bounds = (0..lead.min(count)).map(largest).collect();
+        Self {
+            resolution,
+            column_compliance_ratio,
+            count,
+            lead,
+            bounds,
+            compliance,
+            values,
+            pressures,
+            response,
+        }
+    }
+
+    /// How finely it is resolved.
+    pub(crate) fn resolution(&self) -> Resolution {
+        self.resolution
+    }
+
+    /// Number of modes and of nodes.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Compliances of the leading modes.
+    pub(crate) fn lead_compliance(&self) -> &[f64] {
+        &self.compliance[..self.lead]
+    }
+
+    /// Compliances of all modes.
+    pub(crate) fn compliance(&self) -> &[f64] {
+        &self.compliance
+    }
+
+    /// Row of a matrix of nodes and modes, or nodes and nodes.
+    fn row<'m>(&self, matrix: &'m [f64], node: usize) -> &'m [f64] {
+        &matrix[node * self.count..(node + 1) * self.count]
+    }
+
+    /// The status where the mean load outweighs all that differs over the top, whatever its sign.
+    fn plain_status(&self, load: &[f64]) -> Option<PillarStatus> {
+        let (mut wanted, mut pressure) = (0.0, 0.0);
+        let modes = load.iter().zip(&self.compliance).zip(&self.bounds);
+        for ((load, lambda), bound) in modes.skip(1) {
+            wanted += load.abs() * bound;
+            pressure += (load / lambda).abs() * bound;
+        }
+        let (load, lambda, bound) = (*load.first()?, self.compliance[0], self.bounds[0]);
+        if load * bound > wanted && load / lambda * bound > pressure {
+            Some(PillarStatus::Full)
+        } else if load * bound < -wanted {
+            Some(PillarStatus::Untouched)
+        } else {
+            None
+        }
+    }
+
+    /// Status of a pillar under `load`, the displacement it is asked for; `rim` is of as many modes.
+    ///
+    /// Where it is asked to come down nowhere it is not touched; where the pressure without
+    /// the condition is nowhere negative it is touched in full. Under a load that is no number
+    /// it counts as partial, and has no solution.
+    pub(crate) fn status(&self, load: &[f64], rim: &mut Rim) -> PillarStatus {
+        if let Some(status) = self.plain_status(load) {
+            return status;
+        }
+        let mut touched = false;
+        let mut smallest = f64::INFINITY;
+        let mut largest = 0.0_f64;
+        for node in 0..self.count {
+            let sum = |row: &[f64]| -> f64 { row.iter().zip(load).map(|(y, b)| y * b).sum() };
+            let wanted = sum(self.row(&self.values, node));
+            let pressure = sum(self.row(&self.pressures, node));
+            touched |= !within(wanted, 0.0);
+            smallest = smaller(smallest, pressure);
+            largest = larger(largest, pressure.abs());
+        }
+        if touched && smallest >= -PRESSURE_TOLERANCE * largest {
+            PillarStatus::Full
+        } else if touched || (self.resolution.rings > 0 && rim.is_touched(load)) {
+            PillarStatus::Partial
+        } else {
+            PillarStatus::Untouched
+        }
+    }
+}
+
+impl LocalSolver {
+    pub(crate) fn new(top: &PillarTop) -> Self {
+        Self {
+            pivot: PivotSolver::new(top.count),
+            right: vec![0.0; top.count * top.lead.max(1)],
+            rim: None,
+            cells: None,
+            on_cells: false,
+        }
+    }
+
+    /// The sliver that is all that a load asks to come down, if it is one.
+    fn sliver(&mut self, top: &PillarTop, load: &[f64], active: &[bool]) -> Option<Sliver> {
+        if top.resolution.rings == 0 {
+            return None;
+        }
+        let rim = self
+            .rim
+            .get_or_insert_with(|| Rim::new(degree_with(load.len())));
+        rim.sliver(load, active.len() != top.count)
+    }
+
+    /// Nodes that would be in tension without the condition: a first guess of the active ones.
+    pub(crate) fn first_guess(&mut self, top: &PillarTop, load: &[f64]) -> Vec<bool> {
+        self.prepare(top, load);
+        self.pivot.constant.iter().map(|q| *q < 0.0).collect()
+    }
+
+    /// Finds the pressure under `load` (leading modes suffice; the rest counts as zero).
+    ///
+    /// `active` marks the nodes without pressure: the first guess on entry, the solution on
+    /// return; or, of a sliver, the cells with pressure.
+    pub(crate) fn solve(
+        &mut self,
+        top: &PillarTop,
+        load: &[f64],
+        active: &mut Vec<bool>,
+    ) -> Pivoting {
+        if let Some(sliver) = self.sliver(top, load, active) {
+            self.on_cells = true;
+            let cells = self.cells.get_or_insert_with(|| {
+                Box::new(RimSolver::new(
+                    top.resolution,
+                    top.lead,
+                    top.column_compliance_ratio,
+                ))
+            });
+            return cells.solve(&sliver, load, active);
+        }
+        self.on_cells = false;
+        if active.len() != top.count {
+            *active = self.first_guess(top, load);
+        }
+        self.prepare(top, load);
+        self.pivot.solve(&top.response, active)
+    }
+
+    /// The cells of the sliver that was solved last, if it was one.
+    pub(crate) fn cells(&self) -> Option<&RimSolver> {
+        self.cells.as_deref().filter(|_| self.on_cells)
+    }
+
+    /// `q0 = V Lam^-1 b`.
+    fn prepare(&mut self, top: &PillarTop, load: &[f64]) {
+        for (node, q) in self.pivot.constant.iter_mut().enumerate() {
+            let pressures = top.row(&top.pressures, node).iter();
+            *q = pressures.zip(load).map(|(y, b)| y * b).sum();
+        }
+    }
+
+    /// Coefficients of the solution, `Lam^-1 (b + V' s)`: as many as `coefficients` holds.
+    pub(crate) fn coefficients(&self, top: &PillarTop, load: &[f64], coefficients: &mut [f64]) {
+        if let Some(cells) = self.cells() {
+            return cells.coefficients(coefficients);
+        }
+        let count = coefficients.len();
+        coefficients.fill(0.0);
+        coefficients[..load.len().min(count)].copy_from_slice(&load[..load.len().min(count)]);
+        for (node, s) in self.pivot.multipliers() {
+            for (c, value) in coefficients.iter_mut().zip(top.row(&top.values, node)) {
+                *c += value * s;
+            }
+        }
+        for (c, lambda) in coefficients.iter_mut().zip(&top.compliance) {
+            *c /= lambda;
+        }
+    }
+
+    /// Derivative of the leading coefficients with respect to the leading load with the active
+    /// nodes held, `Lam^-1 - Lam^-1 V_I' G_II^-1 V_I Lam^-1`, row by row into `derivative`.
+    pub(crate) fn derivative(&mut self, top: &PillarTop, derivative: &mut [f64]) {
+        if self.on_cells
+            && let Some(cells) = &mut self.cells
+        {
+            return cells.derivative(derivative);
+        }
+        let lead = top.lead;
+        self.pivot
+            .projected_inverse(lead, &mut self.right, derivative, |node, mode| {
+                top.row(&top.pressures, node)[mode]
+            });
+        for (index, value) in derivative.iter_mut().enumerate() {
+            let (row, column) = (index / lead, index % lead);
+            let free = if row == column {
+                top.compliance[row].recip()
+            } else {
+                0.0
+            };
+            *value = free - *value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::disc::basis::UNIT_FORCE;
+    use crate::numerics::quadrature::hemisphere;
+
+    /// Projects a wanted displacement on the modes.
+    fn project(degree: usize, wanted: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
+        let mut basis = BasisEvaluator::new(degree);
+        let mut values = vec![0.0; mode_count(degree)];
+        let mut load = vec![0.0; mode_count(degree)];
+        for (point, weight) in hemisphere(degree + 4, 4 * degree + 9) {
+            basis.evaluate(point, &mut values);
+            for (b, y) in load.iter_mut().zip(&values) {
+                *b += weight * wanted(point) * y;
+            }
+        }
+        load
+    }
+
+    fn solve(degree: usize, load: &[f64]) -> (Vec<f64>, Vec<bool>, Pivoting) {
+        let top = PillarTop::new(Resolution::of_nodes(degree), 2, 0.0);
+        let mut solver = LocalSolver::new(&top);
+        let mut active = vec![false; top.count()];
+        let pivoting = solver.solve(&top, load, &mut active);
+        let mut coefficients = vec![0.0; top.count()];
+        solver.coefficients(&top, load, &mut coefficients);
+        (coefficients, active, pivoting)
+    }
+
+    #[test]
+    fn loads_that_are_no_numbers_have_no_solution() {
+        let resolution = Resolution {
+            rings: 10,
+            ..Resolution::of_nodes(8)
+        };
+        let top = PillarTop::new(resolution, 2, 0.3);
+        let mut solver = LocalSolver::new(&top);
+        let tilted = project(2, |[x, _]| 0.2 + x);
+        assert!(
+            solver
+                .solve(&top, &tilted, &mut vec![false; top.count()])
+                .converged
+        );
+        for mode in 0..tilted.len() {
+            for odd in [f64::NAN, f64::INFINITY] {
+                let mut load = tilted.clone();
+                load[mode] = odd;
+                for guess in [false, true] {
+                    let mut active = vec![guess; top.count()];
+                    let pivoting = solver.solve(&top, &load, &mut active);
+                    assert!(!pivoting.converged, "{odd} in mode {mode}");
+                }
+            }
+            let mut load = tilted.clone();
+            load[mode] = f64::NAN;
+            let status = top.status(&load, &mut Rim::new(2));
+            assert_eq!(status, PillarStatus::Partial, "mode {mode}");
+        }
+    }
+
+    #[test]
+    fn flat_punch_is_exact() {
+        // F = 2 E* a zeta, Johnson, Contact Mechanics, eq. 3.36.
+        let (coefficients, active, pivoting) = solve(8, &[UNIT_FORCE]);
+        assert!(pivoting.converged && active.iter().all(|active| !active));
+        assert!((UNIT_FORCE * coefficients[0] - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn half_covered_tilted_punch_converges_and_is_complementary() {
+        // A plane at x = 0 level with the top, rising to both sides: half of the disc is asked
+        // to come down. Reference: the same at degree 32, differences as documented.
+        let force = |degree| {
+            let load = project(2, |[x, _]| x);
+            let (coefficients, active, pivoting) = solve(degree, &load);
+            assert!(pivoting.converged);
+            let top = PillarTop::new(Resolution::of_nodes(degree), 2, 0.0);
+            let pressure: Vec<f64> = (0..top.count())
+                .map(|node| dot(top.row(&top.values, node), &coefficients))
+                .collect();
+            for (q, active) in pressure.iter().zip(&active) {
+                assert!(*q > -1e-9, "tension {q}");
+                assert!(!active || q.abs() < 1e-9);
+            }
+            UNIT_FORCE * coefficients[0]
+        };
+        let fine = force(32);
+        for (degree, tolerance) in [(8, 1e-2), (12, 3e-3), (16, 2e-3), (24, 2e-3)] {
+            let relative = force(degree) / fine - 1.0;
+            println!("tilted punch, degree {degree}: {relative:e}");
+            assert!(relative.abs() < tolerance, "degree {degree}: {relative}");
+        }
+    }
+
+    #[test]
+    fn derivative_is_that_of_the_solution() {
+        // Linear as long as the active nodes stay: a central difference is exact.
+        let top = PillarTop::new(Resolution::of_nodes(12), 2, 0.3);
+        let mut solver = LocalSolver::new(&top);
+        let mut load = project(2, |[x, y]| 0.4 + x - 0.2 * y - 0.1 * x * x);
+        let mut active = vec![false; top.count()];
+        assert!(solver.solve(&top, &load, &mut active).converged);
+        assert!(active.iter().any(|active| *active));
+        let mut derivative = vec![0.0; 36];
+        solver.derivative(&top, &mut derivative);
+        let mut moved = [vec![0.0; 6], vec![0.0; 6]];
+        for j in 0..6 {
+            for (sign, coefficients) in [1e-7, -1e-7].into_iter().zip(&mut moved) {
+                load[j] += sign;
+                assert!(solver.solve(&top, &load, &mut active).converged);
+                solver.coefficients(&top, &load, coefficients);
+                load[j] -= sign;
+            }
+            for i in 0..6 {
+                let difference = (moved[0][i] - moved[1][i]) / 2e-7;
+                assert!((difference - derivative[i * 6 + j]).abs() < 1e-6);
+            }
+        }
+    }
+}

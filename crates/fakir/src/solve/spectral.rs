@@ -1,0 +1,197 @@
+//! The spectral method and the punch lattice: windows, starts and growth around
+//! [`Newton`](super::newton::Newton).
+
+use super::newton::{Degrees, Newton, Outcome, Purpose, Target};
+use super::rules::unilateral::PillarTop;
+use crate::halfspace::coupling::lattice;
+use crate::halfspace::coupling::pair::PairCoupling;
+use crate::halfspace::coupling::window::Window;
+use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::nodes::Resolution;
+use crate::problem::scaled::{Problem, SMALL_LENS};
+use crate::problem::{Accuracy, PunchForm};
+use crate::state::{Run, SolveError, Stage};
+
+/// Largest contact radius over lens radius that is still solved.
+pub(crate) const LARGEST_CONTACT: f64 = 0.5;
+
+/// Degrees for an accuracy: of the coupling, which has to be finer the denser the texture and the more the
+/// lens differs from a paraboloid over a pillar top, and of the nodes on partially touched pillars.
+pub(crate) fn degrees(accuracy: Accuracy, problem: &Problem) -> Degrees {
+    // Errors of degree p go as pitch^-(2p + 2); at p = 2 they are 3e-7 for phi = 0.2, where the
+    // pitch is 4.26 pillar radii.
+    let pitch = problem.lattice.pitch;
+    let small_lens = problem.lens.radius < SMALL_LENS;
+    match accuracy {
+        Accuracy::Default => Degrees {
+            coupling: if pitch > 3.9 && !small_lens { 2 } else { 4 },
+            tops: Resolution {
+                nodes: 8,
+                turn: 0.0,
+                rings: 10,
+            },
+        },
+        Accuracy::Accurate => Degrees {
+            coupling: if pitch > 3.0 && !small_lens { 4 } else { 6 },
+            tops: Resolution {
+                nodes: 32,
+                turn: 0.0,
+                rings: 20,
+            },
+        },
+    }
+}
+
+/// A solution and how it was reached.
+pub(crate) struct Solution<'a> {
+    pub(crate) newton: Newton<'a>,
+    pub(crate) outcome: Outcome,
+    /// Newton steps of all stages.
+    pub(crate) steps: usize,
+}
+
+/// Touched pillars above which slivers along rims are left to the nodes: the share of the force that they
+/// bear no longer shows.
+const FEW_PILLARS: usize = 20;
+
+/// Of pillars that are touched at their centre or not at all.
+const CENTRES: Resolution = Resolution::of_nodes(0);
+
+/// Solves the punch lattice, in which pillars are touched or not as a whole.
+pub(crate) fn solve_punch<'a>(
+    problem: &'a Problem,
+    target: Target,
+    contact_radius: Option<f64>,
+    form: PunchForm,
+    purpose: Purpose,
+    run: &'a Run<'a>,
+) -> Result<Solution<'a>, SolveError> {
+    let pitch = problem.lattice.pitch;
+    let mut contact = contact_radius.unwrap_or_else(|| rough_contact_radius(problem, target));
+    let mut radius = 1.05 * contact + 1.5 * pitch + 1.0;
+    let pair = match form {
+        PunchForm::Plain => PairCoupling::of_flat_punches(problem.lattice.pitch),
+        PunchForm::Corrected => PairCoupling::new(0, problem.lattice.pitch),
+    };
+    let mut steps = 0;
+    loop {
+        let radius_used = limited(problem, radius);
+        let window = checked_window(problem, radius_used, 1, run)?;
+        let top = PillarTop::new(CENTRES, 0, problem.column_compliance_ratio);
+        let mut newton = Newton::new(problem, run, Stage::Punch, window, &pair, top);
+        if form == PunchForm::Plain {
+            newton.load_at_centres();
+        }
+        newton.touch_within(contact);
+        let outcome = newton.solve(target, purpose)?;
+        steps += outcome.steps;
+        match growth(problem, &newton)? {
+            Some(larger) => (radius, contact) = (larger, newton.reach()),
+            None => {
+                return Ok(Solution {
+                    newton,
+                    outcome,
+                    steps,
+                });
+            }
+        }
+    }
+}
+
+/// Solves in full, starting from the corrected punch lattice.
+pub(crate) fn solve_spectral<'a>(
+    problem: &'a Problem,
+    target: Target,
+    punch: Solution<'a>,
+    mut degrees: Degrees,
+    run: &'a Run<'a>,
+) -> Result<Solution<'a>, SolveError> {
+    let mut steps = punch.steps;
+    let mut coarse = punch.newton;
+    let mut pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
+    let mut radius = coarse.reach() + 1.5 * problem.lattice.pitch;
+    loop {
+        let modes = mode_count(degrees.coupling);
+        let window = checked_window(problem, limited(problem, radius), modes, run)?;
+        let mut tops = degrees.tops;
+        if coarse.touched() > FEW_PILLARS {
+            tops.rings = 0;
+        }
+        let top = PillarTop::new(tops, degrees.coupling, problem.column_compliance_ratio);
+        let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
+        newton.start_from(&coarse);
+        let outcome = newton.solve(target, Purpose::Answer)?;
+        steps += outcome.steps;
+        if let Some(larger) = growth(problem, &newton)? {
+            radius = larger;
+        } else if newton.touched() <= FEW_PILLARS && newton.has_marginal_pillars() {
+            degrees.coupling += 2;
+            pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
+        } else {
+            return Ok(Solution {
+                newton,
+                outcome,
+                steps,
+            });
+        }
+        coarse = newton;
+    }
+}
+
+/// A radius near that of the contact, by the roughest of means.
+pub(crate) fn rough_contact_radius(problem: &Problem, target: Target) -> f64 {
+    let lens = problem.lens.radius;
+    let pitch = problem.lattice.pitch;
+    match target {
+        // Half the area in which the undeformed lens enters pillar tops, as in Hertz's contact.
+        Target::Indentation(indentation) => (indentation.min(lens) * lens).sqrt(),
+        Target::Force(force) => {
+            // Of Hertz, and of the lens on independent pillars, the larger.
+            let hertz = (0.75 * lens * force).cbrt();
+            let cell = problem.lattice.cell_area();
+            let layer = 0.5 * cell * (1.0 + problem.column_compliance_ratio);
+            let springs = (4.0 * lens * layer * force / std::f64::consts::PI).powf(0.25);
+            hertz.max(springs)
+        }
+        // The paper's a_c = e sqrt(1 + (k phi)^2), which is e sqrt(1 + (R h/e^2)^2).
+        Target::Floor => pitch.hypot(lens * problem.height / pitch),
+    }
+}
+
+fn limited(problem: &Problem, radius: f64) -> f64 {
+    radius.min(LARGEST_CONTACT * problem.lens.radius + 2.0 * problem.lattice.pitch)
+}
+
+/// The window of a radius, if it fits the memory allowed.
+fn checked_window(
+    problem: &Problem,
+    radius: f64,
+    modes: usize,
+    run: &Run<'_>,
+) -> Result<Window, SolveError> {
+    let pillars = Window::expected_len(&problem.lattice, radius);
+    let bytes = lattice::memory_estimate(pillars, modes);
+    let limit = run.memory_limit();
+    if bytes > limit as f64 {
+        return Err(SolveError::TooLarge {
+            pillars: pillars as usize,
+            bytes: bytes as usize,
+            limit,
+        });
+    }
+    Ok(Window::new(&problem.lattice, radius))
+}
+
+/// A larger radius if the contact comes close to the edge of the window.
+fn growth(problem: &Problem, newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
+    let reach = newton.reach();
+    if reach - 1.0 > LARGEST_CONTACT * problem.lens.radius {
+        return Err(SolveError::ContactExceedsLens {
+            contact_radius: reach * problem.length,
+            lens_radius: problem.lens.radius * problem.length,
+        });
+    }
+    let radius = newton.window.radius();
+    let pitch = problem.lattice.pitch;
+    Ok((reach + pitch > radius).then(|| (1.3 * radius).max(reach + 2.0 * pitch)))
+}

@@ -1,0 +1,141 @@
+//! The touched pillars of a solution, as they are handed out.
+
+use super::newton::{COSTLY_PILLARS, Newton};
+use super::rules::unilateral::LocalSolver;
+use crate::halfspace::disc::basis::{BasisEvaluator, degree_with, mode_count};
+use crate::halfspace::disc::nodes::edge_count;
+use crate::numerics::vector::dot;
+use crate::problem::scaled::Problem;
+use crate::state::fields::Disc;
+use crate::state::{PillarState, PillarStatus};
+use std::f64::consts::PI;
+
+/// Part of the widest gap around a pillar top from which on its centre counts as not in contact.
+const OPEN: f64 = 0.1;
+
+/// Sorts pillars by their distance from the lens axis; those equally far by their indices.
+pub(super) fn nearest_first<T>(pillars: &mut [T], state: impl Fn(&T) -> &PillarState, length: f64) {
+    pillars.sort_by_cached_key(|pillar| {
+        let PillarState { centre, index, .. } = state(pillar);
+        let [x, y] = centre;
+        ((x.hypot(*y) / length * 1e6).round() as u64, *index)
+    });
+}
+
+/// A touched pillar.
+pub(super) struct TouchedPillar {
+    /// Its place in the window.
+    pub(super) place: usize,
+    pub(super) state: PillarState,
+    pub(super) disc: Disc,
+}
+
+/// The touched pillars, nearest to the lens axis first.
+pub(super) fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<TouchedPillar> {
+    let modes = newton.modes;
+    let total = newton.coefficients();
+    let lead = DiscSamples::new(newton.degree());
+    let all = DiscSamples::new(degree_with(newton.top.count()));
+    let places: Vec<usize> = (0..newton.window.len())
+        .filter(|&pillar| newton.status[pillar] != PillarStatus::Untouched)
+        .collect();
+    let solver = || LocalSolver::new(&newton.top);
+    let one = |solver: &mut LocalSolver, number: usize| {
+        let pillar = places[number];
+        let status = newton.status[pillar];
+        let (samples, coefficients) = if status == PillarStatus::Partial {
+            (&all, newton.partial_coefficients(pillar, solver))
+        } else {
+            let range = pillar * modes..(pillar + 1) * modes;
+            (&lead, total[range].to_vec())
+        };
+        let centre = newton.window.centres()[pillar];
+        let sliver = solver
+            .cells()
+            .filter(|_| status == PillarStatus::Partial)
+            .map(|cells| cells.edge(centre.map(|x| -x)));
+        let gap = (status == PillarStatus::Partial)
+            .then(|| newton.gap_coefficients(pillar, &coefficients));
+        let disc = Disc {
+            index: newton.window.index(pillar),
+            centre,
+            radius: 1.0,
+            coefficients,
+            gap,
+            sliver,
+        };
+        let state = PillarState {
+            index: disc.index,
+            centre: problem.metres(centre),
+            status,
+            force: disc.force() * problem.force(),
+            centre_pressure: samples.centre_density(&disc) * problem.pressure,
+            edge_coefficient: Some(samples.edge_range(&disc).map(|q| q * problem.pressure)),
+        };
+        TouchedPillar {
+            place: pillar,
+            state,
+            disc,
+        }
+    };
+    let mut touched = newton
+        .run
+        .workers()
+        .map(places.len(), COSTLY_PILLARS, solver, one);
+    nearest_first(&mut touched, |pillar| &pillar.state, problem.length);
+    touched
+}
+
+/// The modes at the places of a disc that are looked at on every pillar.
+struct DiscSamples {
+    count: usize,
+    centre: Vec<f64>,
+    /// Around the edge, place by place.
+    edge: Vec<f64>,
+}
+
+impl DiscSamples {
+    fn new(degree: usize) -> Self {
+        let mut basis = BasisEvaluator::new(degree);
+        let count = mode_count(degree);
+        let mut centre = vec![0.0; count];
+        basis.evaluate([0.0, 0.0], &mut centre);
+        let samples = edge_count(degree.max(8));
+        let mut edge = vec![0.0; samples * count];
+        for (k, values) in edge.chunks_exact_mut(count).enumerate() {
+            let (sin, cos) = (2.0 * PI * k as f64 / samples as f64).sin_cos();
+            basis.evaluate_polar(0.0, 1.0, [cos, sin], values);
+        }
+        Self {
+            count,
+            centre,
+            edge,
+        }
+    }
+
+    /// `q` at the centre, none where the gap is open: there the expansion of the pressure ripples.
+    fn centre_density(&self, disc: &Disc) -> f64 {
+        let open = disc.gap.as_ref().is_some_and(|gap| {
+            let around = self.edge.chunks_exact(self.count);
+            let widest = around.map(|values| dot(values, gap)).fold(0.0, f64::max);
+            dot(&self.centre, gap) > OPEN * widest
+        });
+        if open {
+            0.0
+        } else {
+            dot(&self.centre, &disc.coefficients).max(0.0)
+        }
+    }
+
+    /// Smallest and largest `q` around the edge. Between nodes the pressure may dip below zero
+    /// where there is no contact; that is zero.
+    fn edge_range(&self, disc: &Disc) -> [f64; 2] {
+        let places = self.edge.chunks_exact(self.count);
+        let (smallest, largest) = places
+            .map(|values| dot(values, &disc.coefficients))
+            .fold((f64::INFINITY, 0.0_f64), |(least, most), q| {
+                (least.min(q), most.max(q))
+            });
+        [smallest.max(0.0), largest]
+    }
+}

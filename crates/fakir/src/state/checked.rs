@@ -1,0 +1,160 @@
+//! The last look at an answer before it is handed out: all of its numbers are numbers, and no zero
+//! has a sign.
+
+use super::contact::ContactState;
+use super::critical::CriticalState;
+use super::error::SolveError;
+
+impl ContactState {
+    /// The state as it is handed out.
+    pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
+        let [x, y] = &mut self.smallest_gap_position;
+        for (what, value) in [
+            ("force", &mut self.force),
+            ("indentation", &mut self.indentation),
+            ("contact radius", &mut self.contact_radius),
+            (
+                "error estimate of the contact radius",
+                &mut self.contact_radius_error,
+            ),
+            ("smallest floor gap", &mut self.smallest_floor_gap),
+            ("place of the smallest floor gap", x),
+            ("place of the smallest floor gap", y),
+            ("error estimate of the force", &mut self.error.force),
+            (
+                "error estimate of the indentation",
+                &mut self.error.indentation,
+            ),
+        ] {
+            check_number(what, value)?;
+        }
+        for pillar in &mut self.pillars {
+            check_number("force on a pillar", &mut pillar.force)?;
+            check_number("pressure on a pillar", &mut pillar.centre_pressure)?;
+            for coefficient in pillar.edge_coefficient.iter_mut().flatten() {
+                check_number("pressure at the edge of a pillar", coefficient)?;
+            }
+        }
+        Ok(self)
+    }
+}
+
+impl CriticalState {
+    /// The state as it is handed out.
+    pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
+        for coordinate in &mut self.floor_contact {
+            check_number("place of the floor contact", coordinate)?;
+        }
+        Ok(Self {
+            contact: self.contact.checked()?,
+            ..self
+        })
+    }
+}
+
+/// Refuses a number that is infinite or undefined, and takes the sign from a zero.
+pub(crate) fn check_number(what: &'static str, value: &mut f64) -> Result<(), SolveError> {
+    if !value.is_finite() {
+        return Err(SolveError::NotFinite { what });
+    }
+    *value += 0.0;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{
+        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+    };
+    use crate::state::{PillarState, PillarStatus, Regime, Run};
+
+    fn state() -> ContactState {
+        let material = Material::new(2e6, 0.5);
+        let pillar = Pillar {
+            diameter: 6e-6,
+            height: 2.2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let lens = Lens {
+            radius: 2.2e-3,
+            material,
+        };
+        let lattice = HexagonalLattice::with_surface_fraction(0.01, 6e-6);
+        let system = System::new(lens, material, Texture { pillar, lattice }).unwrap();
+        let mut state = ContactState::untouched(&system, Method::default(), 1e-6);
+        state.pillars = vec![PillarState {
+            index: (0, 0),
+            centre: [0.0, 0.0],
+            status: PillarStatus::Full,
+            force: 1e-6,
+            centre_pressure: 1.0,
+            edge_coefficient: Some([1.0, 2.0]),
+        }];
+        state
+    }
+
+    #[test]
+    fn no_number_that_is_none_gets_out() {
+        assert!(state().checked().is_ok());
+        let places: [fn(&mut ContactState) -> &mut f64; 12] = [
+            |state| &mut state.force,
+            |state| &mut state.indentation,
+            |state| &mut state.contact_radius,
+            |state| &mut state.smallest_floor_gap,
+            |state| &mut state.smallest_gap_position[0],
+            |state| &mut state.smallest_gap_position[1],
+            |state| &mut state.error.force,
+            |state| &mut state.error.indentation,
+            |state| &mut state.pillars[0].force,
+            |state| &mut state.pillars[0].centre_pressure,
+            |state| &mut state.pillars[0].edge_coefficient.as_mut().unwrap()[0],
+            |state| &mut state.pillars[0].edge_coefficient.as_mut().unwrap()[1],
+        ];
+        for place in places {
+            for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut bad = state();
+                *place(&mut bad) = value;
+                let critical = CriticalState {
+                    regime: Regime::TopFirst,
+                    contact: bad.clone(),
+                    floor_contact: [0.0, 0.0],
+                };
+                for error in [bad.checked().err(), critical.checked().err()] {
+                    assert!(matches!(error, Some(SolveError::NotFinite { .. })));
+                }
+            }
+            let mut signed = state();
+            *place(&mut signed) = -0.0;
+            let mut plain = signed.checked().unwrap();
+            assert_eq!(place(&mut plain).to_bits(), 0.0f64.to_bits());
+        }
+        let astray = CriticalState {
+            regime: Regime::TopFirst,
+            contact: state(),
+            floor_contact: [0.0, f64::NAN],
+        };
+        assert!(astray.checked().is_err());
+    }
+
+    #[test]
+    fn loads_too_small_for_a_contact_are_refused() {
+        let system = state().system;
+        // 1e-20 of the pillar radius, 3 um, and 1e-30 of E* = 4/3 MPa times its square.
+        for (smallest, load) in [
+            (3e-26, Load::Indentation as fn(f64) -> Load),
+            (1.2e-35, Load::Force),
+        ] {
+            let press =
+                |value: f64| crate::press(&system, load(value), Method::default(), &Run::default());
+            assert!(press(1.001 * smallest).is_ok());
+            assert!(press(0.0).is_ok() && press(-0.0).is_ok());
+            for refused in [0.999 * smallest, 1e-100, 1e-300, f64::MIN_POSITIVE / 8.0] {
+                let error = press(refused).unwrap_err();
+                assert!(matches!(error, SolveError::InvalidQuantity(_)));
+                let told = format!("at least {smallest:.2e}");
+                assert!(error.to_string().contains(&told), "{error}");
+            }
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! The contact under a load, pillar by pillar.
+
+use super::fields::Fields;
+use crate::problem::{Method, Point, System};
+use std::sync::Arc;
+
+/// How much of a pillar top the lens touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum PillarStatus {
+    /// Nothing of it.
+    Untouched,
+    /// A part of it: the edge of the contact crosses the pillar top.
+    Partial,
+    /// All of it.
+    Full,
+}
+
+impl PillarStatus {
+    /// `"untouched"`, `"partial"` or `"full"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Untouched => "untouched",
+            Self::Partial => "partial",
+            Self::Full => "full",
+        }
+    }
+}
+
+/// One pillar of a contact state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PillarState {
+    /// Lattice indices `(i, j)` of [`HexagonalLattice::centre`](crate::problem::lattice::HexagonalLattice::centre).
+    pub index: (i64, i64),
+    /// Centre, m from the lens axis.
+    pub centre: Point,
+    /// Whether the lens touches it.
+    pub status: PillarStatus,
+    /// Normal force on it, N.
+    pub force: f64,
+    /// Pressure at the centre of its top, Pa.
+    pub centre_pressure: f64,
+    /// Smallest and largest edge coefficient around its rim, Pa: the pressure near the edge
+    /// of a pillar of radius `a` is `coefficient/sqrt(1 - (r/a)^2)`, and so is infinite at the
+    /// edge itself wherever the coefficient is positive.
+    /// `None` for methods that do not resolve it.
+    pub edge_coefficient: Option<[f64; 2]>,
+}
+
+/// Estimated relative errors of a result, from refinement of what was computed.
+///
+/// They are errors of the numerical solution, not of the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorEstimate {
+    /// Relative error of the force.
+    pub force: f64,
+    /// Relative error of the indentation.
+    pub indentation: f64,
+}
+
+/// A condition under which a result should be read with care.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// The contact radius is more than a fifth of the lens radius, where treating the lens as
+    /// a half-space becomes doubtful.
+    LargeContact {
+        /// Contact radius over lens radius.
+        ratio: f64,
+    },
+}
+
+/// Contact radius over lens radius beyond which a contact is warned of.
+pub(crate) const DOUBTFUL_CONTACT: f64 = 0.2;
+
+/// Warnings for a contact radius relative to the lens radius.
+pub(crate) fn contact_warnings(ratio: f64) -> Vec<Warning> {
+    if ratio > DOUBTFUL_CONTACT {
+        vec![Warning::LargeContact { ratio }]
+    } else {
+        Vec::new()
+    }
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::LargeContact { ratio } => write!(
+                f,
+                "the contact radius is {ratio:.2} of the lens radius: above 0.2 the lens is no \
+                 longer well described as a half-space"
+            ),
+        }
+    }
+}
+
+/// The contact under a load.
+#[derive(Debug, Clone)]
+pub struct ContactState {
+    /// What was solved.
+    pub system: System,
+    /// How.
+    pub method: Method,
+    /// Indentation `zeta`, m.
+    pub indentation: f64,
+    /// Normal force `F`, N.
+    pub force: f64,
+    /// Distance from the lens axis of the farthest point of a pillar top in contact, m.
+    pub contact_radius: f64,
+    /// Estimated error of the contact radius, m: how well the edge of the contact is known on the pillar tops
+    /// that it crosses, and by how much the radius would change with a pillar that is about to be touched, or
+    /// only just is. As large as the radius if the solution did not converge.
+    pub contact_radius_error: f64,
+    /// Number of pillars touched, fully or partially.
+    pub pillars_in_contact: usize,
+    /// Number of pillars crossed by the edge of the contact.
+    pub pillars_partially_in_contact: usize,
+    /// The touched pillars, those nearest to the lens axis first. Empty for methods that do
+    /// not resolve pillars.
+    pub pillars: Vec<PillarState>,
+    /// Smallest gap between lens and floor, m. Negative past the transition: the state is
+    /// then computed as if the floor were not there.
+    pub smallest_floor_gap: f64,
+    /// Where the floor gap is smallest, m from the lens axis (one of its symmetric copies).
+    pub smallest_gap_position: Point,
+    /// Estimated relative errors of the numerical solution.
+    pub error: ErrorEstimate,
+    /// Why the solver stopped.
+    pub termination: Termination,
+    /// Newton steps taken.
+    pub iterations: usize,
+    /// What to be careful about.
+    pub warnings: Vec<Warning>,
+    /// Displacement, gap and pressure at any point; not for methods that do not resolve pillars.
+    pub fields: Option<Arc<Fields>>,
+}
+
+impl ContactState {
+    /// The state at an indentation (m) at which nothing is touched.
+    pub(crate) fn untouched(system: &System, method: Method, indentation: f64) -> Self {
+        Self {
+            system: *system,
+            method,
+            indentation,
+            force: 0.0,
+            contact_radius: 0.0,
+            contact_radius_error: 0.0,
+            pillars_in_contact: 0,
+            pillars_partially_in_contact: 0,
+            pillars: Vec::new(),
+            smallest_floor_gap: system.pillar().height - indentation,
+            smallest_gap_position: [0.0, 0.0],
+            error: ErrorEstimate {
+                force: 0.0,
+                indentation: 0.0,
+            },
+            termination: Termination::Converged,
+            iterations: 0,
+            warnings: Vec::new(),
+            fields: None,
+        }
+    }
+
+    /// Whether the floor would have been touched already.
+    #[must_use]
+    pub fn beyond_transition(&self) -> bool {
+        self.smallest_floor_gap < 0.0
+    }
+
+    /// Estimated error of the contact radius relative to it; 0 where there is no contact.
+    #[must_use]
+    pub fn relative_contact_radius_error(&self) -> f64 {
+        relative(self.contact_radius_error, self.contact_radius)
+    }
+
+    /// Whether the numbers are the solution.
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.termination == Termination::Converged
+    }
+}
+
+/// Why a solver stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Termination {
+    /// The contact conditions hold to the tolerance.
+    Converged,
+    /// The limit on Newton steps was reached first; the numbers are not the solution.
+    IterationLimit,
+    /// Steps no longer improved the solution; the numbers are not the solution.
+    Stagnated,
+    /// A number of the solver became infinite or undefined; the numbers are not the solution.
+    NotFinite,
+    /// The caller asked to stop.
+    Interrupted,
+}
+
+impl Termination {
+    /// A sentence for a person.
+    #[must_use]
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "did not converge: the limit on steps was reached",
+            Self::Stagnated => "did not converge: the steps no longer improve the solution",
+            Self::NotFinite => "did not converge: a number became infinite or undefined",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// An error over the value; 0 of nothing.
+pub(super) fn relative(error: f64, value: f64) -> f64 {
+    if value > 0.0 { error / value } else { 0.0 }
+}

@@ -1,0 +1,125 @@
+//! The critical state, in which the lens just reaches the floor.
+
+use super::contact::{ContactState, relative};
+use crate::problem::{Method, Point, PunchForm, System};
+
+/// What the lens meets first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regime {
+    /// Pillar tops: there is a top contact before the transition.
+    TopFirst,
+    /// The floor: it is reached before any pillar, without force.
+    BottomFirst,
+}
+
+impl Regime {
+    /// `"top_first"` or `"bottom_first"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TopFirst => "top_first",
+            Self::BottomFirst => "bottom_first",
+        }
+    }
+}
+
+/// The state in which the lens just reaches the floor between the pillars.
+#[derive(Debug, Clone)]
+pub struct CriticalState {
+    /// Whether there was a top contact before.
+    pub regime: Regime,
+    /// The contact at the transition: critical force `F_c`, critical indentation `zeta_c`,
+    /// top contact radius, pillars.
+    pub contact: ContactState,
+    /// Where the floor is touched, m from the lens axis, folded into one symmetry copy by
+    /// [`LatticeSymmetry::fold`](crate::problem::lattice::LatticeSymmetry::fold).
+    pub floor_contact: Point,
+}
+
+impl CriticalState {
+    /// Critical contact radius `a_c`: the larger of the top contact radius and the distance
+    /// `r_c` of the floor contact from the lens axis, m.
+    #[must_use]
+    pub fn contact_radius(&self) -> f64 {
+        self.contact
+            .contact_radius
+            .max(self.floor_contact_distance())
+    }
+
+    /// Estimated error of [`contact_radius`](Self::contact_radius) relative to it.
+    #[must_use]
+    pub fn relative_contact_radius_error(&self) -> f64 {
+        let (top, floor) = (self.contact.contact_radius, self.floor_contact_distance());
+        let error = if self.contact.converged() {
+            let of_top = top + self.contact.contact_radius_error - self.contact_radius();
+            let of_floor = floor + self.floor_contact_error() - self.contact_radius();
+            let certain = if top > floor {
+                self.contact.contact_radius_error
+            } else {
+                self.floor_contact_error()
+            };
+            certain.max(of_top).max(of_floor)
+        } else {
+            self.contact_radius()
+        };
+        relative(error, self.contact_radius())
+    }
+
+    /// Estimated error of the place of the floor contact, m: how far it moves between methods and
+    /// accuracies, relative to the pitch.
+    #[must_use]
+    pub fn floor_contact_error(&self) -> f64 {
+        let part = match self.contact.method {
+            Method::Spectral(_) => 1e-3,
+            Method::Love(_) => 1e-2,
+            Method::Punch(PunchForm::Corrected) => 2e-2,
+            Method::Punch(PunchForm::Plain) => 5e-2,
+            Method::Homogenised => 1.0,
+        };
+        match self.regime {
+            Regime::TopFirst => part * self.contact.system.lattice().pitch,
+            Regime::BottomFirst => 0.0,
+        }
+    }
+
+    /// `r_c`, the distance of the floor contact from the lens axis, m.
+    #[must_use]
+    pub fn floor_contact_distance(&self) -> f64 {
+        self.floor_contact[0].hypot(self.floor_contact[1])
+    }
+
+    /// Force, contact radius and indentation in the paper's reduced variables.
+    #[must_use]
+    pub fn normalized(&self) -> Normalized {
+        Normalized::new(
+            &self.contact.system,
+            self.contact.force,
+            self.contact_radius(),
+            self.contact.indentation,
+        )
+    }
+}
+
+/// The paper's reduced variables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Normalized {
+    /// `F gamma_int/(h d)`.
+    pub force: f64,
+    /// `a/e`.
+    pub contact_radius: f64,
+    /// `zeta/h`.
+    pub indentation: f64,
+}
+
+impl Normalized {
+    /// Reduces a force (N), a contact radius (m) and an indentation (m).
+    #[must_use]
+    pub fn new(system: &System, force: f64, contact_radius: f64, indentation: f64) -> Self {
+        let pillar = system.pillar();
+        Self {
+            force: force * system.internal_compliance() / (pillar.height * pillar.diameter),
+            contact_radius: contact_radius / system.lattice().pitch,
+            indentation: indentation / pillar.height,
+        }
+    }
+}

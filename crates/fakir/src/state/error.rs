@@ -1,0 +1,99 @@
+//! Why a question has no answer.
+
+use crate::problem::InvalidQuantity;
+
+/// So many bytes for a person: `1.2 GB`.
+pub(crate) fn memory(bytes: usize) -> String {
+    let bytes = bytes as f64;
+    let (size, unit) = match bytes {
+        b if b >= 1e9 => (1e9, "GB"),
+        b if b >= 1e6 => (1e6, "MB"),
+        _ => (1e3, "kB"),
+    };
+    format!("{:.1} {unit}", bytes / size)
+}
+
+/// Why no result can be given.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// A prescribed load that cannot be.
+    #[error(transparent)]
+    InvalidQuantity(#[from] InvalidQuantity),
+    /// The contact would reach past half the lens radius.
+    #[error(
+        "the contact would reach {:.3e} m from the lens axis, more than half the lens radius \
+         {lens_radius:.3e} m, where a lens is not a half-space: lower the load, use lower pillars \
+         or a larger lens", .contact_radius
+    )]
+    ContactExceedsLens {
+        /// Contact radius, or a lower bound on it, m.
+        contact_radius: f64,
+        /// Lens radius, m.
+        lens_radius: f64,
+    },
+    /// The problem does not fit the memory allowed.
+    #[error(
+        "about {pillars} pillars would be touched, which takes {} of memory; the limit is {}: raise \
+         the limit, lower the load or widen the pitch",
+        memory(*.bytes), memory(*.limit)
+    )]
+    TooLarge {
+        /// Pillars in the window that would have to be solved.
+        pillars: usize,
+        /// Memory it would take, bytes.
+        bytes: usize,
+        /// Memory allowed, bytes.
+        limit: usize,
+    },
+    /// Fields at more points than there is memory for.
+    #[error(
+        "fields at {points} points take {} of memory; the limit is {}: raise the limit, or ask for at \
+         most {most} points, such as {} by {}",
+        memory(*.bytes), memory(*.limit), .most.isqrt(), .most.isqrt()
+    )]
+    TooManyPoints {
+        /// Points asked for.
+        points: usize,
+        /// Memory they would take, bytes.
+        bytes: usize,
+        /// Memory allowed, bytes.
+        limit: usize,
+        /// How many would fit.
+        most: usize,
+    },
+    /// Too few elements on a pillar for a solution with an error estimate.
+    #[error(
+        "{cells_per_diameter} cells across a pillar are too few: at least {fewest} are needed for \
+         an error estimate"
+    )]
+    MeshTooCoarse {
+        /// Cells across a pillar asked for.
+        cells_per_diameter: usize,
+        /// Fewest that can be.
+        fewest: usize,
+    },
+    /// The homogenised lattice does not apply to pillars this close together.
+    #[error(
+        "the homogenised lattice needs a surface fraction below {limit:.3} for these materials, \
+         but it is {surface_fraction:.3}: widen the pitch or use the spectral method"
+    )]
+    TextureTooDense {
+        /// Fraction of the surface that is pillar top.
+        surface_fraction: f64,
+        /// Where the model ends for this lens and substrate.
+        limit: f64,
+    },
+    /// A number of the solution is infinite or undefined, so that there is none.
+    #[error(
+        "the {what} of the solution is infinite or undefined: there is no result; quantities of \
+         the case may be too many orders of magnitude apart"
+    )]
+    NotFinite {
+        /// Which one.
+        what: &'static str,
+    },
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}

@@ -1,0 +1,330 @@
+//! Displacement, gap and pressure at any point of a contact state.
+
+use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with};
+use crate::halfspace::disc::covered::{CoverFinder, CoveredPart};
+use crate::halfspace::disc::exterior::Exterior;
+use crate::problem::scaled::Problem;
+use crate::problem::{HexagonalLattice, Point};
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::sync::OnceLock;
+
+/// Within this distance of a partially touched pillar (pillar radii), all its modes count;
+/// beyond, the modes by which pillars act on each other.
+const NEAR: f64 = 4.0;
+
+/// Pressure on a disc of the surface.
+#[derive(Debug, Clone)]
+pub(crate) struct Disc {
+    /// Lattice indices of the pillar it lies on.
+    pub(crate) index: (i64, i64),
+    /// Centre and radius, pillar radii.
+    pub(crate) centre: Point,
+    pub(crate) radius: f64,
+    /// Coefficients of `q`, by rising degree.
+    pub(crate) coefficients: Vec<f64>,
+    /// Coefficients of the gap, if the edge of the contact crosses the disc.
+    pub(crate) gap: Option<Vec<f64>>,
+    /// Where the contact ends, if it is a sliver along the rim: the gap is too coarse then.
+    pub(crate) sliver: Option<SliverEdge>,
+}
+
+impl Disc {
+    /// Force, in scaled units.
+    pub(crate) fn force(&self) -> f64 {
+        crate::halfspace::disc::basis::UNIT_FORCE * self.coefficients[0] * self.radius * self.radius
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// The solution of a contact problem as functions of position.
+///
+/// Positions are in m from the lens axis. Evaluation at a point visits every touched pillar; for
+/// many points [`sample`](Self::sample) is much faster.
+#[derive(Clone)]
+pub struct Fields {
+    pub(super) problem: Problem,
+    /// Scaled.
+    indentation: f64,
+    pub(super) discs: Vec<Disc>,
+    disc_of: HashMap<(i64, i64), usize>,
+    pub(super) exterior: Exterior,
+    /// Of all modes, for points close to discs with more than the leading ones.
+    close_exterior: Exterior,
+    pub(super) compliance: Vec<f64>,
+    /// What is covered of the discs that the edge of the contact crosses: found when the first
+    /// pressure is asked for.
+    covered: OnceLock<Vec<Option<CoveredPart>>>,
+}
+
+/// Without the tables it is evaluated by.
+impl std::fmt::Debug for Fields {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Fields")
+            .field("pillars", &self.discs.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Fields {
+    /// `degree` is that of the leading modes, `close_degree` the highest of all.
+    pub(crate) fn new(
+        problem: Problem,
+        indentation: f64,
+        discs: Vec<Disc>,
+        degree: usize,
+        close_degree: usize,
+    ) -> Self {
+        Self {
+            disc_of: discs
+                .iter()
+                .enumerate()
+                .map(|(k, disc)| (disc.index, k))
+                .collect(),
+            exterior: Exterior::new(degree),
+            close_exterior: Exterior::new(close_degree),
+            compliance: compliances(close_degree, 0.0),
+            covered: OnceLock::new(),
+            problem,
+            indentation,
+            discs,
+        }
+    }
+
+    pub(super) fn scaled(&self, position: Point) -> Point {
+        [
+            position[0] / self.problem.length,
+            position[1] / self.problem.length,
+        ]
+    }
+
+    /// The pillar whose top holds a scaled position, and the distance from its centre.
+    fn pillar_under(&self, position: Point) -> Option<(i64, i64)> {
+        let lattice: &HexagonalLattice = &self.problem.lattice;
+        let (i, j) = lattice.nearest_pillar(position);
+        let [x, y] = lattice.centre(i, j);
+        ((x - position[0]).hypot(y - position[1]) <= 1.0).then_some((i, j))
+    }
+
+    /// Whether a position is on a pillar top rather than above the floor.
+    #[must_use]
+    pub fn is_on_pillar(&self, position: Point) -> bool {
+        self.pillar_under(self.scaled(position)).is_some()
+    }
+
+    /// How far the pressure has moved the two surfaces apart, `w`, m: the sum over both bodies,
+    /// without the shortening of the pillars.
+    #[must_use]
+    pub fn displacement(&self, position: Point) -> f64 {
+        self.scaled_displacement(self.scaled(position)) * self.problem.length
+    }
+
+    /// As [`displacement`](Self::displacement), scaled.
+    pub(super) fn scaled_displacement(&self, position: Point) -> f64 {
+        let mut values = vec![0.0; self.compliance.len()];
+        self.discs
+            .iter()
+            .map(|disc| self.displacement_by(disc, position, &mut values))
+            .sum()
+    }
+
+    /// What one disc adds; `values` is room for its modes.
+    pub(super) fn displacement_by(&self, disc: &Disc, position: Point, values: &mut [f64]) -> f64 {
+        let at = [
+            (position[0] - disc.centre[0]) / disc.radius,
+            (position[1] - disc.centre[1]) / disc.radius,
+        ];
+        disc.radius * self.displacement_of_unit(disc, at, values)
+    }
+
+    fn displacement_of_unit(&self, disc: &Disc, at: Point, values: &mut [f64]) -> f64 {
+        let distance = at[0].hypot(at[1]);
+        if distance <= 1.0 {
+            let mut basis = BasisEvaluator::new(self.degree_of(disc));
+            basis.evaluate(at, values);
+            return disc
+                .coefficients
+                .iter()
+                .zip(values.iter())
+                .zip(&self.compliance)
+                .map(|((c, y), lambda)| c * y * lambda)
+                .sum();
+        }
+        let exterior = if distance < NEAR {
+            &self.close_exterior
+        } else {
+            &self.exterior
+        };
+        exterior.values_of_first(disc.coefficients.len(), at, values);
+        let count = exterior.count().min(disc.coefficients.len());
+        dot(&values[..count], &disc.coefficients[..count])
+    }
+
+    fn degree_of(&self, disc: &Disc) -> usize {
+        degree_with(disc.coefficients.len())
+    }
+
+    /// Gap between the lens and the surface below it, m: the pillar top where there is one, the
+    /// floor elsewhere. Zero in contact, up to the resolution of the solution.
+    #[must_use]
+    pub fn gap(&self, position: Point) -> f64 {
+        let at = self.scaled(position);
+        self.gap_with(at, self.scaled_displacement(at))
+    }
+
+    /// The gap, m, at a scaled position with a scaled displacement.
+    pub(super) fn gap_with(&self, at: Point, displacement: f64) -> f64 {
+        let above_floor =
+            self.problem.height + self.problem.sag(at) + displacement - self.indentation;
+        let gap = match self.pillar_under(at) {
+            None => above_floor,
+            Some(index) => above_floor - self.problem.height + self.column_sink(index),
+        };
+        gap * self.problem.length
+    }
+
+    /// Shortening of a pillar: `kappa F/2` in scaled units, from `lambda_00 = pi (1 + kappa)`.
+    fn column_sink(&self, index: (i64, i64)) -> f64 {
+        self.disc_of.get(&index).map_or(0.0, |&k| {
+            0.5 * self.problem.column_compliance_ratio * self.discs[k].force()
+        })
+    }
+
+    /// Contact pressure, Pa: zero out of contact, infinite at the very edge of a covered pillar
+    /// top. [`on_grid`](Self::on_grid) gives means over cells, which are finite.
+    ///
+    /// On a pillar top that the edge of the contact crosses it is positive inside that edge, which is
+    /// known to a few hundredths of the pillar radius, goes to zero there as a root, and has the
+    /// force of the pillar.
+    #[must_use]
+    pub fn pressure(&self, position: Point) -> f64 {
+        self.pressure_at(self.scaled(position))
+    }
+
+    /// The pressure, Pa, at a scaled position.
+    pub(super) fn pressure_at(&self, at: Point) -> f64 {
+        let Some(&k) = self
+            .pillar_under(at)
+            .and_then(|index| self.disc_of.get(&index))
+        else {
+            return 0.0;
+        };
+        let disc = &self.discs[k];
+        let point = [
+            (at[0] - disc.centre[0]) / disc.radius,
+            (at[1] - disc.centre[1]) / disc.radius,
+        ];
+        let rho_squared = point[0] * point[0] + point[1] * point[1];
+        if rho_squared > 1.0 {
+            return 0.0;
+        }
+        let density = self.density_on(k).at(point);
+        if density <= 0.0 {
+            return 0.0;
+        }
+        density / (1.0 - rho_squared).sqrt() * self.problem.pressure
+    }
+
+    /// `q` on a disc.
+    pub(super) fn density_on(&self, disc: usize) -> Density<'_> {
+        let Disc {
+            coefficients, gap, ..
+        } = &self.discs[disc];
+        if gap.is_none() {
+            let count = coefficients.len();
+            return Density::Expansion {
+                coefficients,
+                basis: Box::new(BasisEvaluator::new(degree_with(count))),
+                values: vec![0.0; count],
+            };
+        }
+        let covered = self.covered.get_or_init(|| self.covered_parts());
+        covered[disc]
+            .as_ref()
+            .map_or(Density::None, Density::Covered)
+    }
+
+    /// The outline of the covered part of a pillar top, a polygon of so many corners around its middle, m from
+    /// the lens axis; none of a pillar that is not touched.
+    #[must_use]
+    pub fn covered_outline(&self, index: (i64, i64), corners: usize) -> Vec<Point> {
+        let Some(&k) = self.disc_of.get(&index) else {
+            return Vec::new();
+        };
+        let disc = &self.discs[k];
+        let outline = if disc.gap.is_some() {
+            let covered = self.covered.get_or_init(|| self.covered_parts());
+            covered[k]
+                .as_ref()
+                .map_or_else(Vec::new, |part| part.region.outline(corners))
+        } else {
+            let angles = (0..corners).map(|k| TAU * k as f64 / corners as f64);
+            angles.map(|angle| [angle.cos(), angle.sin()]).collect()
+        };
+        let place = |[x, y]: Point| {
+            let [centre_x, centre_y] = disc.centre;
+            self.problem
+                .metres([centre_x + disc.radius * x, centre_y + disc.radius * y])
+        };
+        outline.into_iter().map(place).collect()
+    }
+
+    fn covered_parts(&self) -> Vec<Option<CoveredPart>> {
+        let mut finders: HashMap<usize, CoverFinder> = HashMap::new();
+        let of_disc = |disc: &Disc| {
+            let gap = disc.gap.as_ref()?;
+            let degree = self.degree_of(disc);
+            let finder = finders
+                .entry(degree)
+                .or_insert_with(|| CoverFinder::new(degree));
+            match &disc.sliver {
+                Some(edge) => finder.inside(&disc.coefficients, &edge.points),
+                None => finder.find(&disc.coefficients, gap),
+            }
+        };
+        self.discs.iter().map(of_disc).collect()
+    }
+}
+
+/// `q` on a disc, at points in units of its radius from its centre.
+pub(super) enum Density<'f> {
+    /// Of a disc that is covered: the expansion.
+    Expansion {
+        coefficients: &'f [f64],
+        basis: Box<BasisEvaluator>,
+        values: Vec<f64>,
+    },
+    /// Of one that the edge of the contact crosses.
+    Covered(&'f CoveredPart),
+    /// No contact can be made out.
+    None,
+}
+
+impl Density<'_> {
+    pub(super) fn at(&mut self, point: Point) -> f64 {
+        match self {
+            Self::Expansion {
+                coefficients,
+                basis,
+                values,
+            } => {
+                basis.evaluate(point, values);
+                dot(values, coefficients)
+            }
+            Self::Covered(part) => part.density(point),
+            Self::None => 0.0,
+        }
+    }
+}
+
+/// Where the contact of a sliver ends, in pillar radii from the centre of the pillar.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SliverEdge {
+    pub(crate) points: Vec<Point>,
+    /// Distance of the farthest point in contact from the lens axis, and its error.
+    pub(crate) reach: f64,
+    pub(crate) error: f64,
+}

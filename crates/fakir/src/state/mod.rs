@@ -1,0 +1,29 @@
+//! What comes back: the contact under a load, the critical state, fields, estimates, and why there is no answer.
+//!
+//! *Top contact* is governed by `p >= 0`, `gap >= 0`, `p gap = 0` on the pillar
+//! tops, where `gap = f - h + w + column - zeta` with `f` the undeformed lens above
+//! the floor and `zeta` the indentation: how far the lens has come down since its
+//! lowest point was level with the pillar tops. The gap to the floor between the
+//! pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
+//! indentation at which it vanishes somewhere.
+
+mod cell_means;
+pub(crate) mod checked;
+pub(crate) mod contact;
+pub(crate) mod critical;
+pub(crate) mod error;
+pub(crate) mod fields;
+pub(crate) mod run;
+mod samples;
+pub(crate) mod surface;
+
+pub use crate::numerics::workers::{CancelToken, Threads};
+pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
+pub use critical::{CriticalState, Normalized, Regime};
+pub use error::SolveError;
+pub use fields::Fields;
+pub use run::{Progress, Run, Stage};
+pub use samples::FieldSamples;
+pub use surface::{
+    Certificate, Share, Shares, SurfaceContact, SurfaceError, SurfaceTransition, SurfaceWarning,
+};
