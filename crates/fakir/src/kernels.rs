@@ -3,6 +3,7 @@
 
 use crate::halfspace::coupling::convolution::LatticeConvolution;
 use crate::halfspace::coupling::lattice::LatticeCoupling;
+use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::mode_count;

@@ -1,10 +1,11 @@
 //! Answers of the methods that resolve pillars, assembled from their solutions.
 
+use super::control::Target;
 use super::elements::pillars;
 use super::elements::pillars::ElementSolution;
 use super::estimate::{estimate, unknowns_only};
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
-use super::newton::{MISMATCH_TOLERANCE, Purpose, Target};
+use super::newton::{MISMATCH_TOLERANCE, Purpose};
 use super::reach::{Reach, contact_reach, punch_reach};
 use super::rules::patch::{Patch, PatchSolver};
 use super::spectral::{
@@ -227,7 +228,7 @@ fn refined(
     run.report(Progress {
         stage: Stage::ErrorEstimate,
         step: solution.steps,
-        pillars: solution.newton.window.len(),
+        pillars: solution.newton.tops.window.len(),
         touched: solution.newton.touched(),
     });
     estimate(&mut solution.newton, &solution.outcome, target)

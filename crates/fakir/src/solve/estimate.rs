@@ -10,7 +10,10 @@
 //!   at first order;
 //! * at the floor point, the modes of partially touched pillars beyond that degree.
 
-use super::newton::{COSTLY_PILLARS, Newton, Outcome, Response, Target};
+use super::control::Target;
+use super::frozen::Response;
+use super::newton::{Newton, Outcome};
+use super::rules::tops::COSTLY_PILLARS;
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::disc::basis::{compliances, degree_with, mode_count};
@@ -64,7 +67,7 @@ pub(crate) fn estimate(
         // The contact is smaller than the distance of nodes: nothing is known of it.
         return Ok(unknowns_only(target, outcome.termination, [1.0; 2]));
     }
-    let total = newton.coefficients().to_vec();
+    let total = newton.contact.coefficients().to_vec();
     let [of_force, of_indentation] = adjoints(newton, outcome, target)?;
     let adjoints = [&of_force, &of_indentation];
     let nodes = node_changes(newton, &total, adjoints)?;
@@ -84,10 +87,10 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
     let Some(point) = outcome.floor else {
         return [0.0; 2];
     };
-    let near: Vec<(usize, Point)> = (0..newton.window.len())
-        .filter(|&pillar| newton.status[pillar] == PillarStatus::Partial)
+    let near: Vec<(usize, Point)> = (0..newton.tops.window.len())
+        .filter(|&pillar| newton.tops.status[pillar] == PillarStatus::Partial)
         .map(|pillar| {
-            let [x, y] = newton.window.centres()[pillar];
+            let [x, y] = newton.tops.window.centres()[pillar];
             (pillar, [point.position[0] - x, point.position[1] - y])
         })
         .filter(|(_, [x, y])| x.hypot(*y) < NEIGHBOURHOOD)
@@ -95,9 +98,9 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
     if near.is_empty() {
         return [0.0; 2];
     }
-    let exterior = Exterior::new(degree_with(newton.top.count()));
-    let mut displacement = vec![0.0; newton.top.count()];
-    let mut solver = LocalSolver::new(&newton.top);
+    let exterior = Exterior::new(degree_with(newton.tops.top.count()));
+    let mut displacement = vec![0.0; newton.tops.top.count()];
+    let mut solver = LocalSolver::new(&newton.tops.top);
     let change: f64 = near
         .into_iter()
         .map(|(pillar, offset)| {
@@ -106,7 +109,7 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
                 .partial_coefficients(pillar, &mut solver)
                 .iter()
                 .zip(&displacement)
-                .skip(newton.modes)
+                .skip(newton.contact.modes())
                 .map(|(c, w)| c * w)
                 .sum::<f64>()
         })
@@ -121,8 +124,8 @@ fn adjoints(
     target: Target,
 ) -> Result<[Adjoint; 2], SolveError> {
     newton.solve_unit(ADJOINT_TOLERANCE)?;
-    let stiffness = newton.stiffness();
-    let size = newton.unit.far.len();
+    let stiffness = newton.contact.stiffness();
+    let size = newton.contact.unit.far.len();
     let mut load = vec![0.0; size];
     let mut response = Response::none(size);
     let mut factor = 0.0;
@@ -131,16 +134,18 @@ fn adjoints(
         response = newton.respond_to(&load, ADJOINT_TOLERANCE)?;
         let unit_displacement: f64 = load
             .iter()
-            .zip(&newton.unit.coefficients)
+            .zip(&newton.contact.unit.coefficients)
             .map(|(w, c)| w * c)
             .sum();
         factor = 1.0 / (1.0 - unit_displacement);
     }
-    let unit = newton.unit_sensitivity();
+    let unit = newton.contact.unit_sensitivity();
     let combine = |along_unit: f64, floor: f64| Adjoint {
         floor,
         coefficients: (0..size)
-            .map(|k| along_unit * newton.unit.coefficients[k] + floor * response.coefficients[k])
+            .map(|k| {
+                along_unit * newton.contact.unit.coefficients[k] + floor * response.coefficients[k]
+            })
             .collect(),
         sensitivity: (0..size)
             .map(|k| along_unit * unit[k] + floor * (load[k] - response.far[k]))
@@ -192,16 +197,16 @@ fn node_changes(
     total: &[f64],
     adjoints: [&Adjoint; 2],
 ) -> Result<[f64; 2], SolveError> {
-    let modes = newton.modes;
-    let partial: Vec<usize> = (0..newton.window.len())
-        .filter(|&p| newton.status[p] == PillarStatus::Partial)
+    let modes = newton.contact.modes();
+    let partial: Vec<usize> = (0..newton.tops.window.len())
+        .filter(|&p| newton.tops.status[p] == PillarStatus::Partial)
         .collect();
     if partial.is_empty() {
         return Ok([0.0; 2]);
     }
     let mut of_pillars = vec![[0.0_f64; 2]; partial.len()];
     let mut largest_sum = [0.0_f64; 2];
-    for resolution in other_resolutions(newton.top.resolution(), partial.len()) {
+    for resolution in other_resolutions(newton.tops.top.resolution(), partial.len()) {
         let ratio = newton.problem.column_compliance_ratio;
         let top = PillarTop::new(resolution, newton.degree(), ratio);
         let work = || (LocalSolver::new(&top), vec![0.0; modes]);
@@ -248,7 +253,7 @@ fn degree_changes(
     total: &[f64],
     adjoints: [&Adjoint; 2],
 ) -> Result<[f64; 2], SolveError> {
-    let (modes, extended) = (newton.modes, newton.degree() + EXTRA_DEGREES);
+    let (modes, extended) = (newton.contact.modes(), newton.degree() + EXTRA_DEGREES);
     let count = mode_count(extended);
     let neighbours = Neighbours::new(newton, extended);
     let compliance = compliances(extended, 0.0);
@@ -261,13 +266,13 @@ fn degree_changes(
     let own_load = OwnLoad::new(newton.problem, extended);
     let loads = || std::array::from_fn(|_| vec![0.0; count]);
     let one = |[own, floor_load, loads @ ..]: &mut [Vec<f64>; 5], pillar: usize| {
-        if newton.status[pillar] != PillarStatus::Full || newton.run.cancel.is_cancelled() {
+        if newton.tops.status[pillar] != PillarStatus::Full || newton.run.cancel.is_cancelled() {
             return [0.0; 2];
         }
         neighbours.loads(newton, pillar, fields, loads);
         own_load.project(newton, pillar, own);
         if let Some(point) = outcome.floor {
-            let [x, y] = newton.window.centres()[pillar];
+            let [x, y] = newton.tops.window.centres()[pillar];
             exterior.values([point.position[0] - x, point.position[1] - y], floor_load);
         }
         [0, 1].map(|k| {
@@ -279,7 +284,7 @@ fn degree_changes(
                 .sum::<f64>()
         })
     };
-    let pillars = newton.window.len();
+    let pillars = newton.tops.window.len();
     let changes = newton
         .run
         .workers()
@@ -312,7 +317,7 @@ impl OwnLoad {
     fn project(&self, newton: &Newton<'_>, pillar: usize, load: &mut [f64]) {
         match &self.projector {
             Some(projector) => {
-                projector.project(newton.problem, newton.window.centres()[pillar], load);
+                projector.project(newton.problem, newton.tops.window.centres()[pillar], load);
             }
             None => load.fill(0.0),
         }
@@ -331,7 +336,7 @@ impl Neighbours {
         let lattice = &newton.problem.lattice;
         let pair = PairCoupling::new(degree, lattice.pitch);
         let count = mode_count(degree);
-        let modes = newton.modes;
+        let modes = newton.contact.modes();
         let reach = (NEIGHBOURHOOD / lattice.pitch * 2.0 / 3f64.sqrt())
             .ceil()
             .max(1.0) as i64;
@@ -364,13 +369,13 @@ impl Neighbours {
         fields: [&[f64]; 3],
         loads: &mut [Vec<f64>; 3],
     ) {
-        let modes = newton.modes;
-        let (i, j) = newton.window.index(pillar);
+        let modes = newton.contact.modes();
+        let (i, j) = newton.tops.window.index(pillar);
         for load in loads.iter_mut() {
             load.fill(0.0);
         }
         for ((di, dj), block) in &self.blocks {
-            let Some(source) = newton.window.find((i + di, j + dj)) else {
+            let Some(source) = newton.tops.window.find((i + di, j + dj)) else {
                 continue;
             };
             for (load, field) in loads.iter_mut().zip(fields) {

@@ -2,9 +2,11 @@
 //! estimates, and [`elements`].
 
 pub(crate) mod answers;
+pub(crate) mod control;
 pub mod elements;
 mod estimate;
 pub(crate) mod floor;
+mod frozen;
 pub(crate) mod newton;
 mod reach;
 pub(crate) mod rules;

@@ -57,7 +57,7 @@ pub(super) fn contact_reach(
     indentation: f64,
     touched: &[TouchedPillar],
 ) -> Reach {
-    let degree = degree_with(newton.top.count());
+    let degree = degree_with(newton.tops.top.count());
     let mut finder = CoverFinder::new(degree);
     let coarse_error = edge_error(degree);
     let mut candidates: Vec<Candidate<'_>> = Vec::new();
@@ -145,7 +145,8 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut Co
     if partial.peek().is_none() {
         return;
     }
-    let mut finer = (degree_with(newton.top.count()) < FINE_DEGREE).then(|| Finer::new(newton));
+    let mut finer =
+        (degree_with(newton.tops.top.count()) < FINE_DEGREE).then(|| Finer::new(newton));
     for candidate in partial {
         let axis = candidate.pillar.disc.centre.map(|x| -x);
         let region = match (&mut finer, &candidate.pillar.disc.gap) {
@@ -157,7 +158,7 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut Co
             let reach = region.farthest_from(axis);
             // Where two solutions differ by more than usual, so may the truth.
             let change = (reach - candidate.reach).abs();
-            let degree = degree_with(newton.top.count()).max(FINE_DEGREE);
+            let degree = degree_with(newton.tops.top.count()).max(FINE_DEGREE);
             candidate.error = edge_error(degree) + change;
             candidate.reach = reach;
         }
@@ -216,9 +217,11 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
     };
     let mut change = 0.0_f64;
     let outer = radius + 1.0 + 1.2 * newton.problem.lattice.pitch;
-    for (pillar, centre) in newton.window.centres().iter().enumerate() {
+    for (pillar, centre) in newton.tops.window.centres().iter().enumerate() {
         let nearest = centre[0].hypot(centre[1]) - 1.0;
-        if newton.status[pillar] != PillarStatus::Untouched || nearest <= radius || nearest > outer
+        if newton.tops.status[pillar] != PillarStatus::Untouched
+            || nearest <= radius
+            || nearest > outer
         {
             continue;
         }
@@ -257,7 +260,7 @@ struct RimGap {
 impl RimGap {
     fn new(newton: &Newton<'_>) -> Self {
         const PLACES: usize = 48;
-        let mut basis = BasisEvaluator::new(newton.load_degree());
+        let mut basis = BasisEvaluator::new(newton.tops.load_degree());
         let count = basis.modes().len();
         let mut values = vec![0.0; PLACES * count];
         for (k, row) in values.chunks_exact_mut(count).enumerate() {
@@ -310,9 +313,9 @@ pub(super) fn punch_reach(
     let sag = |distance: f64| newton.problem.lens.sag(distance);
     let outer = radius + 2.0 * newton.problem.lattice.pitch;
     let mut error = 2.0_f64;
-    for (pillar, [x, y]) in newton.window.centres().iter().enumerate() {
+    for (pillar, [x, y]) in newton.tops.window.centres().iter().enumerate() {
         let distance = x.hypot(*y);
-        let untouched = newton.status[pillar] == PillarStatus::Untouched;
+        let untouched = newton.tops.status[pillar] == PillarStatus::Untouched;
         if untouched && distance > radius - 1.0 && distance < outer {
             let mean = newton.mean_load(pillar);
             if mean + sag(distance) - sag((distance - 1.0).max(0.0)) > -margin {

@@ -1,7 +1,8 @@
 //! The spectral method and the punch lattice: windows, starts and growth around
 //! [`Newton`](super::newton::Newton).
 
-use super::newton::{Degrees, Newton, Outcome, Purpose, Target};
+use super::control::Target;
+use super::newton::{Degrees, Newton, Outcome, Purpose};
 use super::rules::unilateral::PillarTop;
 use crate::halfspace::coupling::lattice;
 use crate::halfspace::coupling::pair::PairCoupling;
@@ -82,11 +83,11 @@ pub(crate) fn solve_punch<'a>(
         if form == PunchForm::Plain {
             newton.load_at_centres();
         }
-        newton.touch_within(contact);
+        newton.tops.touch_within(contact);
         let outcome = newton.solve(target, purpose)?;
         steps += outcome.steps;
         match growth(problem, &newton)? {
-            Some(larger) => (radius, contact) = (larger, newton.reach()),
+            Some(larger) => (radius, contact) = (larger, newton.tops.reach()),
             None => {
                 return Ok(Solution {
                     newton,
@@ -109,7 +110,7 @@ pub(crate) fn solve_spectral<'a>(
     let mut steps = punch.steps;
     let mut coarse = punch.newton;
     let mut pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
-    let mut radius = coarse.reach() + 1.5 * problem.lattice.pitch;
+    let mut radius = coarse.tops.reach() + 1.5 * problem.lattice.pitch;
     loop {
         let modes = mode_count(degrees.coupling);
         let window = checked_window(problem, limited(problem, radius), modes, run)?;
@@ -184,14 +185,14 @@ fn checked_window(
 
 /// A larger radius if the contact comes close to the edge of the window.
 fn growth(problem: &Problem, newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
-    let reach = newton.reach();
+    let reach = newton.tops.reach();
     if reach - 1.0 > LARGEST_CONTACT * problem.lens.radius {
         return Err(SolveError::ContactExceedsLens {
             contact_radius: reach * problem.length,
             lens_radius: problem.lens.radius * problem.length,
         });
     }
-    let radius = newton.window.radius();
+    let radius = newton.tops.window.radius();
     let pitch = problem.lattice.pitch;
     Ok((reach + pitch > radius).then(|| (1.3 * radius).max(reach + 2.0 * pitch)))
 }

@@ -1,6 +1,7 @@
 //! The touched pillars of a solution, as they are handed out.
 
-use super::newton::{COSTLY_PILLARS, Newton};
+use super::newton::Newton;
+use super::rules::tops::COSTLY_PILLARS;
 use super::rules::unilateral::LocalSolver;
 use crate::halfspace::disc::basis::{BasisEvaluator, degree_with, mode_count};
 use crate::halfspace::disc::nodes::edge_count;
@@ -32,24 +33,24 @@ pub(super) struct TouchedPillar {
 
 /// The touched pillars, nearest to the lens axis first.
 pub(super) fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<TouchedPillar> {
-    let modes = newton.modes;
-    let total = newton.coefficients();
+    let modes = newton.contact.modes();
+    let total = newton.contact.coefficients();
     let lead = DiscSamples::new(newton.degree());
-    let all = DiscSamples::new(degree_with(newton.top.count()));
-    let places: Vec<usize> = (0..newton.window.len())
-        .filter(|&pillar| newton.status[pillar] != PillarStatus::Untouched)
+    let all = DiscSamples::new(degree_with(newton.tops.top.count()));
+    let places: Vec<usize> = (0..newton.tops.window.len())
+        .filter(|&pillar| newton.tops.status[pillar] != PillarStatus::Untouched)
         .collect();
-    let solver = || LocalSolver::new(&newton.top);
+    let solver = || LocalSolver::new(&newton.tops.top);
     let one = |solver: &mut LocalSolver, number: usize| {
         let pillar = places[number];
-        let status = newton.status[pillar];
+        let status = newton.tops.status[pillar];
         let (samples, coefficients) = if status == PillarStatus::Partial {
             (&all, newton.partial_coefficients(pillar, solver))
         } else {
             let range = pillar * modes..(pillar + 1) * modes;
             (&lead, total[range].to_vec())
         };
-        let centre = newton.window.centres()[pillar];
+        let centre = newton.tops.window.centres()[pillar];
         let sliver = solver
             .cells()
             .filter(|_| status == PillarStatus::Partial)
@@ -57,7 +58,7 @@ pub(super) fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<Tou
         let gap = (status == PillarStatus::Partial)
             .then(|| newton.gap_coefficients(pillar, &coefficients));
         let disc = Disc {
-            index: newton.window.index(pillar),
+            index: newton.tops.window.index(pillar),
             centre,
             radius: 1.0,
             coefficients,

@@ -2,6 +2,7 @@
 
 use super::convolution::LatticeConvolution;
 use super::direct::DirectCoupling;
+use super::operator::Coupling;
 use super::pair::PairCoupling;
 use super::window::Window;
 use crate::numerics::workers::Workers;
@@ -25,10 +26,12 @@ impl LatticeCoupling {
             Self::Convolution(Box::new(LatticeConvolution::new(window, pair, workers)))
         }
     }
+}
 
-    /// `far = B c`: the load coefficients on every pillar from the pressure coefficients of all
-    /// others; both pillar by pillar, `mode count` each. If it is cancelled, anything.
-    pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+impl Coupling for LatticeCoupling {
+    /// The load coefficients on every pillar from the pressure coefficients of all
+    /// others; both pillar by pillar, `mode count` each.
+    fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
         match self {
             Self::Direct(direct) => direct.apply(coefficients, far),
             Self::Convolution(convolution) => convolution.apply(coefficients, far, workers),
@@ -54,6 +57,7 @@ pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::halfspace::coupling::operator::Sum;
     use crate::halfspace::disc::basis::mode_count;
     use crate::numerics::workers::CancelToken;
     use crate::problem::HexagonalLattice;
@@ -123,5 +127,28 @@ mod tests {
         let own = crate::halfspace::disc::basis::compliances(2, 0.0);
         let energy: f64 = a.iter().enumerate().map(|(k, v)| own[k % 6] * v * v).sum();
         assert!(energy + dot(&a, &ba) > 0.0);
+    }
+
+    #[test]
+    fn sums_of_operators_are_operators() {
+        // B twice is twice B.
+        let lattice = HexagonalLattice::new(3.5);
+        let window = Window::new(&lattice, 12.0);
+        let pair = PairCoupling::new(2, lattice.pitch);
+        let cancel = CancelToken::default();
+        let workers = Workers {
+            pool: None,
+            cancel: &cancel,
+        };
+        let coupling = || LatticeCoupling::new(&window, &pair, workers);
+        let c = coefficients(window.len() * 6);
+        let (mut once, mut twice) = (vec![0.0; c.len()], vec![0.0; c.len()]);
+        coupling().apply(&c, &mut once, workers);
+        Sum::new(coupling(), coupling()).apply(&c, &mut twice, workers);
+        assert!(
+            once.iter()
+                .zip(&twice)
+                .all(|(a, b)| (2.0 * a).to_bits() == b.to_bits())
+        );
     }
 }

@@ -8,5 +8,6 @@
 pub(crate) mod convolution;
 mod direct;
 pub(crate) mod lattice;
+pub(crate) mod operator;
 pub(crate) mod pair;
 pub(crate) mod window;

@@ -2,4 +2,5 @@
 
 pub(crate) mod patch;
 pub(crate) mod rim;
+pub(crate) mod tops;
 pub(crate) mod unilateral;

@@ -1,0 +1,324 @@
+//! The frozen contact: what every place would do if none changed its state.
+//!
+//! The unknowns are the leading pressure coefficients `c` of every place, here the pillars. A place under the incident
+//! load `s = zeta b1 + bs - B c` answers with `c = P s + cb` as long as its state stays as it is, where `b1` is the
+//! load of a unit indentation, `bs` that of the lens shape, and `B` the [coupling](Coupling). `P` and `cb` come from the
+//! [rules](Rule). The state of all is then linear in the indentation, `c = c* + (zeta - zeta*) c1`, with
+//!
+//! ```text
+//! (1 + P B) c* = P (zeta* b1 + bs) + cb,      (1 + P B) c1 = P b1.
+//! ```
+//!
+//! Both are solved by preconditioned conjugate gradients on `(P^-1 + B) c = b + P^-1 cb`, in the dual variable
+//! `s = P^-1 (c - cb)`, so that the singular `P` is never inverted. `c*` changes little from step to step, and `c1`
+//! need not be exact, as `zeta - zeta*` tends to zero.
+
+use crate::halfspace::coupling::operator::Coupling;
+use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::numerics::convergence::{Judgement, judge, larger, within};
+use crate::numerics::vector::{Vectors, subtract};
+use crate::numerics::workers::Workers;
+use crate::state::{Run, SolveError};
+
+/// Iterations of the conjugate gradient method before giving up; 10 to 25 are typical.
+const ITERATION_LIMIT: usize = 600;
+
+/// How the places of contact answer to the loads on them, their states frozen.
+pub(crate) trait Rule {
+    /// `c = P s`, place by place.
+    fn respond(&self, load: &[f64], coefficients: &mut [f64], workers: Workers<'_>);
+
+    /// `c += cb`
+    fn add_constants(&self, coefficients: &mut [f64]);
+}
+
+/// Coefficients and the loads they make on the other places.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Response {
+    /// `c`
+    pub(crate) coefficients: Vec<f64>,
+    /// `B c`
+    pub(crate) far: Vec<f64>,
+}
+
+impl Response {
+    /// Without any pressure.
+    pub(crate) fn none(size: usize) -> Self {
+        Self {
+            coefficients: vec![0.0; size],
+            far: vec![0.0; size],
+        }
+    }
+}
+
+/// Which load is answered to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Source<'a> {
+    /// A unit indentation: `c1`.
+    Unit,
+    /// The lens at the present indentation: `c*`.
+    Present,
+    /// Any other, without `cb`.
+    Given(&'a [f64]),
+}
+
+/// All places of contact with their loads and responses.
+pub(crate) struct FrozenContact<'a, O> {
+    run: &'a Run<'a>,
+    coupling: O,
+    /// Leading modes per place.
+    modes: usize,
+    /// `bs`, place by place.
+    own_load: Vec<f64>,
+    /// Response to a unit indentation.
+    pub(crate) unit: Response,
+    /// Response at the indentation `base`.
+    pub(super) present: Response,
+    base: f64,
+    room: Room,
+}
+
+/// Room for the vectors of the iteration.
+#[derive(Default)]
+struct Room {
+    load: Vec<f64>,
+    residual: Vec<f64>,
+    direction: Vec<f64>,
+    direction_load: Vec<f64>,
+    preconditioned: Vec<f64>,
+    product: Vec<f64>,
+}
+
+impl<'a, O: Coupling> FrozenContact<'a, O> {
+    /// No pressure anywhere, at no indentation.
+    pub(crate) fn new(run: &'a Run<'a>, coupling: O, modes: usize, own_load: Vec<f64>) -> Self {
+        let size = own_load.len();
+        let vector = || vec![0.0; size];
+        Self {
+            run,
+            coupling,
+            modes,
+            own_load,
+            unit: Response::none(size),
+            present: Response::none(size),
+            base: 0.0,
+            room: Room {
+                load: vector(),
+                residual: vector(),
+                direction: vector(),
+                direction_load: vector(),
+                preconditioned: vector(),
+                product: vector(),
+            },
+        }
+    }
+
+    /// Leading modes per place.
+    pub(crate) fn modes(&self) -> usize {
+        self.modes
+    }
+
+    /// The indentation of the present response.
+    pub(crate) fn indentation(&self) -> f64 {
+        self.base
+    }
+
+    /// `c` at that indentation, place by place.
+    pub(crate) fn coefficients(&self) -> &[f64] {
+        &self.present.coefficients
+    }
+
+    /// The present coefficients and those of a unit indentation, place by place.
+    pub(crate) fn parts(&self) -> [&[f64]; 2] {
+        [&self.present.coefficients, &self.unit.coefficients]
+    }
+
+    /// Loads of the lens shape, to be changed before anything is solved.
+    pub(crate) fn own_load_mut(&mut self) -> &mut [f64] {
+        &mut self.own_load
+    }
+
+    /// Force at the present indentation.
+    pub(crate) fn force(&self) -> f64 {
+        self.force_of(&self.present)
+    }
+
+    /// Change of the force with the indentation.
+    pub(crate) fn stiffness(&self) -> f64 {
+        self.force_of(&self.unit)
+    }
+
+    fn force_of(&self, response: &Response) -> f64 {
+        let firsts = response.coefficients.iter().step_by(self.modes);
+        UNIT_FORCE * firsts.sum::<f64>()
+    }
+
+    /// The incident load on a place, `zeta b1 + bs - B c`, in the leading modes.
+    pub(crate) fn load(&self, place: usize, load: &mut [f64]) {
+        for (k, slot) in (place * self.modes..).zip(load.iter_mut()) {
+            *slot = self.own_load[k] - self.present.far[k];
+        }
+        load[0] += self.base * UNIT_FORCE;
+    }
+
+    /// Goes along the response to another indentation.
+    pub(crate) fn move_to(&mut self, indentation: f64) {
+        let change = indentation - self.base;
+        let vectors = Vectors(self.run.workers());
+        let Response { coefficients, far } = &mut self.present;
+        vectors.add_scaled(coefficients, change, &self.unit.coefficients);
+        vectors.add_scaled(far, change, &self.unit.far);
+        self.base = indentation;
+    }
+
+    /// Takes coefficients as a start. `start` has those of the present response and of that to a unit indentation, of
+    /// a place, as far as it knows them.
+    pub(crate) fn start_from<'s>(
+        &mut self,
+        indentation: f64,
+        mut start: impl FnMut(usize) -> Option<[&'s [f64]; 2]>,
+    ) {
+        let modes = self.modes;
+        for place in 0..self.own_load.len() / modes {
+            let Some(known) = start(place) else {
+                continue;
+            };
+            for (response, known) in [&mut self.present, &mut self.unit].into_iter().zip(known) {
+                let shared = modes.min(known.len());
+                response.coefficients[place * modes..][..shared].copy_from_slice(&known[..shared]);
+            }
+        }
+        self.base = indentation;
+        for response in [&mut self.unit, &mut self.present] {
+            let Response { coefficients, far } = response;
+            self.coupling.apply(coefficients, far, self.run.workers());
+        }
+    }
+
+    /// Solves for the response at the present indentation or to a unit indentation, from what it was before.
+    pub(crate) fn solve(
+        &mut self,
+        rule: &impl Rule,
+        source: Source<'_>,
+        tolerance: f64,
+    ) -> Result<Judgement, SolveError> {
+        let mut response = std::mem::take(match source {
+            Source::Unit => &mut self.unit,
+            _ => &mut self.present,
+        });
+        let solved = self.conjugate_gradients(rule, source, tolerance, &mut response);
+        match source {
+            Source::Unit => self.unit = response,
+            _ => self.present = response,
+        }
+        solved
+    }
+
+    /// Response to a given load.
+    pub(crate) fn respond_to(
+        &mut self,
+        rule: &impl Rule,
+        load: &[f64],
+        tolerance: f64,
+    ) -> Result<Response, SolveError> {
+        let mut response = Response::none(load.len());
+        self.conjugate_gradients(rule, Source::Given(load), tolerance, &mut response)
+            .map(|_| response)
+    }
+
+    /// `b1 - B c1`: what a unit change of the answer of a place does to the force.
+    pub(crate) fn unit_sensitivity(&self) -> Vec<f64> {
+        let mut load = vec![0.0; self.unit.far.len()];
+        self.right_side(Source::Unit, &mut load);
+        subtract(&mut load, &self.unit.far);
+        load
+    }
+
+    fn conjugate_gradients(
+        &mut self,
+        rule: &impl Rule,
+        source: Source<'_>,
+        tolerance: f64,
+        response: &mut Response,
+    ) -> Result<Judgement, SolveError> {
+        let mut room = std::mem::take(&mut self.room);
+        let solved = self.iterate(rule, source, tolerance, response, &mut room);
+        self.room = room;
+        solved
+    }
+
+    fn iterate(
+        &mut self,
+        rule: &impl Rule,
+        source: Source<'_>,
+        tolerance: f64,
+        response: &mut Response,
+        room: &mut Room,
+    ) -> Result<Judgement, SolveError> {
+        let Response { coefficients, far } = response;
+        let workers = self.run.workers();
+        let vectors = Vectors(workers);
+        // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
+        self.right_side(source, &mut room.load);
+        vectors.subtract(&mut room.load, far);
+        rule.respond(&room.load, coefficients, workers);
+        if let Source::Present = source {
+            rule.add_constants(coefficients);
+        }
+        let scale = vectors.dot(&room.load, coefficients).abs();
+        room.residual.copy_from_slice(far);
+        self.coupling.apply(coefficients, far, workers);
+        self.run.check_cancelled()?;
+        vectors.subtract(&mut room.residual, far);
+        rule.respond(&room.residual, &mut room.preconditioned, workers);
+        room.direction.copy_from_slice(&room.preconditioned);
+        room.direction_load.copy_from_slice(&room.residual);
+        let mut energy = vectors.dot(&room.residual, &room.preconditioned);
+        for _ in 0..ITERATION_LIMIT {
+            let bound = tolerance * tolerance * larger(scale, f64::MIN_POSITIVE);
+            match judge(energy, bound) {
+                Judgement::TooLarge => {}
+                ended => return Ok(ended),
+            }
+            self.coupling
+                .apply(&room.direction, &mut room.product, workers);
+            self.run.check_cancelled()?;
+            // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
+            let curvature = vectors.dot(&room.direction, &room.product)
+                + vectors.dot(&room.direction, &room.direction_load);
+            if within(curvature, 0.0) {
+                return Ok(Judgement::TooLarge);
+            }
+            let length = energy / curvature;
+            vectors.add_scaled(coefficients, length, &room.direction);
+            vectors.add_scaled(far, length, &room.product);
+            vectors.add_scaled(&mut room.residual, -length, &room.product);
+            vectors.add_scaled(&mut room.residual, -length, &room.direction_load);
+            rule.respond(&room.residual, &mut room.preconditioned, workers);
+            let next = vectors.dot(&room.residual, &room.preconditioned);
+            let ratio = next / energy;
+            energy = next;
+            vectors.scale_and_add(&mut room.direction, ratio, &room.preconditioned);
+            vectors.scale_and_add(&mut room.direction_load, ratio, &room.residual);
+        }
+        Ok(Judgement::TooLarge)
+    }
+
+    fn right_side(&self, source: Source<'_>, load: &mut [f64]) {
+        match source {
+            Source::Unit => {
+                load.fill(0.0);
+                load.iter_mut()
+                    .step_by(self.modes)
+                    .for_each(|b| *b = UNIT_FORCE);
+            }
+            Source::Present => {
+                load.copy_from_slice(&self.own_load);
+                load.iter_mut()
+                    .step_by(self.modes)
+                    .for_each(|b| *b += self.base * UNIT_FORCE);
+            }
+            Source::Given(source) => load.copy_from_slice(source),
+        }
+    }
+}

@@ -1,0 +1,401 @@
+//! Pillar tops that are pressed and not pulled, all of a window: the first rule of the [frozen contact](super::super::frozen).
+//!
+//! The state of a top is whether it is untouched, touched in full, or in part; in part, also which of its nodes or cells bear
+//! pressure. With these frozen the top answers linearly to its load. [`update`](Tops::update) solves every top under its load as it is and
+//! takes over its state.
+
+use super::rim::Rim;
+use super::unilateral::{LocalSolver, PillarTop};
+use crate::halfspace::coupling::window::Window;
+use crate::halfspace::disc::basis::{degree_with, mode_count};
+use crate::halfspace::disc::projection::LensProjector;
+use crate::numerics::convergence::larger;
+use crate::numerics::vector::{dot, subtract};
+use crate::numerics::workers::Workers;
+use crate::problem::scaled::Problem;
+use crate::solve::frozen::Rule;
+use crate::state::PillarStatus;
+
+/// Pillars a thread takes at a time, at the least, where little is done for each ...
+const PILLARS: usize = 4000;
+
+/// ... and where more is.
+pub(crate) const COSTLY_PILLARS: usize = 200;
+
+/// A pillar that is touched in part.
+#[derive(Debug, Clone)]
+struct Partial {
+    pillar: usize,
+    /// Nodes without pressure, or cells with it.
+    active: Vec<bool>,
+    /// `P`, row by row.
+    derivative: Vec<f64>,
+    /// `cb`: the leading coefficients without leading load.
+    constant: Vec<f64>,
+    converged: bool,
+}
+
+impl Partial {
+    /// Of a computation that is to stop.
+    fn unsolved(pillar: usize, modes: usize) -> Self {
+        Self {
+            pillar,
+            active: Vec::new(),
+            derivative: vec![0.0; modes * modes],
+            constant: vec![0.0; modes],
+            converged: false,
+        }
+    }
+}
+
+/// The incident load on a pillar in the leading modes, written to the slice.
+pub(crate) type Incident<'l> = dyn Fn(usize, &mut [f64]) + Sync + 'l;
+
+/// The pillar tops of a window and their states.
+pub(crate) struct Tops<'a> {
+    problem: &'a Problem,
+    pub(crate) window: Window,
+    pub(crate) top: PillarTop,
+    projector: LensProjector,
+    /// Leading modes per pillar, and their degree.
+    modes: usize,
+    degree: usize,
+    pub(crate) status: Vec<PillarStatus>,
+    partial: Vec<Partial>,
+    /// Index into `partial` of every pillar that is there.
+    partial_of: Vec<u32>,
+}
+
+/// What an update changed.
+pub(crate) struct Change {
+    /// Pillars whose state is another.
+    pub(crate) pillars: usize,
+    /// Largest difference between the coefficients of the tops' own solutions and those of the frozen contact, relative to
+    /// the largest coefficient.
+    pub(crate) mismatch: f64,
+    /// Pillars without a solution.
+    pub(crate) failures: usize,
+}
+
+const NOT_PARTIAL: u32 = u32::MAX;
+
+impl<'a> Tops<'a> {
+    /// All pillars of the window untouched; they act on each other by the modes up to a degree.
+    pub(crate) fn new(problem: &'a Problem, window: Window, top: PillarTop, degree: usize) -> Self {
+        Self {
+            problem,
+            projector: LensProjector::new(problem, degree),
+            modes: mode_count(degree),
+            degree,
+            status: vec![PillarStatus::Untouched; window.len()],
+            partial: Vec::new(),
+            partial_of: vec![NOT_PARTIAL; window.len()],
+            top,
+            window,
+        }
+    }
+
+    /// `bs`: the lens shape over every pillar top, in the leading modes.
+    pub(crate) fn lens_load(&self, workers: Workers<'_>) -> Vec<f64> {
+        let mut own_load = vec![0.0; self.window.len() * self.modes];
+        let project = |(): &mut (), pillar: usize, load: &mut [f64]| {
+            self.projector
+                .project(self.problem, self.window.centres()[pillar], load);
+        };
+        workers.fill(&mut own_load, self.modes, COSTLY_PILLARS, || (), project);
+        own_load
+    }
+
+    /// Number of touched pillars.
+    pub(crate) fn touched(&self) -> usize {
+        self.status
+            .iter()
+            .filter(|status| **status != PillarStatus::Untouched)
+            .count()
+    }
+
+    /// Distance from the lens axis of the farthest touched pillar centre.
+    pub(crate) fn reach(&self) -> f64 {
+        self.window
+            .centres()
+            .iter()
+            .zip(&self.status)
+            .filter(|(_, status)| **status != PillarStatus::Untouched)
+            .map(|([x, y], _)| x.hypot(*y))
+            .fold(0.0, f64::max)
+    }
+
+    /// Marks the pillars within a radius of the lens axis as touched, and at least the nearest.
+    pub(crate) fn touch_within(&mut self, radius: f64) {
+        let mut nearest = (f64::INFINITY, 0);
+        for (pillar, [x, y]) in self.window.centres().iter().enumerate() {
+            let distance = x.hypot(*y);
+            if distance < nearest.0 {
+                nearest = (distance, pillar);
+            }
+            if distance < radius {
+                self.status[pillar] = PillarStatus::Full;
+            }
+        }
+        self.status[nearest.1] = PillarStatus::Full;
+    }
+
+    /// Takes statuses from a coarser solution; partly touched pillars count as touched in full at first.
+    pub(crate) fn start_from(&mut self, coarse: &Self) {
+        for pillar in 0..self.window.len() {
+            if let Some(from) = coarse.window.find(self.window.index(pillar)) {
+                self.status[pillar] = match coarse.status[from] {
+                    PillarStatus::Partial => PillarStatus::Full,
+                    status => status,
+                };
+            }
+        }
+    }
+
+    /// Degree of the load of the lens shape.
+    pub(crate) fn load_degree(&self) -> usize {
+        degree_with(self.projector.count())
+    }
+
+    /// Load on a pillar with all modes of the lens shape over its top.
+    pub(crate) fn full_load(&self, incident: &Incident<'_>, pillar: usize) -> Vec<f64> {
+        let count = self.projector.count().min(self.top.count());
+        let mut load = vec![0.0; count];
+        self.projector
+            .project(self.problem, self.window.centres()[pillar], &mut load);
+        incident(pillar, &mut load[..self.modes]);
+        load
+    }
+
+    /// All coefficients of a partially touched pillar.
+    pub(crate) fn partial_coefficients(
+        &self,
+        incident: &Incident<'_>,
+        pillar: usize,
+        solver: &mut LocalSolver,
+    ) -> Vec<f64> {
+        let load = self.full_load(incident, pillar);
+        let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
+            Some(partial) => partial.active.clone(),
+            None => solver.first_guess(&self.top, &load),
+        };
+        solver.solve(&self.top, &load, &mut active);
+        let mut coefficients = vec![0.0; self.top.count()];
+        solver.coefficients(&self.top, &load, &mut coefficients);
+        coefficients
+    }
+
+    /// Coefficients of the gap over a pillar top, `Lam c - b`.
+    pub(crate) fn gap_coefficients(
+        &self,
+        incident: &Incident<'_>,
+        pillar: usize,
+        coefficients: &[f64],
+    ) -> Vec<f64> {
+        let load = self.full_load(incident, pillar);
+        let mut gap: Vec<f64> = coefficients
+            .iter()
+            .zip(self.top.compliance())
+            .map(|(c, lambda)| c * lambda)
+            .collect();
+        subtract(&mut gap, &load);
+        gap
+    }
+
+    /// Solves every pillar under its incident load, and takes over its state. `coefficients` are those of the frozen contact.
+    pub(crate) fn update(
+        &mut self,
+        incident: &Incident<'_>,
+        coefficients: &[f64],
+        workers: Workers<'_>,
+    ) -> Change {
+        let statuses = self.statuses(incident, workers);
+        let before = std::mem::replace(&mut self.status, statuses);
+        let partial: Vec<usize> = (0..self.window.len())
+            .filter(|&p| self.status[p] == PillarStatus::Partial)
+            .collect();
+        let guess = |pillar: usize| -> Option<&Partial> {
+            self.partial.get(self.partial_of[pillar] as usize)
+        };
+        let solver = || LocalSolver::new(&self.top);
+        let solved = workers.map(partial.len(), 1, solver, |solver, number| {
+            let pillar = partial[number];
+            if workers.cancel.is_cancelled() {
+                return (
+                    Partial::unsolved(pillar, self.modes),
+                    vec![0.0; self.modes],
+                    true,
+                );
+            }
+            self.solve_partial(incident, solver, pillar, guess(pillar))
+        });
+        let changed = before
+            .iter()
+            .zip(&self.status)
+            .filter(|(before, after)| before != after)
+            .count();
+        let moved = solved.iter().filter(|(_, _, moved)| *moved).count();
+        let mismatch = self.mismatch(incident, coefficients, &solved, workers);
+        self.partial_of.fill(NOT_PARTIAL);
+        self.partial = solved.into_iter().map(|(partial, _, _)| partial).collect();
+        for (index, partial) in self.partial.iter().enumerate() {
+            self.partial_of[partial.pillar] = index as u32;
+        }
+        Change {
+            pillars: changed + moved,
+            mismatch,
+            failures: self.partial.iter().filter(|p| !p.converged).count(),
+        }
+    }
+
+    fn statuses(&self, incident: &Incident<'_>, workers: Workers<'_>) -> Vec<PillarStatus> {
+        let work = || (vec![0.0; self.modes], Rim::new(self.degree));
+        let count = self.window.len();
+        workers.map(count, PILLARS, work, |(load, rim), pillar| {
+            incident(pillar, load);
+            self.top.status(load, rim)
+        })
+    }
+
+    /// Whether a pillar counts as touched, or as untouched, only because the modes of the coupling
+    /// leave out a part of the lens shape.
+    pub(crate) fn has_marginal_pillars(
+        &self,
+        incident: &Incident<'_>,
+        workers: Workers<'_>,
+    ) -> bool {
+        if self.degree >= self.load_degree() {
+            return false;
+        }
+        let work = || Rim::new(self.load_degree());
+        let count = self.window.len();
+        let marginal = workers.map(count, COSTLY_PILLARS, work, |rim, pillar| {
+            let in_full = self.top.status(&self.full_load(incident, pillar), rim);
+            let untouched = PillarStatus::Untouched;
+            (in_full == untouched) != (self.status[pillar] == untouched)
+        });
+        marginal.contains(&true)
+    }
+
+    /// The unilateral problem of one pillar: its new state, its leading coefficients, and
+    /// whether its active nodes changed.
+    fn solve_partial(
+        &self,
+        incident: &Incident<'_>,
+        solver: &mut LocalSolver,
+        pillar: usize,
+        guess: Option<&Partial>,
+    ) -> (Partial, Vec<f64>, bool) {
+        let modes = self.modes;
+        let load = self.full_load(incident, pillar);
+        let mut active = match guess {
+            Some(partial) if partial.pillar == pillar => partial.active.clone(),
+            _ => solver.first_guess(&self.top, &load),
+        };
+        let pivoting = solver.solve(&self.top, &load, &mut active);
+        let mut coefficients = vec![0.0; modes];
+        solver.coefficients(&self.top, &load, &mut coefficients);
+        let mut derivative = vec![0.0; modes * modes];
+        solver.derivative(&self.top, &mut derivative);
+        let constant = coefficients
+            .iter()
+            .zip(derivative.chunks_exact(modes))
+            .map(|(c, row)| c - dot(row, &load[..modes]))
+            .collect();
+        let moved = guess.is_none_or(|partial| partial.active != active);
+        let partial = Partial {
+            pillar,
+            active,
+            derivative,
+            constant,
+            converged: pivoting.converged,
+        };
+        (partial, coefficients, moved)
+    }
+
+    /// Largest difference between the coefficients of the local problems and those of the
+    /// linear solution, relative to the largest coefficient.
+    fn mismatch(
+        &self,
+        incident: &Incident<'_>,
+        coefficients: &[f64],
+        solved: &[(Partial, Vec<f64>, bool)],
+        workers: Workers<'_>,
+    ) -> f64 {
+        let modes = self.modes;
+        let of_pillar = |local: &mut Vec<f64>, pillar: usize| {
+            match self.status[pillar] {
+                PillarStatus::Untouched => local.fill(0.0),
+                PillarStatus::Full => {
+                    incident(pillar, local);
+                    for (c, lambda) in local.iter_mut().zip(self.top.lead_compliance()) {
+                        *c /= lambda;
+                    }
+                }
+                PillarStatus::Partial => {
+                    let found =
+                        solved.binary_search_by_key(&pillar, |(partial, ..)| partial.pillar);
+                    if let Ok(place) = found {
+                        local.copy_from_slice(&solved[place].1);
+                    }
+                }
+            }
+            let global = &coefficients[pillar * modes..(pillar + 1) * modes];
+            local
+                .iter()
+                .zip(global)
+                .fold([0.0_f64; 2], |[largest, difference], (c, global)| {
+                    [
+                        larger(largest, c.abs()),
+                        larger(difference, (c - global).abs()),
+                    ]
+                })
+        };
+        let local = || vec![0.0; modes];
+        let count = self.window.len();
+        let of_pillars = workers.map(count, PILLARS, local, of_pillar);
+        let [largest, difference] = of_pillars
+            .into_iter()
+            .fold([f64::MIN_POSITIVE, 0.0], |[a, b], [c, d]| {
+                [larger(a, c), larger(b, d)]
+            });
+        difference / largest
+    }
+}
+
+impl Rule for Tops<'_> {
+    fn respond(&self, load: &[f64], result: &mut [f64], workers: Workers<'_>) {
+        let modes = self.modes;
+        let compliance = self.top.lead_compliance();
+        let one = |(): &mut (), pillar: usize, result: &mut [f64]| {
+            let load = &load[pillar * modes..(pillar + 1) * modes];
+            match self.status[pillar] {
+                PillarStatus::Untouched => result.fill(0.0),
+                PillarStatus::Full => {
+                    for ((c, s), lambda) in result.iter_mut().zip(load).zip(compliance) {
+                        *c = s / lambda;
+                    }
+                }
+                PillarStatus::Partial => {
+                    let partial = &self.partial[self.partial_of[pillar] as usize];
+                    for (c, row) in result
+                        .iter_mut()
+                        .zip(partial.derivative.chunks_exact(modes))
+                    {
+                        *c = row.iter().zip(load).map(|(p, s)| p * s).sum();
+                    }
+                }
+            }
+        };
+        workers.fill(result, modes, PILLARS, || (), one);
+    }
+
+    fn add_constants(&self, coefficients: &mut [f64]) {
+        for partial in &self.partial {
+            let start = partial.pillar * self.modes;
+            for (c, constant) in coefficients[start..].iter_mut().zip(&partial.constant) {
+                *c += constant;
+            }
+        }
+    }
+}
