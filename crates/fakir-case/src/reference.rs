@@ -4,6 +4,7 @@ use crate::entries::one_of;
 use crate::key::{Key, Kind};
 use crate::row::Presence;
 use crate::table::Part;
+use crate::unit::Dimension;
 use std::fmt::Write;
 
 /// All keys of case files as Markdown: for each table of the file a table with what its keys
@@ -32,6 +33,7 @@ pub fn reference() -> String {
 /// What a key takes.
 fn value(key: Key) -> String {
     match (key.kind(), key.range()) {
+        (Kind::Number(Dimension::Number), Some(range)) => range.to_string(),
         (Kind::Number(dimension), Some(range)) => format!("{dimension}: {range}"),
         (Kind::Word, _) => words(&key.words()),
         _ => "a text".to_owned(),
@@ -42,10 +44,12 @@ fn value(key: Key) -> String {
 fn presence(key: Key) -> String {
     let presence = match key.row().presence {
         Presence::Required => "required".to_owned(),
-        Presence::Default => default(key),
-        Presence::Otherwise(words) => format!("otherwise {words}"),
+        Presence::Default => key.default().map_or_else(String::new, |value| {
+            format!("default `{}`", key.written(&value))
+        }),
+        Presence::Otherwise(words) => format!("may be left out: {words}"),
         Presence::OneOf(other) | Presence::EitherSurface(other) => {
-            format!("either it or `{}`", other.name())
+            format!("this or `{}`", other.name())
         }
     };
     let condition = match (key.goes_with(), key.part()) {
@@ -59,13 +63,6 @@ fn presence(key: Key) -> String {
         _ => String::new(),
     };
     format!("{condition}{presence}")
-}
-
-fn default(key: Key) -> String {
-    match key.default() {
-        Some(value) => format!("otherwise `{}`", key.written(&value)),
-        None => String::new(),
-    }
 }
 
 /// Words in quotes, the last with an "or".

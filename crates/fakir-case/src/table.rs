@@ -101,7 +101,7 @@ keys! {
                 .presence(Presence::EitherSurface(Key::Arrangement));
         Array = "surface.array" is
             text("name of the array to read, of an .npz file with several", |p| &mut p.surface.array)
-                .otherwise("the only array of the file");
+                .otherwise("the file has one array");
         HeightUnit = "surface.height_unit" is
             length("what a height of 1 in the file stands for", |p| &mut p.surface.height_unit)
                 .range(Range::NotZero).optional();
@@ -125,7 +125,7 @@ keys! {
         MinimumDistance = "surface.minimum_distance" is
             length("between the centres of random pillars", |p| &mut p.surface.minimum_distance)
                 .range(Range::Words("at least the outer diameter of a pillar"))
-                .otherwise("the outer diameter of a pillar").with(Key::Arrangement, &["random"]).of_pattern(Q::MinimumDistance);
+                .otherwise("the outer diameter of a pillar counts").with(Key::Arrangement, &["random"]).of_pattern(Q::MinimumDistance);
         PatternOffset = "surface.offset" is
             number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.surface.lattice.offset)
                 .optional().with(Key::Arrangement, LATTICES).of_pattern(Q::Offset);
@@ -146,7 +146,7 @@ keys! {
     Surface {
         Floor = "surface.floor" is
             length("floor is what is at or below this height; else all that is no pillar", |p| &mut p.surface.floor)
-                .otherwise("all that is no pillar; a height map has no floor then");
+                .otherwise("all that is no pillar; of a height map nothing");
         Boundary = "surface.boundary" is
             word("free: nothing is touched beyond the grid; or periodic", |p| &mut p.surface.boundary)
                 .optional();
