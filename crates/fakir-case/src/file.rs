@@ -168,7 +168,7 @@ impl CaseFile {
     /// # Errors
     /// [`CaseError`] for a value that is no such number.
     pub fn given(&self, key: Key) -> Result<Option<f64>, CaseError> {
-        match self.entries.keys.get(&key) {
+        match self.entry(key) {
             Some(entry) => quantity(key.path(), key.dimension(), entry).map(Some),
             None => Ok(None),
         }
@@ -345,7 +345,7 @@ impl CaseFile {
 
     /// An error at the value of a key.
     pub(crate) fn problem(&self, key: Key, problem: impl Into<String>) -> CaseError {
-        match self.entries.keys.get(&key) {
+        match self.entry(key) {
             Some(entry) => CaseError::at(&entry.place, problem),
             None => CaseError::new(&self.source, problem),
         }

@@ -23,7 +23,7 @@ pub enum Kind {
     Text,
 }
 
-/// The value of a key.
+/// The value of a key, or of an axis of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Setting {
@@ -77,7 +77,8 @@ impl Key {
     }
 
     /// Whether only cases with a general surface have it.
-    pub(crate) fn is_of_surface(self) -> bool {
+    #[must_use]
+    pub fn is_of_surface(self) -> bool {
         !matches!(self.part(), Part::Bodies | Part::Texture)
     }
 
