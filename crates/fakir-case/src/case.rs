@@ -13,7 +13,7 @@ pub struct Case {
     pub system: System,
     /// How it is solved.
     pub method: Method,
-    /// Which of pitch and surface fraction was given, and is written back.
+    /// Which of pitch and surface fraction was given. The same one is written back.
     pub(crate) spacing: Spacing,
 }
 

@@ -7,12 +7,12 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeFloat, DeInteger, DeString, DeTable, DeValue};
 
-/// The value of a key, as far as TOML knows.
+/// The value of a key as it stands in a file, before its meaning is known.
 #[derive(Debug, Clone)]
 pub(crate) enum Value {
     Text(String),
     Number(f64),
-    /// Something no key takes, by its name in TOML.
+    /// A kind of value that no key takes, by its name in TOML: a list, say, or a date.
     Other(&'static str),
 }
 

@@ -96,8 +96,10 @@ impl CaseFile {
         let mut entries = Entries::default();
         for (key, setting) in settings {
             let entry = Entry::of_setting(name, key, setting);
-            let table = key.table().to_owned();
-            entries.tables.insert(table, entry.place.clone());
+            for (end, _) in key.path().match_indices('.') {
+                let table = key.path()[..end].to_owned();
+                entries.tables.insert(table, entry.place.clone());
+            }
             entries.keys.insert(key, entry);
         }
         Self {
@@ -194,7 +196,8 @@ impl CaseFile {
         let spacing = match self.entry(Key::Pitch) {
             Some(_) => Spacing::Pitch(texture.lattice.pitch),
             None => {
-                // The system only knows the pitch that follows from it.
+                // The system is made with the pitch that follows from the surface fraction, so
+                // that it cannot check the surface fraction itself.
                 self.check_range(Key::SurfaceFraction, texture.surface_fraction)?;
                 Spacing::SurfaceFraction(texture.surface_fraction)
             }
@@ -255,6 +258,7 @@ impl CaseFile {
                 dimension, place, ..
             } => {
                 let value = quantity(key.path(), dimension, entry)?;
+                // The solver and the patterns of pillars check the quantities that they know.
                 let is_checked_later = row.quantity.is_some() || row.pattern_quantity.is_some();
                 if !is_checked_later {
                     self.check_range(key, value)?;
@@ -368,7 +372,7 @@ impl CaseFile {
         error.key(key.path()).accepted(accepted(key))
     }
 
-    /// The error for a value that the physics refuses, at the key that set it.
+    /// The error for a value that the solver refuses. It points at the key that set the value.
     pub(crate) fn impossible(&self, invalid: &InvalidQuantity) -> CaseError {
         let key = Key::of(invalid.quantity);
         let Some(key) = key else {
@@ -386,7 +390,7 @@ fn replaced_by(key: Key, value: &Value) -> Vec<Key> {
         Value::Text(word) => word,
         _ => "",
     };
-    // The keys of a method are replaced even by the same method.
+    // A method takes the place of the whole table of the file, even if it is the same method.
     let stays = |words: &[&str]| key != Key::MethodName && words.contains(&word);
     let idle = key.dependents().filter(|(_, words)| !stays(words));
     let idle = idle.map(|(dependent, _)| dependent);

@@ -24,7 +24,7 @@ pub struct SurfaceCase {
     pub floor: Option<Floor>,
     /// Where the surface is from.
     pub origin: SurfaceOrigin,
-    /// What was given, in TOML.
+    /// All keys that were given and their values, as they are written in a case file.
     settings: Vec<(Key, String)>,
 }
 
@@ -61,8 +61,8 @@ impl SurfaceCase {
     }
 }
 
-/// Cells along the sides of a grid are a multiple of this, so that it can be solved on cells
-/// twice and four times as large.
+/// The number of cells along each side of a grid is a multiple of this, so that the same surface
+/// can be solved on cells twice and four times as large.
 const CELLS_MULTIPLE: f64 = 4.0;
 
 impl CaseFile {
@@ -226,7 +226,7 @@ impl CaseFile {
         })
     }
 
-    /// A surface that needs more memory than there may be.
+    /// The error for a surface that needs more memory than is allowed.
     fn too_large(&self, key: Key, bytes: f64, limit: usize, what: &str) -> CaseError {
         let limit = limit as f64;
         self.problem(
@@ -240,13 +240,13 @@ impl CaseFile {
         .accepted(format!(
             "make it coarser: cells {:.1} times as large fit, if few of them are touched; or raise \
              the limit",
-            // Rounded up, so that they do.
+            // Rounded up, so that cells of the size that is told do fit.
             ((bytes / limit).sqrt() * 10.0).ceil() / 10.0
         ))
     }
 
-    /// The file of heights of that name: next to the case file; of an override, in the current
-    /// folder.
+    /// Where the file of heights is: next to the case file, or in the current folder if an
+    /// override named it.
     fn height_map_path(&self, name: &str) -> PathBuf {
         match self.entry(Key::HeightMap) {
             Some(entry) if entry.place.source.name() == "--set" => PathBuf::from(name),
@@ -280,7 +280,7 @@ impl CaseFile {
         parts: &SurfaceParts,
         outline: &CrossSection,
     ) -> Result<Arrangement, CaseError> {
-        // Of a lattice of pitch 1.
+        // The area that one pillar has to itself where the pitch is 1.
         let unit_cell_area = match parts.placement {
             Placement::Hexagonal => HexagonalLattice::new(1.0).cell_area(),
             Placement::Square => 1.0,
@@ -309,7 +309,8 @@ impl CaseFile {
         })
     }
 
-    /// The pattern on a grid of cells that are squares, or nearly so on a period.
+    /// Draws the pattern on a grid. Its cells are squares; where the grid is a period of the
+    /// pattern, they are as near to squares as whole cells allow.
     fn draw(
         &self,
         pattern: &Pattern,
@@ -395,7 +396,7 @@ impl CaseFile {
         }
     }
 
-    /// What was given, in TOML.
+    /// All keys that were given and their values, as they are written in a case file.
     fn settings(&self, mut parts: Parts) -> Vec<(Key, String)> {
         let path = self.height_map_path(&parts.surface.height_map);
         let path = std::path::absolute(&path).unwrap_or(path);

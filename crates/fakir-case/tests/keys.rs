@@ -5,6 +5,8 @@
 
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind, Setting};
+use proptest::prelude::*;
+use std::collections::BTreeMap;
 use std::ops::Bound;
 
 /// Bytes that the surfaces here may take.
@@ -152,4 +154,55 @@ fn the_reference_as_written() {
         assert!(reference.contains(&format!("| `{}` |", key.name())));
     }
     insta::assert_snapshot!(reference);
+}
+
+/// A value that may make sense or not.
+fn any_value() -> impl Strategy<Value = Setting> {
+    let known: Vec<String> = Key::ALL
+        .into_iter()
+        .flat_map(|key| key.words())
+        .map(str::to_owned)
+        .collect();
+    prop_oneof![
+        prop::num::f64::ANY.prop_map(Setting::Number),
+        (0.0..1.0).prop_map(Setting::Number),
+        prop::sample::select(known).prop_map(Setting::Word),
+        "[0-9.e+-]{1,5} ?(um|mm|MPa|deg|UM)?".prop_map(Setting::Word),
+        any::<String>().prop_map(Setting::Word),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(10_000))]
+
+    /// Settings are a case, or are refused, just as the same values in a file.
+    #[test]
+    fn settings_are_taken_as_in_a_file(
+        odd in prop::collection::vec((prop::sample::select(Key::ALL.to_vec()), any_value()), 0..4),
+        left_out in prop::collection::vec(prop::sample::select(Key::ALL.to_vec()), 0..2),
+    ) {
+        let example = Case::example();
+        let of_example = Key::ALL.into_iter().filter_map(|key| Some((key, example.setting(key)?)));
+        let mut settings: BTreeMap<Key, Setting> = of_example.chain(odd).collect();
+        settings.retain(|key, _| !left_out.contains(key));
+        let lines = settings.iter().map(|(key, setting)| {
+            let value = match setting {
+                Setting::Number(number) => toml::Value::from(*number),
+                Setting::Word(word) => toml::Value::from(word.as_str()),
+            };
+            format!("{key} = {value}\n")
+        });
+        let told = |error: CaseError| {
+            let texts = [error.key_path(), Some(error.problem()), error.what_is_accepted()];
+            texts.map(|text| text.map(str::to_owned))
+        };
+        // As text, in which what is no number is the same as itself.
+        let answer = |file: CaseFile| match file.case() {
+            Ok(case) => Ok(case.to_toml()),
+            Err(error) => Err(told(error)),
+        };
+        let of_file = CaseFile::parse("a case", &lines.collect::<String>()).unwrap();
+        let of_settings = CaseFile::from_settings("a case", settings);
+        prop_assert_eq!(answer(of_settings), answer(of_file));
+    }
 }

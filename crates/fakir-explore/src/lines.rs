@@ -1,4 +1,4 @@
-//! The same question to the command line and to Python, to be copied.
+//! The case of the page as a command and as lines of Python, which a user can copy.
 
 use crate::answers::Solved;
 use fakir_case::unit::{Dimension, format_quantity};
@@ -23,7 +23,8 @@ pub(crate) fn texts(case: &Case, solved: &Solved) -> Texts {
     }
 }
 
-/// The command, with what differs from the case that `fakir init` writes.
+/// The command that asks the same. It overrides each key that differs from the case that
+/// `fakir init` writes.
 fn command(case: &Case, indentation: Option<f64>) -> String {
     let example = Case::example();
     let question = match indentation {
@@ -35,7 +36,7 @@ fn command(case: &Case, indentation: Option<f64>) -> String {
     };
     let changes = Key::ALL.into_iter().filter_map(|key| {
         let value = case.value(key)?;
-        // The method replaces the whole table of the file.
+        // Keys that are as in the example need no override.
         let same = example.value(key).as_ref() == Some(&value);
         (!same).then(|| format!(" \\\n    --set {}", argument(key, &value)))
     });
@@ -49,7 +50,7 @@ fn argument(key: Key, value: &str) -> String {
     format!("{}={value}", key.path())
 }
 
-/// The lines for Python.
+/// The lines of Python that ask the same.
 fn python(case: &Case, indentation: Option<f64>) -> String {
     let [lens, substrate, texture, pillar, method] =
         ["lens", "substrate", "texture", "texture.pillar", "method"]

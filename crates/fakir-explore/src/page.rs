@@ -67,7 +67,7 @@ fn whole(kind: &'static str, text: impl Into<Body>) -> Response {
     response
 }
 
-/// What the page begins with: the case, and what it cannot know by itself.
+/// What the page begins with: the case, and what only the program knows.
 pub(crate) fn start(case: &Case) -> String {
     let colours: Vec<[u8; 3]> = (0..=255u32)
         .map(|k| {
@@ -87,7 +87,8 @@ pub(crate) fn start(case: &Case) -> String {
     .to_string()
 }
 
-/// What the page can know about its keys: kind, words, bounds, default, and what they go with.
+/// What the table of keys says about each key that the page shows: its kind, words, bounds and
+/// default, and the word of another key that it goes with.
 fn keys() -> Vec<Value> {
     let of_page = Key::ALL.into_iter().filter(|key| !key.is_of_surface());
     let bound = |bound| match bound {

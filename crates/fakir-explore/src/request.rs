@@ -8,16 +8,17 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Longest text of a value.
+/// The longest text that a value can have, bytes.
 const LONGEST_TEXT: usize = 100;
 
-/// More pillars than this are not solved for: it would take minutes.
+/// The most pillars that are solved for. More of them would take minutes.
 pub(crate) const MOST_PILLARS: f64 = 20_000.0;
 
-/// Farthest that a load may go, in critical loads.
+/// The largest load that can be asked for, where the critical state is at 1.
 pub(crate) const FARTHEST: f64 = 1.5;
 
-/// Which request of which page it is: of the same page and kind only the newest counts.
+/// Says which page a request comes from, and which request of that page it is. Of all requests of
+/// one kind that a page makes, only the newest is answered.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Ticket {
@@ -57,7 +58,7 @@ pub(crate) struct Export {
     pub(crate) file: String,
 }
 
-/// Where on the way from first touch to the critical state.
+/// A load, as a place on the way from first touch to the critical state.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LoadPoint {
