@@ -160,7 +160,7 @@ fn the_reference_as_written() {
 fn any_value() -> impl Strategy<Value = Setting> {
     let known: Vec<String> = Key::ALL
         .into_iter()
-        .flat_map(|key| key.words())
+        .flat_map(Key::words)
         .map(str::to_owned)
         .collect();
     prop_oneof![
