@@ -11,7 +11,7 @@ use crate::parts::Parts;
 use crate::row::{Field, Presence, Range};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
-use fakir::system::{HexagonalLattice, InvalidQuantity, System, Texture};
+use fakir::problem::{HexagonalLattice, InvalidQuantity, System, Texture};
 use std::path::{Path, PathBuf};
 
 /// A case file that has been read, with the overrides applied so far.

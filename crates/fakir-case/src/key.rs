@@ -4,8 +4,8 @@ use crate::parts::Parts;
 use crate::row::{Field, Presence, Range, Row};
 use crate::table::{Part, TABLE};
 use crate::unit::{Dimension, format_quantity};
-use fakir::pattern::PatternQuantity;
-use fakir::system::Quantity;
+use fakir::problem::Quantity;
+use fakir::problem::pattern::PatternQuantity;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Bound;
@@ -141,14 +141,14 @@ impl Key {
         }
     }
 
-    /// The key that sets a quantity of a [`System`](fakir::system::System); loads have none.
+    /// The key that sets a quantity of a [`System`](fakir::problem::System); loads have none.
     #[must_use]
     pub fn of(quantity: Quantity) -> Option<Self> {
         let mut keys = Self::ALL.into_iter();
         keys.find(|key| key.row().quantity == Some(quantity))
     }
 
-    /// The key that sets a quantity of a [`Pattern`](fakir::pattern::Pattern).
+    /// The key that sets a quantity of a [`Pattern`](fakir::problem::pattern::Pattern).
     pub(crate) fn of_pattern(quantity: PatternQuantity) -> Option<Self> {
         let mut keys = Self::ALL.into_iter();
         keys.find(|key| key.row().pattern_quantity == Some(quantity))

@@ -3,9 +3,9 @@
 //! The table of keys says which field belongs to which key.
 
 use crate::case::{Case, Spacing};
-use fakir::contact::{Accuracy, Method, PunchForm};
-use fakir::love::{Boundary, ElementMesh, MeshLayout};
-use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance};
+use fakir::problem::{Accuracy, Method, PunchForm};
+use fakir::problem::{Boundary, ElementMesh, MeshLayout};
+use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance};
 
 /// The values of all keys. Required values are not numbers until they are set, all others have
 /// their default.

@@ -3,8 +3,8 @@
 use crate::key::Key;
 use crate::parts::{Choice, Parts};
 use crate::unit::{Dimension, format_quantity};
-use fakir::pattern::PatternQuantity;
-use fakir::system::{MAXIMUM_SURFACE_FRACTION, Quantity, Requirement};
+use fakir::problem::pattern::PatternQuantity;
+use fakir::problem::{MAXIMUM_SURFACE_FRACTION, Quantity, Requirement};
 use std::fmt;
 use std::ops::Bound;
 

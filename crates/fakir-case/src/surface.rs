@@ -10,9 +10,11 @@ use crate::parts::{
 };
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity};
-use fakir::love::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
-use fakir::pattern::{Arrangement, CrossSection, InvalidPattern, Pattern, PillarShape, Top};
-use fakir::system::{HexagonalLattice, Point};
+use fakir::problem::pattern::{
+    Arrangement, CrossSection, InvalidPattern, Pattern, PillarShape, Top,
+};
+use fakir::problem::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
+use fakir::problem::{HexagonalLattice, Point};
 use std::path::{Path, PathBuf};
 
 /// A general surface and what is pressed onto it: what a case file with a `[surface]` describes.
@@ -451,7 +453,7 @@ fn period_grid(
     pattern: &Pattern,
     sides: Point,
     counts: [usize; 2],
-) -> Result<Grid, fakir::love::InvalidGrid> {
+) -> Result<Grid, fakir::problem::InvalidGrid> {
     let (rows, offset) = match pattern.arrangement {
         Arrangement::Hexagonal(lattice) => {
             let period = pattern.period().unwrap_or(sides);

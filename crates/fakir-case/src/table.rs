@@ -4,8 +4,8 @@
 //! the [reference](crate::reference) is made. To add a key, add a row.
 
 use crate::row::{Presence, Range, Row, angle, length, number, pressure, text, word};
-use fakir::pattern::PatternQuantity as Q;
-use fakir::system::Quantity;
+use fakir::problem::Quantity;
+use fakir::problem::pattern::PatternQuantity as Q;
 use std::ops::Bound::{Excluded, Included};
 
 /// Makes the enum of keys, the list of them, and their rows.

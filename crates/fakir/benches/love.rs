@@ -1,7 +1,8 @@
 //! One product with the operators of the half-space on square grids.
 
 use divan::Bencher;
-use fakir::love::{Cells, FreeSpaceConvolution, Grid, Operator, PeriodicConvolution};
+use fakir::halfspace::elements::{FreeSpaceConvolution, Operator, PeriodicConvolution};
+use fakir::problem::{Cells, Grid};
 
 fn main() {
     divan::main();

@@ -2,8 +2,9 @@
 //! size pressed to touch a thousand to a hundred thousand pillars.
 
 use divan::Bencher;
-use fakir::contact::{Accuracy, Load, Method, Run};
-use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{Accuracy, Load, Method};
+use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::state::Run;
 use std::f64::consts::PI;
 
 fn main() {

@@ -11,11 +11,14 @@
 //! they can bear no pressure. The compliance is 1. Prints one JSON object; memory is that of the
 //! process above what it held before the operator was made.
 
-use fakir::contact::{CancelToken, Load};
-use fakir::love::solver::{self, Settings};
-use fakir::love::{
-    Cells, FreeSpaceConvolution, Grid, Operator, PeriodicConvolution, Preconditioned,
+use fakir::halfspace::elements::{
+    FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
 };
+use fakir::problem::Load;
+use fakir::problem::{Cells, Grid};
+use fakir::solve::elements::solver;
+use fakir::solve::elements::solver::Settings;
+use fakir::state::CancelToken;
 use rayon::ThreadPool;
 use std::collections::HashMap;
 use std::error::Error;

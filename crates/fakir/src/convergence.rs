@@ -20,7 +20,7 @@ pub enum Judgement {
 /// Judges an error by its bound, both in the same unit.
 ///
 /// ```
-/// use fakir::convergence::{Judgement, judge};
+/// use fakir::numerics::convergence::{Judgement, judge};
 ///
 /// assert_eq!(judge(1e-9, 1e-8), Judgement::Good);
 /// assert_eq!(judge(f64::INFINITY, 1e-8), Judgement::TooLarge);

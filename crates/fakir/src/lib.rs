@@ -2,8 +2,9 @@
 //! which it stops resting on the pillar tops alone and touches the floor between them.
 //!
 //! ```
-//! use fakir::contact::{Method, Run};
-//! use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+//! use fakir::problem::Method;
+//! use fakir::state::Run;
+//! use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 //!
 //! let rubber = Material::new(2.0e6, 0.5);
 //! let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };

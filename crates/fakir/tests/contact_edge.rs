@@ -4,12 +4,10 @@
 mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_system};
-use fakir::contact::{
-    Accuracy, ContactState, CriticalState, Fields, Method, PillarState, PillarStatus, PunchForm,
-    Run,
-};
-use fakir::love::ElementMesh;
-use fakir::system::{HexagonalLattice, PillarCompliance, Point, System};
+use fakir::problem::ElementMesh;
+use fakir::problem::{Accuracy, Method, PunchForm};
+use fakir::problem::{HexagonalLattice, PillarCompliance, Point, System};
+use fakir::state::{ContactState, CriticalState, Fields, PillarState, PillarStatus, Run};
 use std::f64::consts::PI;
 
 const RADIUS: f64 = 3e-6;

@@ -1,8 +1,9 @@
 //! Systems on which estimates once were too small.
 
-use fakir::contact::{Accuracy, ContactState, Load, Method, Run};
-use fakir::love::ElementMesh;
-use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::ElementMesh;
+use fakir::problem::{Accuracy, Load, Method};
+use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::state::{ContactState, Run};
 
 fn critical(system: &System, method: Method) -> ContactState {
     let critical = fakir::transition(system, method, &Run::default()).expect("a critical state");

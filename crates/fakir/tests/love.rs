@@ -15,12 +15,15 @@ mod rough;
 #[path = "love/waves.rs"]
 mod waves;
 
-use fakir::contact::{CancelToken, Load, Termination};
-use fakir::love::solver::{self, ElementContact, Settings};
-use fakir::love::{
-    Cells, FreeSpaceConvolution, Grid, Operator, PeriodicConvolution, Preconditioned,
+use fakir::halfspace::elements::{
+    FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
 };
-use fakir::system::Point;
+use fakir::problem::Load;
+use fakir::problem::Point;
+use fakir::problem::{Cells, Grid};
+use fakir::solve::elements::solver;
+use fakir::solve::elements::solver::{ElementContact, Settings};
+use fakir::state::{CancelToken, Termination};
 
 /// An elastic half-space of compliance 1 under a rigid surface.
 struct Indenter<O> {

@@ -3,18 +3,17 @@
 mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_system};
-use fakir::contact::{
-    Accuracy, CancelToken, ErrorEstimate, Load, Method, PunchForm, Run, SolveError, Termination,
+use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
+use fakir::problem::{Accuracy, Load, Method, PunchForm};
+use fakir::problem::{
+    Boundary, ElementMesh, Floor, Grid, HeightMap, Indenter, MeshLayout, SurfaceSystem,
 };
-use fakir::love::{
-    Boundary, ElementMesh, Floor, Grid, HeightMap, Indenter, MeshLayout, SurfaceContact,
-    SurfaceError, SurfaceSystem,
-};
-use fakir::pattern::{Arrangement, Pattern, PillarShape};
-use fakir::system::{
+use fakir::problem::{
     HexagonalLattice, InvalidQuantity, Lens, Material, PillarCompliance, Quantity, Requirement,
     System,
 };
+use fakir::state::{CancelToken, ErrorEstimate, Run, SolveError, Termination};
+use fakir::state::{SurfaceContact, SurfaceError};
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy)]
@@ -392,7 +391,7 @@ fn all_numbers_are_numbers() {
 /// into a contact.
 #[test]
 fn what_is_beyond_the_equator_is_out_of_reach() {
-    let pillar = fakir::system::Pillar {
+    let pillar = fakir::problem::Pillar {
         height: 8e-6,
         ..common::paper_pillar(PillarCompliance::Column)
     };
@@ -401,7 +400,7 @@ fn what_is_beyond_the_equator_is_out_of_reach() {
         ..paper_lens()
     };
     let lattice = paper_lattice(0.008, 0.5);
-    let texture = fakir::system::Texture { pillar, lattice };
+    let texture = fakir::problem::Texture { pillar, lattice };
     let system = System::new(lens, lens.material, texture).expect("a valid system");
     let transition = |method| {
         let critical = fakir::transition(&system, method, &Run::default()).expect("an answer");
@@ -440,7 +439,7 @@ fn wide_pillars_reach_beyond_a_small_lens() {
         material: Material::new(1.025_745_147_189_905_8e9, 0.0),
     };
     let substrate = Material::new(1.040_250_328_366_570_5e6, 0.182_802_388_467_443_12);
-    let pillar = fakir::system::Pillar {
+    let pillar = fakir::problem::Pillar {
         diameter: 73.392_219_083_114_45e-6,
         height: 4.671_498_031_988_119e-6,
         compliance: PillarCompliance::None,
@@ -450,7 +449,7 @@ fn wide_pillars_reach_beyond_a_small_lens() {
         offset_angle: 0.523_598_775_598_298_8,
         ..HexagonalLattice::with_surface_fraction(0.153_675_026_399_087_14, pillar.diameter)
     };
-    let texture = fakir::system::Texture { pillar, lattice };
+    let texture = fakir::problem::Texture { pillar, lattice };
     let system = System::new(lens, substrate, texture).expect("a valid system");
     let transition = |method| {
         let critical = fakir::transition(&system, method, &Run::default()).expect("an answer");

@@ -5,9 +5,11 @@
 mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_system};
-use fakir::contact::{CriticalState, Method, PunchForm, Run};
-use fakir::system::{PillarCompliance, System};
-use fakir::theory::closed_forms::{self, Form};
+use fakir::problem::{Method, PunchForm};
+use fakir::problem::{PillarCompliance, System};
+use fakir::state::{CriticalState, Run};
+use fakir::theory::closed_forms;
+use fakir::theory::closed_forms::Form;
 use fakir::theory::homogenised;
 use std::sync::LazyLock;
 

@@ -2,12 +2,11 @@
 //!
 //! The cases are the same in every run; a failing one is shrunk and printed.
 
-use fakir::contact::{
-    ContactState, Fields, Load, Method, PillarState, PillarStatus, Regime, Run, SolveError,
-};
-use fakir::system::{
+use fakir::problem::{
     HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
 };
+use fakir::problem::{Load, Method};
+use fakir::state::{ContactState, Fields, PillarState, PillarStatus, Regime, Run, SolveError};
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 use std::cell::Cell;

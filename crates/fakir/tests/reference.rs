@@ -9,8 +9,9 @@
 mod common;
 
 use common::{paper_lattice, paper_system};
-use fakir::contact::{Accuracy, ContactState, CriticalState, Method, PillarStatus, Regime, Run};
-use fakir::system::{PillarCompliance, Point, System};
+use fakir::problem::{Accuracy, Method};
+use fakir::problem::{PillarCompliance, Point, System};
+use fakir::state::{ContactState, CriticalState, PillarStatus, Regime, Run};
 use std::sync::LazyLock;
 
 struct Row {

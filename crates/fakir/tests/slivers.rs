@@ -1,7 +1,8 @@
 //! The lightest touches: a lens beside a pillar meets its rim, and the contact is a sliver along it.
 
-use fakir::contact::{Accuracy, ContactState, Load, Method, Run};
-use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{Accuracy, Load, Method};
+use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::state::{ContactState, Run};
 use std::f64::consts::FRAC_PI_6;
 
 /// The paper's texture at a surface fraction of 0.01 with the lens axis beside a pillar.

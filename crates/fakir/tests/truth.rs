@@ -6,12 +6,13 @@ mod common;
 mod squares;
 
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
-use fakir::contact::{
-    Accuracy, CancelToken, ContactState, CriticalState, Fields, Load, Method, PillarStatus,
-    PunchForm, Regime, Run, SolveError, Stage, Warning,
-};
-use fakir::system::{
+use fakir::problem::{Accuracy, Load, Method, PunchForm};
+use fakir::problem::{
     HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
+};
+use fakir::state::{
+    CancelToken, ContactState, CriticalState, Fields, PillarStatus, Regime, Run, SolveError, Stage,
+    Warning,
 };
 use squares::CoveredPillars;
 use std::f64::consts::PI;
@@ -629,7 +630,7 @@ fn running_computations_stop() {
         Stage::ErrorEstimate,
     ] {
         let cancel = CancelToken::default();
-        let stop = |progress: fakir::contact::Progress| {
+        let stop = |progress: fakir::state::Progress| {
             if progress.stage == stage {
                 cancel.cancel();
             }
@@ -678,7 +679,7 @@ fn interim_states_lead_to_the_result() {
 fn contacts_too_wide_are_refused_early() {
     let system = intermediate(0.65, 0.0, 0.0);
     let in_full = std::sync::atomic::AtomicBool::new(false);
-    let listener = |progress: fakir::contact::Progress| {
+    let listener = |progress: fakir::state::Progress| {
         if progress.stage == Stage::Spectral {
             in_full.store(true, std::sync::atomic::Ordering::Relaxed);
         }

@@ -39,7 +39,7 @@ use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
 use fakir::Question;
-use fakir::contact::{Load, Method};
+use fakir::problem::{Load, Method};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! Random systems and questions, over all that is allowed.
 
-use fakir::contact::Load;
-use fakir::system::{
+use fakir::problem::Load;
+use fakir::problem::{
     HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
 };
 use rand_chacha::ChaCha8Rng;

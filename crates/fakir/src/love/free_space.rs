@@ -35,7 +35,8 @@ const SAME_SIDE: f64 = 1e-13;
 /// cells, less the rows without cells. A product allocates no arrays.
 ///
 /// ```
-/// use fakir::love::{Cells, FreeSpaceConvolution, Grid, Operator};
+/// use fakir::halfspace::elements::{FreeSpaceConvolution, Operator};
+/// use fakir::problem::{Cells, Grid};
 ///
 /// // The centre of a square of side 2 under uniform pressure sinks by (8/pi) ln(1 + sqrt 2) c p
 /// // (Love's closed form at x = y = 0, a = b = 1).
@@ -46,7 +47,7 @@ const SAME_SIDE: f64 = 1e-13;
 /// operator.apply(&pressure, &mut displacement);
 /// let exact = 8.0 / std::f64::consts::PI * (1.0 + 2f64.sqrt()).ln();
 /// assert!((displacement[101 * 50 + 50] / exact - 1.0).abs() < 1e-13);
-/// # Ok::<(), fakir::love::InvalidGrid>(())
+/// # Ok::<(), fakir::problem::InvalidGrid>(())
 /// ```
 pub struct FreeSpaceConvolution<'p> {
     convolution: Convolution<'p, FreeSpace>,

@@ -101,9 +101,10 @@ impl Floor {
 /// An indenter above a surface: the complete problem, validated.
 ///
 /// ```
-/// use fakir::contact::{Load, Run};
-/// use fakir::love::{Boundary, Grid, HeightMap, Indenter, SurfaceSystem};
-/// use fakir::system::{Lens, Material};
+/// use fakir::problem::Load;
+/// use fakir::state::Run;
+/// use fakir::problem::{Boundary, Grid, HeightMap, Indenter, SurfaceSystem};
+/// use fakir::problem::{Lens, Material};
 ///
 /// // A rubber lens on a flat rubber: Hertz, F = 4/3 E* sqrt(R) zeta^(3/2).
 /// let rubber = Material::new(2.0e6, 0.5);

@@ -14,7 +14,7 @@ use crate::system::Point;
 /// cells; cells that belong to none are floor.
 ///
 /// ```
-/// use fakir::love::{Grid, HeightMap};
+/// use fakir::problem::{Grid, HeightMap};
 ///
 /// // A bump of radius of curvature 1 mm.
 /// let grid = Grid::centred(64, 64, 1.0e-6)?;

@@ -45,9 +45,9 @@ pub enum Arrangement {
 /// A surface patterned with pillars.
 ///
 /// ```
-/// use fakir::love::Grid;
-/// use fakir::pattern::{Arrangement, CrossSection, Pattern, PillarShape};
-/// use fakir::system::Material;
+/// use fakir::problem::Grid;
+/// use fakir::problem::pattern::{Arrangement, CrossSection, Pattern, PillarShape};
+/// use fakir::problem::Material;
 ///
 /// // Square pillars on a square lattice, one in ten missing.
 /// let pillar = PillarShape {

@@ -121,7 +121,7 @@ impl Texture {
 /// A lens above a patterned substrate: the complete problem, validated.
 ///
 /// ```
-/// use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+/// use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 ///
 /// let rubber = Material::new(2.0e6, 0.5);
 /// let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
@@ -132,7 +132,7 @@ impl Texture {
 ///     Texture { pillar, lattice },
 /// )?;
 /// assert!((system.reduced_modulus() - 1.0e6 / 0.75).abs() < 1e-3);
-/// # Ok::<(), fakir::system::InvalidQuantity>(())
+/// # Ok::<(), fakir::problem::InvalidQuantity>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct System {

@@ -1,6 +1,6 @@
 //! The systems of the paper, for the integration tests.
 
-use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 
 /// Young's modulus of the lens and of the paper's intermediate substrate, Pa.
 pub(crate) const INTERMEDIATE: f64 = 2.0e6;

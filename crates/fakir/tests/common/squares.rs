@@ -6,7 +6,7 @@
 //! alone has exactly the force `2 a E* delta`: most of the error of the ragged edge goes with it,
 //! and the rest falls as the cell size to the power 1.4 or so.
 
-use fakir::system::{Point, System};
+use fakir::problem::{Point, System};
 
 /// Cells of one pillar top, m from its centre.
 struct Mesh {

@@ -1,8 +1,9 @@
 //! Single contacts on a free half-space.
 
 use super::{Indenter, assert_within, error, grid};
-use fakir::contact::Load;
-use fakir::love::{Cells, FreeSpaceConvolution, displacement_at};
+use fakir::halfspace::elements::{FreeSpaceConvolution, displacement_at};
+use fakir::problem::Cells;
+use fakir::problem::Load;
 use std::f64::consts::PI;
 
 /// A paraboloid of radius 1 at this indentation: `a = sqrt(zeta)`, `F = 4/3 zeta^(3/2)` with

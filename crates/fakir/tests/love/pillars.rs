@@ -4,12 +4,13 @@ use super::common::{INTERMEDIATE, paper_lattice, paper_system};
 use super::half_space::hertz_error;
 use super::order::{extrapolated, order};
 use super::{Indenter, assert_within, error, grid};
-use fakir::contact::{
-    Accuracy, CancelToken, ContactState, CriticalState, Load, Method, Run, Termination,
-};
-use fakir::love::solver::{self, Settings};
-use fakir::love::{Cells, ElementMesh, LatticeOfGrids, MeshLayout};
-use fakir::system::{PillarCompliance, System};
+use fakir::halfspace::elements::LatticeOfGrids;
+use fakir::problem::{Accuracy, Load, Method};
+use fakir::problem::{Cells, ElementMesh, MeshLayout};
+use fakir::problem::{PillarCompliance, System};
+use fakir::solve::elements::solver;
+use fakir::solve::elements::solver::Settings;
+use fakir::state::{CancelToken, ContactState, CriticalState, Run, Termination};
 use std::f64::consts::PI;
 
 const SPECTRAL: Method = Method::Spectral(Accuracy::Accurate);

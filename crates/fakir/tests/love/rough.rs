@@ -2,9 +2,10 @@
 //! and knows how far from it it is.
 
 use super::{Indenter, dot, grid};
-use fakir::contact::Load;
-use fakir::love::solver::ElementContact;
-use fakir::love::{Cells, FreeSpaceConvolution, Operator, PeriodicConvolution};
+use fakir::halfspace::elements::{FreeSpaceConvolution, Operator, PeriodicConvolution};
+use fakir::problem::Cells;
+use fakir::problem::Load;
+use fakir::solve::elements::solver::ElementContact;
 use std::f64::consts::PI;
 
 const ACROSS: usize = 64;

@@ -2,8 +2,9 @@
 //! force is prescribed.
 
 use super::{Indenter, assert_within, grid};
-use fakir::contact::Load;
-use fakir::love::{Cells, PeriodicConvolution};
+use fakir::halfspace::elements::PeriodicConvolution;
+use fakir::problem::Cells;
+use fakir::problem::Load;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Amplitude of the waves, whose length is 1: `E* = 1` throughout.
