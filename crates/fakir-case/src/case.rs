@@ -1,9 +1,8 @@
 //! What is to be solved and how, and its canonical text.
 
-use crate::key::{Key, Kind};
-use crate::unit::{Dimension, format_quantity};
-use fakir::problem::{Accuracy, Method, PunchForm};
-use fakir::problem::{ElementMesh, MeshLayout};
+use crate::key::{Key, Setting};
+use crate::parts::Parts;
+use fakir::problem::Method;
 use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 use std::fmt::Write;
 
@@ -14,7 +13,7 @@ pub struct Case {
     pub system: System,
     /// How it is solved.
     pub method: Method,
-    /// Which of pitch and surface fraction was given, and is written back.
+    /// Which of pitch and surface fraction was given. The same one is written back.
     pub(crate) spacing: Spacing,
 }
 
@@ -79,66 +78,24 @@ impl Case {
         write_toml(|key| self.value(key))
     }
 
-    fn mesh(&self) -> Option<ElementMesh> {
-        match self.method {
-            Method::Love(mesh) => Some(mesh),
-            _ => None,
-        }
+    /// The value of a key; `None` if the case does without it.
+    #[must_use]
+    pub fn setting(&self, key: Key) -> Option<Setting> {
+        let not_given = match self.spacing {
+            Spacing::Pitch(_) => Key::SurfaceFraction,
+            Spacing::SurfaceFraction(_) => Key::Pitch,
+        };
+        let mut parts = Parts::of(self);
+        let is_absent =
+            key == not_given || key.is_of_surface() || key.idle_with(&mut parts).is_some();
+        (!is_absent).then(|| key.get(&mut parts))
     }
 
     /// The value of a key as [`to_toml`](Self::to_toml) writes it, such as `"2.2 mm"` with its
     /// quotes; `None` if the case does without it.
     #[must_use]
     pub fn value(&self, key: Key) -> Option<String> {
-        let system = &self.system;
-        let number = |value: f64| written_number(key, value);
-        let word = |word: &str| format!("\"{word}\"");
-        Some(match key {
-            Key::LensRadius => number(system.lens().radius),
-            Key::LensYoungModulus => number(system.lens().material.young_modulus),
-            Key::LensPoissonRatio => number(system.lens().material.poisson_ratio),
-            Key::SubstrateYoungModulus => number(system.substrate().young_modulus),
-            Key::SubstratePoissonRatio => number(system.substrate().poisson_ratio),
-            Key::Lattice => word("hexagonal"),
-            Key::SurfaceFraction => match self.spacing {
-                Spacing::SurfaceFraction(fraction) => number(fraction),
-                Spacing::Pitch(_) => return None,
-            },
-            Key::Pitch => match self.spacing {
-                Spacing::Pitch(pitch) => number(pitch),
-                Spacing::SurfaceFraction(_) => return None,
-            },
-            Key::Offset => number(system.lattice().offset),
-            Key::OffsetAngle => number(system.lattice().offset_angle),
-            Key::PillarDiameter => number(system.pillar().diameter),
-            Key::PillarHeight => number(system.pillar().height),
-            Key::PillarCompliance => word(match system.pillar().compliance {
-                PillarCompliance::Column => "column",
-                PillarCompliance::None => "none",
-            }),
-            Key::MethodName => word(self.method.name()),
-            Key::Accuracy => match self.method {
-                Method::Spectral(Accuracy::Default) => word("default"),
-                Method::Spectral(Accuracy::Accurate) => word("accurate"),
-                _ => return None,
-            },
-            Key::Form => match self.method {
-                Method::Punch(PunchForm::Corrected) => word("corrected"),
-                Method::Punch(PunchForm::Plain) => word("plain"),
-                _ => return None,
-            },
-            Key::CellsPerDiameter => number(self.mesh()?.cells_per_diameter as f64),
-            Key::Mesh => word(match self.mesh()?.layout {
-                MeshLayout::Pillars => "pillars",
-                MeshLayout::Pattern => "pattern",
-            }),
-            Key::Cells => word(if self.mesh()?.matched {
-                "matched"
-            } else {
-                "plain"
-            }),
-            _ => return None, // of a [surface]
-        })
+        self.setting(key).map(|value| key.written(&value))
     }
 }
 
@@ -163,16 +120,6 @@ pub(crate) fn write_tables(value: impl Fn(Key) -> Option<String>) -> String {
         let _ = writeln!(text, "{setting:<28} # {}", key.summary());
     }
     text
-}
-
-/// The number of a key in TOML.
-pub(crate) fn written_number(key: Key, value: f64) -> String {
-    match key.kind() {
-        Kind::Number(Dimension::Number) | Kind::Word | Kind::Text => {
-            format_quantity(value, Dimension::Number)
-        }
-        Kind::Number(dimension) => format!("\"{}\"", format_quantity(value, dimension)),
-    }
 }
 
 const HEADER: &str = "\

@@ -1,19 +1,18 @@
 //! A TOML document as a flat list of known keys, each with the place it was set.
 
 use crate::error::{CaseError, Place, Source};
-use crate::key::{Key, Kind, is_table, join, names_in, similar};
-use crate::unit::Dimension;
+use crate::key::{Key, Kind, Setting, is_table, join, names_in, similar};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeFloat, DeInteger, DeString, DeTable, DeValue};
 
-/// The value of a key, as far as TOML knows.
+/// The value of a key as it stands in a file, before its meaning is known.
 #[derive(Debug, Clone)]
 pub(crate) enum Value {
     Text(String),
     Number(f64),
-    /// Something no key takes, by its name in TOML.
+    /// A kind of value that no key takes, by its name in TOML: a list, say, or a date.
     Other(&'static str),
 }
 
@@ -22,6 +21,23 @@ pub(crate) enum Value {
 pub(crate) struct Entry {
     pub(crate) value: Value,
     pub(crate) place: Place,
+}
+
+impl Entry {
+    /// A setting that stands in no file. Errors show it as `key = value` under that name.
+    pub(crate) fn of_setting(name: &str, key: Key, setting: Setting) -> Self {
+        let text = format!("{key} = {}", key.written(&setting));
+        Self {
+            place: Place {
+                span: 0..text.len(),
+                source: Source::new(name, &text),
+            },
+            value: match setting {
+                Setting::Number(number) => Value::Number(number),
+                Setting::Word(word) => Value::Text(word),
+            },
+        }
+    }
 }
 
 /// What a document sets.
@@ -210,9 +226,20 @@ pub(crate) fn with_article(noun: &str) -> String {
 /// What a key takes, for "accepted: ...".
 pub(crate) fn accepted(key: Key) -> String {
     match key.kind() {
-        Kind::Number(Dimension::Number) => Dimension::Number.accepted(),
         Kind::Number(dimension) => dimension.accepted(),
-        Kind::Word => "give a word in quotes".to_owned(),
-        Kind::Text => "give a name in quotes".to_owned(),
+        Kind::Word => one_of(&key.words()),
+        Kind::Text => NAME_IN_QUOTES.to_owned(),
+    }
+}
+
+/// What is accepted for the name of a file, or of something in it.
+pub(crate) const NAME_IN_QUOTES: &str = "give a name in quotes";
+
+/// Advice to give one of some words.
+pub(crate) fn one_of(words: &[&str]) -> String {
+    let words: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+    match words.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("give {} or {last}", rest.join(", ")),
+        _ => format!("give {}", words.concat()),
     }
 }

@@ -1,18 +1,17 @@
 //! A case file and its overrides, resolved into a [`Case`].
 
-use crate::case::{Case, Spacing, written_number};
-use crate::entries::{Entries, Entry, Value, accepted, kind_name, override_value, unknown_key};
+use crate::case::{Case, Spacing};
+use crate::entries::{
+    Entries, Entry, NAME_IN_QUOTES, Value, accepted, kind_name, one_of, override_value, unknown_key,
+};
 use crate::error::{CaseError, Place, Source};
 use crate::input::{self, LARGEST_CASE};
-use crate::key::{Key, Kind};
-use crate::surface;
+use crate::key::{Key, Setting};
+use crate::parts::Parts;
+use crate::row::{Field, Presence, Range};
+use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
-use fakir::problem::{Accuracy, Method, PunchForm};
-use fakir::problem::{ElementMesh, MeshLayout};
-use fakir::problem::{
-    HexagonalLattice, InvalidQuantity, Lens, MAXIMUM_SURFACE_FRACTION, Material, Pillar,
-    PillarCompliance, Quantity, Requirement, System, Texture,
-};
+use fakir::problem::{HexagonalLattice, InvalidQuantity, System, Texture};
 use std::path::{Path, PathBuf};
 
 /// A case file that has been read, with the overrides applied so far.
@@ -83,6 +82,33 @@ impl CaseFile {
         })
     }
 
+    /// A case of some settings, without any file; `name` is what errors call it.
+    ///
+    /// ```
+    /// use fakir_case::{Case, CaseFile, Key};
+    /// let example = Case::example();
+    /// let settings = Key::ALL.into_iter().filter_map(|key| Some((key, example.setting(key)?)));
+    /// assert_eq!(CaseFile::from_settings("by hand", settings).case()?, example);
+    /// # Ok::<(), fakir_case::CaseError>(())
+    /// ```
+    #[must_use]
+    pub fn from_settings(name: &str, settings: impl IntoIterator<Item = (Key, Setting)>) -> Self {
+        let mut entries = Entries::default();
+        for (key, setting) in settings {
+            let entry = Entry::of_setting(name, key, setting);
+            for (end, _) in key.path().match_indices('.') {
+                let table = key.path()[..end].to_owned();
+                entries.tables.insert(table, entry.place.clone());
+            }
+            entries.keys.insert(key, entry);
+        }
+        Self {
+            source: Source::new(name, ""),
+            entries,
+            folder: PathBuf::new(),
+        }
+    }
+
     /// Overrides one key: `texture.surface_fraction=0.2`, with a value in TOML or a bare word or
     /// quantity (`lens.radius=2.2mm`).
     ///
@@ -135,13 +161,8 @@ impl CaseFile {
     /// # Ok::<(), fakir_case::CaseError>(())
     /// ```
     pub fn set_number(&mut self, key: Key, value: f64) {
-        let text = format!("{} = {}", key.path(), written_number(key, value));
-        let place = Place {
-            span: 0..text.len(),
-            source: Source::new("a number that was set", &text),
-        };
-        let value = Value::Number(value);
-        self.put(key, Entry { value, place });
+        let entry = Entry::of_setting("a number that was set", key, Setting::Number(value));
+        self.put(key, entry);
     }
 
     /// The number that was given for a key, in SI units.
@@ -149,8 +170,8 @@ impl CaseFile {
     /// # Errors
     /// [`CaseError`] for a value that is no such number.
     pub fn given(&self, key: Key) -> Result<Option<f64>, CaseError> {
-        match self.entries.keys.get(&key) {
-            Some(entry) => number(key, entry).map(Some),
+        match self.entry(key) {
+            Some(entry) => quantity(key.path(), key.dimension(), entry).map(Some),
             None => Ok(None),
         }
     }
@@ -170,174 +191,165 @@ impl CaseFile {
     /// place of a `[texture]`.
     pub fn case(&self) -> Result<Case, CaseError> {
         self.refuse_surface()?;
-        let lens = Lens {
-            radius: self.number(Key::LensRadius)?,
-            material: Material::new(
-                self.number(Key::LensYoungModulus)?,
-                self.number(Key::LensPoissonRatio)?,
-            ),
+        let parts = self.parts(&[Part::Bodies, Part::Texture])?;
+        let texture = &parts.texture;
+        let spacing = match self.entry(Key::Pitch) {
+            Some(_) => Spacing::Pitch(texture.lattice.pitch),
+            None => {
+                // The system is made with the pitch that follows from the surface fraction, so
+                // that it cannot check the surface fraction itself.
+                self.check_range(Key::SurfaceFraction, texture.surface_fraction)?;
+                Spacing::SurfaceFraction(texture.surface_fraction)
+            }
         };
-        let substrate = Material::new(
-            self.number(Key::SubstrateYoungModulus)?,
-            self.number(Key::SubstratePoissonRatio)?,
-        );
-        let (lattice, spacing, pillar) = self.texture()?;
-        let system = System::new(lens, substrate, Texture { pillar, lattice })
+        let lattice = HexagonalLattice {
+            pitch: spacing.pitch(texture.pillar.diameter),
+            ..texture.lattice
+        };
+        let pillar = texture.pillar;
+        let system = System::new(parts.lens, parts.substrate, Texture { pillar, lattice })
             .map_err(|invalid| self.impossible(&invalid))?;
         Ok(Case {
             system,
-            method: self.method()?,
+            method: parts.method.method(),
             spacing,
         })
     }
 
-    fn texture(&self) -> Result<(HexagonalLattice, Spacing, Pillar), CaseError> {
-        self.choice(Key::Lattice, &[("hexagonal", ())])?;
-        let spacing = self.spacing()?;
-        let offset = self.number_or(Key::Offset, 0.0)?;
-        let offset_angle = self.number_or(Key::OffsetAngle, 0.0)?;
-        let pillar = Pillar {
-            diameter: self.number(Key::PillarDiameter)?,
-            height: self.number(Key::PillarHeight)?,
-            compliance: self
-                .choice(
-                    Key::PillarCompliance,
-                    &[
-                        ("column", PillarCompliance::Column),
-                        ("none", PillarCompliance::None),
-                    ],
-                )?
-                .unwrap_or_default(),
+    /// The values of the keys of some parts: those that are given, and the defaults of the others.
+    ///
+    /// What the table of keys says is checked: kinds of values, words, numbers that the solver
+    /// does not check itself, keys that do not go together, and keys that are missing.
+    pub(crate) fn parts(&self, wanted: &[Part]) -> Result<Parts, CaseError> {
+        let keys = || {
+            let keys = Key::ALL.into_iter();
+            keys.filter(|key| wanted.contains(&key.part()))
         };
-        let lattice = HexagonalLattice {
-            pitch: spacing.pitch(pillar.diameter),
-            offset,
-            offset_angle,
-        };
-        Ok((lattice, spacing, pillar))
+        let mut parts = Parts::default();
+        for key in keys() {
+            if let Some(entry) = self.entry(key) {
+                self.read_value(key, entry, &mut parts)?;
+            }
+        }
+        for key in keys().filter(|key| self.entry(*key).is_some()) {
+            if let Some((choice, word)) = key.idle_with(&mut parts) {
+                return Err(self.idle(key, choice, &word));
+            }
+        }
+        for key in keys().filter(|key| self.entry(*key).is_none()) {
+            if key.idle_with(&mut parts).is_none() {
+                self.check_absence(key, &mut parts)?;
+            }
+        }
+        self.refuse_both(keys())?;
+        Ok(parts)
     }
 
-    fn spacing(&self) -> Result<Spacing, CaseError> {
-        let keys = &self.entries.keys;
-        match (keys.get(&Key::SurfaceFraction), keys.get(&Key::Pitch)) {
-            (Some(_), None) => {
-                let value = self.number(Key::SurfaceFraction)?;
-                if value > 0.0 && value <= MAXIMUM_SURFACE_FRACTION {
-                    return Ok(Spacing::SurfaceFraction(value));
+    /// Puts a value into its place, if the key can have it.
+    fn read_value(&self, key: Key, entry: &Entry, parts: &mut Parts) -> Result<(), CaseError> {
+        let row = key.row();
+        if let (Key::CellSize, Value::Other("array")) = (key, &entry.value) {
+            return Err(self
+                .problem(key, "cells are squares, of one size")
+                .accepted("give one length; resample a map of other cells"));
+        }
+        match row.field {
+            Field::Number {
+                dimension, place, ..
+            } => {
+                let value = quantity(key.path(), dimension, entry)?;
+                // The solver and the patterns of pillars check the quantities that they know.
+                let is_checked_later = row.quantity.is_some() || row.pattern_quantity.is_some();
+                if !is_checked_later {
+                    self.check_range(key, value)?;
                 }
-                Err(self.impossible(&InvalidQuantity {
-                    quantity: Quantity::SurfaceFraction,
-                    value,
-                    requirement: Requirement::SurfaceFraction,
-                }))
+                *place(parts) = value;
             }
-            (None, Some(_)) => Ok(Spacing::Pitch(self.number(Key::Pitch)?)),
-            (None, None) => Err(self
-                .missing(Key::SurfaceFraction)
-                .accepted("give exactly one of texture.surface_fraction and texture.pitch")),
-            (Some(fraction), Some(pitch)) => Err(both_given(
-                ("surface_fraction", &fraction.place),
-                ("pitch", &pitch.place),
-                "texture",
+            Field::Word(place) => {
+                let choice = place(parts);
+                let problem = match &entry.value {
+                    Value::Text(text) if choice.choose(text) => return Ok(()),
+                    Value::Text(text) => format!("\"{text}\" is not known"),
+                    other => format!("expected a word, found {}", kind_name(other)),
+                };
+                return Err(self.problem(key, problem).accepted(one_of(&choice.words())));
+            }
+            Field::Text(place) => match &entry.value {
+                Value::Text(text) => place(parts).clone_from(text),
+                other => {
+                    let problem = format!("expected a string, found {}", kind_name(other));
+                    return Err(self.problem(key, problem).accepted(NAME_IN_QUOTES));
+                }
+            },
+        }
+        Ok(())
+    }
+
+    /// Refuses a number that the key does not allow.
+    pub(crate) fn check_range(&self, key: Key, value: f64) -> Result<(), CaseError> {
+        let range = key.range().unwrap_or(Range::Finite);
+        if range.allows(value) {
+            return Ok(());
+        }
+        let shown = range.refused(value, key.dimension());
+        Err(self
+            .problem(key, format!("cannot be {shown}"))
+            .accepted(format!("it must be {range}")))
+    }
+
+    /// The error for a key that does not go with the word of the key that it depends on.
+    fn idle(&self, key: Key, choice: Key, word: &str) -> CaseError {
+        let words = key.goes_with().map_or(&[][..], |(_, words)| words);
+        match (choice, words) {
+            (Key::MethodName, [method]) => self
+                .problem(key, format!("only the method \"{method}\" has this key"))
+                .accepted(format!("leave it out, or {choice} = \"{method}\"")),
+            _ => self
+                .problem(
+                    key,
+                    format!("with {choice} = \"{word}\" there is no such key"),
+                )
+                .accepted(format!("leave it out, or {} as {choice}", one_of(words))),
+        }
+    }
+
+    /// Refuses that a key is missing where it must be given.
+    fn check_absence(&self, key: Key, parts: &mut Parts) -> Result<(), CaseError> {
+        match key.row().presence {
+            Presence::Required => Err(self.missing(key)),
+            Presence::OneOf(other) if other.idle_with(parts).is_some() => Err(self.missing(key)),
+            Presence::OneOf(other) if self.entry(other).is_none() => Err(self
+                .missing(key)
+                .accepted(format!("give exactly one of {key} and {other}"))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses two keys of which exactly one can be given.
+    fn refuse_both(&self, mut keys: impl Iterator<Item = Key>) -> Result<(), CaseError> {
+        let both = keys.find_map(|key| {
+            let other = key.alternative()?;
+            Some((key, self.entry(key)?, other, self.entry(other)?))
+        });
+        match both {
+            None => Ok(()),
+            Some((key, entry, other, other_entry)) => Err(both_given(
+                (key.name(), &entry.place),
+                (other.name(), &other_entry.place),
+                key.table(),
             )
             .accepted("give only one: the other follows from it")),
         }
     }
 
-    fn method(&self) -> Result<Method, CaseError> {
-        const ACCURACIES: [(&str, Accuracy); 2] = [
-            ("default", Accuracy::Default),
-            ("accurate", Accuracy::Accurate),
-        ];
-        const FORMS: [(&str, PunchForm); 2] = [
-            ("corrected", PunchForm::Corrected),
-            ("plain", PunchForm::Plain),
-        ];
-        let name = self
-            .choice(Key::MethodName, &Name::ALL.map(|name| (name.word(), name)))?
-            .unwrap_or(Name::Spectral);
-        let accuracy = self.choice(Key::Accuracy, &ACCURACIES)?;
-        let form = self.choice(Key::Form, &FORMS)?;
-        for (key, owner) in OWNERS {
-            if owner != name {
-                self.only_for(key, owner.word())?;
-            }
-        }
-        match name {
-            Name::Spectral => Ok(Method::Spectral(accuracy.unwrap_or_default())),
-            Name::Punch => Ok(Method::Punch(form.unwrap_or_default())),
-            Name::Love => Ok(Method::Love(self.mesh()?)),
-            Name::Homogenised => Ok(Method::Homogenised),
-        }
-    }
-
-    fn mesh(&self) -> Result<ElementMesh, CaseError> {
-        const MESHES: [(&str, MeshLayout); 2] = [
-            ("pillars", MeshLayout::Pillars),
-            ("pattern", MeshLayout::Pattern),
-        ];
-        const CELLS: [(&str, bool); 2] = [("matched", true), ("plain", false)];
-        let default = ElementMesh::default();
-        let cells = self.number_or(Key::CellsPerDiameter, default.cells_per_diameter as f64)?;
-        if !(8.0..=1024.0).contains(&cells) || cells.fract() > 0.0 {
-            return Err(self
-                .problem(Key::CellsPerDiameter, format!("cannot be {cells}"))
-                .accepted("it must be a whole number from 8 to 1024"));
-        }
-        Ok(ElementMesh {
-            cells_per_diameter: cells as usize,
-            layout: self.choice(Key::Mesh, &MESHES)?.unwrap_or(default.layout),
-            matched: self.choice(Key::Cells, &CELLS)?.unwrap_or(default.matched),
-        })
-    }
-
-    /// Refuses a key that the chosen method does not have.
-    fn only_for(&self, key: Key, method: &str) -> Result<(), CaseError> {
-        if self.entries.keys.contains_key(&key) {
-            return Err(self
-                .problem(key, format!("only the method \"{method}\" has this key"))
-                .accepted(format!("leave it out, or method.name = \"{method}\"")));
-        }
-        Ok(())
-    }
-
-    pub(crate) fn number(&self, key: Key) -> Result<f64, CaseError> {
-        let entry = self.entries.keys.get(&key);
-        number(key, entry.ok_or_else(|| self.missing(key))?)
-    }
-
-    pub(crate) fn number_or(&self, key: Key, default: f64) -> Result<f64, CaseError> {
-        self.entries
-            .keys
-            .get(&key)
-            .map_or(Ok(default), |entry| number(key, entry))
-    }
-
-    /// Which of the `options` a key names; `None` if it is not given.
-    pub(crate) fn choice<T: Copy>(
-        &self,
-        key: Key,
-        options: &[(&str, T)],
-    ) -> Result<Option<T>, CaseError> {
-        let Some(entry) = self.entries.keys.get(&key) else {
-            return Ok(None);
-        };
-        let Value::Text(text) = &entry.value else {
-            let problem = format!("expected a word, found {}", kind_name(&entry.value));
-            return Err(self.problem(key, problem).accepted(one_of(options)));
-        };
-        match options.iter().find(|(word, _)| word == text) {
-            Some((_, value)) => Ok(Some(*value)),
-            None => {
-                let problem = format!("\"{text}\" is not known");
-                Err(self.problem(key, problem).accepted(one_of(options)))
-            }
-        }
+    /// What was given for a key.
+    pub(crate) fn entry(&self, key: Key) -> Option<&Entry> {
+        self.entries.keys.get(&key)
     }
 
     /// An error at the value of a key.
     pub(crate) fn problem(&self, key: Key, problem: impl Into<String>) -> CaseError {
-        match self.entries.keys.get(&key) {
+        match self.entry(key) {
             Some(entry) => CaseError::at(&entry.place, problem),
             None => CaseError::new(&self.source, problem),
         }
@@ -360,80 +372,29 @@ impl CaseFile {
         error.key(key.path()).accepted(accepted(key))
     }
 
-    /// The error for a value that the physics refuses, at the key that set it.
+    /// The error for a value that the solver refuses. It points at the key that set the value.
     pub(crate) fn impossible(&self, invalid: &InvalidQuantity) -> CaseError {
         let key = Key::of(invalid.quantity);
         let Some(key) = key else {
             return CaseError::new(&self.source, invalid.to_string());
         };
-        let value = match key.kind() {
-            Kind::Number(dimension) => format_quantity(invalid.value, dimension),
-            Kind::Word | Kind::Text => invalid.value.to_string(),
-        };
+        let value = format_quantity(invalid.value, key.dimension());
         self.problem(key, format!("cannot be {value}"))
             .accepted(format!("it must be {}", invalid.requirement))
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Name {
-    Spectral,
-    Love,
-    Punch,
-    Homogenised,
-}
-
-impl Name {
-    const ALL: [Self; 4] = [Self::Spectral, Self::Love, Self::Punch, Self::Homogenised];
-
-    pub(crate) fn word(self) -> &'static str {
-        match self {
-            Self::Spectral => "spectral",
-            Self::Love => "love",
-            Self::Punch => "punch",
-            Self::Homogenised => "homogenised",
-        }
-    }
-}
-
-/// The keys that only one method has.
-pub(crate) const OWNERS: [(Key, Name); 5] = [
-    (Key::Accuracy, Name::Spectral),
-    (Key::Form, Name::Punch),
-    (Key::CellsPerDiameter, Name::Love),
-    (Key::Mesh, Name::Love),
-    (Key::Cells, Name::Love),
-];
-
-/// Advice to give one of some words.
-pub(crate) fn one_of<T>(options: &[(&str, T)]) -> String {
-    let words: Vec<_> = options
-        .iter()
-        .map(|(word, _)| format!("\"{word}\""))
-        .collect();
-    match words.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("give {} or {last}", rest.join(", ")),
-        _ => format!("give {}", words.concat()),
-    }
-}
-
 /// Keys of the file that an override of `key` takes the place of.
 fn replaced_by(key: Key, value: &Value) -> Vec<Key> {
-    match (key, value) {
-        (Key::MethodName, _) => OWNERS.map(|(key, _)| key).to_vec(),
-        (_, Value::Text(word)) if surface::is_choice(key) => {
-            surface::idle_keys(key, word).collect()
-        }
-        _ => key.alternative().into_iter().collect(),
-    }
-}
-
-pub(crate) fn number(key: Key, entry: &Entry) -> Result<f64, CaseError> {
-    let dimension = match key.kind() {
-        Kind::Number(dimension) => dimension,
-        Kind::Word | Kind::Text => Dimension::Number,
+    let word = match value {
+        Value::Text(word) => word,
+        _ => "",
     };
-    quantity(key.path(), dimension, entry)
+    // A method takes the place of the whole table of the file, even if it is the same method.
+    let stays = |words: &[&str]| key != Key::MethodName && words.contains(&word);
+    let idle = key.dependents().filter(|(_, words)| !stays(words));
+    let idle = idle.map(|(dependent, _)| dependent);
+    idle.chain(key.alternative()).collect()
 }
 
 /// The number in SI units that an entry stands for, at a key of that path.

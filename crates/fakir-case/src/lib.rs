@@ -34,9 +34,9 @@
 //!
 //! * A quantity is a string with a [unit](mod@unit), or a bare number in SI units.
 //! * Exactly one of `texture.surface_fraction` and `texture.pitch` is given.
-//! * May be left out: `texture.lattice` (hexagonal), `texture.offset` (0), `texture.offset_angle` (0),
-//!   `texture.pillar.compliance` (column), and all of `[method]` (spectral, default).
-//! * Everything else must be there, and nothing more: an unknown key is an error.
+//! * [`reference`](reference()) lists all keys: what each can be, whether it may be left out, and
+//!   what holds then. `fakir init --keys` prints it.
+//! * Nothing more can be there: an unknown key is an error.
 //!
 //! In place of `[texture]` and `[method]` a case may have a general `[surface]`, solved by elements:
 //! a height map from a file,
@@ -65,8 +65,11 @@
 //! width = "150 um"              # extent of the grid, with the lens axis at its centre
 //! ```
 //!
-//! [`Key`] lists all keys. [`CaseFile::surface_case`] gives the [`SurfaceCase`]. Height maps are
-//! read by [`height_map`], which says what files it knows.
+//! [`CaseFile::surface_case`] gives the [`SurfaceCase`]. Height maps are read by [`height_map`],
+//! which says what files it knows.
+//!
+//! A [`Key`] says its kind, its words or bounds, its default and what it goes with. All of this
+//! stands in one table, from which files are read and written and errors are worded.
 //!
 //! [`input`] reads files of bounded size.
 //!
@@ -82,13 +85,18 @@ mod file;
 pub mod height_map;
 pub mod input;
 mod key;
+mod parts;
+mod reference;
+mod row;
 pub mod study;
 mod surface;
+mod table;
 pub mod unit;
 
 pub use case::Case;
 pub use error::CaseError;
 pub use file::CaseFile;
-pub use key::{Key, Kind};
+pub use key::{Key, Kind, Setting};
+pub use reference::reference;
 pub use study::{Study, StudyFile};
 pub use surface::{SurfaceCase, SurfaceOrigin};

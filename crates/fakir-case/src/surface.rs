@@ -1,18 +1,20 @@
 //! Cases with a general surface in place of a texture: a height map, or pillars of any form.
 
-use crate::case::{write_toml, written_number};
-use crate::entries::{Entry, Value, kind_name};
+use crate::case::write_toml;
 use crate::error::{CaseError, Place};
-use crate::file::{CaseFile, both_given, number, one_of};
+use crate::file::{CaseFile, both_given};
 use crate::height_map::{BYTES_PER_POINT, HeightMapError, MapScale, MapSize, read_height_map};
-use crate::key::{Key, Kind, root};
+use crate::key::{Key, root};
+use crate::parts::{
+    IndenterForm, OutlineForm, OutlineParts, Parts, Placement, SurfaceParts, TopForm,
+};
+use crate::table::Part;
 use crate::unit::{Dimension, format_quantity};
 use fakir::problem::pattern::{
-    Arrangement, CrossSection, InvalidPattern, Pattern, PatternQuantity, PillarShape, Top,
+    Arrangement, CrossSection, InvalidPattern, Pattern, PillarShape, Top,
 };
 use fakir::problem::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
-use fakir::problem::{HexagonalLattice, Lens, Material, PillarCompliance, Point};
-use std::ops::RangeInclusive;
+use fakir::problem::{HexagonalLattice, Point};
 use std::path::{Path, PathBuf};
 
 /// A general surface and what is pressed onto it: what a case file with a `[surface]` describes.
@@ -24,7 +26,7 @@ pub struct SurfaceCase {
     pub floor: Option<Floor>,
     /// Where the surface is from.
     pub origin: SurfaceOrigin,
-    /// What was given, in TOML.
+    /// All keys that were given and their values, as they are written in a case file.
     settings: Vec<(Key, String)>,
 }
 
@@ -61,129 +63,9 @@ impl SurfaceCase {
     }
 }
 
-/// Cells along the sides of a grid are a multiple of this, so that it can be solved on cells
-/// twice and four times as large.
+/// The number of cells along each side of a grid is a multiple of this, so that the same surface
+/// can be solved on cells twice and four times as large.
 const CELLS_MULTIPLE: f64 = 4.0;
-
-/// Cells across a pillar if the case does not say.
-const CELLS_PER_DIAMETER: u64 = 16;
-
-/// Whole numbers that a number in a case file holds exactly.
-const WHOLE_NUMBERS: RangeInclusive<u64> = 0..=1 << f64::MANTISSA_DIGITS;
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Form {
-    Circle,
-    Square,
-    Polygon,
-    Ellipse,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum TopForm {
-    Flat,
-    Cone,
-    Chamfer,
-    Rounded,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Placement {
-    Hexagonal,
-    Square,
-    Random,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum IndenterForm {
-    Lens,
-    Plate,
-}
-
-const FORMS: [(&str, Form); 4] = [
-    ("circle", Form::Circle),
-    ("square", Form::Square),
-    ("polygon", Form::Polygon),
-    ("ellipse", Form::Ellipse),
-];
-
-const TOPS: [(&str, TopForm); 4] = [
-    ("flat", TopForm::Flat),
-    ("cone", TopForm::Cone),
-    ("chamfer", TopForm::Chamfer),
-    ("rounded", TopForm::Rounded),
-];
-
-const PLACEMENTS: [(&str, Placement); 3] = [
-    ("hexagonal", Placement::Hexagonal),
-    ("square", Placement::Square),
-    ("random", Placement::Random),
-];
-
-const INDENTERS: [(&str, IndenterForm); 2] =
-    [("lens", IndenterForm::Lens), ("plate", IndenterForm::Plate)];
-
-const BOUNDARIES: [(&str, Boundary); 2] = [
-    ("free", Boundary::FreeSpace),
-    ("periodic", Boundary::Periodic),
-];
-
-const COMPLIANCES: [(&str, PillarCompliance); 2] = [
-    ("column", PillarCompliance::Column),
-    ("none", PillarCompliance::None),
-];
-
-/// The keys that only some choices have: key, key of the choice, its words.
-const OWNERS: [(Key, Key, &[&str]); 13] = [
-    (Key::LensRadius, Key::Indenter, &["lens"]),
-    (
-        Key::PatternPitch,
-        Key::Arrangement,
-        &["hexagonal", "square"],
-    ),
-    (
-        Key::PatternOffset,
-        Key::Arrangement,
-        &["hexagonal", "square"],
-    ),
-    (
-        Key::PatternOffsetAngle,
-        Key::Arrangement,
-        &["hexagonal", "square"],
-    ),
-    (Key::MinimumDistance, Key::Arrangement, &["random"]),
-    (
-        Key::OutlineDiameter,
-        Key::CrossSection,
-        &["circle", "polygon"],
-    ),
-    (Key::OutlineSide, Key::CrossSection, &["square"]),
-    (Key::OutlineSides, Key::CrossSection, &["polygon"]),
-    (Key::OutlineLength, Key::CrossSection, &["ellipse"]),
-    (Key::OutlineWidth, Key::CrossSection, &["ellipse"]),
-    (Key::Drop, Key::Top, &["cone", "chamfer"]),
-    (Key::ChamferWidth, Key::Top, &["chamfer"]),
-    (Key::EdgeRadius, Key::Top, &["rounded"]),
-];
-
-/// The keys that only a height map has.
-const OF_HEIGHT_MAP: [Key; 4] = [Key::Array, Key::HeightUnit, Key::CellSize, Key::MapWidth];
-
-/// The keys that any surface has.
-const OF_ANY: [Key; 4] = [Key::HeightMap, Key::Floor, Key::Boundary, Key::Indenter];
-
-/// Whether other keys go with only some of the words of this one.
-pub(crate) fn is_choice(key: Key) -> bool {
-    OWNERS.iter().any(|(_, choice, _)| *choice == key)
-}
-
-/// The keys that do not go with this word of a choice.
-pub(crate) fn idle_keys(choice: Key, word: &str) -> impl Iterator<Item = Key> {
-    OWNERS
-        .iter()
-        .filter(move |(_, of, words)| *of == choice && !words.contains(&word))
-        .map(|(key, _, _)| *key)
-}
 
 impl CaseFile {
     /// Whether the case has a general surface: a `[surface]`, or an override of one of its keys.
@@ -201,30 +83,27 @@ impl CaseFile {
     /// `[method]`, a height map that cannot be read, or a surface too large for the memory.
     pub fn surface_case(&self, memory_limit: usize) -> Result<SurfaceCase, CaseError> {
         self.refuse_texture()?;
-        let indenter = self.indenter()?;
-        let substrate = Material::new(
-            self.number(Key::SubstrateYoungModulus)?,
-            self.number(Key::SubstratePoissonRatio)?,
-        );
-        let boundary = self
-            .choice(Key::Boundary, &BOUNDARIES)?
-            .unwrap_or(Boundary::FreeSpace);
-        let (surface, origin) = match self.map_or_pattern()? {
-            Some(entry) => {
-                let (surface, path) = self.height_map(entry, memory_limit)?;
-                (surface, SurfaceOrigin::HeightMap(path))
-            }
-            None => {
-                let pattern = self.pattern()?;
-                let surface = self.draw(&pattern, boundary, &substrate, memory_limit)?;
-                (surface, SurfaceOrigin::Pattern(pattern))
-            }
+        let kind = self.kind_of_surface()?;
+        let parts = self.parts(&[Part::Bodies, Part::Surface, kind])?;
+        let SurfaceParts { boundary, .. } = parts.surface;
+        let (surface, origin) = if kind == Part::HeightMap {
+            let path = self.height_map_path(&parts.surface.height_map);
+            let surface = self.height_map(&parts.surface, &path, memory_limit)?;
+            (surface, SurfaceOrigin::HeightMap(path))
+        } else {
+            let pattern = self.pattern(&parts)?;
+            let surface = self.draw(&pattern, &parts, memory_limit)?;
+            (surface, SurfaceOrigin::Pattern(pattern))
         };
-        let floor = match self.entries.keys.get(&Key::Floor) {
-            Some(entry) => Some(Floor::AtOrBelow(self.finite(Key::Floor, entry)?)),
+        let floor = match self.entry(Key::Floor) {
+            Some(_) => Some(Floor::AtOrBelow(parts.surface.floor)),
             None => surface.pillars().map(|_| Floor::OffPillars),
         };
-        let mut system = SurfaceSystem::new(indenter, substrate, surface, boundary)
+        let indenter = match parts.surface.indenter {
+            IndenterForm::Lens => Indenter::Lens(parts.lens),
+            IndenterForm::Plate => Indenter::Flat(Some(parts.lens.material)),
+        };
+        let mut system = SurfaceSystem::new(indenter, parts.substrate, surface, boundary)
             .map_err(|invalid| self.impossible(&invalid))?;
         if matches!(origin, SurfaceOrigin::Pattern(_)) {
             system = system.continued();
@@ -241,7 +120,7 @@ impl CaseFile {
             system,
             floor,
             origin,
-            settings: self.settings()?,
+            settings: self.settings(parts),
         })
     }
 
@@ -288,113 +167,68 @@ impl CaseFile {
         }
     }
 
-    fn indenter(&self) -> Result<Indenter, CaseError> {
-        let form = self.chosen(Key::Indenter, &INDENTERS, IndenterForm::Lens)?;
-        let material = Material::new(
-            self.number(Key::LensYoungModulus)?,
-            self.number(Key::LensPoissonRatio)?,
-        );
-        Ok(match form {
-            IndenterForm::Lens => Indenter::Lens(Lens {
-                radius: self.number(Key::LensRadius)?,
-                material,
-            }),
-            IndenterForm::Plate => Indenter::Flat(Some(material)),
-        })
-    }
-
-    /// The entry of the height map, if that is what the case has; refuses the keys of the other.
-    fn map_or_pattern(&self) -> Result<Option<&Entry>, CaseError> {
-        let keys = &self.entries.keys;
-        let (map, arrangement) = (keys.get(&Key::HeightMap), keys.get(&Key::Arrangement));
-        if let (Some(map), Some(arrangement)) = (map, arrangement) {
-            let [map, arrangement] = [
-                ("height_map", &map.place),
-                ("arrangement", &arrangement.place),
-            ];
-            return Err(both_given(map, arrangement, "surface")
+    /// Whether the surface is a height map or a pattern; refuses the keys of the other.
+    fn kind_of_surface(&self) -> Result<Part, CaseError> {
+        let (map, pattern) = (Key::HeightMap, Key::Arrangement);
+        let (kind, other) = match (self.entry(map), self.entry(pattern)) {
+            (Some(_), None) => (Part::HeightMap, Part::Pattern),
+            (None, Some(_)) => (Part::Pattern, Part::HeightMap),
+            (Some(file), Some(pillars)) => {
+                return Err(both_given(
+                    (map.name(), &file.place),
+                    (pattern.name(), &pillars.place),
+                    map.table(),
+                )
                 .accepted("give only one: a height map, or pillars"));
-        }
-        if map.is_none() && arrangement.is_none() {
-            return Err(self.missing(Key::HeightMap).accepted(
-                "give surface.height_map = \"FILE\", or surface.arrangement for pillars",
-            ));
-        }
-        let mut given = keys
-            .keys()
-            .copied()
-            .filter(|key| key.is_of_surface() && !OF_ANY.contains(key));
-        let idle = given.find(|key| OF_HEIGHT_MAP.contains(key) != map.is_some());
-        match (idle, map) {
-            (None, _) => Ok(map),
-            (Some(key), Some(_)) => Err(self
+            }
+            (None, None) => {
+                return Err(self
+                    .missing(map)
+                    .accepted(format!("give {map} = \"FILE\", or {pattern} for pillars")));
+            }
+        };
+        let mut given = self.entries.keys.keys().copied();
+        match given.find(|key| key.part() == other) {
+            None => Ok(kind),
+            Some(key) if kind == Part::HeightMap => Err(self
                 .problem(key, "a height map does not have this key")
-                .accepted("leave it out, or give surface.arrangement in place of height_map")),
-            (Some(key), None) => Err(self
+                .accepted(format!(
+                    "leave it out, or give {pattern} in place of {}",
+                    map.name()
+                ))),
+            Some(key) => Err(self
                 .problem(key, "only a height map has this key")
                 .accepted(match key {
-                    Key::MapWidth => "the extent of a pattern is surface.grid.width",
-                    _ => "leave it out, or give surface.height_map in place of arrangement",
+                    Key::MapWidth => format!("the extent of a pattern is {}", Key::GridWidth),
+                    _ => format!("leave it out, or give {map} in place of {}", pattern.name()),
                 })),
         }
     }
 
     fn height_map(
         &self,
-        entry: &Entry,
+        parts: &SurfaceParts,
+        path: &Path,
         memory_limit: usize,
-    ) -> Result<(HeightMap, PathBuf), CaseError> {
-        let path = self.path(entry)?;
-        let array = match self.entries.keys.get(&Key::Array) {
-            Some(entry) => Some(text(Key::Array, entry)?),
-            None => None,
+    ) -> Result<HeightMap, CaseError> {
+        let scale = MapScale {
+            size: match self.entry(Key::CellSize) {
+                Some(_) => MapSize::Pixel([parts.cell_size; 2]),
+                None => MapSize::Width(parts.width),
+            },
+            height_unit: parts.height_unit,
         };
-        let keys = &self.entries.keys;
-        let size = match (keys.get(&Key::CellSize), keys.get(&Key::MapWidth)) {
-            (Some(cell), None) => {
-                if let Value::Other("array") = cell.value {
-                    return Err(self
-                        .problem(Key::CellSize, "cells are squares, of one size")
-                        .accepted("give one length; resample a map of other cells"));
-                }
-                MapSize::Pixel([self.positive(Key::CellSize)?; 2])
-            }
-            (None, Some(_)) => MapSize::Width(self.positive(Key::MapWidth)?),
-            (None, None) => {
-                return Err(self
-                    .missing(Key::CellSize)
-                    .accepted("give exactly one of surface.cell_size and surface.width"));
-            }
-            (Some(cell), Some(width)) => {
-                let [cell, width] = [("cell_size", &cell.place), ("width", &width.place)];
-                return Err(both_given(cell, width, "surface")
-                    .accepted("give only one: the other follows from it"));
-            }
-        };
-        let height_unit = match keys.get(&Key::HeightUnit) {
-            Some(entry) => {
-                let unit = self.finite(Key::HeightUnit, entry)?;
-                if unit == 0.0 {
-                    return Err(self.problem(Key::HeightUnit, "cannot be 0").accepted(
-                        "it must be another length; negative where the file has depths",
-                    ));
-                }
-                unit
-            }
-            None => 1.0,
-        };
-        let scale = MapScale { size, height_unit };
-        match read_height_map(&path, array, &scale, memory_limit) {
-            Ok(surface) => Ok((surface, path)),
-            Err(HeightMapError::TooLarge { points, bytes, .. }) => {
+        let array = self.entry(Key::Array).map(|_| parts.array.as_str());
+        read_height_map(path, array, &scale, memory_limit).map_err(|error| match error {
+            HeightMapError::TooLarge { points, bytes, .. } => {
                 let points = format!("a map of {points}");
-                Err(self.too_large(Key::HeightMap, bytes, memory_limit, &points))
+                self.too_large(Key::HeightMap, bytes, memory_limit, &points)
             }
-            Err(error) => Err(self.problem(Key::HeightMap, error.to_string())),
-        }
+            error => self.problem(Key::HeightMap, error.to_string()),
+        })
     }
 
-    /// A surface that needs more memory than there may be.
+    /// The error for a surface that needs more memory than is allowed.
     fn too_large(&self, key: Key, bytes: f64, limit: usize, what: &str) -> CaseError {
         let limit = limit as f64;
         self.problem(
@@ -408,28 +242,34 @@ impl CaseFile {
         .accepted(format!(
             "make it coarser: cells {:.1} times as large fit, if few of them are touched; or raise \
              the limit",
-            // Rounded up, so that they do.
+            // Rounded up, so that cells of the size that is told do fit.
             ((bytes / limit).sqrt() * 10.0).ceil() / 10.0
         ))
     }
 
-    /// The file named by an entry: next to the case file; of an override, in the current folder.
-    fn path(&self, entry: &Entry) -> Result<PathBuf, CaseError> {
-        let name = Path::new(text(Key::HeightMap, entry)?);
-        Ok(match entry.place.source.name() {
-            "--set" => name.to_owned(),
+    /// Where the file of heights is: next to the case file, or in the current folder if an
+    /// override named it.
+    fn height_map_path(&self, name: &str) -> PathBuf {
+        match self.entry(Key::HeightMap) {
+            Some(entry) if entry.place.source.name() == "--set" => PathBuf::from(name),
             _ => self.folder.join(name),
-        })
+        }
     }
 
-    fn pattern(&self) -> Result<Pattern, CaseError> {
-        let pillar = self.pillar()?;
+    fn pattern(&self, parts: &Parts) -> Result<Pattern, CaseError> {
+        let SurfaceParts {
+            missing,
+            height_spread,
+            seed,
+            ..
+        } = parts.surface;
+        let pillar = pillar(&parts.outline);
         let pattern = Pattern {
             pillar,
-            arrangement: self.arrangement(&pillar.cross_section)?,
-            missing: self.number_or(Key::Missing, 0.0)?,
-            height_spread: self.number_or(Key::HeightSpread, 0.0)?,
-            seed: self.whole(Key::Seed, WHOLE_NUMBERS)?.unwrap_or(0),
+            arrangement: self.arrangement(&parts.surface, &pillar.cross_section)?,
+            missing,
+            height_spread,
+            seed: seed as u64,
         };
         pattern
             .check()
@@ -437,119 +277,56 @@ impl CaseFile {
         Ok(pattern)
     }
 
-    fn pillar(&self) -> Result<PillarShape, CaseError> {
-        let cross_section = match self.chosen(Key::CrossSection, &FORMS, Form::Circle)? {
-            Form::Circle => CrossSection::Circle {
-                diameter: self.number(Key::OutlineDiameter)?,
-            },
-            Form::Square => CrossSection::Square {
-                side: self.number(Key::OutlineSide)?,
-            },
-            Form::Polygon => CrossSection::Polygon {
-                sides: self
-                    .whole(Key::OutlineSides, 3..=1000)?
-                    .ok_or_else(|| self.missing(Key::OutlineSides))? as u32,
-                diameter: self.number(Key::OutlineDiameter)?,
-            },
-            Form::Ellipse => CrossSection::Ellipse {
-                length: self.number(Key::OutlineLength)?,
-                width: self.number(Key::OutlineWidth)?,
-            },
-        };
-        let top = match self.chosen(Key::Top, &TOPS, TopForm::Flat)? {
-            TopForm::Flat => Top::Flat,
-            TopForm::Cone => Top::Cone {
-                drop: self.number(Key::Drop)?,
-            },
-            TopForm::Chamfer => Top::Chamfer {
-                width: self.number(Key::ChamferWidth)?,
-                drop: self.number(Key::Drop)?,
-            },
-            TopForm::Rounded => Top::Rounded {
-                radius: self.number(Key::EdgeRadius)?,
-            },
-        };
-        Ok(PillarShape {
-            cross_section,
-            orientation: self.number_or(Key::Orientation, 0.0)?,
-            height: self.number(Key::PatternHeight)?,
-            top,
-            compliance: self
-                .choice(Key::PatternCompliance, &COMPLIANCES)?
-                .unwrap_or_default(),
-        })
-    }
-
-    fn arrangement(&self, outline: &CrossSection) -> Result<Arrangement, CaseError> {
-        let placement = self.chosen(Key::Arrangement, &PLACEMENTS, Placement::Hexagonal)?;
-        if placement == Placement::Random {
-            return Ok(Arrangement::Random {
-                surface_fraction: self.number(Key::PatternFraction)?,
-                minimum_distance: self.number_or(Key::MinimumDistance, outline.outer_diameter())?,
-            });
-        }
-        // Of a lattice of pitch 1.
-        let unit_cell_area = match placement {
+    fn arrangement(
+        &self,
+        parts: &SurfaceParts,
+        outline: &CrossSection,
+    ) -> Result<Arrangement, CaseError> {
+        // The area that one pillar has to itself where the pitch is 1.
+        let unit_cell_area = match parts.placement {
             Placement::Hexagonal => HexagonalLattice::new(1.0).cell_area(),
-            _ => 1.0,
+            Placement::Square => 1.0,
+            Placement::Random => {
+                return Ok(Arrangement::Random {
+                    surface_fraction: parts.surface_fraction,
+                    minimum_distance: match self.entry(Key::MinimumDistance) {
+                        Some(_) => parts.minimum_distance,
+                        None => outline.outer_diameter(),
+                    },
+                });
+            }
         };
-        let pitch = self.pitch(outline.area() / unit_cell_area)?;
-        let lattice = HexagonalLattice {
-            pitch,
-            offset: self.number_or(Key::PatternOffset, 0.0)?,
-            offset_angle: self.number_or(Key::PatternOffsetAngle, 0.0)?,
-        };
-        Ok(match placement {
+        let mut lattice = parts.lattice;
+        if self.entry(Key::PatternFraction).is_some() {
+            let fraction = parts.surface_fraction;
+            self.check_range(Key::PatternFraction, fraction)?;
+            lattice.pitch = (outline.area() / unit_cell_area / fraction).sqrt();
+        }
+        Ok(match parts.placement {
             Placement::Hexagonal => Arrangement::Hexagonal(lattice),
             _ => Arrangement::Square {
-                pitch,
+                pitch: lattice.pitch,
                 offset: lattice.offset_vector(),
             },
         })
     }
 
-    /// The pitch of a lattice with a surface fraction of 1 at the pitch `sqrt(full)`.
-    fn pitch(&self, full: f64) -> Result<f64, CaseError> {
-        let keys = &self.entries.keys;
-        let fraction = keys.get(&Key::PatternFraction);
-        match (fraction, keys.get(&Key::PatternPitch)) {
-            (Some(_), None) => {
-                let fraction = self.number(Key::PatternFraction)?;
-                if fraction > 0.0 && fraction < 1.0 {
-                    return Ok((full / fraction).sqrt());
-                }
-                Err(self
-                    .problem(Key::PatternFraction, format!("cannot be {fraction}"))
-                    .accepted("it must be above 0 and below 1"))
-            }
-            (None, Some(_)) => self.number(Key::PatternPitch),
-            (None, None) => Err(self
-                .missing(Key::PatternFraction)
-                .accepted("give exactly one of surface.surface_fraction and surface.pitch")),
-            (Some(fraction), Some(pitch)) => {
-                let [fraction, pitch] = [
-                    ("surface_fraction", &fraction.place),
-                    ("pitch", &pitch.place),
-                ];
-                Err(both_given(fraction, pitch, "surface")
-                    .accepted("give only one: the other follows from it"))
-            }
-        }
-    }
-
-    /// The pattern on a grid of cells that are squares, or nearly so on a period.
+    /// Draws the pattern on a grid. Its cells are squares; where the grid is a period of the
+    /// pattern, they are as near to squares as whole cells allow.
     fn draw(
         &self,
         pattern: &Pattern,
-        boundary: Boundary,
-        substrate: &Material,
+        parts: &Parts,
         memory_limit: usize,
     ) -> Result<HeightMap, CaseError> {
-        let cells = self
-            .whole(Key::GridCells, 4..=1024)?
-            .unwrap_or(CELLS_PER_DIAMETER);
-        let cell = pattern.pillar.cross_section.inner_diameter() / cells as f64;
-        let width = self.positive(Key::GridWidth)?;
+        let SurfaceParts {
+            boundary,
+            grid_cells,
+            grid_width: width,
+            ..
+        } = parts.surface;
+        let substrate = &parts.substrate;
+        let cell = pattern.pillar.cross_section.inner_diameter() / grid_cells;
         let sides = match (boundary, pattern.period()) {
             (Boundary::Periodic, Some(period)) => {
                 period.map(|side| side * (width / side).round().max(1.0))
@@ -582,13 +359,10 @@ impl CaseFile {
                 value,
                 requirement,
             } => {
-                let Some(key) = key_of(*quantity) else {
+                let Some(key) = Key::of_pattern(*quantity) else {
                     return CaseError::new(&self.source, invalid.to_string());
                 };
-                let value = match key.kind() {
-                    Kind::Number(dimension) => format_quantity(*value, dimension),
-                    Kind::Word | Kind::Text => value.to_string(),
-                };
+                let value = format_quantity(*value, key.dimension());
                 self.problem(key, format!("cannot be {value}"))
                     .accepted(format!("it must be {requirement}"))
             }
@@ -624,105 +398,47 @@ impl CaseFile {
         }
     }
 
-    /// The choice that a key makes; refuses the keys that do not go with it.
-    fn chosen<T: Copy + PartialEq>(
-        &self,
-        key: Key,
-        options: &[(&str, T)],
-        default: T,
-    ) -> Result<T, CaseError> {
-        let value = self.choice(key, options)?.unwrap_or(default);
-        let word = options.iter().find(|(_, option)| *option == value);
-        let word = word.map_or("", |(word, _)| *word);
-        let idle = idle_keys(key, word).find(|idle| self.entries.keys.contains_key(idle));
-        let Some(idle) = idle else {
-            return Ok(value);
-        };
-        let owners = OWNERS.iter().filter(|(owned, _, _)| *owned == idle);
-        let words: Vec<(&str, ())> = owners
-            .flat_map(|(_, _, words)| words.iter().map(|word| (*word, ())))
-            .collect();
-        Err(self
-            .problem(
-                idle,
-                format!("with {} = \"{word}\" there is no such key", key.path()),
-            )
-            .accepted(format!(
-                "leave it out, or {} as {}",
-                one_of(&words),
-                key.path()
-            )))
-    }
-
-    /// A whole number; `None` if it is not given.
-    fn whole(&self, key: Key, range: RangeInclusive<u64>) -> Result<Option<u64>, CaseError> {
-        let Some(entry) = self.entries.keys.get(&key) else {
-            return Ok(None);
-        };
-        let value = number(key, entry)?;
-        let (first, last) = (*range.start(), *range.end());
-        if value.fract() == 0.0 && value >= first as f64 && value <= last as f64 {
-            return Ok(Some(value as u64));
-        }
-        Err(self
-            .problem(key, format!("cannot be {value}"))
-            .accepted(format!("it must be a whole number from {first} to {last}")))
-    }
-
-    fn finite(&self, key: Key, entry: &Entry) -> Result<f64, CaseError> {
-        let value = number(key, entry)?;
-        if value.is_finite() {
-            return Ok(value);
-        }
-        Err(self
-            .problem(key, format!("cannot be {value}"))
-            .accepted("it must be a finite number"))
-    }
-
-    fn positive(&self, key: Key) -> Result<f64, CaseError> {
-        let value = self.number(key)?;
-        if value > 0.0 && value.is_finite() {
-            return Ok(value);
-        }
-        Err(self
-            .problem(
-                key,
-                format!("cannot be {}", format_quantity(value, Dimension::Length)),
-            )
-            .accepted("it must be a finite number greater than 0"))
-    }
-
-    /// What was given, in TOML.
-    fn settings(&self) -> Result<Vec<(Key, String)>, CaseError> {
-        let quoted = |text: &str| toml::Value::from(text).to_string();
-        self.entries
-            .keys
-            .iter()
-            .map(|(key, entry)| {
-                let value = match (key.kind(), &entry.value) {
-                    (Kind::Number(_), _) => written_number(*key, number(*key, entry)?),
-                    _ if *key == Key::HeightMap => {
-                        let path = self.path(entry)?;
-                        let path = std::path::absolute(&path).unwrap_or(path);
-                        quoted(&path.to_string_lossy())
-                    }
-                    _ => quoted(text(*key, entry)?),
-                };
-                Ok((*key, value))
-            })
+    /// All keys that were given and their values, as they are written in a case file.
+    fn settings(&self, mut parts: Parts) -> Vec<(Key, String)> {
+        let path = self.height_map_path(&parts.surface.height_map);
+        let path = std::path::absolute(&path).unwrap_or(path);
+        parts.surface.height_map = path.to_string_lossy().into_owned();
+        let keys = self.entries.keys.keys();
+        keys.map(|key| (*key, key.written(&key.get(&mut parts))))
             .collect()
     }
 }
 
-fn text(key: Key, entry: &Entry) -> Result<&str, CaseError> {
-    match &entry.value {
-        Value::Text(text) => Ok(text),
-        other => {
-            let problem = format!("expected a string, found {}", kind_name(other));
-            Err(CaseError::at(&entry.place, problem)
-                .key(key.path())
-                .accepted("give a name in quotes"))
-        }
+/// The pillar that some values describe.
+fn pillar(parts: &OutlineParts) -> PillarShape {
+    let &OutlineParts { diameter, drop, .. } = parts;
+    PillarShape {
+        cross_section: match parts.form {
+            OutlineForm::Circle => CrossSection::Circle { diameter },
+            OutlineForm::Square => CrossSection::Square { side: parts.side },
+            OutlineForm::Polygon => CrossSection::Polygon {
+                sides: parts.sides as u32,
+                diameter,
+            },
+            OutlineForm::Ellipse => CrossSection::Ellipse {
+                length: parts.length,
+                width: parts.width,
+            },
+        },
+        orientation: parts.orientation,
+        height: parts.height,
+        top: match parts.top {
+            TopForm::Flat => Top::Flat,
+            TopForm::Cone => Top::Cone { drop },
+            TopForm::Chamfer => Top::Chamfer {
+                width: parts.chamfer_width,
+                drop,
+            },
+            TopForm::Rounded => Top::Rounded {
+                radius: parts.edge_radius,
+            },
+        },
+        compliance: parts.compliance,
     }
 }
 
@@ -758,30 +474,4 @@ fn period_grid(
 fn rounded(length: f64) -> String {
     let value = format!("{length:.3e}").parse().unwrap_or(length);
     format_quantity(value, Dimension::Length)
-}
-
-/// The key that sets a quantity of a [`Pattern`].
-fn key_of(quantity: PatternQuantity) -> Option<Key> {
-    use PatternQuantity as Q;
-    Some(match quantity {
-        Q::Diameter => Key::OutlineDiameter,
-        Q::Side => Key::OutlineSide,
-        Q::Sides => Key::OutlineSides,
-        Q::Length => Key::OutlineLength,
-        Q::Width => Key::OutlineWidth,
-        Q::Orientation => Key::Orientation,
-        Q::Height => Key::PatternHeight,
-        Q::Drop => Key::Drop,
-        Q::ChamferWidth => Key::ChamferWidth,
-        Q::EdgeRadius => Key::EdgeRadius,
-        Q::Pitch => Key::PatternPitch,
-        Q::Offset => Key::PatternOffset,
-        Q::OffsetAngle => Key::PatternOffsetAngle,
-        Q::SurfaceFraction => Key::PatternFraction,
-        Q::MinimumDistance => Key::MinimumDistance,
-        Q::Missing => Key::Missing,
-        Q::HeightSpread => Key::HeightSpread,
-        Q::YoungModulus => Key::SubstrateYoungModulus,
-        _ => return None,
-    })
 }

@@ -4,6 +4,7 @@
 //! decimal number 2200e-6 and gives the same bits as `0.0022`. Writing reverses it: the shortest
 //! digits that identify a number, with the point moved.
 
+use crate::entries::with_article;
 use std::fmt;
 
 /// What a quantity measures, and with it the units it can have.
@@ -101,6 +102,18 @@ impl Dimension {
         }
     }
 
+    /// Its name without an article: `"length"`.
+    #[must_use]
+    pub fn noun(self) -> &'static str {
+        match self {
+            Self::Length => "length",
+            Self::Pressure => "pressure",
+            Self::Force => "force",
+            Self::Angle => "angle",
+            Self::Number => "number",
+        }
+    }
+
     /// What the names of its columns and JSON keys end in: `"_m"`; nothing for plain numbers.
     #[must_use]
     pub fn suffix(self) -> &'static str {
@@ -152,15 +165,10 @@ impl Dimension {
     }
 }
 
+/// Its name with an article: `"a length"`.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Length => "a length",
-            Self::Pressure => "a pressure",
-            Self::Force => "a force",
-            Self::Angle => "an angle",
-            Self::Number => "a number",
-        })
+        f.write_str(&with_article(self.noun()))
     }
 }
 
@@ -185,7 +193,7 @@ pub enum QuantityError {
     #[error("\"{0}\" has a comma: write the decimal point as \".\", and no separators")]
     Comma(String),
     /// A unit of something else.
-    #[error("{unit} is a unit of {}, not of {}", bare(*found), bare(*wanted))]
+    #[error("{unit} is a unit of {}, not of {}", found.noun(), wanted.noun())]
     WrongDimension {
         /// The unit given.
         unit: &'static str,
@@ -194,13 +202,6 @@ pub enum QuantityError {
         /// What was wanted.
         wanted: Dimension,
     },
-}
-
-/// Its name without the article.
-fn bare(dimension: Dimension) -> String {
-    let name = dimension.to_string();
-    name.split_once(' ')
-        .map_or(name.clone(), |(_, noun)| noun.to_owned())
 }
 
 /// Reads a number with a unit, such as `"2200 um"`, as a value in SI units.

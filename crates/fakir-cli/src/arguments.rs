@@ -170,6 +170,9 @@ pub(crate) struct Init {
     /// Replace a file that is there already
     #[arg(long)]
     pub(crate) force: bool,
+    /// Write no case, but print a reference of all keys that case files have, as Markdown
+    #[arg(long, conflicts_with_all = ["file", "force"])]
+    pub(crate) keys: bool,
 }
 
 #[derive(Debug, Args)]

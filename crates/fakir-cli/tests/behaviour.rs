@@ -34,6 +34,21 @@ fn init_writes_a_case_that_works_and_overwrites_nothing() {
 }
 
 #[test]
+fn init_prints_a_reference_of_all_keys() {
+    let bench = Bench::new();
+    let reference = bench.result(&["init", "--keys"]);
+    assert_eq!(reference, fakir_case::reference());
+    assert!(reference.contains("\n## [surface.pillar]\n"));
+    assert!(bench.files(".").is_empty());
+    for arguments in [
+        ["init", "--keys", "case.toml"],
+        ["init", "--keys", "--force"],
+    ] {
+        assert_eq!(bench.run(&arguments).status, Some(2));
+    }
+}
+
+#[test]
 fn bad_input_is_status_2_with_an_explanation_and_no_files() {
     let bench = Bench::new();
     let case = intermediate();

@@ -10,7 +10,7 @@
 //! | request | answer |
 //! |---|---|
 //! | `GET /TOKEN/` and below | the page |
-//! | `GET /TOKEN/start.json` | the case to begin with, presets, colours |
+//! | `GET /TOKEN/start.json` | the case to begin with, what its keys can be, colours |
 //! | `POST /api/contact` | critical state, contact under a load, section (`answers`) |
 //! | `POST /api/curves` | critical states over the surface fraction, as they are computed |
 //! | `POST /api/phase` | transition curve and loading path |

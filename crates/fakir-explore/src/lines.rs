@@ -1,4 +1,4 @@
-//! The same question to the command line and to Python, to be copied.
+//! The case of the page as a command and as lines of Python, which a user can copy.
 
 use crate::answers::Solved;
 use fakir_case::unit::{Dimension, format_quantity};
@@ -23,7 +23,8 @@ pub(crate) fn texts(case: &Case, solved: &Solved) -> Texts {
     }
 }
 
-/// The command, with what differs from the case that `fakir init` writes.
+/// The command that asks the same. It overrides each key that differs from the case that
+/// `fakir init` writes.
 fn command(case: &Case, indentation: Option<f64>) -> String {
     let example = Case::example();
     let question = match indentation {
@@ -35,7 +36,7 @@ fn command(case: &Case, indentation: Option<f64>) -> String {
     };
     let changes = Key::ALL.into_iter().filter_map(|key| {
         let value = case.value(key)?;
-        // The method replaces the whole table of the file.
+        // Keys that are as in the example need no override.
         let same = example.value(key).as_ref() == Some(&value);
         (!same).then(|| format!(" \\\n    --set {}", argument(key, &value)))
     });
@@ -49,31 +50,11 @@ fn argument(key: Key, value: &str) -> String {
     format!("{}={value}", key.path())
 }
 
-/// The lines for Python.
+/// The lines of Python that ask the same.
 fn python(case: &Case, indentation: Option<f64>) -> String {
-    let value = |key: Key| case.value(key).unwrap_or_default();
-    let spacing = [Key::SurfaceFraction, Key::Pitch]
-        .into_iter()
-        .find_map(|key| Some(format!("{}={}", key.name(), case.value(key)?)));
-    let method: Vec<String> = [
-        Key::MethodName,
-        Key::Accuracy,
-        Key::Form,
-        Key::CellsPerDiameter,
-        Key::Mesh,
-        Key::Cells,
-    ]
-    .into_iter()
-    .filter_map(|key| {
-        let name = if key == Key::MethodName {
-            "method"
-        } else {
-            key.name()
-        };
-        Some(format!("{name}={}", case.value(key)?))
-    })
-    .collect();
-    let method = method.join(", ");
+    let [lens, substrate, texture, pillar, method] =
+        ["lens", "substrate", "texture", "texture.pillar", "method"]
+            .map(|table| arguments(case, table));
     let question = match indentation {
         None => format!(
             "critical = system.transition({method})\nprint(critical.force, \"N\", critical.indentation, \"m\")\n"
@@ -86,25 +67,31 @@ fn python(case: &Case, indentation: Option<f64>) -> String {
     format!(
         "import fakir\n\n\
          system = fakir.System(\n    \
-             lens=fakir.Lens(radius={}, young_modulus={}, poisson_ratio={}),\n    \
-             substrate=fakir.Substrate(young_modulus={}, poisson_ratio={}),\n    \
+             lens=fakir.Lens({lens}),\n    \
+             substrate=fakir.Substrate({substrate}),\n    \
              texture=fakir.HexagonalTexture(\n        \
-                 diameter={}, height={}, {},\n        \
-                 offset={}, offset_angle={}, compliance={},\n    \
+                 {pillar},\n        \
+                 {texture},\n    \
              ),\n\
-         )\n{question}",
-        value(Key::LensRadius),
-        value(Key::LensYoungModulus),
-        value(Key::LensPoissonRatio),
-        value(Key::SubstrateYoungModulus),
-        value(Key::SubstratePoissonRatio),
-        value(Key::PillarDiameter),
-        value(Key::PillarHeight),
-        spacing.unwrap_or_default(),
-        value(Key::Offset),
-        value(Key::OffsetAngle),
-        value(Key::PillarCompliance),
+         )\n{question}"
     )
+}
+
+/// The keys of a table as arguments of a call: `radius="2.2 mm", young_modulus="2 MPa"`. Python
+/// has the same names, but for the name of the method.
+fn arguments(case: &Case, table: &str) -> String {
+    let keys = Key::ALL.into_iter().filter(|key| key.table() == table);
+    let arguments = keys
+        // Where there is only one word, Python has no argument.
+        .filter(|key| key.words().len() != 1)
+        .filter_map(|key| {
+            let name = match key {
+                Key::MethodName => table,
+                _ => key.name(),
+            };
+            Some(format!("{name}={}", case.value(key)?))
+        });
+    arguments.collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -138,5 +125,19 @@ mod tests {
             again.set(setting.trim_end_matches(['\\', ' '])).unwrap();
         }
         assert_eq!(again.case().unwrap(), case);
+    }
+
+    #[test]
+    fn the_lines_for_python_have_every_key() {
+        let case = Case::example();
+        let lines = python(&case, Some(3e-6));
+        for wanted in [
+            "lens=fakir.Lens(radius=\"2.2 mm\", young_modulus=\"2 MPa\", poisson_ratio=0.5),",
+            "diameter=\"6 um\", height=\"2.2 um\", compliance=\"column\",\n",
+            "surface_fraction=0.1, offset=0, offset_angle=\"0 deg\",\n",
+            "indentation=\"3 um\", method=\"spectral\", accuracy=\"default\")",
+        ] {
+            assert!(lines.contains(wanted), "{lines}");
+        }
     }
 }

@@ -1,15 +1,13 @@
 //! The page: a document, a style and scripts, built from `page/` and part of the program, so that
 //! nothing is loaded from elsewhere.
 
-use crate::request::{FARTHEST, MOST_PILLARS};
+use crate::request::{FARTHEST, MOST_PILLARS, of_case};
 use axum::body::Body;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::Response;
-use fakir::problem::MeshLayout;
-use fakir::problem::PillarCompliance;
-use fakir::problem::{Accuracy, Method, PunchForm};
-use fakir_case::{Case, Key};
-use serde_json::{Map, Value, json};
+use fakir_case::{Case, Key, Kind};
+use serde_json::{Value, json};
+use std::ops::Bound;
 
 /// The files of the page, by their names below the token.
 const FILES: &[(&str, &str, &str)] = &[
@@ -69,7 +67,7 @@ fn whole(kind: &'static str, text: impl Into<Body>) -> Response {
     response
 }
 
-/// What the page begins with: the case, and what it cannot know by itself.
+/// What the page begins with: the case, and what only the program knows.
 pub(crate) fn start(case: &Case) -> String {
     let colours: Vec<[u8; 3]> = (0..=255u32)
         .map(|k| {
@@ -80,7 +78,8 @@ pub(crate) fn start(case: &Case) -> String {
         .collect();
     json!({
         "version": fakir_study::VERSION,
-        "case": values(case),
+        "case": of_case(case),
+        "keys": keys(),
         "colours": colours,
         "most_pillars": MOST_PILLARS,
         "farthest_load": FARTHEST,
@@ -88,71 +87,68 @@ pub(crate) fn start(case: &Case) -> String {
     .to_string()
 }
 
-/// The case by its keys, in SI units.
-fn values(case: &Case) -> Map<String, Value> {
-    let system = &case.system;
-    let (lens, pillar, lattice) = (system.lens(), system.pillar(), system.lattice());
-    let mut values = Map::new();
-    let mut put = |key: Key, value: Value| {
-        values.insert(key.path().to_owned(), value);
+/// What the table of keys says about each key that the page shows: its kind, words, bounds and
+/// default, and the word of another key that it goes with.
+fn keys() -> Vec<Value> {
+    let of_page = Key::ALL.into_iter().filter(|key| !key.is_of_surface());
+    let bound = |bound| match bound {
+        Bound::Included(value) | Bound::Excluded(value) => Some(value),
+        Bound::Unbounded => None,
     };
-    put(Key::LensRadius, lens.radius.into());
-    put(Key::LensYoungModulus, lens.material.young_modulus.into());
-    put(Key::LensPoissonRatio, lens.material.poisson_ratio.into());
-    put(
-        Key::SubstrateYoungModulus,
-        system.substrate().young_modulus.into(),
-    );
-    put(
-        Key::SubstratePoissonRatio,
-        system.substrate().poisson_ratio.into(),
-    );
-    match case.value(Key::Pitch) {
-        Some(_) => put(Key::Pitch, lattice.pitch.into()),
-        // As it was given: derived from the pitch it could differ in the last digit.
-        None => put(
-            Key::SurfaceFraction,
-            case.value(Key::SurfaceFraction)
-                .and_then(|text| text.parse::<f64>().ok())
-                .unwrap_or_else(|| system.texture().surface_fraction())
-                .into(),
-        ),
+    of_page
+        .map(|key| {
+            let (lower, upper) = key.bounds();
+            json!({
+                "key": key.path(),
+                "meaning": key.summary(),
+                "dimension": match key.kind() {
+                    Kind::Number(dimension) => Some(dimension.noun()),
+                    Kind::Word | Kind::Text => None,
+                },
+                "least": bound(lower),
+                "greatest": bound(upper),
+                "words": key.words(),
+                "default": key.default(),
+                "alternative": key.alternative().map(Key::path),
+                "goes_with": key.goes_with().and_then(|(choice, words)| {
+                    let is_here = !choice.is_of_surface();
+                    is_here.then(|| json!({ "key": choice.path(), "words": words }))
+                }),
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The page begins with the case, and with what the table of keys says about its controls.
+    #[test]
+    fn the_page_starts_with_the_case_and_its_keys() {
+        let start: Value = serde_json::from_str(&start(&Case::example())).unwrap();
+        assert_eq!(start["case"]["lens.radius"], 2.2e-3);
+        assert_eq!(start["case"]["method.name"], "spectral");
+        assert_eq!(start["case"].get("texture.pitch"), None);
+        let keys = start["keys"].as_array().unwrap();
+        let key = |path: &str| keys.iter().find(|key| key["key"] == path).unwrap();
+        let ratio = key("substrate.poisson_ratio");
+        assert_eq!(
+            (&ratio["least"], &ratio["greatest"]),
+            (&json!(0.0), &json!(0.5))
+        );
+        assert_eq!(key("lens.radius")["dimension"], "length");
+        assert_eq!(key("lens.radius")["goes_with"], Value::Null);
+        let form = key("method.form");
+        assert_eq!(form["words"], json!(["corrected", "plain"]));
+        assert_eq!(form["default"], "corrected");
+        assert_eq!(form["goes_with"]["words"], json!(["punch"]));
+        assert_eq!(
+            key("texture.pitch")["alternative"],
+            "texture.surface_fraction"
+        );
+        for path in start["case"].as_object().unwrap().keys() {
+            key(path);
+        }
     }
-    put(Key::Offset, lattice.offset.into());
-    put(Key::OffsetAngle, lattice.offset_angle.into());
-    put(Key::PillarDiameter, pillar.diameter.into());
-    put(Key::PillarHeight, pillar.height.into());
-    let compliance = match pillar.compliance {
-        PillarCompliance::Column => "column",
-        PillarCompliance::None => "none",
-    };
-    put(Key::PillarCompliance, compliance.into());
-    put(Key::MethodName, case.method.name().into());
-    match case.method {
-        Method::Spectral(accuracy) => {
-            let accurate = accuracy == Accuracy::Accurate;
-            put(
-                Key::Accuracy,
-                if accurate { "accurate" } else { "default" }.into(),
-            );
-        }
-        Method::Punch(form) => {
-            let plain = form == PunchForm::Plain;
-            put(Key::Form, if plain { "plain" } else { "corrected" }.into());
-        }
-        Method::Love(mesh) => {
-            put(Key::CellsPerDiameter, mesh.cells_per_diameter.into());
-            let pattern = mesh.layout == MeshLayout::Pattern;
-            put(
-                Key::Mesh,
-                if pattern { "pattern" } else { "pillars" }.into(),
-            );
-            put(
-                Key::Cells,
-                if mesh.matched { "matched" } else { "plain" }.into(),
-            );
-        }
-        _ => {}
-    }
-    values
 }

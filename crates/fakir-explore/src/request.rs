@@ -3,21 +3,22 @@
 use crate::refusal::Refusal;
 use fakir::problem::{HexagonalLattice, System};
 use fakir::theory::homogenised;
-use fakir_case::{Case, CaseFile, Key};
+use fakir_case::{Case, CaseFile, Key, Setting};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Longest text of a value.
+/// The longest text that a value can have, bytes.
 const LONGEST_TEXT: usize = 100;
 
-/// More pillars than this are not solved for: it would take minutes.
+/// The most pillars that are solved for. More of them would take minutes.
 pub(crate) const MOST_PILLARS: f64 = 20_000.0;
 
-/// Farthest that a load may go, in critical loads.
+/// The largest load that can be asked for, where the critical state is at 1.
 pub(crate) const FARTHEST: f64 = 1.5;
 
-/// Which request of which page it is: of the same page and kind only the newest counts.
+/// Says which page a request comes from, and which request of that page it is. Of all requests of
+/// one kind that a page makes, only the newest is answered.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Ticket {
@@ -25,16 +26,8 @@ pub(crate) struct Ticket {
     pub(crate) sequence: u64,
 }
 
-/// The value of a key: a number in SI units, or a word or quantity as in a case file.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
-pub(crate) enum Value {
-    Number(f64),
-    Text(String),
-}
-
 /// A case by its keys, as `{"lens.radius": 2.2e-3, ...}`.
-pub(crate) type Values = BTreeMap<String, Value>;
+pub(crate) type Values = BTreeMap<String, Setting>;
 
 /// `POST /api/contact`, and `/api/phase`
 #[derive(Debug, Clone, Deserialize)]
@@ -65,7 +58,7 @@ pub(crate) struct Export {
     pub(crate) file: String,
 }
 
-/// Where on the way from first touch to the critical state.
+/// A load, as a place on the way from first touch to the critical state.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LoadPoint {
@@ -109,43 +102,46 @@ impl LoadPoint {
     }
 }
 
+/// The values of a case, in SI units. Where there is only one word there is nothing to choose.
+pub(crate) fn of_case(case: &Case) -> Values {
+    Key::ALL
+        .into_iter()
+        .filter(|key| key.words().len() != 1)
+        .filter_map(|key| Some((key.path().to_owned(), case.setting(key)?)))
+        .collect()
+}
+
 /// The case of some values.
 pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
-    let mut text = String::new();
-    for (path, value) in values {
-        if Key::at(path).is_none() {
-            let shown: String = path.chars().take(LONGEST_TEXT).collect();
-            return Err(Refusal::impossible("unknown key")
-                .at(shown)
-                .accepted("the keys of a case file, as in texture.pillar.diameter"));
-        }
-        let value = match value {
-            Value::Number(value) => format!("{value:e}"),
-            Value::Text(value) if value.len() > LONGEST_TEXT => {
-                return Err(Refusal::impossible("this text is too long")
-                    .at(path)
-                    .accepted(format!("at most {LONGEST_TEXT} bytes")));
-            }
-            Value::Text(value) => quoted(value),
-        };
-        text.push_str(&format!("{path} = {value}\n"));
-    }
-    let case = CaseFile::parse("the page", &text)?.case()?;
+    let settings: Result<Vec<_>, Refusal> = values
+        .iter()
+        .map(|(path, value)| Ok((known(path)?, short(path, value)?.clone())))
+        .collect();
+    let case = CaseFile::from_settings("the page", settings?).case()?;
     check_size(&case)?;
     Ok(case)
 }
 
-/// A text in TOML.
-fn quoted(text: &str) -> String {
-    let escaped: String = text
-        .chars()
-        .map(|c| match c {
-            '"' | '\\' => format!("\\{c}"),
-            c if c.is_control() => format!("\\u{:04x}", u32::from(c)),
-            c => c.to_string(),
-        })
-        .collect();
-    format!("\"{escaped}\"")
+/// The key of that path.
+fn known(path: &str) -> Result<Key, Refusal> {
+    Key::at(path).ok_or_else(|| {
+        let shown: String = path.chars().take(LONGEST_TEXT).collect();
+        Refusal::impossible("unknown key")
+            .at(shown)
+            .accepted("the keys of a case file, as in texture.pillar.diameter")
+    })
+}
+
+/// The value, if it is no text that is longer than any that has a meaning.
+fn short<'a>(path: &str, value: &'a Setting) -> Result<&'a Setting, Refusal> {
+    match value {
+        Setting::Word(text) if text.len() > LONGEST_TEXT => {
+            Err(Refusal::impossible("this text is too long")
+                .at(path)
+                .accepted(format!("at most {LONGEST_TEXT} bytes")))
+        }
+        _ => Ok(value),
+    }
 }
 
 /// Refuses a texture with more pillars in contact than can be waited for.
@@ -227,14 +223,15 @@ pub(crate) fn at_fraction(system: &System, fraction: f64) -> Option<System> {
 mod tests {
     use super::*;
 
+    /// The values as in a case file, quantities with their units.
     fn values(case: &Case) -> Values {
         Key::ALL
             .into_iter()
             .filter_map(|key| {
                 let text = case.value(key)?;
                 let value = match text.parse() {
-                    Ok(number) => Value::Number(number),
-                    Err(_) => Value::Text(text.trim_matches('"').to_owned()),
+                    Ok(number) => Setting::Number(number),
+                    Err(_) => Setting::Word(text.trim_matches('"').to_owned()),
                 };
                 Some((key.path().to_owned(), value))
             })
@@ -246,14 +243,15 @@ mod tests {
         let example = Case::example();
         assert_eq!(case(&values(&example)).unwrap(), example);
         let mut in_si = values(&example);
-        in_si.insert("lens.radius".to_owned(), Value::Number(2.2e-3));
+        in_si.insert("lens.radius".to_owned(), Setting::Number(2.2e-3));
         assert_eq!(case(&in_si).unwrap(), example);
+        assert_eq!(case(&of_case(&example)).unwrap(), example);
     }
 
     #[test]
     fn too_many_pillars_are_refused_with_what_is_accepted() {
         let mut dense = values(&Case::example());
-        dense.insert("texture.surface_fraction".to_owned(), Value::Number(0.6));
+        dense.insert("texture.surface_fraction".to_owned(), Setting::Number(0.6));
         let refusal = case(&dense).unwrap_err();
         let told = serde_json::to_string(&refusal).unwrap();
         assert!(
@@ -267,7 +265,7 @@ mod tests {
     fn texts_cannot_break_out_of_their_quotes() {
         for text in ["\"\nlens.radius = 1", "\\", "\u{7f}\u{0}", "a\"b"] {
             let mut odd = values(&Case::example());
-            odd.insert("method.name".to_owned(), Value::Text(text.to_owned()));
+            odd.insert("method.name".to_owned(), Setting::Word(text.to_owned()));
             let told = serde_json::to_string(&case(&odd).unwrap_err()).unwrap();
             assert!(told.contains("\"key\":\"method.name\""), "{told}");
         }

@@ -1,9 +1,8 @@
 //! A system and a method: what a case file describes.
 
 use crate::error::{PYTHON, case_error, value_error};
-use fakir::problem::{HexagonalLattice, PillarCompliance};
 use fakir_case::unit::{Dimension, parse_argument};
-use fakir_case::{CaseFile, Key};
+use fakir_case::{CaseFile, Key, Setting};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -37,13 +36,14 @@ impl Case {
     /// A case of numbers in SI units, and words, by their keys.
     #[staticmethod]
     fn build(numbers: Vec<(String, f64)>, words: Vec<(String, String)>) -> PyResult<Self> {
-        let text = "# numbers that were set one by one";
-        let mut file = CaseFile::parse(PYTHON, text).map_err(|error| case_error(&error))?;
-        for (path, number) in numbers {
-            file.set_number(key(&path)?, number);
-        }
-        let words = words.iter().map(|(path, word)| format!("{path}={word}"));
-        Self::of(file, &words.collect::<Vec<_>>())
+        let numbers = numbers
+            .into_iter()
+            .map(|(path, number)| Ok((key(&path)?, Setting::Number(number))));
+        let words = words
+            .into_iter()
+            .map(|(path, word)| Ok((key(&path)?, Setting::Word(word))));
+        let settings: Vec<(Key, Setting)> = numbers.chain(words).collect::<PyResult<_>>()?;
+        Self::of(CaseFile::from_settings(PYTHON, settings), &[])
     }
 
     /// The case with other settings, such as `method.name=love`.
@@ -58,34 +58,19 @@ impl Case {
 
     /// Numbers in SI units and words, by their keys. Pitch and surface fraction are both there.
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let system = &self.case.system;
-        let HexagonalLattice {
-            pitch,
-            offset,
-            offset_angle,
-        } = *system.lattice();
         let values = PyDict::new(py);
-        for (key, number) in [
-            (Key::LensRadius, system.lens().radius),
-            (Key::LensYoungModulus, system.lens().material.young_modulus),
-            (Key::LensPoissonRatio, system.lens().material.poisson_ratio),
-            (Key::SubstrateYoungModulus, system.substrate().young_modulus),
-            (Key::SubstratePoissonRatio, system.substrate().poisson_ratio),
-            (Key::PillarDiameter, system.pillar().diameter),
-            (Key::PillarHeight, system.pillar().height),
-            (Key::Pitch, pitch),
-            (Key::SurfaceFraction, system.texture().surface_fraction()),
-            (Key::Offset, offset),
-            (Key::OffsetAngle, offset_angle),
-        ] {
-            values.set_item(key.path(), number)?;
+        for key in Key::ALL {
+            match self.case.setting(key) {
+                Some(Setting::Number(number)) => values.set_item(key.path(), number)?,
+                Some(Setting::Word(word)) => values.set_item(key.path(), word)?,
+                None => {}
+            }
         }
-        let compliance = match system.pillar().compliance {
-            PillarCompliance::Column => "column",
-            PillarCompliance::None => "none",
-        };
-        values.set_item(Key::PillarCompliance.path(), compliance)?;
-        values.set_item(Key::MethodName.path(), self.case.method.name())?;
+        // The one that was given, and the other that follows from it.
+        let system = &self.case.system;
+        values.set_item(Key::Pitch.path(), system.lattice().pitch)?;
+        let fraction = system.texture().surface_fraction();
+        values.set_item(Key::SurfaceFraction.path(), fraction)?;
         Ok(values)
     }
 

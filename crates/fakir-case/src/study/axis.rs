@@ -1,9 +1,13 @@
 //! What a study varies, and over which values.
 
-use crate::case::written_number;
-use crate::key::{Key, Kind, edit_distance};
+use crate::key::{Key, Kind};
+use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
 use std::fmt;
+use strsim::levenshtein;
+
+/// The value of a variable in a case.
+pub use crate::key::Setting as Coordinate;
 
 /// What an axis of a study varies: a key of a texture case, or the load that is asked about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,7 +69,7 @@ impl Variable {
     /// A number of it in TOML.
     pub(crate) fn written(self, value: f64) -> String {
         match self {
-            Self::Key(key) => written_number(key, value),
+            Self::Key(key) => key.written_number(value),
             load => {
                 let dimension = load.dimension().unwrap_or(Dimension::Number);
                 format!("\"{}\"", format_quantity(value, dimension))
@@ -113,8 +117,8 @@ pub(crate) enum Unnamed {
 fn similar(name: &str) -> Option<&'static str> {
     let dotted = name.contains('.');
     let distance = |variable: Variable| {
-        let path = edit_distance(name, variable.path());
-        let last = edit_distance(name, variable.last_name());
+        let path = levenshtein(name, variable.path());
+        let last = levenshtein(name, variable.last_name());
         if dotted { path } else { path.min(last) }
     };
     let (distance, nearest) = Variable::all()
@@ -164,8 +168,8 @@ pub(crate) enum PointSpacing {
     Log,
 }
 
-impl PointSpacing {
-    pub(crate) const WORDS: [(&str, Self); 2] = [("linear", Self::Linear), ("log", Self::Log)];
+impl Words for PointSpacing {
+    const WORDS: &'static [(&'static str, Self)] = &[("linear", Self::Linear), ("log", Self::Log)];
 }
 
 impl Range {
@@ -184,15 +188,6 @@ impl Range {
             PointSpacing::Log => self.from * libm::pow(self.to / self.from, part),
         }
     }
-}
-
-/// The value of a variable in a case.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Coordinate {
-    /// In SI units.
-    Number(f64),
-    /// One of some words.
-    Word(String),
 }
 
 impl Axis {
@@ -248,15 +243,12 @@ impl fmt::Display for Axis {
             Values::Numbers(numbers) => list(numbers.iter().map(number).collect()),
             Values::Words(words) => list(words.iter().map(|word| format!("\"{word}\"")).collect()),
             Values::Range(range) => {
-                let spacing = match range.spacing {
-                    PointSpacing::Linear => "linear",
-                    PointSpacing::Log => "log",
-                };
                 format!(
-                    "{{ from = {}, to = {}, points = {}, spacing = \"{spacing}\" }}",
+                    "{{ from = {}, to = {}, points = {}, spacing = \"{}\" }}",
                     number(&range.from),
                     number(&range.to),
-                    range.points
+                    range.points,
+                    range.spacing.word()
                 )
             }
         };

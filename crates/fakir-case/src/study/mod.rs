@@ -32,9 +32,10 @@ pub use axis::{Axis, Coordinate, Variable};
 use crate::case::{Case, write_tables};
 use crate::entries::{Entry, STUDY_TABLES, Value};
 use crate::error::{CaseError, Place, Source};
-use crate::file::{CaseFile, OWNERS, not_utf8, quantity};
+use crate::file::{CaseFile, not_utf8, quantity};
 use crate::input::{self, LARGEST_STUDY};
 use crate::key::{Key, root};
+use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
 use fakir::Question;
@@ -55,16 +56,16 @@ pub enum Asked {
     Press,
 }
 
-impl Asked {
-    const WORDS: [(&str, Self); 2] = [("transition", Self::Transition), ("press", Self::Press)];
+impl Words for Asked {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("transition", Self::Transition), ("press", Self::Press)];
+}
 
+impl Asked {
     /// `"transition"` or `"press"`.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Transition => "transition",
-            Self::Press => "press",
-        }
+        self.word()
     }
 }
 
@@ -78,15 +79,9 @@ pub enum Combine {
     Zip,
 }
 
-impl Combine {
-    const WORDS: [(&str, Self); 2] = [("product", Self::Product), ("zip", Self::Zip)];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Product => "product",
-            Self::Zip => "zip",
-        }
-    }
+impl Words for Combine {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("product", Self::Product), ("zip", Self::Zip)];
 }
 
 /// A study file that has been read, with the overrides applied so far.
@@ -376,12 +371,13 @@ impl StudyFile {
                 continue;
             }
             let idle = |key: &Key, entry: &Entry| {
-                let owner = OWNERS.iter().find(|(owned, _)| owned == key);
-                owner.is_some_and(|(_, owner)| {
-                    let is_of_study = words.iter().any(|word| word == owner.word());
-                    let is_override = entry.place.source.name() == "--set";
-                    owner.word() != words[*step] && (is_of_study || !is_override)
-                })
+                let Some((Key::MethodName, owners)) = key.goes_with() else {
+                    return false;
+                };
+                let has_it = |word: &String| owners.contains(&word.as_str());
+                let is_of_study = words.iter().any(has_it);
+                let is_override = entry.place.source.name() == "--set";
+                !has_it(&words[*step]) && (is_of_study || !is_override)
             };
             file.entries.keys.retain(|key, entry| !idle(key, entry));
         }
@@ -540,7 +536,7 @@ impl Study {
         let mut text = String::from(HEADER);
         let file = &self.file;
         let _ = writeln!(text, "\n[study]\nquestion = \"{}\"", file.asked.name());
-        let _ = writeln!(text, "combine = \"{}\"", file.combine.name());
+        let _ = writeln!(text, "combine = \"{}\"", file.combine.word());
         if let Some(FixedLoad { variable, load, .. }) = &file.load {
             let (Load::Force(value) | Load::Indentation(value)) = *load;
             let _ = writeln!(text, "{} = {}", variable.path(), variable.written(value));

@@ -4,11 +4,13 @@ use super::axis::{Axis, PointSpacing, Range, Unnamed, Values, Variable};
 use super::{Asked, Combine, FixedLoad, MAXIMUM_CASES, StudyFile, Varied, prescribed};
 use crate::CaseFile;
 use crate::entries::{
-    Entries, Entry, Value, document, in_order, kind_name, plain_value, with_article,
+    Entries, Entry, NAME_IN_QUOTES, STUDY_TABLES, Value, document, in_order, kind_name, one_of,
+    plain_value, with_article,
 };
 use crate::error::{CaseError, Place, Source};
-use crate::file::{both_given, one_of, quantity};
-use crate::key::{edit_distance, is_table, join, names_in};
+use crate::file::{both_given, quantity};
+use crate::key::{is_table, join, names_in, nearest};
+use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -22,7 +24,7 @@ pub(super) fn read(source: &Source, folder: PathBuf) -> Result<StudyFile, CaseEr
     let reader = Reader { source };
     let document = document(source)?;
     let document = document.get_ref();
-    let known = [&["study", "axes"], &names_in("")[..]].concat();
+    let known = [&STUDY_TABLES[..], &names_in("")].concat();
     for (name, _) in in_order(document) {
         let path = name.get_ref();
         if !known.contains(&path.as_ref()) {
@@ -63,7 +65,7 @@ pub(super) fn read(source: &Source, folder: PathBuf) -> Result<StudyFile, CaseEr
 fn beside<'a, 'i>(document: &'a DeTable<'i>) -> Option<Item<'a, 'i>> {
     in_order(document)
         .into_iter()
-        .find(|(name, _)| !["study", "axes"].contains(&name.get_ref().as_ref()))
+        .find(|(name, _)| !STUDY_TABLES.contains(&name.get_ref().as_ref()))
         .map(|(name, value)| (name.span(), value))
 }
 
@@ -143,10 +145,10 @@ impl Reader<'_> {
             let entry = self.entry(value);
             match name.get_ref().as_ref() {
                 "question" => {
-                    settings.asked = word(&path, &entry, &Asked::WORDS)?;
+                    settings.asked = word(&path, &entry)?;
                     settings.question = Some(entry.place);
                 }
-                "combine" => settings.combine = word(&path, &entry, &Combine::WORDS)?,
+                "combine" => settings.combine = word(&path, &entry)?,
                 "case" => match entry.value {
                     Value::Text(text) => settings.case = Some((text, entry.place)),
                     other => {
@@ -154,7 +156,7 @@ impl Reader<'_> {
                             format!("expected the name of a file, found {}", kind_name(&other));
                         return Err(CaseError::at(&entry.place, problem)
                             .key(&path)
-                            .accepted("give a name in quotes"));
+                            .accepted(NAME_IN_QUOTES));
                     }
                 },
                 load @ ("indentation" | "force") => {
@@ -189,15 +191,10 @@ impl Reader<'_> {
         place: &str,
     ) -> CaseError {
         let list = format!("known in {place}: {}", known.join(", "));
-        let near = known
-            .iter()
-            .map(|known| (edit_distance(name, known), known))
-            .min()
-            .filter(|(distance, known)| *distance <= 1 + known.len() / 4);
         CaseError::at(&self.place(span), "unknown key")
             .key(path)
-            .accepted(match near {
-                Some((_, near)) => format!("did you mean {near}? {list}"),
+            .accepted(match nearest(name, known) {
+                Some(near) => format!("did you mean {near}? {list}"),
                 None => list,
             })
     }
@@ -345,7 +342,7 @@ impl Reader<'_> {
         };
         let (from, to, points) = (needed("from")?, needed("to")?, needed("points")?);
         let spacing = match table.get("spacing") {
-            Some(value) => word(path, &self.entry(value), &PointSpacing::WORDS)?,
+            Some(value) => word(path, &self.entry(value))?,
             None => PointSpacing::Linear,
         };
         let range = Range {
@@ -424,18 +421,17 @@ fn text(path: &str, entry: &Entry) -> Result<String, CaseError> {
     }
 }
 
-fn word<T: Copy>(path: &str, entry: &Entry, options: &[(&str, T)]) -> Result<T, CaseError> {
-    let known = |text: &String| options.iter().find(|(word, _)| word == text);
+fn word<T: Words>(path: &str, entry: &Entry) -> Result<T, CaseError> {
     let problem = match &entry.value {
-        Value::Text(text) => match known(text) {
-            Some((_, value)) => return Ok(*value),
+        Value::Text(text) => match T::named(text) {
+            Some(value) => return Ok(value),
             None => format!("\"{text}\" is not known"),
         },
         other => format!("expected a word, found {}", kind_name(other)),
     };
     Err(CaseError::at(&entry.place, problem)
         .key(path)
-        .accepted(one_of(options)))
+        .accepted(one_of(&T::all())))
 }
 
 fn finite(path: &str, dimension: Dimension, entry: &Entry) -> Result<f64, CaseError> {

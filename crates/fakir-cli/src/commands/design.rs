@@ -9,6 +9,7 @@ use crate::report::state::{LENGTH_DIGITS, VERSION, radius_digits, texture_line, 
 use crate::report::table::{Column, list, table};
 use crate::report::{Report, json};
 use crate::session::Session;
+use fakir_case::study::Variable;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseFile, Key, Kind};
 use fakir_figure::{Figure, Histogram, Text, histogram};
@@ -481,17 +482,11 @@ fn spread_figure(spread: &Spread) -> Option<Figure> {
 fn samples_table(sampling: &Sampling, spread: &Spread) -> File {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut heading = vec!["sample".to_owned()];
-    heading.extend(sampling.tolerances.iter().map(|tolerance| {
-        let suffix = match tolerance.key.kind() {
-            Kind::Number(dimension) => dimension.suffix(),
-            Kind::Word | Kind::Text => "",
-        };
-        format!("{}{suffix}", tolerance.key.path())
-    }));
+    let varied = sampling.tolerances.iter().map(|tolerance| tolerance.key);
+    let varied = varied.chain([Key::Offset, Key::OffsetAngle]);
+    heading.extend(varied.map(|key| Variable::Key(key).column()));
     heading.extend(
         [
-            "texture.offset",
-            "texture.offset_angle_rad",
             "critical_force_N",
             "critical_indentation_m",
             "critical_contact_radius_m",

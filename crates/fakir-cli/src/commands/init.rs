@@ -1,13 +1,17 @@
-//! `fakir init`: a case file to start from.
+//! `fakir init`: a case file to start from, and the reference of all keys.
 
 use crate::arguments::Init;
 use crate::failure::{Failure, tell};
 use crate::output::print;
-use fakir_case::Case;
+use fakir_case::{Case, reference};
 use fakir_study::output::{OutputError, Replace, save_file};
 use std::process::ExitCode;
 
 pub(crate) fn run(options: &Init) -> Result<ExitCode, Failure> {
+    if options.keys {
+        print(&reference())?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let text = Case::example().to_toml();
     if options.file.as_os_str() == "-" {
         print(&text)?;

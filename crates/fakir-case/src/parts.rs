@@ -1,0 +1,386 @@
+//! The values of all keys as plain fields, before they are put together to a case and checked.
+//!
+//! The table of keys says which field belongs to which key.
+
+use crate::case::{Case, Spacing};
+use fakir::problem::{Accuracy, Method, PunchForm};
+use fakir::problem::{Boundary, ElementMesh, MeshLayout};
+use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance};
+
+/// The values of all keys. Required values are not numbers until they are set, all others have
+/// their default.
+#[derive(Debug, Clone)]
+pub(crate) struct Parts {
+    pub(crate) lens: Lens,
+    pub(crate) substrate: Material,
+    pub(crate) texture: TextureParts,
+    pub(crate) method: MethodParts,
+    pub(crate) surface: SurfaceParts,
+    pub(crate) outline: OutlineParts,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct TextureParts {
+    pub(crate) arrangement: TextureArrangement,
+    pub(crate) surface_fraction: f64,
+    pub(crate) lattice: HexagonalLattice,
+    pub(crate) pillar: Pillar,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct MethodParts {
+    pub(crate) name: MethodName,
+    pub(crate) accuracy: Accuracy,
+    pub(crate) form: PunchForm,
+    pub(crate) cells_per_diameter: f64,
+    pub(crate) mesh: MeshLayout,
+    pub(crate) cells: Cells,
+}
+
+/// The table `[surface]`, with its grid.
+#[derive(Debug, Clone)]
+pub(crate) struct SurfaceParts {
+    pub(crate) height_map: String,
+    pub(crate) array: String,
+    pub(crate) height_unit: f64,
+    pub(crate) cell_size: f64,
+    pub(crate) width: f64,
+    pub(crate) placement: Placement,
+    pub(crate) surface_fraction: f64,
+    pub(crate) lattice: HexagonalLattice,
+    pub(crate) minimum_distance: f64,
+    pub(crate) missing: f64,
+    pub(crate) height_spread: f64,
+    pub(crate) seed: f64,
+    pub(crate) floor: f64,
+    pub(crate) boundary: Boundary,
+    pub(crate) indenter: IndenterForm,
+    pub(crate) grid_cells: f64,
+    pub(crate) grid_width: f64,
+}
+
+/// The table `[surface.pillar]`.
+#[derive(Debug, Clone)]
+pub(crate) struct OutlineParts {
+    pub(crate) form: OutlineForm,
+    pub(crate) diameter: f64,
+    pub(crate) side: f64,
+    pub(crate) sides: f64,
+    pub(crate) length: f64,
+    pub(crate) width: f64,
+    pub(crate) orientation: f64,
+    pub(crate) height: f64,
+    pub(crate) top: TopForm,
+    pub(crate) drop: f64,
+    pub(crate) chamfer_width: f64,
+    pub(crate) edge_radius: f64,
+    pub(crate) compliance: PillarCompliance,
+}
+
+/// The value of a key that must be given, until it is.
+const NOT_GIVEN: f64 = f64::NAN;
+
+impl Default for Parts {
+    fn default() -> Self {
+        let material = Material::new(NOT_GIVEN, NOT_GIVEN);
+        let mesh = ElementMesh::default();
+        Self {
+            lens: Lens {
+                radius: NOT_GIVEN,
+                material,
+            },
+            substrate: material,
+            texture: TextureParts {
+                arrangement: TextureArrangement::Hexagonal,
+                surface_fraction: NOT_GIVEN,
+                lattice: HexagonalLattice::new(NOT_GIVEN),
+                pillar: Pillar {
+                    diameter: NOT_GIVEN,
+                    height: NOT_GIVEN,
+                    compliance: PillarCompliance::default(),
+                },
+            },
+            method: MethodParts {
+                name: MethodName::Spectral,
+                accuracy: Accuracy::default(),
+                form: PunchForm::default(),
+                cells_per_diameter: mesh.cells_per_diameter as f64,
+                mesh: mesh.layout,
+                cells: Cells::of(mesh),
+            },
+            surface: SurfaceParts {
+                height_map: String::new(),
+                array: String::new(),
+                height_unit: 1.0,
+                cell_size: NOT_GIVEN,
+                width: NOT_GIVEN,
+                placement: Placement::Hexagonal,
+                surface_fraction: NOT_GIVEN,
+                lattice: HexagonalLattice::new(NOT_GIVEN),
+                minimum_distance: NOT_GIVEN,
+                missing: 0.0,
+                height_spread: 0.0,
+                seed: 0.0,
+                floor: NOT_GIVEN,
+                boundary: Boundary::default(),
+                indenter: IndenterForm::Lens,
+                grid_cells: 16.0,
+                grid_width: NOT_GIVEN,
+            },
+            outline: OutlineParts {
+                form: OutlineForm::Circle,
+                diameter: NOT_GIVEN,
+                side: NOT_GIVEN,
+                sides: NOT_GIVEN,
+                length: NOT_GIVEN,
+                width: NOT_GIVEN,
+                orientation: 0.0,
+                height: NOT_GIVEN,
+                top: TopForm::Flat,
+                drop: NOT_GIVEN,
+                chamfer_width: NOT_GIVEN,
+                edge_radius: NOT_GIVEN,
+                compliance: PillarCompliance::default(),
+            },
+        }
+    }
+}
+
+impl Parts {
+    /// The values of a case with a texture.
+    pub(crate) fn of(case: &Case) -> Self {
+        let mut parts = Self {
+            lens: *case.system.lens(),
+            substrate: *case.system.substrate(),
+            ..Self::default()
+        };
+        parts.texture.lattice = *case.system.lattice();
+        parts.texture.pillar = *case.system.pillar();
+        if let Spacing::SurfaceFraction(fraction) = case.spacing {
+            parts.texture.surface_fraction = fraction;
+        }
+        let method = &mut parts.method;
+        match case.method {
+            Method::Spectral(accuracy) => {
+                method.name = MethodName::Spectral;
+                method.accuracy = accuracy;
+            }
+            Method::Punch(form) => {
+                method.name = MethodName::Punch;
+                method.form = form;
+            }
+            Method::Love(mesh) => {
+                method.name = MethodName::Love;
+                method.cells_per_diameter = mesh.cells_per_diameter as f64;
+                method.mesh = mesh.layout;
+                method.cells = Cells::of(mesh);
+            }
+            Method::Homogenised => method.name = MethodName::Homogenised,
+            other => unreachable!("case files have no method \"{}\"", other.name()),
+        }
+        parts
+    }
+}
+
+impl MethodParts {
+    /// The method that they describe.
+    pub(crate) fn method(&self) -> Method {
+        match self.name {
+            MethodName::Spectral => Method::Spectral(self.accuracy),
+            MethodName::Punch => Method::Punch(self.form),
+            MethodName::Love => Method::Love(ElementMesh {
+                cells_per_diameter: self.cells_per_diameter as usize,
+                layout: self.mesh,
+                matched: self.cells == Cells::Matched,
+            }),
+            MethodName::Homogenised => Method::Homogenised,
+        }
+    }
+}
+
+/// A type whose values are named by words in a case file.
+pub(crate) trait Words: Copy + PartialEq + 'static {
+    /// Each word and what it stands for.
+    const WORDS: &'static [(&'static str, Self)];
+
+    /// The word of this value.
+    fn word(self) -> &'static str {
+        let named = Self::WORDS.iter().find(|(_, value)| *value == self);
+        named.map_or("", |(word, _)| word)
+    }
+
+    /// The value of a word.
+    fn named(word: &str) -> Option<Self> {
+        let named = Self::WORDS.iter().find(|(own, _)| *own == word);
+        named.map(|(_, value)| *value)
+    }
+
+    /// All words.
+    fn all() -> Vec<&'static str> {
+        Self::WORDS.iter().map(|(word, _)| *word).collect()
+    }
+}
+
+/// A value that is named by one of some words, of whatever type.
+pub(crate) trait Choice {
+    /// All words.
+    fn words(&self) -> Vec<&'static str>;
+    /// The word of the value.
+    fn chosen(&self) -> &'static str;
+    /// Makes it the value of another word; whether there is such a word.
+    fn choose(&mut self, word: &str) -> bool;
+}
+
+impl<T: Words> Choice for T {
+    fn words(&self) -> Vec<&'static str> {
+        T::all()
+    }
+
+    fn chosen(&self) -> &'static str {
+        self.word()
+    }
+
+    fn choose(&mut self, word: &str) -> bool {
+        match T::named(word) {
+            Some(value) => {
+                *self = value;
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum TextureArrangement {
+    Hexagonal,
+}
+
+impl Words for TextureArrangement {
+    const WORDS: &'static [(&'static str, Self)] = &[("hexagonal", Self::Hexagonal)];
+}
+
+impl Words for PillarCompliance {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("column", Self::Column), ("none", Self::None)];
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum MethodName {
+    Spectral,
+    Love,
+    Punch,
+    Homogenised,
+}
+
+impl Words for MethodName {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("spectral", Self::Spectral),
+        ("love", Self::Love),
+        ("punch", Self::Punch),
+        ("homogenised", Self::Homogenised),
+    ];
+}
+
+impl Words for Accuracy {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("default", Self::Default), ("accurate", Self::Accurate)];
+}
+
+impl Words for PunchForm {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("corrected", Self::Corrected), ("plain", Self::Plain)];
+}
+
+impl Words for MeshLayout {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("pillars", Self::Pillars), ("pattern", Self::Pattern)];
+}
+
+/// Whether the squares of the method of elements are matched to a flat punch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Cells {
+    Matched,
+    Plain,
+}
+
+impl Cells {
+    fn of(mesh: ElementMesh) -> Self {
+        if mesh.matched {
+            Self::Matched
+        } else {
+            Self::Plain
+        }
+    }
+}
+
+impl Words for Cells {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("matched", Self::Matched), ("plain", Self::Plain)];
+}
+
+/// How the pillars of a general surface are placed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Placement {
+    Hexagonal,
+    Square,
+    Random,
+}
+
+impl Words for Placement {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("hexagonal", Self::Hexagonal),
+        ("square", Self::Square),
+        ("random", Self::Random),
+    ];
+}
+
+impl Words for Boundary {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("free", Self::FreeSpace), ("periodic", Self::Periodic)];
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum IndenterForm {
+    Lens,
+    Plate,
+}
+
+impl Words for IndenterForm {
+    const WORDS: &'static [(&'static str, Self)] = &[("lens", Self::Lens), ("plate", Self::Plate)];
+}
+
+/// The outline of a pillar, seen from above.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum OutlineForm {
+    Circle,
+    Square,
+    Polygon,
+    Ellipse,
+}
+
+impl Words for OutlineForm {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("circle", Self::Circle),
+        ("square", Self::Square),
+        ("polygon", Self::Polygon),
+        ("ellipse", Self::Ellipse),
+    ];
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum TopForm {
+    Flat,
+    Cone,
+    Chamfer,
+    Rounded,
+}
+
+impl Words for TopForm {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("flat", Self::Flat),
+        ("cone", Self::Cone),
+        ("chamfer", Self::Chamfer),
+        ("rounded", Self::Rounded),
+    ];
+}

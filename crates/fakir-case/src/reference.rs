@@ -1,0 +1,83 @@
+//! The reference of all keys, made from their table.
+
+use crate::entries::one_of;
+use crate::key::{Key, Kind};
+use crate::row::Presence;
+use crate::table::Part;
+use crate::unit::Dimension;
+use std::fmt::Write;
+
+/// All keys of case files as Markdown: for each table of the file a table with what its keys
+/// take, when they must be given, and what they mean.
+#[must_use]
+pub fn reference() -> String {
+    let mut text = String::from(HEADER);
+    let mut table = "";
+    for key in Key::ALL {
+        if key.table() != table {
+            table = key.table();
+            let _ = writeln!(text, "\n## [{table}]\n\n{COLUMNS}");
+        }
+        let _ = writeln!(
+            text,
+            "| `{}` | {} | {} | {} |",
+            key.name(),
+            value(key),
+            presence(key),
+            key.summary()
+        );
+    }
+    text
+}
+
+/// What a key takes.
+fn value(key: Key) -> String {
+    match (key.kind(), key.range()) {
+        (Kind::Number(Dimension::Number), Some(range)) => range.to_string(),
+        (Kind::Number(dimension), Some(range)) => format!("{dimension}: {range}"),
+        (Kind::Word, _) => words(&key.words()),
+        _ => "a text".to_owned(),
+    }
+}
+
+/// When a key must be given, and what holds otherwise.
+fn presence(key: Key) -> String {
+    let presence = match key.row().presence {
+        Presence::Required => "required".to_owned(),
+        Presence::Default => key.default().map_or_else(String::new, |value| {
+            format!("default `{}`", key.written(&value))
+        }),
+        Presence::Otherwise(words) => format!("may be left out: {words}"),
+        Presence::OneOf(other) | Presence::EitherSurface(other) => {
+            format!("this or `{}`", other.name())
+        }
+    };
+    let condition = match (key.goes_with(), key.part()) {
+        (Some((choice, own)), _) => format!("only if `{choice}` is {}; ", words(own)),
+        (None, Part::HeightMap) if key != Key::HeightMap => {
+            format!("only with `{}`; ", Key::HeightMap.name())
+        }
+        (None, Part::Pattern) if key != Key::Arrangement => {
+            format!("only with `{}`; ", Key::Arrangement.name())
+        }
+        _ => String::new(),
+    };
+    format!("{condition}{presence}")
+}
+
+/// Words in quotes, the last with an "or".
+fn words(words: &[&str]) -> String {
+    let list = one_of(words).replace('"', "`");
+    list.strip_prefix("give ").unwrap_or(&list).to_owned()
+}
+
+const COLUMNS: &str = "\
+| key | value | given | meaning |
+|---|---|---|---|";
+
+const HEADER: &str = "\
+# The keys of a case file
+
+A case has `[lens]` and `[substrate]`, and either `[texture]`, with or without `[method]`, or
+`[surface]`. Quantities have a unit, as in `\"6 um\"`; bare numbers are in SI units.
+";

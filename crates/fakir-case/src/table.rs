@@ -1,0 +1,226 @@
+//! The table of keys: all that is known about each key of a case file, and nowhere else.
+//!
+//! From it files are read and written, overrides and requests are taken, errors are worded, and
+//! the [reference](crate::reference) is made. To add a key, add a row.
+
+use crate::row::{Presence, Range, Row, angle, length, number, pressure, text, word};
+use fakir::problem::Quantity;
+use fakir::problem::pattern::PatternQuantity as Q;
+use std::ops::Bound::{Excluded, Included};
+
+/// Makes the enum of keys, the list of them, and their rows.
+macro_rules! keys {
+    ($($part:ident { $($key:ident = $path:literal is $row:expr;)+ })+) => {
+        /// A key of a case file.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum Key {
+            $($(#[doc = concat!("`", $path, "`")] $key,)+)+
+        }
+
+        const COUNT: usize = [$($($path),+),+].len();
+
+        impl Key {
+            /// Every key, in the order in which files are written.
+            pub const ALL: [Self; COUNT] = [$($(Self::$key),+),+];
+        }
+
+        /// For each key what it is part of, its path and its row, in the order of [`Key::ALL`].
+        pub(crate) static TABLE: [(Part, &str, Row); COUNT] =
+            [$($((Part::$part, $path, $row)),+),+];
+    };
+}
+
+/// What a key is part of. No case has all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// The two bodies, which every case has.
+    Bodies,
+    /// A hexagonal lattice of discs, and the method to solve it with.
+    Texture,
+    /// A general surface read from a file.
+    HeightMap,
+    /// A general surface with pillars of any form.
+    Pattern,
+    /// Any general surface.
+    Surface,
+}
+
+const FRACTION: Range = Range::Between(Included(0.0), Excluded(1.0));
+const POISSON: Range = Range::Between(Included(0.0), Included(0.5));
+/// The lattices that random pillars do not have.
+const LATTICES: &[&str] = &["hexagonal", "square"];
+
+#[rustfmt::skip]
+keys! {
+    Bodies {
+        LensRadius = "lens.radius" is
+            length("radius of curvature", |p| &mut p.lens.radius)
+                .positive().with(Key::Indenter, &["lens"]).of(Quantity::LensRadius);
+        LensYoungModulus = "lens.young_modulus" is
+            pressure("Young's modulus", |p| &mut p.lens.material.young_modulus)
+                .positive().of(Quantity::LensYoungModulus);
+        LensPoissonRatio = "lens.poisson_ratio" is
+            number("Poisson's ratio, 0 to 0.5", |p| &mut p.lens.material.poisson_ratio)
+                .range(POISSON).of(Quantity::LensPoissonRatio);
+        SubstrateYoungModulus = "substrate.young_modulus" is
+            pressure("Young's modulus, of the pillars too", |p| &mut p.substrate.young_modulus)
+                .positive().of(Quantity::SubstrateYoungModulus).of_pattern(Q::YoungModulus);
+        SubstratePoissonRatio = "substrate.poisson_ratio" is
+            number("Poisson's ratio, 0 to 0.5", |p| &mut p.substrate.poisson_ratio)
+                .range(POISSON).of(Quantity::SubstratePoissonRatio);
+    }
+    Texture {
+        Lattice = "texture.lattice" is
+            word("arrangement of the pillars: hexagonal", |p| &mut p.texture.arrangement)
+                .optional();
+        SurfaceFraction = "texture.surface_fraction" is
+            number("part of the surface that is pillar top; or give pitch instead", |p| &mut p.texture.surface_fraction)
+                .range(Range::SurfaceFraction).or(Key::Pitch).of(Quantity::SurfaceFraction);
+        Pitch = "texture.pitch" is
+            length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.texture.lattice.pitch)
+                .range(Range::AtLeast(Key::PillarDiameter)).or(Key::SurfaceFraction).of(Quantity::Pitch);
+        Offset = "texture.offset" is
+            number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.texture.lattice.offset)
+                .range(Range::Between(Included(0.0), Included(1000.0))).optional().of(Quantity::Offset);
+        OffsetAngle = "texture.offset_angle" is
+            angle("direction of the offset; x points to a second neighbour", |p| &mut p.texture.lattice.offset_angle)
+                .optional().of(Quantity::OffsetAngle);
+        PillarDiameter = "texture.pillar.diameter" is
+            length("diameter of a pillar", |p| &mut p.texture.pillar.diameter)
+                .positive().of(Quantity::PillarDiameter);
+        PillarHeight = "texture.pillar.height" is
+            length("height of a pillar", |p| &mut p.texture.pillar.height)
+                .range(Range::Below(Key::LensRadius)).of(Quantity::PillarHeight);
+        PillarCompliance = "texture.pillar.compliance" is
+            word("column: pillars shorten under load; or none", |p| &mut p.texture.pillar.compliance)
+                .optional();
+    }
+    HeightMap {
+        HeightMap = "surface.height_map" is
+            text("file of heights: .npy, .npz or numbers; or give arrangement instead", |p| &mut p.surface.height_map)
+                .presence(Presence::EitherSurface(Key::Arrangement));
+        Array = "surface.array" is
+            text("name of the array to read, of an .npz file with several", |p| &mut p.surface.array)
+                .otherwise("the file has one array");
+        HeightUnit = "surface.height_unit" is
+            length("what a height of 1 in the file stands for", |p| &mut p.surface.height_unit)
+                .range(Range::NotZero).optional();
+        CellSize = "surface.cell_size" is
+            length("distance of neighbouring points of the map; or give width instead", |p| &mut p.surface.cell_size)
+                .positive().or(Key::MapWidth);
+        MapWidth = "surface.width" is
+            length("extent of the map along x; or give cell_size instead", |p| &mut p.surface.width)
+                .positive().or(Key::CellSize);
+    }
+    Pattern {
+        Arrangement = "surface.arrangement" is
+            word("of pillars: hexagonal, square or random; or give height_map instead", |p| &mut p.surface.placement)
+                .presence(Presence::EitherSurface(Key::HeightMap));
+        PatternFraction = "surface.surface_fraction" is
+            number("part of the surface that is pillar; or give pitch instead", |p| &mut p.surface.surface_fraction)
+                .range(Range::Between(Excluded(0.0), Excluded(1.0))).or(Key::PatternPitch).of_pattern(Q::SurfaceFraction);
+        PatternPitch = "surface.pitch" is
+            length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.surface.lattice.pitch)
+                .positive().or(Key::PatternFraction).with(Key::Arrangement, LATTICES).of_pattern(Q::Pitch);
+        MinimumDistance = "surface.minimum_distance" is
+            length("between the centres of random pillars", |p| &mut p.surface.minimum_distance)
+                .range(Range::Words("at least the outer diameter of a pillar"))
+                .otherwise("the outer diameter of a pillar counts").with(Key::Arrangement, &["random"]).of_pattern(Q::MinimumDistance);
+        PatternOffset = "surface.offset" is
+            number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.surface.lattice.offset)
+                .optional().with(Key::Arrangement, LATTICES).of_pattern(Q::Offset);
+        PatternOffsetAngle = "surface.offset_angle" is
+            angle("direction of the offset from x", |p| &mut p.surface.lattice.offset_angle)
+                .optional().with(Key::Arrangement, LATTICES).of_pattern(Q::OffsetAngle);
+        Missing = "surface.missing" is
+            number("part of the pillars that are missing", |p| &mut p.surface.missing)
+                .range(FRACTION).optional().of_pattern(Q::Missing);
+        HeightSpread = "surface.height_spread" is
+            number("relative variation of the heights of pillars", |p| &mut p.surface.height_spread)
+                .range(FRACTION).optional().of_pattern(Q::HeightSpread);
+        // The whole numbers that a number in a case file holds exactly.
+        Seed = "surface.seed" is
+            number("whole number that decides what is random", |p| &mut p.surface.seed)
+                .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional();
+    }
+    Surface {
+        Floor = "surface.floor" is
+            length("floor is what is at or below this height; else all that is no pillar", |p| &mut p.surface.floor)
+                .otherwise("all that is no pillar; of a height map nothing");
+        Boundary = "surface.boundary" is
+            word("free: nothing is touched beyond the grid; or periodic", |p| &mut p.surface.boundary)
+                .optional();
+        Indenter = "surface.indenter" is
+            word("lens or plate", |p| &mut p.surface.indenter)
+                .optional();
+    }
+    Pattern {
+        CrossSection = "surface.pillar.cross_section" is
+            word("circle, square, polygon or ellipse", |p| &mut p.outline.form)
+                .optional();
+        OutlineDiameter = "surface.pillar.diameter" is
+            length("of a circle, or of that through the corners of a polygon", |p| &mut p.outline.diameter)
+                .positive().with(Key::CrossSection, &["circle", "polygon"]).of_pattern(Q::Diameter);
+        OutlineSide = "surface.pillar.side" is
+            length("of a square", |p| &mut p.outline.side)
+                .positive().with(Key::CrossSection, &["square"]).of_pattern(Q::Side);
+        OutlineSides = "surface.pillar.sides" is
+            number("of a polygon: how many", |p| &mut p.outline.sides)
+                .range(Range::Whole(3, 1000)).with(Key::CrossSection, &["polygon"]);
+        OutlineLength = "surface.pillar.length" is
+            length("of an ellipse, along x", |p| &mut p.outline.length)
+                .positive().with(Key::CrossSection, &["ellipse"]).of_pattern(Q::Length);
+        OutlineWidth = "surface.pillar.width" is
+            length("of an ellipse, along y", |p| &mut p.outline.width)
+                .positive().with(Key::CrossSection, &["ellipse"]).of_pattern(Q::Width);
+        Orientation = "surface.pillar.orientation" is
+            angle("by which pillars are turned, anticlockwise", |p| &mut p.outline.orientation)
+                .optional().of_pattern(Q::Orientation);
+        PatternHeight = "surface.pillar.height" is
+            length("height of a pillar", |p| &mut p.outline.height)
+                .positive().of_pattern(Q::Height);
+        Top = "surface.pillar.top" is
+            word("flat, cone, chamfer or rounded", |p| &mut p.outline.top)
+                .optional();
+        Drop = "surface.pillar.drop" is
+            length("of a cone or chamfer: how much lower the edge is than the centre", |p| &mut p.outline.drop)
+                .range(Range::UpTo(Key::PatternHeight)).with(Key::Top, &["cone", "chamfer"]).of_pattern(Q::Drop);
+        ChamferWidth = "surface.pillar.chamfer_width" is
+            length("distance from the edge at which a chamfer begins", |p| &mut p.outline.chamfer_width)
+                .range(Range::Words("above 0 and at most half the inner diameter"))
+                .with(Key::Top, &["chamfer"]).of_pattern(Q::ChamferWidth);
+        EdgeRadius = "surface.pillar.edge_radius" is
+            length("of a rounded top", |p| &mut p.outline.edge_radius)
+                .range(Range::Words("above 0, at most half the inner diameter and at most the height"))
+                .with(Key::Top, &["rounded"]).of_pattern(Q::EdgeRadius);
+        PatternCompliance = "surface.pillar.compliance" is
+            word("column: pillars shorten under load; or none", |p| &mut p.outline.compliance)
+                .optional();
+        GridCells = "surface.grid.cells_per_diameter" is
+            number("cells across the narrowest diameter of a pillar, 4 or more", |p| &mut p.surface.grid_cells)
+                .range(Range::Whole(4, 1024)).optional();
+        GridWidth = "surface.grid.width" is
+            length("extent of the grid around the lens axis; of a periodic lattice whole periods", |p| &mut p.surface.grid_width)
+                .positive();
+    }
+    Texture {
+        MethodName = "method.name" is
+            word("spectral (exact), love (elements), punch or homogenised", |p| &mut p.method.name)
+                .optional();
+        Accuracy = "method.accuracy" is
+            word("of the spectral method: default or accurate", |p| &mut p.method.accuracy)
+                .optional().with(Key::MethodName, &["spectral"]);
+        Form = "method.form" is
+            word("of the punch method: corrected or plain", |p| &mut p.method.form)
+                .optional().with(Key::MethodName, &["punch"]);
+        CellsPerDiameter = "method.cells_per_diameter" is
+            number("of the method love: squares across a pillar, 8 or more", |p| &mut p.method.cells_per_diameter)
+                .range(Range::Whole(8, 1024)).optional().with(Key::MethodName, &["love"]);
+        Mesh = "method.mesh" is
+            word("of the method love: a grid on all pillars, or one over the pattern", |p| &mut p.method.mesh)
+                .optional().with(Key::MethodName, &["love"]);
+        Cells = "method.cells" is
+            word("of the method love: matched to a flat punch, or plain", |p| &mut p.method.cells)
+                .optional().with(Key::MethodName, &["love"]);
+    }
+}

@@ -1,0 +1,208 @@
+//! The table of keys: what it says is what holds.
+
+// Bounds are bounds to the last bit.
+#![allow(clippy::float_cmp, clippy::unwrap_used)]
+
+use fakir_case::unit::Dimension;
+use fakir_case::{Case, CaseError, CaseFile, Key, Kind, Setting};
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+use std::ops::Bound;
+
+/// Bytes that the surfaces here may take.
+const MEMORY: usize = 100_000_000;
+
+const BODIES: &str = "lens = { radius = 1e-3, young_modulus = 2e6, poisson_ratio = 0.5 }
+substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }
+";
+
+/// A case that has this key, or can have it.
+fn case_for(key: Key) -> CaseFile {
+    let of_height_maps = [Key::HeightUnit, Key::CellSize, Key::MapWidth];
+    let surface = if !key.table().starts_with("surface") {
+        return CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+    } else if of_height_maps.contains(&key) {
+        "surface = { height_map = 'tests/height_maps/savetxt.txt', cell_size = 1e-6 }"
+    } else {
+        "surface = { arrangement = 'hexagonal', surface_fraction = 0.2, \
+         pillar = { diameter = 6e-6, height = 1e-6 }, grid = { width = 5e-5 } }"
+    };
+    CaseFile::parse("case.toml", &format!("{BODIES}{surface}")).unwrap()
+}
+
+/// The error for this value of a key, if it is the value that is wrong.
+fn refusal(key: Key, value: f64) -> Option<CaseError> {
+    let mut file = case_for(key);
+    // The lens of the example needs no word for it.
+    if let Some((choice, words)) = key.goes_with().filter(|_| key != Key::LensRadius) {
+        file.set(&format!("{choice}={}", words[0])).unwrap();
+        let siblings = Key::ALL.into_iter().filter(|other| {
+            let goes_with = other.goes_with();
+            goes_with.is_some_and(|(own, with)| own == choice && with.contains(&words[0]))
+        });
+        for sibling in siblings.filter(|key| key.alternative().is_none()) {
+            match sibling.kind() {
+                Kind::Number(Dimension::Length) if sibling.table() == key.table() => {
+                    file.set_number(sibling, 5e-7);
+                }
+                Kind::Number(Dimension::Number) if sibling.default().is_none() => {
+                    file.set_number(sibling, 6.0);
+                }
+                _ => {}
+            }
+        }
+    }
+    file.set_number(key, value);
+    let error = if file.is_surface() {
+        file.surface_case(MEMORY).err()?
+    } else {
+        file.case().err()?
+    };
+    let is_the_value = error.key_path() == Some(key.path());
+    (is_the_value && error.problem().starts_with("cannot be")).then_some(error)
+}
+
+/// The ranges of the table are those of the solver and of the patterns, which check most of them.
+#[test]
+fn bounds_are_those_that_hold() {
+    let mut bounds = 0;
+    for key in Key::ALL {
+        let Kind::Number(_) = key.kind() else {
+            continue;
+        };
+        assert!(refusal(key, f64::NAN).is_some(), "{key}");
+        let (lower, upper) = key.bounds();
+        let outside = [
+            match lower {
+                Bound::Included(lower) => Some((lower, lower.next_down())),
+                Bound::Excluded(lower) => Some((f64::NAN, lower)),
+                Bound::Unbounded => None,
+            },
+            match upper {
+                Bound::Included(upper) => Some((upper, upper.next_up())),
+                Bound::Excluded(upper) => Some((f64::NAN, upper)),
+                Bound::Unbounded => None,
+            },
+        ];
+        for (inside, outside) in outside.into_iter().flatten() {
+            bounds += 1;
+            let error = refusal(key, outside);
+            assert!(error.is_some(), "{key} can be {outside:e}");
+            assert!(error.unwrap().what_is_accepted().is_some(), "{key}");
+            if inside.is_finite() {
+                let error = refusal(key, inside).map(|error| error.one_line());
+                assert_eq!(error, None, "{key} cannot be {inside:e}");
+            }
+        }
+    }
+    assert!(bounds > 30);
+}
+
+/// A default is the value that the case has where the key is left out.
+#[test]
+fn defaults_are_those_that_hold() {
+    let example = Case::example();
+    for method in ["spectral", "punch", "love", "homogenised"] {
+        let mut full = CaseFile::parse("case.toml", &example.to_toml()).unwrap();
+        full.set(&format!("{}={method}", Key::MethodName)).unwrap();
+        let full = full.case().unwrap();
+        for key in Key::ALL {
+            let (Some(default), Some(_)) = (key.default(), full.setting(key)) else {
+                continue;
+            };
+            let others = Key::ALL.into_iter().filter(|other| {
+                // The keys of another method than the default one go with its name.
+                let choice = other.goes_with().map(|(choice, _)| choice);
+                *other != key && choice != Some(key)
+            });
+            let settings = others.filter_map(|other| Some((other, full.setting(other)?)));
+            let case = CaseFile::from_settings("without it", settings).case();
+            assert_eq!(case.unwrap().setting(key), Some(default), "{key}");
+        }
+    }
+}
+
+#[test]
+fn settings_are_not_read_as_text() {
+    let settings = |word: &str| {
+        let of_example = Key::ALL.into_iter().filter_map(|key| {
+            let setting = Case::example().setting(key)?;
+            (key != Key::MethodName).then_some((key, setting))
+        });
+        let word = (Key::MethodName, Setting::Word(word.to_owned()));
+        CaseFile::from_settings("settings", of_example.chain([word]))
+    };
+    assert_eq!(settings("spectral").case().unwrap(), Case::example());
+    for text in ["\"\nlens.radius = 1", "\\", "\u{7f}\u{0}", "a\"b", "'''"] {
+        let error = settings(text).case().unwrap_err();
+        assert_eq!(error.key_path(), Some("method.name"));
+        assert_eq!(error.problem(), format!("\"{text}\" is not known"));
+    }
+    // As in a file, no setting takes the place of another.
+    let both = [(Key::Pitch, Setting::Number(2e-5))];
+    let example = Key::ALL
+        .into_iter()
+        .filter_map(|key| Some((key, Case::example().setting(key)?)));
+    let error = CaseFile::from_settings("settings", example.chain(both)).case();
+    assert!(error.unwrap_err().problem().contains("are both given"));
+}
+
+#[test]
+fn the_reference_as_written() {
+    let reference = fakir_case::reference();
+    for key in Key::ALL {
+        assert!(reference.contains(&format!("| `{}` |", key.name())));
+    }
+    insta::assert_snapshot!(reference);
+}
+
+/// A value that may make sense or not.
+fn any_value() -> impl Strategy<Value = Setting> {
+    let known: Vec<String> = Key::ALL
+        .into_iter()
+        .flat_map(Key::words)
+        .map(str::to_owned)
+        .collect();
+    prop_oneof![
+        prop::num::f64::ANY.prop_map(Setting::Number),
+        (0.0..1.0).prop_map(Setting::Number),
+        prop::sample::select(known).prop_map(Setting::Word),
+        "[0-9.e+-]{1,5} ?(um|mm|MPa|deg|UM)?".prop_map(Setting::Word),
+        any::<String>().prop_map(Setting::Word),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(10_000))]
+
+    /// Settings are a case, or are refused, just as the same values in a file.
+    #[test]
+    fn settings_are_taken_as_in_a_file(
+        odd in prop::collection::vec((prop::sample::select(Key::ALL.to_vec()), any_value()), 0..4),
+        left_out in prop::collection::vec(prop::sample::select(Key::ALL.to_vec()), 0..2),
+    ) {
+        let example = Case::example();
+        let of_example = Key::ALL.into_iter().filter_map(|key| Some((key, example.setting(key)?)));
+        let mut settings: BTreeMap<Key, Setting> = of_example.chain(odd).collect();
+        settings.retain(|key, _| !left_out.contains(key));
+        let lines = settings.iter().map(|(key, setting)| {
+            let value = match setting {
+                Setting::Number(number) => toml::Value::from(*number),
+                Setting::Word(word) => toml::Value::from(word.as_str()),
+            };
+            format!("{key} = {value}\n")
+        });
+        let told = |error: CaseError| {
+            let texts = [error.key_path(), Some(error.problem()), error.what_is_accepted()];
+            texts.map(|text| text.map(str::to_owned))
+        };
+        // As text, in which what is no number is the same as itself.
+        let answer = |file: CaseFile| match file.case() {
+            Ok(case) => Ok(case.to_toml()),
+            Err(error) => Err(told(error)),
+        };
+        let of_file = CaseFile::parse("a case", &lines.collect::<String>()).unwrap();
+        let of_settings = CaseFile::from_settings("a case", settings);
+        prop_assert_eq!(answer(of_settings), answer(of_file));
+    }
+}
