@@ -6,8 +6,8 @@
 //! the indentation of first contact. Two refinements give such changes:
 //!
 //! * on partially touched pillars, the answer with another node array;
-//! * on fully touched ones, the modes beyond the degree of the coupling, which neighbours excite
-//!   at first order;
+//! * on all, the modes beyond the degree of the coupling: on fully touched ones as neighbours excite them at first
+//!   order, on partially touched ones as their own solution has them;
 //! * at the floor point, the modes of partially touched pillars beyond that degree.
 
 use super::control::Target;
@@ -264,31 +264,54 @@ fn degree_changes(
         adjoints[1].coefficients.as_slice(),
     ];
     let own_load = OwnLoad::new(newton.problem, extended);
-    let loads = || std::array::from_fn(|_| vec![0.0; count]);
-    let one = |[own, floor_load, loads @ ..]: &mut [Vec<f64>; 5], pillar: usize| {
-        if newton.tops.status[pillar] != PillarStatus::Full || newton.run.cancel.is_cancelled() {
+    let work = || {
+        let loads: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; count]);
+        (loads, LocalSolver::new(&newton.tops.top))
+    };
+    let one = |(room, solver): &mut ([Vec<f64>; 5], LocalSolver), pillar: usize| {
+        let [extra, floor_load, loads @ ..] = room;
+        let status = newton.tops.status[pillar];
+        if status == PillarStatus::Untouched || newton.run.cancel.is_cancelled() {
             return [0.0; 2];
         }
         neighbours.loads(newton, pillar, fields, loads);
-        own_load.project(newton, pillar, own);
-        if let Some(point) = outcome.floor {
-            let [x, y] = newton.tops.window.centres()[pillar];
-            exterior.values([point.position[0] - x, point.position[1] - y], floor_load);
+        floor_load.fill(0.0);
+        if status == PillarStatus::Full {
+            own_load.project(newton, pillar, extra);
+            for ((extra, load), lambda) in extra.iter_mut().zip(&loads[0]).zip(&compliance) {
+                *extra = (*extra - load) / lambda;
+            }
+            if let Some(point) = outcome.floor {
+                let [x, y] = newton.tops.window.centres()[pillar];
+                exterior.values([point.position[0] - x, point.position[1] - y], floor_load);
+            }
+        } else {
+            // It is solved again with the whole load of its neighbours. The floor sees all of its modes already.
+            let mut load = newton.full_load(pillar);
+            load.resize(count.max(load.len()).min(newton.tops.top.count()), 0.0);
+            for (load, far) in load.iter_mut().zip(&*loads[0]).skip(modes) {
+                *load -= far;
+            }
+            let mut active = solver.first_guess(&newton.tops.top, &load);
+            solver.solve(&newton.tops.top, &load, &mut active);
+            solver.coefficients(&newton.tops.top, &load, extra);
         }
+        let own_modes = pillar * modes..(pillar + 1) * modes;
+        let known = &total[own_modes.clone()];
         [0, 1].map(|k| {
-            (modes..count)
-                .map(|i| {
-                    let sensitivity = adjoints[k].floor * floor_load[i] - loads[k + 1][i];
-                    (own[i] - loads[0][i]) * sensitivity / compliance[i]
-                })
-                .sum::<f64>()
+            let beyond: f64 = (modes..count)
+                .map(|i| extra[i] * (adjoints[k].floor * floor_load[i] - loads[k + 1][i]))
+                .sum();
+            if status == PillarStatus::Full {
+                return beyond;
+            }
+            let sensitivity = &adjoints[k].sensitivity[own_modes.clone()];
+            let changes = extra.iter().zip(known).zip(sensitivity);
+            beyond + changes.map(|((c, known), s)| s * (c - known)).sum::<f64>()
         })
     };
     let pillars = newton.tops.window.len();
-    let changes = newton
-        .run
-        .workers()
-        .map(pillars, COSTLY_PILLARS, loads, one);
+    let changes = newton.run.workers().map(pillars, COSTLY_PILLARS, work, one);
     newton.run.check_cancelled()?;
     let sums = changes
         .into_iter()
