@@ -6,6 +6,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::contact::Load;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
+use fakir_study::approach::LoadingPath;
 use fakir_study::design::{FREE, Wanted};
 use fakir_study::fields::MOST_POINTS;
 use fakir_study::fit::{FitOptions, Measurements, Parameter};
@@ -235,16 +236,6 @@ pub(crate) struct Approach {
     past_transition: bool,
     #[command(flatten)]
     pub(crate) run: RunArguments,
-}
-
-/// The indentations of a quasi-static loading.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct LoadingPath {
-    /// m
-    pub(crate) step: f64,
-    /// m
-    pub(crate) until: Option<f64>,
-    pub(crate) past_transition: bool,
 }
 
 impl Approach {

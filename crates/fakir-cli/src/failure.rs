@@ -6,6 +6,7 @@ use fakir_case::CaseError;
 use fakir_figure::FigureError;
 use fakir_paper::PaperError;
 use fakir_study::StudyError;
+use fakir_study::approach::ApproachError;
 use fakir_study::design::DesignError;
 use fakir_study::fit::{DataError, FitError};
 use fakir_study::output::OutputError;
@@ -63,6 +64,15 @@ impl From<PaperError> for Failure {
                 error.into()
             }
             PaperError::Figure(error) => Self::Figure(error),
+        }
+    }
+}
+
+impl From<ApproachError> for Failure {
+    fn from(error: ApproachError) -> Self {
+        match error {
+            ApproachError::Solve(error) => error.into(),
+            other => Self::Argument(other.to_string()),
         }
     }
 }

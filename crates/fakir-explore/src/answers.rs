@@ -11,7 +11,7 @@ use fakir::system::{Point, System};
 use fakir::theory::closed_forms::{self, Form, TransitionEstimate};
 use fakir::theory::homogenised;
 use fakir_case::Case;
-use fakir_study::summary::{PressSummary, TransitionSummary};
+use fakir_study::result::{PressSummary, TransitionSummary, warnings};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -268,10 +268,6 @@ fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
 fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool) -> State {
     let system = &state.system;
     let floor = state.smallest_gap_position;
-    let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
-    if !state.converged() {
-        warnings.push(format!("the solution {}", state.termination.description()));
-    }
     let reduced = Normalized::new(system, state.force, state.contact_radius, state.indentation);
     State {
         approximate,
@@ -296,7 +292,7 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
             })
             .collect(),
         floor_contacts_m: copies(system, floor),
-        warnings,
+        warnings: warnings(state),
     }
 }
 

@@ -30,12 +30,18 @@
 //!   [`spread`](mod@spread) draws samples about a case; [`fit`](mod@fit) finds moduli and instrument
 //!   parameters from measured loading curves.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
-//! * [`summary`] is what a single answer is as JSON, [`pillars`] its table of pillars.
+//! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
+//!   [`closed_forms`](mod@closed_forms) is the list of formulas.
+//! * [`result`] is what every answer is as a JSON object and as tables: command line, Python package and
+//!   page show it and make none of their own.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
 //!   files that are there whole or not at all.
 
 mod answer;
+pub mod approach;
 pub mod citations;
+pub mod closed_forms;
+pub mod compare;
 pub mod design;
 mod error;
 pub mod fields;
@@ -43,12 +49,11 @@ pub mod fit;
 mod folder;
 mod journal;
 pub mod output;
-pub mod pillars;
 mod plan;
 pub mod provenance;
 mod replace;
+pub mod result;
 pub mod spread;
-pub mod summary;
 mod sweep;
 mod table;
 

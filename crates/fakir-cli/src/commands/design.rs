@@ -4,10 +4,10 @@
 use crate::arguments::Design as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, column_unit, significant, with_unit};
+use crate::report::Report;
 use crate::report::figures::saved;
-use crate::report::state::{LENGTH_DIGITS, VERSION, radius_digits, texture_line, warnings};
+use crate::report::state::{LENGTH_DIGITS, radius_digits, texture_line};
 use crate::report::table::{Column, list, table};
-use crate::report::{Report, json};
 use crate::session::Session;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseFile, Key, Kind};
@@ -16,8 +16,8 @@ use fakir_study::citations::Topic;
 use fakir_study::design::{Candidate, Design, Limit, Wanted, design};
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::result::{TransitionSummary, json, warnings};
 use fakir_study::spread::{Critical, Landing, Sampling, Spread, Summary, spread};
-use fakir_study::summary::TransitionSummary;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::time::Instant;
@@ -94,7 +94,7 @@ pub(crate) fn run(
             design: answer.as_ref().map(|answer| answer.json(wall_time)),
             spread: scattered.map(|(sampling, scatter)| SpreadJson::new(sampling, scatter)),
             wall_time_s: wall_time,
-            fakir_version: VERSION,
+            fakir_version: fakir_study::VERSION,
         }),
         text: text.into_iter().flatten().collect::<Vec<_>>().join("\n"),
         provenance,

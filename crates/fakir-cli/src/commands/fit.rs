@@ -3,10 +3,10 @@
 use crate::arguments::Fit as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, digits, significant, with_unit};
+use crate::report::Report;
 use crate::report::figures::saved;
 use crate::report::state::texture_line;
 use crate::report::table::{Column, table};
-use crate::report::{Report, json};
 use crate::session::Session;
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile};
@@ -17,6 +17,7 @@ use fakir_study::fit::{
 };
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::result::json;
 use std::time::Instant;
 
 pub(crate) fn run(

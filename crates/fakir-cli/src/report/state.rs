@@ -2,9 +2,9 @@
 
 use super::table::list;
 use crate::numbers::{DIGITS, digits, scaled, seconds, significant, with_unit};
-use fakir::contact::{ContactState, ErrorEstimate, Load, Method, Normalized};
+use fakir::contact::{ContactState, ErrorEstimate, Method, Normalized};
 use fakir::system::System;
-use fakir_case::unit::{Dimension, format_quantity};
+use fakir_case::unit::Dimension;
 
 /// Digits shown of lengths that are known well enough: places and gaps of the floor, periods.
 pub(crate) const LENGTH_DIGITS: usize = 4;
@@ -19,23 +19,6 @@ pub(crate) fn radius_digits(relative_error: f64) -> usize {
 
 /// Digits shown of the homogenised lattice: its error is that of the model, not of the numbers.
 const MODEL_DIGITS: usize = 4;
-
-/// The version stamped into every result.
-pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// A load in words: `contact under a force of 20 uN`.
-pub(crate) fn load_words(load: Load) -> String {
-    match load {
-        Load::Force(force) => format!(
-            "contact under a force of {}",
-            format_quantity(force, Dimension::Force)
-        ),
-        Load::Indentation(indentation) => format!(
-            "contact at an indentation of {}",
-            format_quantity(indentation, Dimension::Length)
-        ),
-    }
-}
 
 /// The texture in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
 pub(crate) fn texture_line(system: &System) -> String {
@@ -207,13 +190,4 @@ fn error_remark(error: f64) -> String {
     } else {
         String::new()
     }
-}
-
-/// What to be careful about, of a state.
-pub(crate) fn warnings(state: &ContactState) -> Vec<String> {
-    let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
-    if !state.converged() {
-        warnings.push(format!("the solution {}", state.termination.description()));
-    }
-    warnings
 }

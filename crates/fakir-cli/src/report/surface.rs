@@ -1,14 +1,12 @@
 //! Reports of contacts with general surfaces.
 
+use super::Report;
 use super::maps::Maps;
-use super::state::{LENGTH_DIGITS, QuantityList, VERSION, load_words};
-use super::{Report, json};
+use super::state::{LENGTH_DIGITS, QuantityList};
 use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
 use fakir::contact::{Load, Regime};
-use fakir::love::solver::Certificate;
-use fakir::love::{Boundary, Grid, Indenter, Share, Shares, SurfaceContact, SurfaceTransition};
+use fakir::love::{Boundary, Shares, SurfaceContact, SurfaceTransition};
 use fakir::pattern::{Arrangement, CrossSection, Pattern};
-use fakir::system::Point;
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
@@ -16,130 +14,12 @@ use fakir_study::citations::Topic;
 use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
-use fakir_study::summary::RelativeErrors;
-use serde::Serialize;
+use fakir_study::result::{
+    SurfacePressSummary, SurfaceTransitionSummary, indenter_name, json, load_words,
+};
 
 /// Digits shown of contact areas, which change by whole cells.
 const AREA_DIGITS: usize = 4;
-
-#[derive(Debug, Serialize)]
-struct GridJson {
-    columns: usize,
-    rows: usize,
-    cell_m: [f64; 2],
-    /// Lower left corner, from the lens axis.
-    origin_m: Point,
-}
-
-impl From<&Grid> for GridJson {
-    fn from(grid: &Grid) -> Self {
-        Self {
-            columns: grid.columns(),
-            rows: grid.rows(),
-            cell_m: grid.cell(),
-            origin_m: grid.origin(),
-        }
-    }
-}
-
-/// What a part of the surface bears.
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct ShareJson {
-    force_N: f64,
-    contact_area_m2: f64,
-}
-
-impl From<Share> for ShareJson {
-    fn from(share: Share) -> Self {
-        Self {
-            force_N: share.force,
-            contact_area_m2: share.area,
-        }
-    }
-}
-
-/// How well the contact conditions are met.
-#[derive(Debug, Serialize)]
-struct CertificateJson {
-    energy_bound: f64,
-    interpenetration_m: f64,
-    gap_under_pressure_m: f64,
-}
-
-impl From<Certificate> for CertificateJson {
-    fn from(certificate: Certificate) -> Self {
-        Self {
-            energy_bound: certificate.energy_bound,
-            interpenetration_m: certificate.interpenetration,
-            gap_under_pressure_m: certificate.gap_under_pressure,
-        }
-    }
-}
-
-/// What the surfaces' contracts of `fakir press --json` and `fakir transition --json` share.
-#[derive(Debug, Serialize)]
-struct CommonJson {
-    indenter: &'static str,
-    boundary: &'static str,
-    grid: GridJson,
-    certificate: CertificateJson,
-    relative_error_estimate: Option<RelativeErrors>,
-    converged: bool,
-    iterations: usize,
-    wall_time_s: f64,
-    fakir_version: &'static str,
-}
-
-impl CommonJson {
-    fn new(case: &SurfaceCase, contact: &SurfaceContact, wall_time: f64) -> Self {
-        Self {
-            indenter: indenter_name(case),
-            boundary: boundary_name(case),
-            grid: (&contact.grid).into(),
-            certificate: contact.certificate.into(),
-            relative_error_estimate: contact
-                .error
-                .map(|error| RelativeErrors::new(error, contact.relative_contact_radius_error())),
-            converged: contact.converged(),
-            iterations: contact.products,
-            wall_time_s: wall_time,
-            fakir_version: VERSION,
-        }
-    }
-}
-
-/// The contract of `fakir press --json` for a surface.
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct PressJson {
-    method: &'static str,
-    force_N: f64,
-    indentation_m: f64,
-    contact_area_m2: f64,
-    contact_radius_m: Option<f64>,
-    tops: Option<ShareJson>,
-    floor: Option<ShareJson>,
-    #[serde(flatten)]
-    common: CommonJson,
-}
-
-/// The contract of `fakir transition --json` for a surface.
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct TransitionJson {
-    method: &'static str,
-    regime: &'static str,
-    critical_force_N: f64,
-    critical_indentation_m: f64,
-    contact_area_m2: f64,
-    contact_radius_m: Option<f64>,
-    bottom_contact_m: Point,
-    #[serde(flatten)]
-    common: CommonJson,
-}
-
-const METHOD: &str = "love";
 
 /// The contact under a load.
 pub(crate) fn pressed(
@@ -152,16 +32,7 @@ pub(crate) fn pressed(
     let shares = case
         .floor
         .map(|floor| contact.shares(case.system.surface(), floor));
-    let summary = PressJson {
-        method: METHOD,
-        force_N: contact.force,
-        indentation_m: contact.indentation,
-        contact_area_m2: contact.contact_area,
-        contact_radius_m: contact.contact_radius,
-        tops: shares.map(|shares| shares.tops.into()),
-        floor: shares.map(|shares| shares.floor.into()),
-        common: CommonJson::new(case, contact, wall_time),
-    };
+    let summary = SurfacePressSummary::new(&case.system, case.floor, contact, wall_time);
     let mut list = QuantityList::default();
     add_load(&mut list, contact);
     add_area(&mut list, contact);
@@ -189,16 +60,7 @@ pub(crate) fn reached(
     wall_time: f64,
 ) -> Report {
     let contact = &critical.contact;
-    let summary = TransitionJson {
-        method: METHOD,
-        regime: critical.regime.name(),
-        critical_force_N: contact.force,
-        critical_indentation_m: contact.indentation,
-        contact_area_m2: contact.contact_area,
-        contact_radius_m: contact.contact_radius,
-        bottom_contact_m: critical.floor_contact,
-        common: CommonJson::new(case, contact, wall_time),
-    };
+    let summary = SurfaceTransitionSummary::new(&case.system, critical, wall_time);
     let [x, y] = critical.floor_contact;
     let place = |value: f64| with_unit(value, Dimension::Length, LENGTH_DIGITS);
     let mut list = QuantityList::default();
@@ -210,7 +72,7 @@ pub(crate) fn reached(
         format!("from the lens axis, at x = {}, y = {}", place(x), place(y)),
     );
     add_solution(&mut list, contact, wall_time);
-    let indenter = indenter_name(case);
+    let indenter = indenter_name(case.system.indenter());
     let first = match critical.regime {
         Regime::TopFirst => format!("the {indenter} rests on the tops and just reaches the floor"),
         Regime::BottomFirst => format!("the {indenter} reaches the floor before anything else"),
@@ -428,18 +290,4 @@ fn pattern_line(pattern: &Pattern) -> String {
         "{outline} pillars {place}, surface fraction {}",
         significant(pattern.surface_fraction(), LENGTH_DIGITS)
     )
-}
-
-fn indenter_name(case: &SurfaceCase) -> &'static str {
-    match case.system.indenter() {
-        Indenter::Lens(_) => "lens",
-        Indenter::Flat(_) => "plate",
-    }
-}
-
-fn boundary_name(case: &SurfaceCase) -> &'static str {
-    match case.system.boundary() {
-        Boundary::FreeSpace => "free",
-        Boundary::Periodic => "periodic",
-    }
 }

@@ -1,0 +1,217 @@
+//! Quasi-static loading from first touch to the critical state.
+
+use crate::VERSION;
+use crate::result::{ApproachSummary, LoadingRow, TransitionSummary, warnings};
+use fakir::contact::{ContactState, CriticalState, Load, Method, Run, SolveError};
+use fakir::system::System;
+use fakir_case::unit::{Dimension, format_quantity};
+use std::time::Instant;
+
+/// More states than anybody wants; a step in the wrong unit asks for this many.
+const MOST_STATES: f64 = 1e4;
+
+/// The indentations of a loading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadingPath {
+    /// Between two states, m; greater than 0.
+    pub step: f64,
+    /// The last indentation, m, if the loading is to end before the critical state, or past it.
+    pub until: Option<f64>,
+    /// Whether it goes on past the critical state.
+    pub past_transition: bool,
+}
+
+impl LoadingPath {
+    /// The loading in words: `loading in steps of 1 um, up to the critical state`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let length = |value| format_quantity(value, Dimension::Length);
+        let end = match self.until {
+            None => "up to the critical state".to_owned(),
+            Some(until) if self.past_transition => {
+                format!("past the critical state to {}", length(until))
+            }
+            Some(until) => format!("up to {} or the critical state", length(until)),
+        };
+        format!("loading in steps of {}, {end}", length(self.step))
+    }
+}
+
+/// Why there is no loading.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ApproachError {
+    /// A contact that cannot be computed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// A step that makes more states than anybody wants.
+    #[error(
+        "a step of {} makes {states:.0} states up to an indentation of {}: at most {MOST_STATES} are \
+         computed", rounded_length(*step), rounded_length(*end)
+    )]
+    TooManyStates {
+        /// The step, m.
+        step: f64,
+        /// The last indentation, m.
+        end: f64,
+        /// So many.
+        states: f64,
+    },
+}
+
+/// A length in six digits at most.
+fn rounded_length(value: f64) -> String {
+    let rounded = format!("{value:.5e}").parse().unwrap_or(value);
+    format_quantity(rounded, Dimension::Length)
+}
+
+/// A loading.
+#[derive(Debug, Clone)]
+pub struct Approach {
+    /// As JSON object and table.
+    pub summary: ApproachSummary,
+    /// The critical state, also if the loading ends before it.
+    pub critical: CriticalState,
+    /// What to be careful about, with the indentations.
+    pub warnings: Vec<String>,
+}
+
+/// Computes all states of a loading. `next` is told what comes next, `keep` gets the states but for the
+/// critical one.
+///
+/// # Errors
+/// See [`ApproachError`].
+pub fn approach(
+    system: &System,
+    method: Method,
+    path: &LoadingPath,
+    run: &Run<'_>,
+    next: &dyn Fn(&str),
+    keep: &mut dyn FnMut(ContactState),
+) -> Result<Approach, ApproachError> {
+    let start = Instant::now();
+    next("critical state");
+    let critical = fakir::transition(system, method, run)?;
+    let critical_time = start.elapsed().as_secs_f64();
+    let steps = steps(path, critical.contact.indentation)?;
+    let mut warned = warnings(&critical.contact);
+    let mut rows = Vec::with_capacity(steps.len());
+    for (number, step) in steps.iter().enumerate() {
+        rows.push(match step {
+            Step::Critical => LoadingRow::new(&critical.contact, true),
+            Step::At(indentation) => {
+                next(&format!("state {} of {}", number + 1, steps.len()));
+                let state = fakir::press(system, Load::Indentation(*indentation), method, run)?;
+                warned.extend(warnings(&state).into_iter().map(|text| {
+                    let at = rounded_length(*indentation);
+                    format!("at an indentation of {at}: {text}")
+                }));
+                let row = LoadingRow::new(&state, false);
+                keep(state);
+                row
+            }
+        });
+    }
+    Ok(Approach {
+        summary: ApproachSummary {
+            method: method.name(),
+            critical: TransitionSummary::new(&critical, critical_time),
+            converged: critical.contact.converged() && rows.iter().all(|row| row.converged),
+            states: rows,
+            wall_time_s: start.elapsed().as_secs_f64(),
+            fakir_version: VERSION,
+        },
+        critical,
+        warnings: warned,
+    })
+}
+
+/// A state of the loading that is to be computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Step {
+    At(f64),
+    Critical,
+}
+
+/// Multiples of the step, with the critical state in its place among them and the end of the path
+/// last.
+fn steps(path: &LoadingPath, critical: f64) -> Result<Vec<Step>, ApproachError> {
+    let step = path.step;
+    let end = match path.until {
+        Some(until) if path.past_transition || until < critical => until,
+        _ => critical,
+    };
+    if end / step > MOST_STATES {
+        return Err(ApproachError::TooManyStates {
+            step,
+            end,
+            states: end / step,
+        });
+    }
+    // What differs by rounding only is the same state.
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * step;
+    let multiples = (0..)
+        .map(|k| f64::from(k) * step)
+        .take_while(|value| *value < end && !same(*value, end))
+        .filter(|value| !same(*value, critical));
+    let mut indentations: Vec<f64> = multiples.chain([end]).collect();
+    if critical <= end {
+        indentations.retain(|value| !same(*value, critical));
+        indentations.push(critical);
+        indentations.sort_by(f64::total_cmp);
+    }
+    Ok(indentations
+        .into_iter()
+        .map(|value| {
+            if value.to_bits() == critical.to_bits() {
+                Step::Critical
+            } else {
+                Step::At(value)
+            }
+        })
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path(step: f64, until: Option<f64>, past_transition: bool) -> Vec<Step> {
+        let path = LoadingPath {
+            step,
+            until,
+            past_transition,
+        };
+        steps(&path, 2.5).unwrap()
+    }
+
+    #[test]
+    fn the_critical_state_ends_the_path_or_has_its_place_in_it() {
+        use Step::{At, Critical};
+        assert_eq!(
+            path(1.0, None, false),
+            [At(0.0), At(1.0), At(2.0), Critical]
+        );
+        assert_eq!(path(1.25, None, false), [At(0.0), At(1.25), Critical]);
+        assert_eq!(path(1.0, Some(1.5), false), [At(0.0), At(1.0), At(1.5)]);
+        assert_eq!(
+            path(1.0, Some(9.0), false),
+            [At(0.0), At(1.0), At(2.0), Critical]
+        );
+        assert_eq!(
+            path(1.0, Some(3.5), true),
+            [At(0.0), At(1.0), At(2.0), Critical, At(3.0), At(3.5)]
+        );
+        assert_eq!(path(2.0, Some(2.5), true), [At(0.0), At(2.0), Critical]);
+    }
+
+    #[test]
+    fn steps_in_the_wrong_unit_are_refused() {
+        let path = LoadingPath {
+            step: 1e-9,
+            until: None,
+            past_transition: false,
+        };
+        assert!(steps(&path, 2.5).is_err());
+    }
+}
