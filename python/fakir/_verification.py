@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import copy
+import json
+from typing import Any, NamedTuple
 
 from . import _fakir
 from ._format import Row, engineering, html_table, text_table
@@ -33,17 +35,19 @@ class Verification:
     indentation: Difference
     """The same of the indentation."""
 
-    def __init__(
-        self,
-        verdict: str,
-        doubt: str | None,
-        differences: list[Difference],
-        states: list[ContactState],
-    ) -> None:
-        self.verdict, self.doubt = verdict, doubt
-        self.force, self.indentation = differences
+    def __init__(self, summary: dict[str, Any], states: list[ContactState]) -> None:
+        self._summary = summary
+        self.verdict, self.doubt = summary["verdict"], summary["doubt"]
+        self.force, self.indentation = (
+            Difference(summary["relative_difference"][name], summary["allowed_difference"][name])
+            for name in ("force", "indentation")
+        )
         self.spectral, coarse, fine = states
         self.elements = coarse, fine
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir verify --json`` prints."""
+        return copy.deepcopy(self._summary)
 
     @property
     def agrees(self) -> bool:
@@ -79,7 +83,5 @@ def verify(
     """Asks both methods."""
     if not 16 <= cells_per_diameter <= 1024:
         raise ValueError(f"cells_per_diameter is {cells_per_diameter}: give 16 to 1024")
-    answer = _fakir.verify(case, *load, cells_per_diameter, options)
-    verdict, doubt, differences, states = answer
-    pairs = [Difference(relative, allowed) for relative, allowed in differences]
-    return Verification(verdict, doubt, pairs, [ContactState(state) for state in states])
+    summary, states = _fakir.verify(case, *load, cells_per_diameter, options)
+    return Verification(json.loads(summary), [ContactState(state) for state in states])

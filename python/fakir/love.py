@@ -6,7 +6,8 @@ is a part of the surface, so that the contact goes on past the transition.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -152,7 +153,7 @@ class Surface:
         found = _fakir.surface_transition(self._surface, run)
         contact = _checked(SurfaceContact(self, found.contact))
         x, y = found.floor_contact
-        return SurfaceTransition(contact, found.regime, (x, y))
+        return SurfaceTransition(contact, found.regime, (x, y), found.json())
 
     def __repr__(self) -> str:
         rows, columns = self.heights.shape
@@ -168,7 +169,7 @@ class SurfaceContact:
 
     def __init__(self, surface: Surface, contact: _fakir.SurfaceContact) -> None:
         self.surface, self._contact = surface, contact
-        self._summary = contact.summary()
+        self._summary: dict[str, Any] = json.loads(contact.json())
         self.pressure_map, self.gap_map, self.displacement_map = contact.fields()
 
     pressure_map: FloatArray
@@ -230,8 +231,8 @@ class SurfaceContact:
         return self._contact.warnings
 
     def to_dict(self) -> dict[str, Any]:
-        """The numbers, by the names of ``fakir press --json``."""
-        return dict(self._summary)
+        """The object that ``fakir press --json`` prints: same names, same numbers."""
+        return json.loads(self._contact.json())  # type: ignore[no-any-return]
 
     def to_xarray(self) -> xarray.Dataset:
         """Pressure, gap, displacement and heights on the cells, with units."""
@@ -270,7 +271,7 @@ class SurfaceContact:
         for name in ["tops", "floor"]:
             share = self._summary[name]
             if share is not None:
-                force, area = engineering(share["force_N"], "N"), share["area_m2"] * 1e12
+                force, area = engineering(share["force_N"], "N"), share["contact_area_m2"] * 1e12
                 rows.append((f"  on the {name}", f"{force} on {area:.5g} µm²"))
         error = self.error
         if error is not None:
@@ -294,6 +295,7 @@ class SurfaceTransition:
     """What is met first: ``"top_first"`` or ``"bottom_first"``."""
     floor_contact: tuple[float, float]
     """Centre of the floor cell that is touched, m from the lens axis."""
+    _json: str = field(repr=False)
 
     @property
     def force(self) -> float:
@@ -304,6 +306,10 @@ class SurfaceTransition:
     def indentation(self) -> float:
         """Critical indentation, m."""
         return self.contact.indentation
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir transition --json`` prints: same names, same numbers."""
+        return json.loads(self._json)  # type: ignore[no-any-return]
 
 
 def _checked(contact: SurfaceContact) -> SurfaceContact:

@@ -6,12 +6,12 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::contact::Load;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
+use fakir_inverse::design::{FREE, Wanted};
+use fakir_inverse::fit::{FitOptions, Measurements, Parameter};
+use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::approach::LoadingPath;
-use fakir_study::design::{FREE, Wanted};
 use fakir_study::fields::MOST_POINTS;
-use fakir_study::fit::{FitOptions, Measurements, Parameter};
 use fakir_study::output::Replace;
-use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::{Existing, Shard};
 use std::path::PathBuf;
 

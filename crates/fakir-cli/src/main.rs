@@ -7,7 +7,6 @@
 mod arguments;
 mod commands;
 mod failure;
-mod numbers;
 mod output;
 mod report;
 mod session;
@@ -17,6 +16,7 @@ use clap::Parser;
 use failure::Failure;
 use fakir_case::input::{self, LARGEST_CASE};
 use fakir_case::{Case, CaseFile};
+use fakir_study::numbers;
 use report::Report;
 use session::Session;
 use std::path::Path;

@@ -2,10 +2,11 @@
 
 use fakir::contact::SolveError;
 use fakir::love::SurfaceError;
+use fakir_inverse::design::DesignError;
+use fakir_inverse::fit::FitError;
+use fakir_inverse::spread::SpreadError;
 use fakir_study::StudyError;
-use fakir_study::design::DesignError;
-use fakir_study::fit::FitError;
-use fakir_study::spread::SpreadError;
+use fakir_study::approach::ApproachError;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 
@@ -50,6 +51,13 @@ pub(crate) fn solve_error(error: &SolveError) -> PyErr {
         SolveError::Interrupted => PyKeyboardInterrupt::new_err(()),
         SolveError::InvalidQuantity(_) => value_error(error),
         _ => exceptions::SolveError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn approach_error(error: &ApproachError) -> PyErr {
+    match error {
+        ApproachError::Solve(error) => solve_error(error),
+        other => value_error(other),
     }
 }
 

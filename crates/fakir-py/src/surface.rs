@@ -3,18 +3,18 @@
 use crate::error::{surface_error, value_error};
 use crate::state::load;
 use crate::watched::{Options, watched};
-use fakir::love::{Boundary, Floor, Grid, HeightMap, Indenter, Shares, SurfaceSystem};
+use fakir::love::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
 use fakir::system::{Lens, Material, Point};
+use fakir_study::result::{SurfacePressSummary, SurfaceTransitionSummary, json};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use std::time::Instant;
 
 /// What is pressed onto what.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Surface {
     system: SurfaceSystem,
-    floor: Option<f64>,
+    floor: Option<Floor>,
 }
 
 #[pymethods]
@@ -52,7 +52,7 @@ impl Surface {
         let system = SurfaceSystem::new(indenter, material(substrate), map, boundary);
         Ok(Self {
             system: system.map_err(value_error)?,
-            floor,
+            floor: floor.map(Floor::AtOrBelow),
         })
     }
 
@@ -66,48 +66,14 @@ impl Surface {
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct SurfaceContact {
     contact: fakir::love::SurfaceContact,
-    shares: Option<Shares>,
-    wall_time: f64,
+    summary: String,
 }
 
 #[pymethods]
 impl SurfaceContact {
-    /// Its numbers, by the names of `fakir press --json`.
-    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let contact = &self.contact;
-        let summary = PyDict::new(py);
-        summary.set_item("method", "love")?;
-        summary.set_item("force_N", contact.force)?;
-        summary.set_item("indentation_m", contact.indentation)?;
-        summary.set_item("contact_area_m2", contact.contact_area)?;
-        summary.set_item("contact_radius_m", contact.contact_radius)?;
-        for (name, share) in [
-            ("tops", self.shares.map(|shares| shares.tops)),
-            ("floor", self.shares.map(|shares| shares.floor)),
-        ] {
-            let share = share.map(|share| {
-                let numbers = PyDict::new(py);
-                numbers.set_item("force_N", share.force)?;
-                numbers.set_item("area_m2", share.area)?;
-                Ok::<_, PyErr>(numbers)
-            });
-            summary.set_item(name, share.transpose()?)?;
-        }
-        let error = contact.error.map(|error| {
-            let numbers = PyDict::new(py);
-            numbers.set_item("force", error.force)?;
-            numbers.set_item("indentation", error.indentation)?;
-            if let Some(error) = contact.relative_contact_radius_error() {
-                numbers.set_item("contact_radius", error)?;
-            }
-            Ok::<_, PyErr>(numbers)
-        });
-        summary.set_item("relative_error_estimate", error.transpose()?)?;
-        summary.set_item("converged", contact.converged())?;
-        summary.set_item("iterations", contact.products)?;
-        summary.set_item("wall_time_s", self.wall_time)?;
-        summary.set_item("fakir_version", fakir_study::VERSION)?;
-        Ok(summary)
+    /// The object that `fakir press --json` prints for it.
+    fn json(&self) -> &str {
+        &self.summary
     }
 
     #[getter]
@@ -153,6 +119,15 @@ pub(crate) struct SurfaceTransition {
     regime: &'static str,
     #[pyo3(get)]
     floor_contact: Point,
+    summary: String,
+}
+
+#[pymethods]
+impl SurfaceTransition {
+    /// The object that `fakir transition --json` prints for it.
+    fn json(&self) -> &str {
+        &self.summary
+    }
 }
 
 /// The contact at an indentation (m) or under a force (N).
@@ -168,7 +143,7 @@ pub(crate) fn press_surface(
     let start = Instant::now();
     let contact = watched(py, &options, |run| surface.system.press(load, run))?;
     let contact = contact.map_err(|error| surface_error(&error))?;
-    Ok(surface.with_shares(contact, start))
+    Ok(surface.contact(contact, start))
 }
 
 /// The state in which the floor is just reached.
@@ -182,26 +157,29 @@ pub(crate) fn surface_transition(
         .floor
         .ok_or_else(|| value_error("which cells are floor is not known: give floor, a height"))?;
     let start = Instant::now();
-    let found = watched(py, &options, |run| {
-        surface.system.transition(Floor::AtOrBelow(floor), run)
-    })?;
+    let found = watched(py, &options, |run| surface.system.transition(floor, run))?;
     let found = found.map_err(|error| surface_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let summary = json(&SurfaceTransitionSummary::new(
+        &surface.system,
+        &found,
+        wall_time,
+    ));
     Ok(SurfaceTransition {
-        contact: Py::new(py, surface.with_shares(found.contact, start))?,
         regime: found.regime.name(),
         floor_contact: found.floor_contact,
+        contact: Py::new(py, surface.contact(found.contact, start))?,
+        summary,
     })
 }
 
 impl Surface {
-    fn with_shares(&self, contact: fakir::love::SurfaceContact, start: Instant) -> SurfaceContact {
-        let shares = self
-            .floor
-            .map(|floor| contact.shares(self.system.surface(), Floor::AtOrBelow(floor)));
+    fn contact(&self, contact: fakir::love::SurfaceContact, start: Instant) -> SurfaceContact {
+        let wall_time = start.elapsed().as_secs_f64();
+        let summary = SurfacePressSummary::new(&self.system, self.floor, &contact, wall_time);
         SurfaceContact {
+            summary: json(&summary),
             contact,
-            shares,
-            wall_time: start.elapsed().as_secs_f64(),
         }
     }
 }

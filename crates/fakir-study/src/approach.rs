@@ -1,6 +1,7 @@
 //! Quasi-static loading from first touch to the critical state.
 
 use crate::VERSION;
+use crate::numbers::{DIGITS, with_unit};
 use crate::result::{ApproachSummary, LoadingRow, TransitionSummary, warnings};
 use fakir::contact::{ContactState, CriticalState, Load, Method, Run, SolveError};
 use fakir::system::System;
@@ -59,10 +60,9 @@ pub enum ApproachError {
     },
 }
 
-/// A length in six digits at most.
+/// A length in the digits that are shown of numbers.
 fn rounded_length(value: f64) -> String {
-    let rounded = format!("{value:.5e}").parse().unwrap_or(value);
-    format_quantity(rounded, Dimension::Length)
+    with_unit(value, Dimension::Length, DIGITS)
 }
 
 /// A loading.
@@ -72,12 +72,14 @@ pub struct Approach {
     pub summary: ApproachSummary,
     /// The critical state, also if the loading ends before it.
     pub critical: CriticalState,
+    /// How long that took, s.
+    pub critical_time: f64,
     /// What to be careful about, with the indentations.
     pub warnings: Vec<String>,
 }
 
 /// Computes all states of a loading. `next` is told what comes next, `keep` gets the states but for the
-/// critical one.
+/// critical one, each with the time it took, s.
 ///
 /// # Errors
 /// See [`ApproachError`].
@@ -87,7 +89,7 @@ pub fn approach(
     path: &LoadingPath,
     run: &Run<'_>,
     next: &dyn Fn(&str),
-    keep: &mut dyn FnMut(ContactState),
+    keep: &mut dyn FnMut(ContactState, f64),
 ) -> Result<Approach, ApproachError> {
     let start = Instant::now();
     next("critical state");
@@ -101,13 +103,14 @@ pub fn approach(
             Step::Critical => LoadingRow::new(&critical.contact, true),
             Step::At(indentation) => {
                 next(&format!("state {} of {}", number + 1, steps.len()));
+                let begun = Instant::now();
                 let state = fakir::press(system, Load::Indentation(*indentation), method, run)?;
                 warned.extend(warnings(&state).into_iter().map(|text| {
                     let at = rounded_length(*indentation);
                     format!("at an indentation of {at}: {text}")
                 }));
                 let row = LoadingRow::new(&state, false);
-                keep(state);
+                keep(state, begun.elapsed().as_secs_f64());
                 row
             }
         });
@@ -122,6 +125,7 @@ pub fn approach(
             fakir_version: VERSION,
         },
         critical,
+        critical_time,
         warnings: warned,
     })
 }

@@ -51,7 +51,8 @@ pub struct Comparison {
 }
 
 /// Asks every method for the critical state. What does not apply says why. `next` is told which method
-/// comes next, `keep` gets the states with the name of the method.
+/// comes next, `keep` gets the states, each with the name of
+/// the method and the time it took, s.
 ///
 /// # Errors
 /// [`SolveError::Interrupted`]; a method without an answer is none.
@@ -59,7 +60,7 @@ pub fn compare(
     system: &System,
     run: &Run<'_>,
     next: &dyn Fn(&str),
-    keep: &mut dyn FnMut(&'static str, CriticalState),
+    keep: &mut dyn FnMut(&'static str, CriticalState, f64),
 ) -> Result<Comparison, SolveError> {
     let mut rows: Vec<MethodRow> = closed_forms(system)
         .iter()
@@ -73,12 +74,13 @@ pub fn compare(
             Ok(critical) => {
                 let of_method = warnings(&critical.contact).into_iter();
                 all_warnings.extend(of_method.map(|text| format!("{name}: {text}")));
+                let wall_time = clock.wall_time();
                 let row = MethodRow {
-                    wall_time_s: Some(clock.wall_time()),
+                    wall_time_s: Some(wall_time),
                     processor_time_s: clock.processor_time(),
                     ..MethodRow::solved(key, name, &critical)
                 };
-                keep(key, critical);
+                keep(key, critical, wall_time);
                 row
             }
             Err(SolveError::Interrupted) => return Err(SolveError::Interrupted),

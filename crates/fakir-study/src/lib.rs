@@ -26,9 +26,6 @@
 //! * What a case answers depends on the study alone: not on threads, shards or interruptions. So
 //!   the table of a sweep that was killed and resumed is the same, byte for byte.
 //! * A case without an answer keeps its row in the [`Table`], with the reason.
-//! * [`design`](mod@design) turns the question round: which value gives a wanted critical force;
-//!   [`spread`](mod@spread) draws samples about a case; [`fit`](mod@fit) finds moduli and instrument
-//!   parameters from measured loading curves.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
 //! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
 //!   [`closed_forms`](mod@closed_forms) is the list of formulas.
@@ -42,18 +39,16 @@ pub mod approach;
 pub mod citations;
 pub mod closed_forms;
 pub mod compare;
-pub mod design;
 mod error;
 pub mod fields;
-pub mod fit;
 mod folder;
 mod journal;
+pub mod numbers;
 pub mod output;
 mod plan;
 pub mod provenance;
 mod replace;
 pub mod result;
-pub mod spread;
 mod sweep;
 mod table;
 

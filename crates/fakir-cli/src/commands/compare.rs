@@ -15,7 +15,7 @@ use fakir_study::result::{CompareSummary, MethodRow, csv, json};
 
 pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {
     let next = |part: &str| session.part(part);
-    let found = compare(&case.system, &session.run(), &next, &mut |_, _| {})?;
+    let found = compare(&case.system, &session.run(), &next, &mut |_, _, _| {})?;
     let methods = methods().map(|(method, ..)| Topic::Method(method));
     let provenance = Provenance::new(
         "critical state",

@@ -11,10 +11,10 @@ use crate::session::Session;
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile};
 use fakir_figure::{Figure, FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
-use fakir_study::citations::Topic;
-use fakir_study::fit::{
+use fakir_inverse::fit::{
     Estimate, Fit, FitSummary, FittedRow, Measurements, Parameter, Position, Quantity, fit,
 };
+use fakir_study::citations::Topic;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::json;
@@ -169,7 +169,7 @@ fn figure(data: &Measurements, fitted: &Fit) -> Figure {
         Position::Indentation => FittedLoad::Indentation,
         Position::None => FittedLoad::Force,
     };
-    let curve = |scatter: &fakir_study::fit::Scatter| {
+    let curve = |scatter: &fakir_inverse::fit::Scatter| {
         let quantity = scatter.quantity;
         let point = |row: &FittedRow| {
             let compared = row.compared(quantity)?;

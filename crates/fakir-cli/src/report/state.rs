@@ -1,13 +1,10 @@
 //! What the reports of contact states have in common.
 
 use super::table::list;
-use crate::numbers::{DIGITS, digits, scaled, seconds, significant, with_unit};
+use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
 use fakir::contact::{ContactState, ErrorEstimate, Method, Normalized};
 use fakir::system::System;
 use fakir_case::unit::Dimension;
-
-/// Digits shown of lengths that are known well enough: places and gaps of the floor, periods.
-pub(crate) const LENGTH_DIGITS: usize = 4;
 
 /// Most digits shown of contact radii.
 const RADIUS_DIGITS: usize = 5;

@@ -2,8 +2,8 @@
 
 use super::Report;
 use super::maps::Maps;
-use super::state::{LENGTH_DIGITS, QuantityList};
-use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
+use super::state::QuantityList;
+use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::contact::{Load, Regime};
 use fakir::love::{Boundary, Shares, SurfaceContact, SurfaceTransition};
 use fakir::pattern::{Arrangement, CrossSection, Pattern};
