@@ -72,6 +72,7 @@ impl From<ApproachError> for Failure {
     fn from(error: ApproachError) -> Self {
         match error {
             ApproachError::Solve(error) => error.into(),
+            ApproachError::Surface(error) => error.into(),
             other => Self::Argument(other.to_string()),
         }
     }

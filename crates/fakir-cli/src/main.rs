@@ -66,12 +66,15 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         }
         Command::Approach(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(
-                command,
-                &options.case,
-                &read_case(&options.case)?,
-                move |case| commands::approach::run(case, &options.path()?, &session),
-            )
+            let (file, path) = (read_case(&options.case)?, options.path()?);
+            if file.is_surface() {
+                return deliver(command, &options.case, move || {
+                    commands::surface::approach(&file, &path, &session)
+                });
+            }
+            answer(command, &options.case, &file, move |case| {
+                commands::approach::run(case, &path, &session)
+            })
         }
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;

@@ -57,6 +57,7 @@ pub(crate) fn solve_error(error: &SolveError) -> PyErr {
 pub(crate) fn approach_error(error: &ApproachError) -> PyErr {
     match error {
         ApproachError::Solve(error) => solve_error(error),
+        ApproachError::Surface(error) => surface_error(error),
         other => value_error(other),
     }
 }

@@ -2,8 +2,12 @@
 
 use crate::VERSION;
 use crate::numbers::{DIGITS, with_unit};
-use crate::result::{ApproachSummary, LoadingRow, TransitionSummary, warnings};
+use crate::result::{
+    ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow, TransitionSummary,
+    surface_warnings, warnings,
+};
 use fakir::contact::{ContactState, CriticalState, Load, Method, Run, SolveError};
+use fakir::love::{Floor, SurfaceContact, SurfaceError, SurfaceSystem, SurfaceTransition};
 use fakir::system::System;
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
@@ -45,6 +49,16 @@ pub enum ApproachError {
     /// A contact that cannot be computed.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// A contact with a general surface that cannot be computed.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A loading up to the critical state of a surface of which nobody knows what is floor.
+    #[error(
+        "up to where the loading goes is not known: a height map has no pillars that would tell which \
+         part of it is the floor; give surface.floor, the height at or below which it is, or the last \
+         indentation (until)"
+    )]
+    NoEnd,
     /// A step that makes more states than anybody wants.
     #[error(
         "a step of {} makes {states:.0} states up to an indentation of {}: at most {MOST_STATES} are \
@@ -95,26 +109,18 @@ pub fn approach(
     next("critical state");
     let critical = fakir::transition(system, method, run)?;
     let critical_time = start.elapsed().as_secs_f64();
-    let steps = steps(path, critical.contact.indentation)?;
     let mut warned = warnings(&critical.contact);
-    let mut rows = Vec::with_capacity(steps.len());
-    for (number, step) in steps.iter().enumerate() {
-        rows.push(match step {
-            Step::Critical => LoadingRow::new(&critical.contact, true),
-            Step::At(indentation) => {
-                next(&format!("state {} of {}", number + 1, steps.len()));
-                let begun = Instant::now();
-                let state = fakir::press(system, Load::Indentation(*indentation), method, run)?;
-                warned.extend(warnings(&state).into_iter().map(|text| {
-                    let at = rounded_length(*indentation);
-                    format!("at an indentation of {at}: {text}")
-                }));
-                let row = LoadingRow::new(&state, false);
-                keep(state, begun.elapsed().as_secs_f64());
-                row
-            }
-        });
-    }
+    let rows = load(path, Some(critical.contact.indentation), next, |step| {
+        let Step::At(indentation) = step else {
+            return Ok(LoadingRow::new(&critical.contact, true));
+        };
+        let begun = Instant::now();
+        let state = fakir::press(system, Load::Indentation(indentation), method, run)?;
+        warned.extend(warnings(&state).iter().map(|text| at(indentation, text)));
+        let row = LoadingRow::new(&state, false);
+        keep(state, begun.elapsed().as_secs_f64());
+        Ok(row)
+    })?;
     Ok(Approach {
         summary: ApproachSummary {
             method: method.name(),
@@ -130,6 +136,106 @@ pub fn approach(
     })
 }
 
+/// A loading on a general surface.
+#[derive(Debug, Clone)]
+pub struct SurfaceApproach {
+    /// As JSON object and table.
+    pub summary: SurfaceApproachSummary,
+    /// The critical state, also if the loading ends before it; none of a surface without a floor.
+    pub critical: Option<SurfaceTransition>,
+    /// How long that took, s.
+    pub critical_time: f64,
+    /// What to be careful about, with the indentations.
+    pub warnings: Vec<String>,
+}
+
+/// The same on a general surface. Past the critical state the floor bears load as well. Where it is not
+/// known what the floor is, the path must say where it ends.
+///
+/// # Errors
+/// See [`ApproachError`].
+pub fn approach_surface(
+    system: &SurfaceSystem,
+    floor: Option<Floor>,
+    path: &LoadingPath,
+    run: &Run<'_>,
+    next: &dyn Fn(&str),
+    keep: &mut dyn FnMut(SurfaceContact, f64),
+) -> Result<SurfaceApproach, ApproachError> {
+    let start = Instant::now();
+    if floor.is_none() && path.until.is_none() {
+        return Err(ApproachError::NoEnd);
+    }
+    let critical = match floor {
+        Some(floor) => {
+            next("critical state");
+            Some(system.transition(floor, run)?)
+        }
+        None => None,
+    };
+    let critical_time = start.elapsed().as_secs_f64();
+    let known = critical.as_ref();
+    let critical_indentation = known.map(|critical| critical.contact.indentation);
+    let row = |contact: &SurfaceContact, critical: bool| {
+        let shares = floor.map(|floor| contact.shares(system.surface(), floor));
+        let beyond = critical_indentation.map(|reached| contact.indentation > reached);
+        SurfaceLoadingRow::new(contact, shares, critical, beyond)
+    };
+    let mut warned = known.map_or(Vec::new(), |critical| surface_warnings(&critical.contact));
+    let rows = load(path, critical_indentation, next, |step| {
+        let indentation = match (step, known) {
+            (Step::Critical, Some(critical)) => return Ok(row(&critical.contact, true)),
+            (Step::Critical, None) => return Err(ApproachError::NoEnd),
+            (Step::At(indentation), _) => indentation,
+        };
+        let begun = Instant::now();
+        let contact = system.press(Load::Indentation(indentation), run)?;
+        let of_contact = surface_warnings(&contact);
+        warned.extend(of_contact.iter().map(|text| at(indentation, text)));
+        let row = row(&contact, false);
+        keep(contact, begun.elapsed().as_secs_f64());
+        Ok(row)
+    })?;
+    let summary = SurfaceApproachSummary::new(
+        system,
+        known.map(|critical| (critical, critical_time)),
+        rows,
+        start.elapsed().as_secs_f64(),
+    );
+    Ok(SurfaceApproach {
+        summary,
+        critical,
+        critical_time,
+        warnings: warned,
+    })
+}
+
+/// A warning about a state of the loading.
+fn at(indentation: f64, text: &str) -> String {
+    format!(
+        "at an indentation of {}: {text}",
+        rounded_length(indentation)
+    )
+}
+
+/// The rows of all states of a path.
+fn load<R>(
+    path: &LoadingPath,
+    critical: Option<f64>,
+    next: &dyn Fn(&str),
+    mut row: impl FnMut(Step) -> Result<R, ApproachError>,
+) -> Result<Vec<R>, ApproachError> {
+    let steps = steps(path, critical)?;
+    let mut rows = Vec::with_capacity(steps.len());
+    for (number, step) in steps.iter().enumerate() {
+        if *step != Step::Critical {
+            next(&format!("state {} of {}", number + 1, steps.len()));
+        }
+        rows.push(row(*step)?);
+    }
+    Ok(rows)
+}
+
 /// A state of the loading that is to be computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Step {
@@ -139,12 +245,16 @@ enum Step {
 
 /// Multiples of the step, with the critical state in its place among them and the end of the path
 /// last.
-fn steps(path: &LoadingPath, critical: f64) -> Result<Vec<Step>, ApproachError> {
+fn steps(path: &LoadingPath, critical: Option<f64>) -> Result<Vec<Step>, ApproachError> {
     let step = path.step;
-    let end = match path.until {
-        Some(until) if path.past_transition || until < critical => until,
-        _ => critical,
+    let end = match (path.until, critical) {
+        (Some(until), None) => until,
+        (Some(until), Some(critical)) if path.past_transition || until < critical => until,
+        (_, Some(critical)) => critical,
+        (None, None) => return Err(ApproachError::NoEnd),
     };
+    // Where there is no critical state none of the indentations is taken for one.
+    let critical = critical.unwrap_or(f64::INFINITY);
     if end / step > MOST_STATES {
         return Err(ApproachError::TooManyStates {
             step,
@@ -186,7 +296,7 @@ mod tests {
             until,
             past_transition,
         };
-        steps(&path, 2.5).unwrap()
+        steps(&path, Some(2.5)).unwrap()
     }
 
     #[test]
@@ -216,6 +326,20 @@ mod tests {
             until: None,
             past_transition: false,
         };
-        assert!(steps(&path, 2.5).is_err());
+        assert!(steps(&path, Some(2.5)).is_err());
+    }
+
+    #[test]
+    fn without_a_critical_state_the_path_ends_where_it_is_told_to() {
+        use Step::At;
+        let mut path = LoadingPath {
+            step: 1.0,
+            until: Some(2.5),
+            past_transition: false,
+        };
+        let found = steps(&path, None).unwrap();
+        assert_eq!(found, [At(0.0), At(1.0), At(2.0), At(2.5)]);
+        path.until = None;
+        assert_eq!(steps(&path, None), Err(ApproachError::NoEnd));
     }
 }

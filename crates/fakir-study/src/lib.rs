@@ -29,6 +29,7 @@
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
 //! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
 //!   [`closed_forms`](mod@closed_forms) is the list of formulas.
+//! * [`surfaces`] solves a case with a general surface on a grid that is wide enough.
 //! * [`result`] is what every answer is as a JSON object and as tables: command line, Python package and
 //!   page show it and make none of their own.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
@@ -49,6 +50,7 @@ mod plan;
 pub mod provenance;
 mod replace;
 pub mod result;
+pub mod surfaces;
 mod sweep;
 mod table;
 

@@ -1,9 +1,9 @@
 //! `fakir approach`: quasi-static loading from first touch to the critical state.
 
 use crate::failure::Failure;
-use crate::numbers::{digits, with_unit};
+use crate::numbers::digits;
 use crate::report::Report;
-use crate::report::state::{radius_digits, texture_line};
+use crate::report::state::{further_on, loading_remark, radius_digits, texture_line};
 use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::contact::CriticalState;
@@ -38,11 +38,7 @@ fn text(case: &Case, critical: &CriticalState, rows: &[LoadingRow]) -> String {
     let reached = if rows.iter().any(|row| row.critical) {
         String::new()
     } else {
-        format!(
-            "\nThe critical state is further on, at an indentation of {} and a force of {}.\n",
-            with_unit(critical.contact.indentation, Dimension::Length, 6),
-            with_unit(critical.contact.force, Dimension::Force, 6)
-        )
+        further_on(critical.contact.indentation, critical.contact.force)
     };
     format!(
         "Approach of the lens\n{}\n{}\n\n{}{reached}",
@@ -76,20 +72,8 @@ fn columns(rows: &[LoadingRow]) -> [Column<LoadingRow>; 7] {
         Column::right("partial", |row| {
             row.pillars_partially_in_contact.to_string()
         }),
-        Column::text("", |row| remark(row).to_owned()),
+        Column::text("", |row| {
+            loading_remark(row.converged, row.critical, row.beyond_transition).to_owned()
+        }),
     ]
-}
-
-fn remark(row: &LoadingRow) -> &'static str {
-    match row {
-        LoadingRow {
-            converged: false, ..
-        } => "not converged",
-        LoadingRow { critical: true, .. } => "critical",
-        LoadingRow {
-            beyond_transition: true,
-            ..
-        } => "past it",
-        _ => "",
-    }
 }

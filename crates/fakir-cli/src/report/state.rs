@@ -47,6 +47,25 @@ fn plain(value: f64) -> String {
     rounded.to_string()
 }
 
+/// What a row of a loading is.
+pub(crate) fn loading_remark(converged: bool, critical: bool, beyond: bool) -> &'static str {
+    match (converged, critical, beyond) {
+        (false, ..) => "not converged",
+        (_, true, _) => "critical",
+        (_, _, true) => "past it",
+        _ => "",
+    }
+}
+
+/// Where the critical state is that a loading does not come to.
+pub(crate) fn further_on(indentation: f64, force: f64) -> String {
+    format!(
+        "\nThe critical state is further on, at an indentation of {} and a force of {}.\n",
+        with_unit(indentation, Dimension::Length, DIGITS),
+        with_unit(force, Dimension::Force, DIGITS)
+    )
+}
+
 /// A list of the quantities of a state, built up row by row.
 #[derive(Debug, Default)]
 pub(crate) struct QuantityList(Vec<[String; 4]>);

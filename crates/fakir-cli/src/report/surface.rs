@@ -2,7 +2,8 @@
 
 use super::Report;
 use super::maps::Maps;
-use super::state::QuantityList;
+use super::state::{QuantityList, further_on, loading_remark, radius_digits};
+use super::table::{Column, table};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::contact::{Load, Regime};
 use fakir::love::{Boundary, Shares, SurfaceContact, SurfaceTransition};
@@ -10,12 +11,14 @@ use fakir::pattern::{Arrangement, CrossSection, Pattern};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
+use fakir_study::approach::{LoadingPath, SurfaceApproach};
 use fakir_study::citations::Topic;
 use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::result::{
-    SurfacePressSummary, SurfaceTransitionSummary, indenter_name, json, load_words,
+    SurfaceLoadingRow, SurfacePressSummary, SurfaceTransitionSummary, csv, indenter_name, json,
+    load_words, surface_warnings,
 };
 
 /// Digits shown of contact areas, which change by whole cells.
@@ -89,15 +92,70 @@ pub(crate) fn reached(
     }
 }
 
+/// A loading.
+pub(crate) fn loaded(case: &SurfaceCase, path: &LoadingPath, found: SurfaceApproach) -> Report {
+    let rows = &found.summary.states;
+    let further = match &found.critical {
+        Some(critical) if !rows.iter().any(|row| row.critical) => {
+            further_on(critical.contact.indentation, critical.contact.force)
+        }
+        _ => String::new(),
+    };
+    Report {
+        json: json(&found.summary),
+        text: format!(
+            "Approach of the {}\n{}\n\n{}{further}",
+            indenter_name(case.system.indenter()),
+            description(case),
+            table(rows, &columns(rows))
+        ),
+        provenance: provenance(case, &path.words()),
+        tables: vec![csv("approach.csv", rows)],
+        converged: found.summary.converged,
+        warnings: found.warnings,
+    }
+}
+
+fn columns(rows: &[SurfaceLoadingRow]) -> [Column<SurfaceLoadingRow>; 6] {
+    [
+        Column::quantity("indentation", Dimension::Length, rows, |row| {
+            Some(row.indentation_m)
+        }),
+        Column::force(
+            "force",
+            rows,
+            |row| Some(row.force_N),
+            |row| row.force_error_estimate.map_or(AREA_DIGITS, digits),
+        ),
+        Column::force(
+            "on the floor",
+            rows,
+            |row| row.floor_force_N,
+            |_| AREA_DIGITS,
+        ),
+        Column::number("contact area (um^2)", AREA_DIGITS, |row| {
+            Some(row.contact_area_m2 * 1e12)
+        }),
+        Column::radius(
+            "contact radius",
+            rows,
+            |row| row.contact_radius_m,
+            |row| radius_digits(row.contact_radius_error_estimate.unwrap_or(f64::NAN)),
+        ),
+        Column::text("", |row| {
+            loading_remark(
+                row.converged,
+                row.critical,
+                row.beyond_transition == Some(true),
+            )
+            .to_owned()
+        }),
+    ]
+}
+
 /// The report of a contact, but for its JSON and text.
 fn report(case: &SurfaceCase, question: &str, contact: &SurfaceContact, maps: Maps) -> Report {
-    let mut warnings: Vec<String> = contact.warnings.iter().map(ToString::to_string).collect();
-    if !contact.converged() {
-        warnings.push(format!(
-            "the solution {}",
-            contact.termination.description()
-        ));
-    }
+    let mut warnings = surface_warnings(contact);
     let field = |name, values| File::new(name, to_npy(&contact.grid, values));
     let mut tables = vec![
         field("pressure.npy", &contact.pressure),

@@ -13,7 +13,7 @@ mod surface;
 mod theory;
 mod verify;
 
-pub use approach::{ApproachSummary, LoadingRow};
+pub use approach::{ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow};
 pub use compare::{CompareSummary, MethodRow};
 pub use contact::PressSummary;
 pub use critical::TransitionSummary;
@@ -26,6 +26,7 @@ pub use verify::{AnswerRow, VerifySummary};
 
 use crate::output::File;
 use fakir::contact::{ContactState, ErrorEstimate, Load, Normalized};
+use fakir::love::SurfaceContact;
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;
 
@@ -57,6 +58,17 @@ pub fn warnings(state: &ContactState) -> Vec<String> {
     let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
     if !state.converged() {
         warnings.push(format!("the solution {}", state.termination.description()));
+    }
+    warnings
+}
+
+/// The same of a contact with a general surface.
+#[must_use]
+pub fn surface_warnings(contact: &SurfaceContact) -> Vec<String> {
+    let mut warnings: Vec<String> = contact.warnings.iter().map(ToString::to_string).collect();
+    if !contact.converged() {
+        let outcome = contact.termination.description();
+        warnings.push(format!("the solution {outcome}"));
     }
     warnings
 }

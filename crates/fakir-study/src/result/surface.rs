@@ -10,10 +10,10 @@ use fakir::system::Point;
 use serde::Serialize;
 
 /// By which method surfaces are solved.
-const METHOD: &str = "love";
+pub(super) const METHOD: &str = "love";
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-struct GridObject {
+pub(super) struct GridObject {
     columns: usize,
     rows: usize,
     cell_m: [f64; 2],
@@ -180,7 +180,7 @@ pub fn indenter_name(indenter: &Indenter) -> &'static str {
     }
 }
 
-fn boundary_name(boundary: Boundary) -> &'static str {
+pub(super) fn boundary_name(boundary: Boundary) -> &'static str {
     match boundary {
         Boundary::FreeSpace => "free",
         Boundary::Periodic => "periodic",
