@@ -5,36 +5,36 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from . import _fakir
 from ._format import Row, engineering, html_table, text_table
+from ._quantity import Quantity, si
 from ._state import ContactState, CriticalState, contact_state, critical_state
 
 if TYPE_CHECKING:
     import pandas
 
 
-class Approach:
-    """The states of a loading, by rising indentation; iterates over them."""
+State = TypeVar("State")
 
-    states: list[ContactState]
+
+class Loading(Generic[State]):
+    """The states of a loading, whatever is loaded."""
+
+    states: list[State]
     """The states, the critical one among them if the loading gets there."""
-    critical: CriticalState
-    """The critical state, also if the loading ends before it."""
 
-    def __init__(
-        self, summary: dict[str, Any], states: list[ContactState], critical: CriticalState
-    ) -> None:
-        self._summary, self.states, self.critical = summary, states, critical
+    def __init__(self, summary: dict[str, Any], states: list[State]) -> None:
+        self._summary, self.states = summary, states
 
-    def __iter__(self) -> Iterator[ContactState]:
+    def __iter__(self) -> Iterator[State]:
         return iter(self.states)
 
     def __len__(self) -> int:
         return len(self.states)
 
-    def __getitem__(self, number: int) -> ContactState:
+    def __getitem__(self, number: int) -> State:
         return self.states[number]
 
     def to_dict(self) -> dict[str, Any]:
@@ -46,6 +46,19 @@ class Approach:
         import pandas
 
         return pandas.DataFrame(self._summary["states"])
+
+
+class Approach(Loading[ContactState]):
+    """The states of a loading, by rising indentation; iterates over them."""
+
+    critical: CriticalState
+    """The critical state, also if the loading ends before it."""
+
+    def __init__(
+        self, summary: dict[str, Any], states: list[ContactState], critical: CriticalState
+    ) -> None:
+        super().__init__(summary, states)
+        self.critical = critical
 
     def _rows(self) -> list[Row]:
         rows = []
@@ -62,21 +75,31 @@ class Approach:
         return html_table("Approach of the lens: indentation, force", self._rows())
 
 
+def checked_path(
+    step: Quantity, until: Quantity | None, past_transition: bool
+) -> tuple[float, float | None]:
+    """Step and last indentation of a loading, m."""
+    size = si(step, "length", "step")
+    end = None if until is None else si(until, "length", "until")
+    if not 0.0 < size < float("inf"):
+        raise ValueError(f"step is {size} m: it must be greater than 0")
+    if end is not None and not 0.0 <= end < float("inf"):
+        raise ValueError(f"until is {end} m: it must be 0 or greater")
+    if past_transition and end is None:
+        raise TypeError("past_transition needs until: the indentation to go to")
+    return size, end
+
+
 def approach(
     case: _fakir.Case,
-    step: float,
-    until: float | None,
+    step: Quantity,
+    until: Quantity | None,
     past_transition: bool,
     options: _fakir.Options,
 ) -> Approach:
     """Computes all states of a loading."""
-    if not 0.0 < step < float("inf"):
-        raise ValueError(f"step is {step} m: it must be greater than 0")
-    if until is not None and not 0.0 <= until < float("inf"):
-        raise ValueError(f"until is {until} m: it must be 0 or greater")
-    if past_transition and until is None:
-        raise TypeError("past_transition needs until: the indentation to go to")
-    found, reached, others = _fakir.approach(case, step, until, past_transition, options)
+    size, end = checked_path(step, until, past_transition)
+    found, reached, others = _fakir.approach(case, size, end, past_transition, options)
     summary = json.loads(found)
     critical = critical_state(reached)
     rest = iter(others)

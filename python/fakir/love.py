@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
+from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -17,13 +18,14 @@ from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn
 from ._state import FIELDS, ErrorEstimate
-from ._system import Lens, Substrate, load
+from ._loading import Loading, checked_path
+from ._system import Lens, Overrides, Substrate, _settings, load
 from .errors import NotConverged
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Plate", "Surface", "SurfaceContact", "SurfaceTransition"]
+__all__ = ["Plate", "Surface", "SurfaceApproach", "SurfaceContact", "SurfaceTransition"]
 
 
 @dataclass(frozen=True, init=False)
@@ -108,20 +110,52 @@ class Surface:
             lens = [indenter.radius, indenter.young_modulus, indenter.poisson_ratio]
         elif indenter.young_modulus is not None and indenter.poisson_ratio is not None:
             plate = [indenter.young_modulus, indenter.poisson_ratio]
-        self._surface = _fakir.Surface(
-            values,
-            cell,
-            origin,
-            lens,
-            plate,
-            [substrate.young_modulus, substrate.poisson_ratio],
-            bool(periodic),
-            None if floor is None else finite(floor, "length", "floor"),
+        self._hold(
+            _fakir.Surface(
+                values,
+                cell,
+                origin,
+                lens,
+                plate,
+                [substrate.young_modulus, substrate.poisson_ratio],
+                bool(periodic),
+                None if floor is None else finite(floor, "length", "floor"),
+            )
         )
-        self.indenter, self.substrate, self.periodic = indenter, substrate, bool(periodic)
-        self.heights = values
-        self.x = origin[0] + cell[0] * (np.arange(columns) + 0.5)
-        self.y = origin[1] + cell[1] * (np.arange(rows) + 0.5)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | PathLike[str],
+        set: Overrides | None = None,
+        *,
+        memory_limit: int | None = None,
+    ) -> Surface:
+        """Reads a case file with a ``[surface]``; ``set`` overrides keys, as ``--set`` of the command
+        line. ``memory_limit`` is in bytes; 8 GB if not given.
+        """
+        surface = cls.__new__(cls)
+        surface._hold(_fakir.Surface.read(fspath(path), _settings(set), memory_limit))
+        return surface
+
+    @classmethod
+    def from_toml(
+        cls, text: str, set: Overrides | None = None, *, memory_limit: int | None = None
+    ) -> Surface:
+        """As `from_file`, from the text of a case file."""
+        surface = cls.__new__(cls)
+        surface._hold(_fakir.Surface.parse("case.toml", text, _settings(set), memory_limit))
+        return surface
+
+    def _hold(self, surface: _fakir.Surface) -> None:
+        self._surface = surface
+        lens, plate = surface.lens, surface.plate
+        self.indenter = Lens(*lens) if lens is not None else Plate(*(plate or []))
+        self.substrate, self.periodic = Substrate(*surface.substrate), surface.periodic
+        self.heights = surface.heights()
+        rows, columns = self.heights.shape
+        self.x = surface.origin[0] + surface.cell[0] * (np.arange(columns, dtype=np.float64) + 0.5)
+        self.y = surface.origin[1] + surface.cell[1] * (np.arange(rows, dtype=np.float64) + 0.5)
 
     def press(
         self,
@@ -151,6 +185,46 @@ class Surface:
         """The state in which the floor is just reached."""
         run = options(threads, progress, memory_limit)
         found = _fakir.surface_transition(self._surface, run)
+        return self._reached(found)
+
+    def approach(
+        self,
+        step: Quantity = "1 um",
+        until: Quantity | None = None,
+        past_transition: bool = False,
+        *,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> SurfaceApproach:
+        """Loading step by step from first touch, ending exactly at the critical state.
+
+        Parameters
+        ----------
+        step
+            Of the indentation (m).
+        until
+            The last indentation (m), if it is to end before the critical state; or past it, with
+            ``past_transition``, where the floor bears load. Needed where it is not known what the
+            floor is.
+        """
+        size, end = checked_path(step, until, past_transition)
+        run = options(threads, progress, memory_limit)
+        found, reached, others = _fakir.approach_surface(
+            self._surface, size, end, past_transition, run
+        )
+        summary = json.loads(found)
+        critical = None if reached is None else self._reached(reached)
+        rest = iter(others)
+        states = [
+            critical.contact
+            if row["critical"] and critical is not None
+            else _checked(SurfaceContact(self, next(rest)))
+            for row in summary["states"]
+        ]
+        return SurfaceApproach(summary, states, critical)
+
+    def _reached(self, found: _fakir.SurfaceTransition) -> SurfaceTransition:
         contact = _checked(SurfaceContact(self, found.contact))
         x, y = found.floor_contact
         return SurfaceTransition(contact, found.regime, (x, y), found.json())
@@ -310,6 +384,37 @@ class SurfaceTransition:
     def to_dict(self) -> dict[str, Any]:
         """The object that ``fakir transition --json`` prints: same names, same numbers."""
         return json.loads(self._json)  # type: ignore[no-any-return]
+
+
+class SurfaceApproach(Loading[SurfaceContact]):
+    """The states of a loading on a height map, by rising indentation; iterates over them."""
+
+    critical: SurfaceTransition | None
+    """The critical state, also if the loading ends before it; None where the floor is not known."""
+
+    def __init__(
+        self,
+        summary: dict[str, Any],
+        states: list[SurfaceContact],
+        critical: SurfaceTransition | None,
+    ) -> None:
+        super().__init__(summary, states)
+        self.critical = critical
+
+    def _rows(self) -> list[Row]:
+        rows = []
+        for state, row in zip(self.states, self._summary["states"]):
+            mark = ", critical" if row["critical"] else ""
+            area = f"{state.contact_area * 1e12:.5g} µm²"
+            text = f"{engineering(state.force, 'N')} on {area}{mark}"
+            rows.append((engineering(state.indentation, "m"), text))
+        return rows
+
+    def __repr__(self) -> str:
+        return text_table("fakir.love.SurfaceApproach: indentation, force", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Approach on a height map: indentation, force", self._rows())
 
 
 def _checked(contact: SurfaceContact) -> SurfaceContact:

@@ -136,6 +136,39 @@ def test_a_height_map_gives_the_same_object(tmp_path, floor):
         assert timeless(surface.transition().to_dict()) == timeless(expected)
 
 
+def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
+    case = EXAMPLES / "square-pillars.toml"
+    overrides = {"surface.grid.cells_per_diameter": 8}
+    setting = "--set=surface.grid.cells_per_diameter=8"
+    with pytest.raises(fakir.CaseError, match="fakir.love.Surface.from_file"):
+        fakir.System.from_file(case)
+    surface = fakir.love.Surface.from_file(case, set=overrides)
+    again = fakir.love.Surface.from_toml(case.read_text(), set=overrides)
+    assert np.array_equal(surface.heights, again.heights)
+    assert surface.heights.shape == (len(surface.y), len(surface.x))
+    assert surface.indenter == fakir.Lens("1 mm", "2 MPa", 0.5) and not surface.periodic
+    expected = program("press", case, setting, "--indentation=1um")
+    assert timeless(surface.press(indentation="1 um").to_dict()) == timeless(expected)
+    path = ["--step=1um", "--until=3um", "--past-transition", f"--output={tmp_path / 'out'}"]
+    expected = program("approach", case, setting, *path)
+    loading = surface.approach("1 um", until="3 um", past_transition=True)
+    assert timeless(loading.to_dict()) == timeless(expected)
+    assert table(tmp_path / "out", "approach.csv") == list(loading.to_pandas())
+    assert loading.critical is not None
+    assert [state is loading.critical.contact for state in loading] == [
+        row["critical"] for row in expected["states"]
+    ]
+    assert "critical" in repr(loading)
+
+
+def test_a_loading_on_a_map_without_a_floor_is_told_where_to_end(tmp_path):
+    _, surface = height_map(tmp_path, floor=False)
+    with pytest.raises(ValueError, match="give surface.floor"):
+        surface.approach("0.1 um")
+    loading = surface.approach("0.1 um", until="0.2 um")
+    assert loading.critical is None and len(loading) == 3
+
+
 @pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
 def test_tables_and_other_answers_are_the_same(tmp_path):
     case = EXAMPLES / "paper-intermediate.toml"

@@ -204,8 +204,8 @@ fn a_surface_is_loaded_step_by_step() {
     let folder = tempfile::TempDir::new().expect("a folder for the test");
     let out = folder.path().join("out");
     let out = out.to_str().expect("a path in Unicode");
-    let past = ["--until", "0.8um", "--past-transition", "--output", out];
-    let arguments = [&["--json", "--step", "0.4um"][..], &past].concat();
+    let past = ["--until", "3um", "--past-transition", "--output", out];
+    let arguments = [&["--json", "--step", "1um"][..], &past].concat();
     let loading = json(&fakir("approach", &case, &arguments));
     assert_eq!(loading["converged"], true);
     let critical = json(&fakir("transition", &case, &["--json"]));
@@ -223,7 +223,7 @@ fn a_surface_is_loaded_step_by_step() {
         let force = number(state, "/force_N");
         assert!((bears - force).abs() <= 1e-12 * force);
     }
-    let load = ["--json", "--indentation", "0.4um"];
+    let load = ["--json", "--indentation", "1um"];
     let pressed = json(&fakir("press", &case, &load));
     let state = states
         .iter()
@@ -237,7 +237,7 @@ fn a_surface_is_loaded_step_by_step() {
         table.starts_with("indentation_m,force_N,contact_area_m2,contact_radius_m,tops_force_N")
     );
     assert_eq!(table.lines().count(), states.len() + 1);
-    let shown = text(&fakir("approach", &case, &["--step", "0.4um"]).stdout);
+    let shown = text(&fakir("approach", &case, &["--step", "1um"]).stdout);
     assert!(shown.contains("on the floor"), "{shown}");
     assert!(shown.trim_end().ends_with("critical"), "{shown}");
 }

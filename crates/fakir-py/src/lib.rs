@@ -35,7 +35,8 @@ mod _fakir {
     use super::study::{Ledger, Study, solve_cases};
     #[pymodule_export]
     use super::surface::{
-        Surface, SurfaceContact, SurfaceTransition, press_surface, surface_transition,
+        Surface, SurfaceContact, SurfaceTransition, approach_surface, press_surface,
+        surface_transition,
     };
     #[pymodule_export]
     use super::theory::{

@@ -1,13 +1,17 @@
 //! A lens or a plate on a height map.
 
-use crate::error::{surface_error, value_error};
+use crate::error::{approach_error, case_error, surface_error, value_error};
 use crate::state::load;
 use crate::watched::{Options, watched};
+use fakir::contact::Run;
 use fakir::love::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
 use fakir::system::{Lens, Material, Point};
+use fakir_case::CaseFile;
+use fakir_study::approach::LoadingPath;
 use fakir_study::result::{SurfacePressSummary, SurfaceTransitionSummary, json};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// What is pressed onto what.
@@ -56,9 +60,82 @@ impl Surface {
         })
     }
 
+    /// Reads a case file with a `[surface]`.
+    #[staticmethod]
+    fn read(path: PathBuf, overrides: Vec<String>, memory_limit: Option<usize>) -> PyResult<Self> {
+        let file = CaseFile::read(&path).map_err(|error| case_error(&error))?;
+        Self::of(file, &overrides, memory_limit)
+    }
+
+    /// Reads the text of one; `name` is what errors call it.
+    #[staticmethod]
+    fn parse(
+        name: &str,
+        text: &str,
+        overrides: Vec<String>,
+        memory_limit: Option<usize>,
+    ) -> PyResult<Self> {
+        let file = CaseFile::parse(name, text).map_err(|error| case_error(&error))?;
+        Self::of(file, &overrides, memory_limit)
+    }
+
     #[getter]
     fn reduced_modulus(&self) -> f64 {
         self.system.reduced_modulus()
+    }
+
+    /// Heights, m, a row for every y.
+    fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (surface, grid) = (self.system.surface(), self.system.surface().grid());
+        let flat = numpy::PyArray1::from_slice(py, surface.heights());
+        flat.reshape([grid.rows(), grid.columns()])
+    }
+
+    /// Sides of a cell, m.
+    #[getter]
+    fn cell(&self) -> [f64; 2] {
+        self.system.surface().grid().cell()
+    }
+
+    /// Lower left corner, m from the lens axis.
+    #[getter]
+    fn origin(&self) -> Point {
+        self.system.surface().grid().origin()
+    }
+
+    #[getter]
+    fn periodic(&self) -> bool {
+        self.system.boundary() == Boundary::Periodic
+    }
+
+    /// Radius, modulus and Poisson's ratio of the lens, if it is one.
+    #[getter]
+    fn lens(&self) -> Option<[f64; 3]> {
+        match self.system.indenter() {
+            Indenter::Lens(lens) => Some([
+                lens.radius,
+                lens.material.young_modulus,
+                lens.material.poisson_ratio,
+            ]),
+            Indenter::Flat(_) => None,
+        }
+    }
+
+    /// Modulus and Poisson's ratio of an elastic plate.
+    #[getter]
+    fn plate(&self) -> Option<[f64; 2]> {
+        match self.system.indenter() {
+            Indenter::Flat(material) => {
+                material.map(|material| [material.young_modulus, material.poisson_ratio])
+            }
+            Indenter::Lens(_) => None,
+        }
+    }
+
+    #[getter]
+    fn substrate(&self) -> [f64; 2] {
+        let material = self.system.substrate();
+        [material.young_modulus, material.poisson_ratio]
     }
 }
 
@@ -143,7 +220,7 @@ pub(crate) fn press_surface(
     let start = Instant::now();
     let contact = watched(py, &options, |run| surface.system.press(load, run))?;
     let contact = contact.map_err(|error| surface_error(&error))?;
-    Ok(surface.contact(contact, start))
+    Ok(surface.contact(contact, start.elapsed().as_secs_f64()))
 }
 
 /// The state in which the floor is just reached.
@@ -159,23 +236,76 @@ pub(crate) fn surface_transition(
     let start = Instant::now();
     let found = watched(py, &options, |run| surface.system.transition(floor, run))?;
     let found = found.map_err(|error| surface_error(&error))?;
-    let wall_time = start.elapsed().as_secs_f64();
-    let summary = json(&SurfaceTransitionSummary::new(
-        &surface.system,
-        &found,
-        wall_time,
-    ));
-    Ok(SurfaceTransition {
-        regime: found.regime.name(),
-        floor_contact: found.floor_contact,
-        contact: Py::new(py, surface.contact(found.contact, start))?,
-        summary,
-    })
+    surface.reached(py, found, start.elapsed().as_secs_f64())
+}
+
+/// The object that `fakir approach --json` prints for a surface, the critical state if there is one, and
+/// the other states.
+type Loading = (String, Option<SurfaceTransition>, Vec<SurfaceContact>);
+
+/// The states of a loading by steps of the indentation (m).
+#[pyfunction]
+pub(crate) fn approach_surface(
+    py: Python<'_>,
+    surface: &Surface,
+    step: f64,
+    until: Option<f64>,
+    past_transition: bool,
+    options: Options,
+) -> PyResult<Loading> {
+    let path = LoadingPath {
+        step,
+        until,
+        past_transition,
+    };
+    let (found, states) = watched(py, &options, |run| {
+        let mut states = Vec::new();
+        let mut keep = |contact, wall_time| states.push(surface.contact(contact, wall_time));
+        let (system, floor) = (&surface.system, surface.floor);
+        let found =
+            fakir_study::approach::approach_surface(system, floor, &path, run, &|_| {}, &mut keep);
+        (found, states)
+    })?;
+    let found = found.map_err(|error| approach_error(&error))?;
+    let critical = found
+        .critical
+        .map(|critical| surface.reached(py, critical, found.critical_time));
+    Ok((json(&found.summary), critical.transpose()?, states))
 }
 
 impl Surface {
-    fn contact(&self, contact: fakir::love::SurfaceContact, start: Instant) -> SurfaceContact {
-        let wall_time = start.elapsed().as_secs_f64();
+    fn of(mut file: CaseFile, overrides: &[String], memory_limit: Option<usize>) -> PyResult<Self> {
+        for setting in overrides {
+            file.set(setting).map_err(|error| case_error(&error))?;
+        }
+        let run = Run {
+            memory_limit,
+            ..Run::default()
+        };
+        let case = file.surface_case(run.memory_limit());
+        let case = case.map_err(|error| case_error(&error))?;
+        Ok(Self {
+            system: case.system,
+            floor: case.floor,
+        })
+    }
+
+    fn reached(
+        &self,
+        py: Python<'_>,
+        found: fakir::love::SurfaceTransition,
+        wall_time: f64,
+    ) -> PyResult<SurfaceTransition> {
+        let summary = SurfaceTransitionSummary::new(&self.system, &found, wall_time);
+        Ok(SurfaceTransition {
+            summary: json(&summary),
+            regime: found.regime.name(),
+            floor_contact: found.floor_contact,
+            contact: Py::new(py, self.contact(found.contact, wall_time))?,
+        })
+    }
+
+    fn contact(&self, contact: fakir::love::SurfaceContact, wall_time: f64) -> SurfaceContact {
         let summary = SurfacePressSummary::new(&self.system, self.floor, &contact, wall_time);
         SurfaceContact {
             summary: json(&summary),
