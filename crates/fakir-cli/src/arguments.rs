@@ -58,6 +58,9 @@ pub(crate) enum Command {
     #[command(after_help = "Example: fakir press case.toml --force 20uN")]
     Press(Press),
     /// Loading step by step, as in the experiment, up to the critical state
+    ///
+    /// On a general surface (a case with a [surface]) the floor bears load past that state. A height
+    /// map without surface.floor has none: there the loading ends at --until.
     #[command(
         after_help = "Example: fakir approach case.toml --step 0.1um --output approach-to-floor"
     )]
@@ -67,7 +70,8 @@ pub(crate) enum Command {
     /// Elements of constant pressure on two meshes against the accurate spectral method; both
     /// methods estimate their errors. Exit status 1 says that they differ by more, or that it cannot
     /// be told, as one of them did not converge or knows no digit. Of the case's [method] only the
-    /// mesh of elements counts.
+    /// mesh of elements counts. On a general surface (a case with a [surface]) there are elements only:
+    /// pillars are solved on both meshes, and a height map, which has one, is refused.
     #[command(after_help = "Example: fakir verify case.toml --cells 32")]
     Verify(Verify),
     /// The formulas: lattice sums, critical state and transition curve in closed form
@@ -231,7 +235,8 @@ pub(crate) struct Approach {
     /// Stop at this indentation instead of the critical one, if it is reached earlier
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     until: Option<f64>,
-    /// Go on past the critical state to the indentation of --until, as if the floor were not there
+    /// Go on past the critical state to the indentation of --until, on a texture as if the floor were
+    /// not there
     #[arg(long, requires = "until")]
     past_transition: bool,
     #[command(flatten)]

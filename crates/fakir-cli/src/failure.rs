@@ -11,6 +11,7 @@ use fakir_paper::PaperError;
 use fakir_study::StudyError;
 use fakir_study::approach::ApproachError;
 use fakir_study::output::OutputError;
+use fakir_study::surfaces::SurfaceVerifyError;
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -73,6 +74,16 @@ impl From<ApproachError> for Failure {
         match error {
             ApproachError::Solve(error) => error.into(),
             ApproachError::Surface(error) => error.into(),
+            other => Self::Argument(other.to_string()),
+        }
+    }
+}
+
+impl From<SurfaceVerifyError> for Failure {
+    fn from(error: SurfaceVerifyError) -> Self {
+        match error {
+            SurfaceVerifyError::Case(error) => error.into(),
+            SurfaceVerifyError::Surface(error) => error.into(),
             other => Self::Argument(other.to_string()),
         }
     }

@@ -79,6 +79,11 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
+            if file.is_surface() {
+                return deliver(command, &options.case, move || {
+                    commands::surface::verify(&file, options.load(), options.cells, &session)
+                });
+            }
             answer(command, &options.case, &file, move |case| {
                 commands::verify::run(case, options.load(), options.cells, &session)
             })

@@ -262,6 +262,18 @@ fn a_loading_without_a_floor_ends_where_it_is_told_to() {
     assert_eq!(refused.status.code(), Some(2));
     let explained = text(&refused.stderr);
     assert!(explained.contains("give surface.floor"), "{explained}");
+    let mut verify = Command::new(env!("CARGO_BIN_EXE_fakir"));
+    let verify = verify
+        .args(["verify", "--indentation", "0.1um"])
+        .arg(&case)
+        .output();
+    let verify = verify.expect("the binary runs");
+    assert_eq!(verify.status.code(), Some(2));
+    let explained = text(&verify.stderr);
+    assert!(
+        explained.contains("press and transition estimate the error"),
+        "{explained}"
+    );
     let loading = json(&run(&["--step", "0.1um", "--until", "0.2um", "--json"]));
     assert!(loading["critical"].is_null());
     let states = loading["states"].as_array().expect("states");
@@ -276,9 +288,41 @@ fn a_loading_without_a_floor_ends_where_it_is_told_to() {
     assert!((number(&states[2], "/force_N") / hertz - 1.0).abs() < 5e-3);
 }
 
+/// Both answers are those of `press` on these cells.
+#[test]
+fn pillars_are_verified_on_two_meshes() {
+    let case = example("square-pillars.toml");
+    let load = ["--indentation", "0.6um", "--json"];
+    let verified = json(&fakir("verify", &case, &load));
+    assert_eq!(verified["verdict"], "agree");
+    assert_eq!(verified["question"], "press at an indentation");
+    let answers = verified["answers"].as_array().expect("answers");
+    assert_eq!(answers.len(), 2);
+    for (answer, cells) in answers.iter().zip([8, 16]) {
+        let cells = format!("surface.grid.cells_per_diameter={cells}");
+        let press = json(&fakir(
+            "press",
+            &case,
+            &[&load[..], &["--set", &cells]].concat(),
+        ));
+        for name in ["force_N", "contact_area_m2", "contact_radius_m"] {
+            assert_eq!(answer[name], press[name]);
+        }
+        assert_eq!(answer["columns"], press["grid"]["columns"]);
+    }
+    let [coarse, fine] = [0, 1].map(|mesh| number(&answers[mesh], "/force_N"));
+    let relative = number(&verified, "/relative_difference/force");
+    assert!((relative - (coarse / fine - 1.0)).abs() < 1e-15);
+    assert!(relative.abs() <= number(&verified, "/allowed_difference/force"));
+    let critical = json(&fakir("verify", &case, &["--json"]));
+    assert_eq!(critical["question"], "transition");
+    let shown = text(&fakir("verify", &case, &["--indentation", "0.6um"]).stdout);
+    assert!(shown.contains("The two meshes agree within"), "{shown}");
+}
+
 #[test]
 fn other_commands_need_a_texture() {
-    for command in ["theory", "compare", "verify"] {
+    for command in ["theory", "compare"] {
         let output = fakir(command, &example("square-pillars.toml"), &[]);
         assert_eq!(output.status.code(), Some(2));
         let explained = text(&output.stderr);

@@ -1,10 +1,11 @@
-//! `fakir press`, `fakir transition` and `fakir approach` of a case with a general surface.
+//! `fakir press`, `transition`, `approach` and `verify` of a case with a general surface.
 
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::report::maps::Maps;
-use crate::report::surface::{loaded, pressed, reached};
+use crate::report::surface::{loaded, pressed, reached, verified};
 use crate::session::Session;
+use fakir::Question;
 use fakir::contact::Load;
 use fakir::love::SurfaceError;
 use fakir_case::{CaseFile, SurfaceCase};
@@ -90,6 +91,27 @@ pub(crate) fn approach(
     })?;
     let mut report = loaded(&case, path, found);
     report.warnings.extend(widened);
+    Ok(report)
+}
+
+/// Pillars of any form on two meshes.
+pub(crate) fn verify(
+    file: &CaseFile,
+    load: Option<Load>,
+    cells_per_diameter: usize,
+    session: &Session,
+) -> Result<Report, Failure> {
+    let start = Instant::now();
+    let question = load.map_or(Question::Transition, Question::Press);
+    let next = |part: &str| session.part(part);
+    let found = surfaces::verify(file, question, cells_per_diameter, &session.run(), &next)?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let mut report = verified(question, &found, wall_time);
+    let widened = found
+        .answers
+        .into_iter()
+        .filter_map(|answer| answer.widened);
+    report.warnings.extend(widened.last());
     Ok(report)
 }
 

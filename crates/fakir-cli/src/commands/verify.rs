@@ -3,12 +3,12 @@
 use crate::failure::Failure;
 use crate::numbers::{seconds, significant};
 use crate::report::Report;
-use crate::report::state::{radius_digits, texture_line};
+use crate::report::state::{difference, radius_digits, texture_line};
 use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::contact::{Accuracy, ContactState, Load, Method};
 use fakir::love::ElementMesh;
-use fakir::{Difference, Question, Verdict, Verification};
+use fakir::{Question, Verdict, Verification};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
@@ -104,16 +104,4 @@ fn error(value: f64) -> String {
     } else {
         "-".to_owned()
     }
-}
-
-/// Nothing for what was prescribed.
-fn difference(name: &str, difference: Difference) -> String {
-    if difference.allowed == 0.0 {
-        return String::new();
-    }
-    format!(
-        "Difference in {name}: {:.1e}, allowed {:.1e}\n",
-        difference.relative.abs(),
-        difference.allowed
-    )
 }

@@ -2,6 +2,7 @@
 
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
+use fakir::Difference;
 use fakir::contact::{ContactState, ErrorEstimate, Method, Normalized};
 use fakir::system::System;
 use fakir_case::unit::Dimension;
@@ -63,6 +64,18 @@ pub(crate) fn further_on(indentation: f64, force: f64) -> String {
         "\nThe critical state is further on, at an indentation of {} and a force of {}.\n",
         with_unit(indentation, Dimension::Length, DIGITS),
         with_unit(force, Dimension::Force, DIGITS)
+    )
+}
+
+/// A difference of two answers in words. Nothing for what was prescribed.
+pub(crate) fn difference(name: &str, difference: Difference) -> String {
+    if difference.allowed == 0.0 {
+        return String::new();
+    }
+    format!(
+        "Difference in {name}: {:.1e}, allowed {:.1e}\n",
+        difference.relative.abs(),
+        difference.allowed
     )
 }
 

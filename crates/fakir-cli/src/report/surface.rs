@@ -2,9 +2,10 @@
 
 use super::Report;
 use super::maps::Maps;
-use super::state::{QuantityList, further_on, loading_remark, radius_digits};
+use super::state::{QuantityList, difference, further_on, loading_remark, radius_digits};
 use super::table::{Column, table};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
+use fakir::Question;
 use fakir::contact::{Load, Regime};
 use fakir::love::{Boundary, Shares, SurfaceContact, SurfaceTransition};
 use fakir::pattern::{Arrangement, CrossSection, Pattern};
@@ -17,9 +18,10 @@ use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::result::{
-    SurfaceLoadingRow, SurfacePressSummary, SurfaceTransitionSummary, csv, indenter_name, json,
-    load_words, surface_warnings,
+    MeshRow, SurfaceLoadingRow, SurfacePressSummary, SurfaceTransitionSummary,
+    SurfaceVerifySummary, csv, indenter_name, json, load_words, surface_warnings,
 };
+use fakir_study::surfaces::SurfaceVerification;
 
 /// Digits shown of contact areas, which change by whole cells.
 const AREA_DIGITS: usize = 4;
@@ -151,6 +153,69 @@ fn columns(rows: &[SurfaceLoadingRow]) -> [Column<SurfaceLoadingRow>; 6] {
             .to_owned()
         }),
     ]
+}
+
+/// A second opinion.
+pub(crate) fn verified(question: Question, found: &SurfaceVerification, wall_time: f64) -> Report {
+    let summary = SurfaceVerifySummary::new(question, found, wall_time);
+    let rows = summary.answers();
+    let case = &found.answers[1].case;
+    let columns = [
+        Column::right("Cells across a pillar", |row: &MeshRow| {
+            row.cells_per_diameter.to_string()
+        }),
+        Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
+        Column::right("error", |row| estimate(row.force_error_estimate)),
+        Column::quantity("zeta", Dimension::Length, rows, |row| {
+            Some(row.indentation_m)
+        }),
+        Column::right("error", |row| estimate(row.indentation_error_estimate)),
+        Column::number("contact area (um^2)", AREA_DIGITS, |row| {
+            Some(row.contact_area_m2 * 1e12)
+        }),
+    ];
+    let verdict = match found.verdict() {
+        (_, Some(doubt)) => format!("IT CANNOT BE TOLD whether they agree: {doubt}"),
+        _ if found.agrees() => "The two meshes agree within their error estimates".to_owned(),
+        _ => "THE TWO MESHES DISAGREE beyond their error estimates".to_owned(),
+    };
+    let words = match question {
+        Question::Transition => "critical state".to_owned(),
+        Question::Press(load) => load_words(load),
+    };
+    let [coarse, fine] = found.cells_per_diameter;
+    Report {
+        json: json(&summary),
+        text: format!(
+            "Verification on two meshes\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",
+            description(case),
+            table(rows, &columns),
+            difference("force", found.force),
+            difference("indentation", found.indentation),
+            seconds(wall_time)
+        ),
+        provenance: Provenance::new(
+            words,
+            format!("Love elements, {coarse} against {fine} cells across a pillar"),
+            &[topic(case)],
+            case.to_toml(),
+        ),
+        tables: vec![csv("verify.csv", rows)],
+        warnings: found
+            .answers
+            .iter()
+            .flat_map(|answered| surface_warnings(&answered.answer))
+            .collect(),
+        converged: found.agrees(),
+    }
+}
+
+/// An error estimate; none of what was prescribed, or on too few cells.
+fn estimate(error: Option<f64>) -> String {
+    match error {
+        Some(error) if error > 0.0 => significant(error, 1),
+        _ => "-".to_owned(),
+    }
 }
 
 /// The report of a contact, but for its JSON and text.

@@ -22,7 +22,7 @@ pub use surface::{SurfacePressSummary, SurfaceTransitionSummary, indenter_name};
 pub use theory::{
     CoefficientRow, Constants, CurveRow, FormulaRow, SumRow, TheorySummary, constants,
 };
-pub use verify::{AnswerRow, VerifySummary};
+pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
 use fakir::contact::{ContactState, ErrorEstimate, Load, Normalized};
