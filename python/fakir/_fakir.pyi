@@ -253,4 +253,11 @@ def approach_surface(
     past_transition: bool,
     options: Options,
 ) -> tuple[str, SurfaceTransition | None, list[SurfaceContact]]: ...
+def verify_surface(
+    surface: Surface,
+    indentation: float | None,
+    force: float | None,
+    cells_per_diameter: int,
+    options: Options,
+) -> tuple[str, list[tuple[Surface, SurfaceContact]]]: ...
 def surface_transition(surface: Surface, options: Options) -> SurfaceTransition: ...

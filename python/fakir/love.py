@@ -20,12 +20,20 @@ from ._run import Progress, options, warn
 from ._state import FIELDS, ErrorEstimate
 from ._loading import Loading, checked_path
 from ._system import Lens, Overrides, Substrate, _settings, load
+from ._verification import Opinion, checked_cells
 from .errors import NotConverged
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Plate", "Surface", "SurfaceApproach", "SurfaceContact", "SurfaceTransition"]
+__all__ = [
+    "Plate",
+    "Surface",
+    "SurfaceApproach",
+    "SurfaceContact",
+    "SurfaceTransition",
+    "SurfaceVerification",
+]
 
 
 @dataclass(frozen=True, init=False)
@@ -124,6 +132,12 @@ class Surface:
         )
 
     @classmethod
+    def _of(cls, surface: _fakir.Surface) -> Surface:
+        made = cls.__new__(cls)
+        made._hold(surface)
+        return made
+
+    @classmethod
     def from_file(
         cls,
         path: str | PathLike[str],
@@ -134,18 +148,14 @@ class Surface:
         """Reads a case file with a ``[surface]``; ``set`` overrides keys, as ``--set`` of the command
         line. ``memory_limit`` is in bytes; 8 GB if not given.
         """
-        surface = cls.__new__(cls)
-        surface._hold(_fakir.Surface.read(fspath(path), _settings(set), memory_limit))
-        return surface
+        return cls._of(_fakir.Surface.read(fspath(path), _settings(set), memory_limit))
 
     @classmethod
     def from_toml(
         cls, text: str, set: Overrides | None = None, *, memory_limit: int | None = None
     ) -> Surface:
         """As `from_file`, from the text of a case file."""
-        surface = cls.__new__(cls)
-        surface._hold(_fakir.Surface.parse("case.toml", text, _settings(set), memory_limit))
-        return surface
+        return cls._of(_fakir.Surface.parse("case.toml", text, _settings(set), memory_limit))
 
     def _hold(self, surface: _fakir.Surface) -> None:
         self._surface = surface
@@ -223,6 +233,29 @@ class Surface:
             for row in summary["states"]
         ]
         return SurfaceApproach(summary, states, critical)
+
+    def verify(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        cells_per_diameter: int = 16,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> SurfaceVerification:
+        """The same question on two meshes: on ``cells_per_diameter`` cells across a pillar, and on half
+        as many.
+
+        The question is the critical state, or the contact under a load if one is given. The surface
+        must be of pillars, as a case file describes them: heights are known on their own cells only.
+        """
+        question = (None, None) if indentation is None and force is None else load(indentation, force)
+        checked_cells(cells_per_diameter)
+        run = options(threads, progress, memory_limit)
+        summary, found = _fakir.verify_surface(self._surface, *question, cells_per_diameter, run)
+        contacts = [SurfaceContact(Surface._of(surface), contact) for surface, contact in found]
+        return SurfaceVerification(json.loads(summary), contacts)
 
     def _reached(self, found: _fakir.SurfaceTransition) -> SurfaceTransition:
         contact = _checked(SurfaceContact(self, found.contact))
@@ -415,6 +448,27 @@ class SurfaceApproach(Loading[SurfaceContact]):
 
     def _repr_html_(self) -> str:
         return html_table("Approach on a height map: indentation, force", self._rows())
+
+
+class SurfaceVerification(Opinion):
+    """The answers on both meshes, and what they differ by."""
+
+    elements: tuple[SurfaceContact, SurfaceContact]
+    """On half as many cells across a pillar, and on all of them."""
+
+    def __init__(self, summary: dict[str, Any], contacts: list[SurfaceContact]) -> None:
+        super().__init__(summary)
+        coarse, fine = contacts
+        self.elements = coarse, fine
+
+    def _rows(self) -> list[Row]:
+        return self._told([("coarse", self.elements[0]), ("fine", self.elements[1])])
+
+    def __repr__(self) -> str:
+        return text_table("fakir.love.SurfaceVerification", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Verification on two meshes", self._rows())
 
 
 def _checked(contact: SurfaceContact) -> SurfaceContact:

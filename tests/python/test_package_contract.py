@@ -159,6 +159,12 @@ def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
         row["critical"] for row in expected["states"]
     ]
     assert "critical" in repr(loading)
+    expected = program("verify", case, "--indentation=0.6um")
+    verification = surface.verify(indentation="0.6 um")
+    assert timeless(verification.to_dict()) == timeless(expected)
+    coarse, fine = verification.elements
+    assert verification.agrees and coarse.surface.heights.size < fine.surface.heights.size
+    assert "the answers agree" in repr(verification)
 
 
 def test_a_loading_on_a_map_without_a_floor_is_told_where_to_end(tmp_path):
@@ -167,6 +173,8 @@ def test_a_loading_on_a_map_without_a_floor_is_told_where_to_end(tmp_path):
         surface.approach("0.1 um")
     loading = surface.approach("0.1 um", until="0.2 um")
     assert loading.critical is None and len(loading) == 3
+    with pytest.raises(ValueError, match="known on its own cells only"):
+        surface.verify(indentation="0.1 um")
 
 
 @pytest.mark.filterwarnings("ignore::fakir.FakirWarning")

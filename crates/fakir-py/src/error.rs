@@ -7,6 +7,7 @@ use fakir_inverse::fit::FitError;
 use fakir_inverse::spread::SpreadError;
 use fakir_study::StudyError;
 use fakir_study::approach::ApproachError;
+use fakir_study::surfaces::SurfaceVerifyError;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 
@@ -81,6 +82,14 @@ pub(crate) fn surface_error(error: &SurfaceError) -> PyErr {
         SurfaceError::Interrupted => PyKeyboardInterrupt::new_err(()),
         SurfaceError::InvalidQuantity(_) => value_error(error),
         _ => exceptions::SolveError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn surface_verify_error(error: &SurfaceVerifyError) -> PyErr {
+    match error {
+        SurfaceVerifyError::Case(error) => case_error(error),
+        SurfaceVerifyError::Surface(error) => surface_error(error),
+        other => value_error(other),
     }
 }
 

@@ -36,7 +36,7 @@ mod _fakir {
     #[pymodule_export]
     use super::surface::{
         Surface, SurfaceContact, SurfaceTransition, approach_surface, press_surface,
-        surface_transition,
+        surface_transition, verify_surface,
     };
     #[pymodule_export]
     use super::theory::{

@@ -1,14 +1,18 @@
 //! A lens or a plate on a height map.
 
-use crate::error::{approach_error, case_error, surface_error, value_error};
+use crate::error::{approach_error, case_error, surface_error, surface_verify_error, value_error};
 use crate::state::load;
 use crate::watched::{Options, watched};
+use fakir::Question;
 use fakir::contact::Run;
 use fakir::love::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
 use fakir::system::{Lens, Material, Point};
 use fakir_case::CaseFile;
 use fakir_study::approach::LoadingPath;
-use fakir_study::result::{SurfacePressSummary, SurfaceTransitionSummary, json};
+use fakir_study::result::{
+    SurfacePressSummary, SurfaceTransitionSummary, SurfaceVerifySummary, json,
+};
+use fakir_study::surfaces::{self, SurfaceVerifyError};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -19,6 +23,8 @@ use std::time::Instant;
 pub(crate) struct Surface {
     system: SurfaceSystem,
     floor: Option<Floor>,
+    /// The case file it is from, if it is.
+    file: Option<CaseFile>,
 }
 
 #[pymethods]
@@ -57,6 +63,7 @@ impl Surface {
         Ok(Self {
             system: system.map_err(value_error)?,
             floor: floor.map(Floor::AtOrBelow),
+            file: None,
         })
     }
 
@@ -273,6 +280,47 @@ pub(crate) fn approach_surface(
     Ok((json(&found.summary), critical.transpose()?, states))
 }
 
+/// The object that `fakir verify --json` prints for a surface, and the surfaces of both meshes with their
+/// contacts.
+type Verified = (String, Vec<(Surface, SurfaceContact)>);
+
+/// The same question on two meshes.
+#[pyfunction]
+pub(crate) fn verify_surface(
+    py: Python<'_>,
+    surface: &Surface,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    cells_per_diameter: usize,
+    options: Options,
+) -> PyResult<Verified> {
+    let question = match (indentation, force) {
+        (None, None) => Question::Transition,
+        _ => Question::Press(load(indentation, force)?),
+    };
+    let file = surface
+        .file
+        .as_ref()
+        .ok_or_else(|| value_error(SurfaceVerifyError::OneMesh))?;
+    let start = Instant::now();
+    let found = watched(py, &options, |run| {
+        surfaces::verify(file, question, cells_per_diameter, run, &|_| {})
+    })?;
+    let found = found.map_err(|error| surface_verify_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let summary = json(&SurfaceVerifySummary::new(question, &found, wall_time));
+    let answers = found.answers.into_iter().map(|answered| {
+        let surface = Surface {
+            system: answered.case.system,
+            floor: answered.case.floor,
+            file: Some(file.clone()),
+        };
+        let contact = surface.contact(answered.answer, wall_time);
+        (surface, contact)
+    });
+    Ok((summary, answers.collect()))
+}
+
 impl Surface {
     fn of(mut file: CaseFile, overrides: &[String], memory_limit: Option<usize>) -> PyResult<Self> {
         for setting in overrides {
@@ -287,6 +335,7 @@ impl Surface {
         Ok(Self {
             system: case.system,
             floor: case.floor,
+            file: Some(file),
         })
     }
 

@@ -107,11 +107,8 @@ pub(crate) fn verify(
     let found = surfaces::verify(file, question, cells_per_diameter, &session.run(), &next)?;
     let wall_time = start.elapsed().as_secs_f64();
     let mut report = verified(question, &found, wall_time);
-    let widened = found
-        .answers
-        .into_iter()
-        .filter_map(|answer| answer.widened);
-    report.warnings.extend(widened.last());
+    let [coarse, fine] = found.answers;
+    report.warnings.extend(fine.widened.or(coarse.widened));
     Ok(report)
 }
 
