@@ -248,7 +248,8 @@ class Surface:
         as many.
 
         The question is the critical state, or the contact under a load if one is given. The surface
-        must be of pillars, as a case file describes them: heights are known on their own cells only.
+        must be of pillars on a lattice, as a case file describes them: heights are known on their own
+        cells only, and pillars at random stand elsewhere on other cells.
         """
         question = (None, None) if indentation is None and force is None else load(indentation, force)
         checked_cells(cells_per_diameter)

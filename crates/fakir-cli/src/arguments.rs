@@ -71,7 +71,8 @@ pub(crate) enum Command {
     /// methods estimate their errors. Exit status 1 says that they differ by more, or that it cannot
     /// be told, as one of them did not converge or knows no digit. Of the case's [method] only the
     /// mesh of elements counts. On a general surface (a case with a [surface]) there are elements only:
-    /// pillars are solved on both meshes, and a height map, which has one, is refused.
+    /// pillars on a lattice are solved on both meshes; a height map, which has one, and pillars at random
+    /// are refused.
     #[command(after_help = "Example: fakir verify case.toml --cells 32")]
     Verify(Verify),
     /// The formulas: lattice sums, critical state and transition curve in closed form

@@ -316,6 +316,20 @@ fn pillars_are_verified_on_two_meshes() {
     assert!(relative.abs() <= number(&verified, "/allowed_difference/force"));
     let critical = json(&fakir("verify", &case, &["--json"]));
     assert_eq!(critical["question"], "transition");
+    // Another grid places pillars at random elsewhere: there would be two surfaces to compare.
+    let random = [
+        "--indentation",
+        "0.6um",
+        "--set",
+        "surface.arrangement=random",
+    ];
+    let refused = fakir("verify", &case, &random);
+    assert_eq!(refused.status.code(), Some(2));
+    let explained = text(&refused.stderr);
+    assert!(
+        explained.contains("they stand elsewhere on a second mesh"),
+        "{explained}"
+    );
     let shown = text(&fakir("verify", &case, &["--indentation", "0.6um"]).stdout);
     assert!(shown.contains("The two meshes agree within"), "{shown}");
 }

@@ -72,6 +72,12 @@ pub enum SurfaceVerifyError {
          mesh; press and transition estimate the error from cells twice and four times as large"
     )]
     OneMesh,
+    /// Pillars at random, which another grid places elsewhere.
+    #[error(
+        "pillars at random cannot be verified: they stand elsewhere on a second mesh; press and \
+         transition estimate the error from cells twice and four times as large"
+    )]
+    AtRandom,
 }
 
 /// The same question to a pattern of pillars on two meshes.
@@ -149,8 +155,10 @@ pub fn verify(
     next: &dyn Fn(&str),
 ) -> Result<SurfaceVerification, SurfaceVerifyError> {
     let given = file.surface_case(run.memory_limit())?;
-    if matches!(given.origin, SurfaceOrigin::HeightMap(_)) {
-        return Err(SurfaceVerifyError::OneMesh);
+    match &given.origin {
+        SurfaceOrigin::HeightMap(_) => return Err(SurfaceVerifyError::OneMesh),
+        SurfaceOrigin::Pattern(_) if !given.can_grow() => return Err(SurfaceVerifyError::AtRandom),
+        SurfaceOrigin::Pattern(_) => {}
     }
     let needed = |error: &SurfaceVerifyError| match error {
         SurfaceVerifyError::Surface(SurfaceError::SurfaceEnds { needed, .. }) => Some(*needed),
