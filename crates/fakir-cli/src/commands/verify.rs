@@ -13,7 +13,7 @@ use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{AnswerRow, VerifySummary, csv, json, load_words, warnings};
+use fakir_study::result::{AnswerRow, VerifySummary, csv, json, question_words, warnings};
 use std::time::Instant;
 
 pub(crate) fn run(
@@ -48,10 +48,7 @@ pub(crate) fn run(
 fn provenance(case: &Case, question: Question, mesh: ElementMesh) -> Provenance {
     let methods = [Method::Spectral(Accuracy::Accurate), Method::Love(mesh)];
     Provenance::new(
-        match question {
-            Question::Transition => "critical state".to_owned(),
-            Question::Press(load) => load_words(load),
-        },
+        question_words(question),
         methods.map(method_words).join(" against "),
         &methods.map(Topic::Method),
         case.to_toml(),

@@ -19,7 +19,7 @@ use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::result::{
     MeshRow, SurfaceLoadingRow, SurfacePressSummary, SurfaceTransitionSummary,
-    SurfaceVerifySummary, csv, indenter_name, json, load_words, surface_warnings,
+    SurfaceVerifySummary, csv, indenter_name, json, load_words, question_words, surface_warnings,
 };
 use fakir_study::surfaces::SurfaceVerification;
 
@@ -179,10 +179,6 @@ pub(crate) fn verified(question: Question, found: &SurfaceVerification, wall_tim
         _ if found.agrees() => "The two meshes agree within their error estimates".to_owned(),
         _ => "THE TWO MESHES DISAGREE beyond their error estimates".to_owned(),
     };
-    let words = match question {
-        Question::Transition => "critical state".to_owned(),
-        Question::Press(load) => load_words(load),
-    };
     let [coarse, fine] = found.cells_per_diameter;
     Report {
         json: json(&summary),
@@ -195,7 +191,7 @@ pub(crate) fn verified(question: Question, found: &SurfaceVerification, wall_tim
             seconds(wall_time)
         ),
         provenance: Provenance::new(
-            words,
+            question_words(question),
             format!("Love elements, {coarse} against {fine} cells across a pillar"),
             &[topic(case)],
             case.to_toml(),

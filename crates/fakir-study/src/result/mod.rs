@@ -25,6 +25,7 @@ pub use theory::{
 pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
+use fakir::Question;
 use fakir::contact::{ContactState, ErrorEstimate, Load, Normalized};
 use fakir::love::SurfaceContact;
 use fakir_case::unit::{Dimension, format_quantity};
@@ -85,6 +86,15 @@ pub fn load_words(load: Load) -> String {
             "contact at an indentation of {}",
             format_quantity(indentation, Dimension::Length)
         ),
+    }
+}
+
+/// A question that is answered twice in words: `critical state`, or that of its load.
+#[must_use]
+pub fn question_words(question: Question) -> String {
+    match question {
+        Question::Transition => "critical state".to_owned(),
+        Question::Press(load) => load_words(load),
     }
 }
 
