@@ -4,7 +4,8 @@ use crate::answers::{Solved, solve};
 use crate::jobs::{Failure, File, Worker};
 use crate::refusal::Refusal;
 use crate::request;
-use fakir::contact::{ContactState, Load, Normalized, Run};
+use fakir::problem::Load;
+use fakir::state::{ContactState, Normalized, Run};
 use fakir_case::Case;
 use fakir_figure::{
     Figure, FigureError, PhaseDiagram, ProfileState, Series, Style, Text, View, floor_gap_map,

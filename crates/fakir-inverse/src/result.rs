@@ -2,7 +2,7 @@
 
 use crate::design::{Answer, Design, Wanted};
 use crate::spread::{Critical, Sampling, Spread};
-use fakir::contact::Method;
+use fakir::problem::Method;
 use fakir_study::VERSION;
 use fakir_study::result::TransitionSummary;
 use serde::Serialize;

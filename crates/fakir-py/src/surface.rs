@@ -4,9 +4,9 @@ use crate::error::{approach_error, case_error, surface_error, surface_verify_err
 use crate::state::load;
 use crate::watched::{Options, watched};
 use fakir::Question;
-use fakir::contact::Run;
-use fakir::love::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
-use fakir::system::{Lens, Material, Point};
+use fakir::problem::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
+use fakir::problem::{Lens, Material, Point};
+use fakir::state::Run;
 use fakir_case::CaseFile;
 use fakir_study::approach::LoadingPath;
 use fakir_study::result::{
@@ -149,7 +149,7 @@ impl Surface {
 /// A contact on a height map.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct SurfaceContact {
-    contact: fakir::love::SurfaceContact,
+    contact: fakir::state::SurfaceContact,
     summary: String,
 }
 
@@ -342,7 +342,7 @@ impl Surface {
     fn reached(
         &self,
         py: Python<'_>,
-        found: fakir::love::SurfaceTransition,
+        found: fakir::state::SurfaceTransition,
         wall_time: f64,
     ) -> PyResult<SurfaceTransition> {
         let summary = SurfaceTransitionSummary::new(&self.system, &found, wall_time);
@@ -354,7 +354,7 @@ impl Surface {
         })
     }
 
-    fn contact(&self, contact: fakir::love::SurfaceContact, wall_time: f64) -> SurfaceContact {
+    fn contact(&self, contact: fakir::state::SurfaceContact, wall_time: f64) -> SurfaceContact {
         let summary = SurfacePressSummary::new(&self.system, self.floor, &contact, wall_time);
         SurfaceContact {
             summary: json(&summary),

@@ -2,10 +2,12 @@
 
 use crate::case::Case;
 use crate::error::{solve_error, value_error};
-use fakir::theory::closed_forms::{self as forms, Region, TransitionEstimate};
+use fakir::theory::closed_forms as forms;
+use fakir::theory::closed_forms::{Region, TransitionEstimate};
 use fakir::theory::homogenised::HomogenisedLattice;
 use fakir::theory::lattice_potential as potential;
-use fakir::theory::lattice_sums::{self, LatticeSums, SumCoefficients, SumFit};
+use fakir::theory::lattice_sums;
+use fakir::theory::lattice_sums::{LatticeSums, SumCoefficients, SumFit};
 use fakir_study::closed_forms::Formula;
 use fakir_study::result::{TheorySummary, json};
 use pyo3::prelude::*;

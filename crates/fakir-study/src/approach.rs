@@ -6,9 +6,11 @@ use crate::result::{
     ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow, TransitionSummary,
     surface_warnings, warnings,
 };
-use fakir::contact::{ContactState, CriticalState, Load, Method, Run, SolveError};
-use fakir::love::{Floor, SurfaceContact, SurfaceError, SurfaceSystem, SurfaceTransition};
-use fakir::system::System;
+use fakir::problem::System;
+use fakir::problem::{Floor, SurfaceSystem};
+use fakir::problem::{Load, Method};
+use fakir::state::{ContactState, CriticalState, Run, SolveError};
+use fakir::state::{SurfaceContact, SurfaceError, SurfaceTransition};
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
 

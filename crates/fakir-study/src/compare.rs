@@ -3,9 +3,10 @@
 use crate::VERSION;
 use crate::closed_forms::closed_forms;
 use crate::result::{CompareSummary, MethodRow, warnings};
-use fakir::contact::{Accuracy, CriticalState, Method, PunchForm, Run, SolveError};
-use fakir::love::ElementMesh;
-use fakir::system::System;
+use fakir::problem::ElementMesh;
+use fakir::problem::System;
+use fakir::problem::{Accuracy, Method, PunchForm};
+use fakir::state::{CriticalState, Run, SolveError};
 use std::time::Instant;
 
 /// The methods that solve something, coarse to exact: each with its name in tables and for a person.

@@ -1,9 +1,11 @@
 //! Cases with a general surface: on a grid that is wide enough for the contact, and on two meshes.
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
-use fakir::contact::{ErrorEstimate, Method, Run};
-use fakir::convergence::{larger, within};
-use fakir::love::{ElementMesh, SurfaceContact, SurfaceError};
+use fakir::numerics::convergence::{larger, within};
+use fakir::problem::ElementMesh;
+use fakir::problem::Method;
+use fakir::state::{ErrorEstimate, Run};
+use fakir::state::{SurfaceContact, SurfaceError};
 use fakir::{Difference, Doubt, Question, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};

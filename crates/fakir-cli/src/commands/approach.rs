@@ -6,7 +6,7 @@ use crate::report::Report;
 use crate::report::state::{further_on, loading_remark, radius_digits, texture_line};
 use crate::report::table::{Column, table};
 use crate::session::Session;
-use fakir::contact::CriticalState;
+use fakir::state::CriticalState;
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::approach::{LoadingPath, approach};

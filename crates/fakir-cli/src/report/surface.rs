@@ -6,9 +6,11 @@ use super::state::{QuantityList, difference, further_on, loading_remark, radius_
 use super::table::{Column, table};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::Question;
-use fakir::contact::{Load, Regime};
-use fakir::love::{Boundary, Shares, SurfaceContact, SurfaceTransition};
-use fakir::pattern::{Arrangement, CrossSection, Pattern};
+use fakir::problem::Boundary;
+use fakir::problem::Load;
+use fakir::problem::pattern::{Arrangement, CrossSection, Pattern};
+use fakir::state::Regime;
+use fakir::state::{Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
@@ -267,7 +269,7 @@ fn provenance(case: &SurfaceCase, question: &str) -> Provenance {
 }
 
 fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
-    let error = contact.error.unwrap_or(fakir::contact::ErrorEstimate {
+    let error = contact.error.unwrap_or(fakir::state::ErrorEstimate {
         force: f64::NAN,
         indentation: f64::NAN,
     });

@@ -10,8 +10,8 @@ use crate::map::RED;
 use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Stroke};
 use crate::text::Text;
 use crate::unit::{Unit, significant};
-use fakir::contact::{ContactState, Run};
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::state::{ContactState, Run};
 use std::collections::HashMap;
 
 const LENS: Colour = Colour([198, 221, 240]);

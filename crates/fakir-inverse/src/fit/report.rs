@@ -3,8 +3,8 @@
 use super::{
     Estimate, Fit, FittedRow, Measured, Measurements, Parameter, Position, Quantity, Scatter,
 };
-use fakir::contact::Method;
-use fakir::contact::Termination;
+use fakir::problem::Method;
+use fakir::state::Termination;
 use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
 use serde_json::{Map, Value};

@@ -3,8 +3,9 @@
 use super::surface::{GridObject, METHOD, boundary_name, indenter_name};
 use super::{SurfaceTransitionSummary, TransitionSummary};
 use crate::VERSION;
-use fakir::contact::ContactState;
-use fakir::love::{Shares, SurfaceContact, SurfaceSystem, SurfaceTransition};
+use fakir::problem::SurfaceSystem;
+use fakir::state::ContactState;
+use fakir::state::{Shares, SurfaceContact, SurfaceTransition};
 use serde::Serialize;
 
 /// A state of the loading: a row of `approach.csv`.

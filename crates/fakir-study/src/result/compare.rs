@@ -1,7 +1,7 @@
 //! The critical state by every method.
 
 use crate::closed_forms::ClosedForm;
-use fakir::contact::{CriticalState, SolveError};
+use fakir::state::{CriticalState, SolveError};
 use serde::Serialize;
 
 /// A critical state by one method: a row of `compare.csv`. What a method does not give is `None`.

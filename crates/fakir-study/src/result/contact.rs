@@ -2,7 +2,7 @@
 
 use super::RelativeErrors;
 use crate::VERSION;
-use fakir::contact::ContactState;
+use fakir::state::ContactState;
 use serde::Serialize;
 
 /// A contact under a load: what `fakir press --json` prints.

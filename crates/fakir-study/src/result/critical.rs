@@ -2,8 +2,8 @@
 
 use super::{ReducedVariables, RelativeErrors};
 use crate::VERSION;
-use fakir::contact::CriticalState;
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::state::CriticalState;
 use serde::Serialize;
 
 /// A critical state: what `fakir transition --json` prints.

@@ -26,8 +26,9 @@ pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
 use fakir::Question;
-use fakir::contact::{ContactState, ErrorEstimate, Load, Normalized};
-use fakir::love::SurfaceContact;
+use fakir::problem::Load;
+use fakir::state::SurfaceContact;
+use fakir::state::{ContactState, ErrorEstimate, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;
 

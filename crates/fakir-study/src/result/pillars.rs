@@ -1,7 +1,7 @@
 //! The touched pillars of a contact.
 
 use crate::table::{Column, Table, Values};
-use fakir::contact::{ContactState, PillarState};
+use fakir::state::{ContactState, PillarState};
 
 /// The touched pillars, nearest to the lens axis first: `pillars.csv`. Without rows if there are none,
 /// or the method does not resolve them.

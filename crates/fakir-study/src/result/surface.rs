@@ -2,11 +2,10 @@
 
 use super::RelativeErrors;
 use crate::VERSION;
-use fakir::love::solver::Certificate;
-use fakir::love::{
-    Boundary, Floor, Grid, Indenter, Share, SurfaceContact, SurfaceSystem, SurfaceTransition,
-};
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::problem::{Boundary, Floor, Grid, Indenter, SurfaceSystem};
+use fakir::state::Certificate;
+use fakir::state::{Share, SurfaceContact, SurfaceTransition};
 use serde::Serialize;
 
 /// By which method surfaces are solved.

@@ -2,8 +2,9 @@
 
 use crate::VERSION;
 use crate::closed_forms::{ClosedForm, LARGEST_SUM, closed_forms, touches_one_pillar};
-use fakir::contact::{CriticalState, Method, Run, SolveError};
-use fakir::system::System;
+use fakir::problem::Method;
+use fakir::problem::System;
+use fakir::state::{CriticalState, Run, SolveError};
 use fakir::theory::closed_forms::{
     Form, TransitionEstimate, hertz_contact_radius, large_contact_radius, small_contact_limit,
     transition_force, transition_from_exact_sums,

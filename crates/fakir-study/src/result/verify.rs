@@ -4,8 +4,9 @@ use super::RelativeErrors;
 use super::surface::{METHOD, boundary_name, indenter_name};
 use crate::VERSION;
 use crate::surfaces::SurfaceVerification;
-use fakir::contact::{ContactState, Load, Method};
-use fakir::love::SurfaceContact;
+use fakir::problem::{Load, Method};
+use fakir::state::ContactState;
+use fakir::state::SurfaceContact;
 use fakir::{Difference, Question, Verification};
 use serde::Serialize;
 
