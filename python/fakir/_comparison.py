@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-import time
+import copy
+import json
 from typing import TYPE_CHECKING, Any
 
 from . import _fakir
 from ._format import Row, engineering, html_table, text_table
 from ._state import CriticalState
-from .errors import SolveError
 
 if TYPE_CHECKING:
     import pandas
-
-METHODS = {
-    "homogenised": ["method.name=homogenised"],
-    "punch_plain": ["method.name=punch", "method.form=plain"],
-    "punch_corrected": ["method.name=punch", "method.form=corrected"],
-    "love": ["method.name=love"],
-    "spectral_default": ["method.name=spectral", "method.accuracy=default"],
-    "spectral_accurate": ["method.name=spectral", "method.accuracy=accurate"],
-}
 
 
 class Comparison:
@@ -31,14 +22,17 @@ class Comparison:
     states: dict[str, CriticalState]
     """The critical states of the methods that solve something."""
 
-    def __init__(self, rows: list[dict[str, Any]], states: dict[str, CriticalState]) -> None:
-        self.rows, self.states = rows, states
+    def __init__(self, summary: dict[str, Any], states: dict[str, CriticalState]) -> None:
+        self._summary, self.rows, self.states = summary, summary["methods"], states
 
     @property
     def reference(self) -> str | None:
         """The method that differences are from: the most accurate one with an answer."""
-        solved = [name for name, state in self.states.items() if state.converged]
-        return solved[-1] if solved else None
+        return self._summary["reference"]  # type: ignore[no-any-return]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir compare --json`` prints."""
+        return copy.deepcopy(self._summary)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table."""
@@ -67,60 +61,5 @@ class Comparison:
 
 def compare(case: _fakir.Case, options: _fakir.Options) -> Comparison:
     """Asks every method."""
-    rows: list[dict[str, Any]] = []
-    for name, (force, indentation, top, floor) in _fakir.closed_forms(case, None):
-        if force > 0.0:
-            rows.append(_row(name, force, indentation, max(top, floor)))
-    states: dict[str, CriticalState] = {}
-    for name, settings in METHODS.items():
-        start = time.perf_counter()
-        try:
-            critical = CriticalState(_fakir.transition(case.with_settings(settings), options))
-        except SolveError as error:
-            rows.append({**_row(name, None, None, None), "remark": str(error)})
-            continue
-        states[name] = critical
-        row = _row(name, critical.force, critical.indentation, critical.contact_radius)
-        row["pillars_in_contact"] = critical.pillars_in_contact
-        row["force_error_estimate"] = critical.error.force
-        row["contact_radius_error_estimate"] = critical.error.contact_radius
-        row["iterations"] = critical.iterations
-        row["converged"] = critical.converged
-        row["wall_time_s"] = time.perf_counter() - start
-        row["remark"] = None if critical.converged else critical.state.termination
-        rows.append(row)
-    comparison = Comparison(rows, states)
-    reference = comparison.reference
-    if reference is not None:
-        exact = states[reference]
-        for row in rows:
-            if row["method"] != reference:
-                row["force_difference"] = _difference(row["critical_force_N"], exact.force)
-                row["indentation_difference"] = _difference(
-                    row["critical_indentation_m"], exact.indentation
-                )
-    return comparison
-
-
-def _row(
-    method: str, force: float | None, indentation: float | None, radius: float | None
-) -> dict[str, Any]:
-    return {
-        "method": method,
-        "critical_force_N": force,
-        "critical_indentation_m": indentation,
-        "critical_contact_radius_m": radius,
-        "pillars_in_contact": None,
-        "force_difference": None,
-        "indentation_difference": None,
-        "force_error_estimate": None,
-        "contact_radius_error_estimate": None,
-        "converged": True,
-        "iterations": None,
-        "wall_time_s": None,
-        "remark": None,
-    }
-
-
-def _difference(value: float | None, reference: float) -> float | None:
-    return value / reference - 1.0 if value is not None and reference != 0.0 else None
+    summary, states = _fakir.compare(case, options)
+    return Comparison(json.loads(summary), {name: CriticalState(state) for name, state in states})

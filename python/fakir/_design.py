@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -44,9 +46,16 @@ class Design:
     sensitivity: float
     """Relative change of the answer over that of the value: how exactly it must be made."""
 
-    def __init__(self, free: str, found: Candidate, sensitivity: float) -> None:
-        self.free, self.sensitivity = free, sensitivity
+    def __init__(self, summary: dict[str, Any], found: Candidate) -> None:
+        self._summary = summary
+        answer = summary["design"]
+        self.free = answer["free"]
+        self.sensitivity = float("nan" if answer["sensitivity"] is None else answer["sensitivity"])
         self.value, self.system, self.critical = found
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir design --json`` prints."""
+        return copy.deepcopy(self._summary)
 
     def _rows(self) -> list[Row]:
         length = not self.free.endswith(("fraction", "modulus"))
@@ -110,29 +119,26 @@ def design(
         None if contact_radius is None else si(contact_radius, "length", "contact_radius")
     )
     run = options(threads, progress, memory_limit)
-    outcome, why, sensitivity, found = _fakir.design(
-        system._case, free, wanted_force, wanted_radius, run
-    )
+    summary, found = _fakir.design(system._case, free, wanted_force, wanted_radius, run)
+    answer = json.loads(summary)
     candidates = [
         Candidate(value, System._of(case), CriticalState(critical))
         for value, case, critical in found
     ]
-    if outcome == "found" and sensitivity is not None:
-        return Design(free, candidates[0], sensitivity)
-    name = "critical force" if force is not None else "critical contact radius"
-    values = " and ".join(f"{free} = {candidate.value:.9g}" for candidate in candidates)
-    if outcome == "jump":
-        problem = f"the {name} jumps over what is wanted between {values} (SI units)"
-    else:
-        problem = f"no {free} gives the wanted {name}; nearest is {values} (SI units): {why}"
-    raise OutOfReach(problem, candidates)
+    if answer["design"]["status"] == "found":
+        return Design(answer, candidates[0])
+    raise OutOfReach(answer["design"]["statement"], candidates)
 
 
 class Spread:
     """Critical states of samples about a system. Arrays have one value for every sample."""
 
-    def __init__(self, columns: dict[str, Any]) -> None:
-        self._columns = columns
+    def __init__(self, summary: dict[str, Any], columns: dict[str, Any]) -> None:
+        self._summary, self._columns = summary, columns
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir design --json`` prints of samples."""
+        return copy.deepcopy(self._summary)
 
     @property
     def force(self) -> FloatArray:
@@ -159,7 +165,7 @@ class Spread:
         return float(np.nanpercentile(self._column(of), percentage))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A table, one row for every sample."""
+        """A table, one row for every sample: the columns of ``samples.csv``."""
         import pandas
 
         return pandas.DataFrame(self._columns)
@@ -219,8 +225,10 @@ def spread(
         raise ValueError(f'landing is {landing!r}: give "anywhere" or "as_given"')
     deviations = [_tolerance(key, value) for key, value in tolerances.items()]
     run = options(threads, progress, memory_limit)
-    columns = _fakir.spread(system._case, deviations, landing == "anywhere", samples, seed, run)
-    return Spread(columns)
+    summary, columns = _fakir.spread(
+        system._case, deviations, landing == "anywhere", samples, seed, run
+    )
+    return Spread(json.loads(summary), dict(columns))
 
 
 def _tolerance(key: str, value: Quantity) -> tuple[str, float, bool]:

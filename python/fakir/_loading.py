@@ -2,80 +2,63 @@
 
 from __future__ import annotations
 
-import time
+import copy
+import json
 from collections.abc import Iterator
-from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from . import _fakir
 from ._format import Row, engineering, html_table, text_table
+from ._quantity import Quantity, si
 from ._state import ContactState, CriticalState, contact_state, critical_state
 
 if TYPE_CHECKING:
     import pandas
 
-MOST_STATES = 10_000
-"""More states than anybody wants; a step in the wrong unit asks for this many."""
 
-COLUMNS = [
-    "indentation_m",
-    "force_N",
-    "contact_radius_m",
-    "pillars_in_contact",
-    "pillars_partially_in_contact",
-    "smallest_floor_gap_m",
-]
+State = TypeVar("State")
 
 
-class Approach:
-    """The states of a loading, by rising indentation; iterates over them."""
+class Loading(Generic[State]):
+    """The states of a loading, whatever is loaded."""
 
-    states: list[ContactState]
+    states: list[State]
     """The states, the critical one among them if the loading gets there."""
-    critical: CriticalState
-    """The critical state, also if the loading ends before it."""
 
-    def __init__(
-        self, states: list[ContactState], critical: CriticalState, wall_time: float
-    ) -> None:
-        self.states, self.critical, self._wall_time = states, critical, wall_time
+    def __init__(self, summary: dict[str, Any], states: list[State]) -> None:
+        self._summary, self.states = summary, states
 
-    def __iter__(self) -> Iterator[ContactState]:
+    def __iter__(self) -> Iterator[State]:
         return iter(self.states)
 
     def __len__(self) -> int:
         return len(self.states)
 
-    def __getitem__(self, number: int) -> ContactState:
+    def __getitem__(self, number: int) -> State:
         return self.states[number]
 
     def to_dict(self) -> dict[str, Any]:
         """The object that ``fakir approach --json`` prints."""
-        return {
-            "method": self.critical.method,
-            "critical": self.critical.to_dict(),
-            "states": [self._row(state) for state in self.states],
-            "converged": all(state.converged for state in self.states),
-            "wall_time_s": self._wall_time,
-            "fakir_version": _fakir.__version__,
-        }
+        return copy.deepcopy(self._summary)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table: the columns of ``approach.csv``."""
         import pandas
 
-        return pandas.DataFrame([self._row(state) for state in self.states])
+        return pandas.DataFrame(self._summary["states"])
 
-    def _row(self, state: ContactState) -> dict[str, Any]:
-        summary = state.to_dict()
-        return {
-            **{name: summary[name] for name in COLUMNS},
-            "force_error_estimate": state.error.force,
-            "contact_radius_error_estimate": state.error.contact_radius,
-            "critical": state is self.critical.state,
-            "beyond_transition": state.beyond_transition,
-            "converged": state.converged,
-        }
+
+class Approach(Loading[ContactState]):
+    """The states of a loading, by rising indentation; iterates over them."""
+
+    critical: CriticalState
+    """The critical state, also if the loading ends before it."""
+
+    def __init__(
+        self, summary: dict[str, Any], states: list[ContactState], critical: CriticalState
+    ) -> None:
+        super().__init__(summary, states)
+        self.critical = critical
 
     def _rows(self) -> list[Row]:
         rows = []
@@ -92,63 +75,41 @@ class Approach:
         return html_table("Approach of the lens: indentation, force", self._rows())
 
 
+def checked_path(
+    step: Quantity, until: Quantity | None, past_transition: bool
+) -> tuple[float, float | None]:
+    """Step and last indentation of a loading, m."""
+    size = si(step, "length", "step")
+    end = None if until is None else si(until, "length", "until")
+    if not 0.0 < size < float("inf"):
+        raise ValueError(f"step is {size} m: it must be greater than 0")
+    if end is not None and not 0.0 <= end < float("inf"):
+        raise ValueError(f"until is {end} m: it must be 0 or greater")
+    if past_transition and end is None:
+        raise TypeError("past_transition needs until: the indentation to go to")
+    return size, end
+
+
 def approach(
     case: _fakir.Case,
-    step: float,
-    until: float | None,
+    step: Quantity,
+    until: Quantity | None,
     past_transition: bool,
     options: _fakir.Options,
 ) -> Approach:
     """Computes all states of a loading."""
-    if not 0.0 < step < float("inf"):
-        raise ValueError(f"step is {step} m: it must be greater than 0")
-    if until is not None and not 0.0 <= until < float("inf"):
-        raise ValueError(f"until is {until} m: it must be 0 or greater")
-    if past_transition and until is None:
-        raise TypeError("past_transition needs until: the indentation to go to")
-    start = time.perf_counter()
-    critical = critical_state(_fakir.transition(case, options))
+    size, end = checked_path(step, until, past_transition)
+    found, reached, others = _fakir.approach(case, size, end, past_transition, options)
+    summary = json.loads(found)
+    critical = critical_state(reached)
+    rest = iter(others)
     states = [
-        critical.state
-        if indentation == critical.indentation
-        else _state(_fakir.press(case, indentation, None, options))
-        for indentation in _indentations(step, until, past_transition, critical.indentation)
+        critical.state if row["critical"] else _state(next(rest)) for row in summary["states"]
     ]
-    return Approach(states, critical, time.perf_counter() - start)
+    return Approach(summary, states, critical)
 
 
 def _state(state: _fakir.State) -> ContactState:
     """Past the transition is where the loading was told to go: no warning."""
     contact = ContactState(state)
     return contact if contact.beyond_transition else contact_state(state)
-
-
-def _indentations(
-    step: float, until: float | None, past_transition: bool, critical: float
-) -> list[float]:
-    """Multiples of the step, the end of the path, and the critical state in its place."""
-    end = critical
-    if until is not None and (past_transition or until < critical):
-        end = until
-    if end / step > MOST_STATES:
-        raise ValueError(
-            f"step is {engineering(step, 'm')}, which makes {end / step:.0f} states up to an "
-            f"indentation of {engineering(end, 'm')}: at most {MOST_STATES} are computed"
-        )
-
-    def same(a: float, b: float) -> bool:
-        """What differs by rounding only is the same state."""
-        return abs(a - b) <= 1e-9 * step
-
-    found = []
-    for multiple in count():
-        value = multiple * step
-        if value >= end or same(value, end):
-            break
-        if not same(value, critical):
-            found.append(value)
-    found.append(end)
-    if critical <= end:
-        found = [value for value in found if not same(value, critical)]
-        found.append(critical)
-    return sorted(found)

@@ -332,9 +332,8 @@ class System:
             ``past_transition``.
         """
         case = self._with_method(method, accuracy, None, None, None, None)
-        end = None if until is None else si(until, "length", "until")
         run = options(threads, progress, memory_limit)
-        return approach(case, si(step, "length", "step"), end, past_transition, run)
+        return approach(case, step, until, past_transition, run)
 
     def compare(
         self,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import copy
+import json
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
 
 from . import _fakir
 from ._format import Row, engineering, html_table, text_table
@@ -16,58 +19,101 @@ class Difference(NamedTuple):
     allowed: float
 
 
-class Verification:
-    """The answers of both methods, and what they differ by."""
+class Answer(Protocol):
+    """A contact, whatever is touched."""
+
+    @property
+    def force(self) -> float:
+        """Normal force, N."""
+
+    @property
+    def indentation(self) -> float:
+        """Indentation, m."""
+
+
+def _number(value: float | None) -> float:
+    """A number of a JSON object; what is not known there is NaN here."""
+    return float("nan") if value is None else value
+
+
+class Opinion:
+    """What two answers to one question say of each other."""
 
     verdict: str
     """``"agree"``, ``"disagree"``, or ``"cannot tell"`` where a method did not converge or knows no
     digit."""
     doubt: str | None
     """Why it cannot be told; None if it can."""
-    spectral: ContactState
-    """By the accurate spectral method."""
-    elements: tuple[ContactState, ContactState]
-    """By Love elements, on half as many cells across a pillar and on all."""
     force: Difference
-    """Of the elements from the spectral method."""
+    """Of the elements from the spectral method, or of the coarser cells from the finer ones."""
     indentation: Difference
     """The same of the indentation."""
 
-    def __init__(
-        self,
-        verdict: str,
-        doubt: str | None,
-        differences: list[Difference],
-        states: list[ContactState],
-    ) -> None:
-        self.verdict, self.doubt = verdict, doubt
-        self.force, self.indentation = differences
-        self.spectral, coarse, fine = states
-        self.elements = coarse, fine
+    def __init__(self, summary: dict[str, Any]) -> None:
+        self._summary = summary
+        self.verdict, self.doubt = summary["verdict"], summary["doubt"]
+        self.force, self.indentation = (
+            Difference(
+                _number(summary["relative_difference"][name]),
+                _number(summary["allowed_difference"][name]),
+            )
+            for name in ("force", "indentation")
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir verify --json`` prints."""
+        return copy.deepcopy(self._summary)
 
     @property
     def agrees(self) -> bool:
         """Whether both converged and agree within their error estimates."""
         return self.verdict == "agree"
 
-    def _rows(self) -> list[Row]:
-        coarse, fine = self.elements
-        states = [("spectral", self.spectral), ("elements, coarse", coarse), ("elements", fine)]
-        rows = [(name, f"{engineering(s.force, 'N')}, {engineering(s.indentation, 'm')}") for name, s in states]
+    def _told(self, answers: Sequence[tuple[str, Answer]]) -> list[Row]:
+        rows = [
+            (name, f"{engineering(s.force, 'N')}, {engineering(s.indentation, 'm')}")
+            for name, s in answers
+        ]
         for name, (relative, allowed) in [("force", self.force), ("indentation", self.indentation)]:
             rows.append((f"difference in {name}", f"{relative:.1e}, allowed {allowed:.1e}"))
         verdicts = {
-            "agree": "the methods agree",
-            "disagree": "THE METHODS DISAGREE",
+            "agree": "the answers agree",
+            "disagree": "THE ANSWERS DISAGREE",
             "cannot tell": f"it cannot be told: {self.doubt}",
         }
         return [*rows, ("", verdicts[self.verdict])]
+
+
+class Verification(Opinion):
+    """The answers of both methods, and what they differ by."""
+
+    spectral: ContactState
+    """By the accurate spectral method."""
+    elements: tuple[ContactState, ContactState]
+    """By Love elements, on half as many cells across a pillar and on all."""
+
+    def __init__(self, summary: dict[str, Any], states: list[ContactState]) -> None:
+        super().__init__(summary)
+        self.spectral, coarse, fine = states
+        self.elements = coarse, fine
+
+    def _rows(self) -> list[Row]:
+        coarse, fine = self.elements
+        return self._told(
+            [("spectral", self.spectral), ("elements, coarse", coarse), ("elements", fine)]
+        )
 
     def __repr__(self) -> str:
         return text_table("fakir.Verification", self._rows())
 
     def _repr_html_(self) -> str:
         return html_table("Verification by an independent method", self._rows())
+
+
+def checked_cells(cells_per_diameter: int) -> None:
+    """Refuses numbers of cells of which half are too few, or that nobody can compute."""
+    if not 16 <= cells_per_diameter <= 1024:
+        raise ValueError(f"cells_per_diameter is {cells_per_diameter}: give 16 to 1024")
 
 
 def verify(
@@ -77,9 +123,6 @@ def verify(
     options: _fakir.Options,
 ) -> Verification:
     """Asks both methods."""
-    if not 16 <= cells_per_diameter <= 1024:
-        raise ValueError(f"cells_per_diameter is {cells_per_diameter}: give 16 to 1024")
-    answer = _fakir.verify(case, *load, cells_per_diameter, options)
-    verdict, doubt, differences, states = answer
-    pairs = [Difference(relative, allowed) for relative, allowed in differences]
-    return Verification(verdict, doubt, pairs, [ContactState(state) for state in states])
+    checked_cells(cells_per_diameter)
+    summary, states = _fakir.verify(case, *load, cells_per_diameter, options)
+    return Verification(json.loads(summary), [ContactState(state) for state in states])

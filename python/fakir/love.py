@@ -6,7 +6,9 @@ is a part of the surface, so that the contact goes on past the transition.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, field
+from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -16,13 +18,22 @@ from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn
 from ._state import FIELDS, ErrorEstimate
-from ._system import Lens, Substrate, load
+from ._loading import Loading, checked_path
+from ._system import Lens, Overrides, Substrate, _settings, load
+from ._verification import Opinion, checked_cells
 from .errors import NotConverged
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Plate", "Surface", "SurfaceContact", "SurfaceTransition"]
+__all__ = [
+    "Plate",
+    "Surface",
+    "SurfaceApproach",
+    "SurfaceContact",
+    "SurfaceTransition",
+    "SurfaceVerification",
+]
 
 
 @dataclass(frozen=True, init=False)
@@ -107,20 +118,54 @@ class Surface:
             lens = [indenter.radius, indenter.young_modulus, indenter.poisson_ratio]
         elif indenter.young_modulus is not None and indenter.poisson_ratio is not None:
             plate = [indenter.young_modulus, indenter.poisson_ratio]
-        self._surface = _fakir.Surface(
-            values,
-            cell,
-            origin,
-            lens,
-            plate,
-            [substrate.young_modulus, substrate.poisson_ratio],
-            bool(periodic),
-            None if floor is None else finite(floor, "length", "floor"),
+        self._hold(
+            _fakir.Surface(
+                values,
+                cell,
+                origin,
+                lens,
+                plate,
+                [substrate.young_modulus, substrate.poisson_ratio],
+                bool(periodic),
+                None if floor is None else finite(floor, "length", "floor"),
+            )
         )
-        self.indenter, self.substrate, self.periodic = indenter, substrate, bool(periodic)
-        self.heights = values
-        self.x = origin[0] + cell[0] * (np.arange(columns) + 0.5)
-        self.y = origin[1] + cell[1] * (np.arange(rows) + 0.5)
+
+    @classmethod
+    def _of(cls, surface: _fakir.Surface) -> Surface:
+        made = cls.__new__(cls)
+        made._hold(surface)
+        return made
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | PathLike[str],
+        set: Overrides | None = None,
+        *,
+        memory_limit: int | None = None,
+    ) -> Surface:
+        """Reads a case file with a ``[surface]``; ``set`` overrides keys, as ``--set`` of the command
+        line. ``memory_limit`` is in bytes; 8 GB if not given.
+        """
+        return cls._of(_fakir.Surface.read(fspath(path), _settings(set), memory_limit))
+
+    @classmethod
+    def from_toml(
+        cls, text: str, set: Overrides | None = None, *, memory_limit: int | None = None
+    ) -> Surface:
+        """As `from_file`, from the text of a case file."""
+        return cls._of(_fakir.Surface.parse("case.toml", text, _settings(set), memory_limit))
+
+    def _hold(self, surface: _fakir.Surface) -> None:
+        self._surface = surface
+        lens, plate = surface.lens, surface.plate
+        self.indenter = Lens(*lens) if lens is not None else Plate(*(plate or []))
+        self.substrate, self.periodic = Substrate(*surface.substrate), surface.periodic
+        self.heights = surface.heights()
+        rows, columns = self.heights.shape
+        self.x = surface.origin[0] + surface.cell[0] * (np.arange(columns, dtype=np.float64) + 0.5)
+        self.y = surface.origin[1] + surface.cell[1] * (np.arange(rows, dtype=np.float64) + 0.5)
 
     def press(
         self,
@@ -150,9 +195,73 @@ class Surface:
         """The state in which the floor is just reached."""
         run = options(threads, progress, memory_limit)
         found = _fakir.surface_transition(self._surface, run)
+        return self._reached(found)
+
+    def approach(
+        self,
+        step: Quantity = "1 um",
+        until: Quantity | None = None,
+        past_transition: bool = False,
+        *,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> SurfaceApproach:
+        """Loading step by step from first touch, ending exactly at the critical state.
+
+        Parameters
+        ----------
+        step
+            Of the indentation (m).
+        until
+            The last indentation (m), if it is to end before the critical state; or past it, with
+            ``past_transition``, where the floor bears load. Needed where it is not known what the
+            floor is.
+        """
+        size, end = checked_path(step, until, past_transition)
+        run = options(threads, progress, memory_limit)
+        found, reached, others = _fakir.approach_surface(
+            self._surface, size, end, past_transition, run
+        )
+        summary = json.loads(found)
+        critical = None if reached is None else self._reached(reached)
+        rest = iter(others)
+        states = [
+            critical.contact
+            if row["critical"] and critical is not None
+            else _checked(SurfaceContact(self, next(rest)))
+            for row in summary["states"]
+        ]
+        return SurfaceApproach(summary, states, critical)
+
+    def verify(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        cells_per_diameter: int = 16,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> SurfaceVerification:
+        """The same question on two meshes: on ``cells_per_diameter`` cells across a pillar, and on half
+        as many.
+
+        The question is the critical state, or the contact under a load if one is given. The surface
+        must be of pillars on a lattice, as a case file describes them: heights are known on their own
+        cells only, and pillars at random stand elsewhere on other cells.
+        """
+        question = (None, None) if indentation is None and force is None else load(indentation, force)
+        checked_cells(cells_per_diameter)
+        run = options(threads, progress, memory_limit)
+        summary, found = _fakir.verify_surface(self._surface, *question, cells_per_diameter, run)
+        contacts = [SurfaceContact(Surface._of(surface), contact) for surface, contact in found]
+        return SurfaceVerification(json.loads(summary), contacts)
+
+    def _reached(self, found: _fakir.SurfaceTransition) -> SurfaceTransition:
         contact = _checked(SurfaceContact(self, found.contact))
         x, y = found.floor_contact
-        return SurfaceTransition(contact, found.regime, (x, y))
+        return SurfaceTransition(contact, found.regime, (x, y), found.json())
 
     def __repr__(self) -> str:
         rows, columns = self.heights.shape
@@ -168,7 +277,7 @@ class SurfaceContact:
 
     def __init__(self, surface: Surface, contact: _fakir.SurfaceContact) -> None:
         self.surface, self._contact = surface, contact
-        self._summary = contact.summary()
+        self._summary: dict[str, Any] = json.loads(contact.json())
         self.pressure_map, self.gap_map, self.displacement_map = contact.fields()
 
     pressure_map: FloatArray
@@ -230,8 +339,8 @@ class SurfaceContact:
         return self._contact.warnings
 
     def to_dict(self) -> dict[str, Any]:
-        """The numbers, by the names of ``fakir press --json``."""
-        return dict(self._summary)
+        """The object that ``fakir press --json`` prints: same names, same numbers."""
+        return json.loads(self._contact.json())  # type: ignore[no-any-return]
 
     def to_xarray(self) -> xarray.Dataset:
         """Pressure, gap, displacement and heights on the cells, with units."""
@@ -270,7 +379,7 @@ class SurfaceContact:
         for name in ["tops", "floor"]:
             share = self._summary[name]
             if share is not None:
-                force, area = engineering(share["force_N"], "N"), share["area_m2"] * 1e12
+                force, area = engineering(share["force_N"], "N"), share["contact_area_m2"] * 1e12
                 rows.append((f"  on the {name}", f"{force} on {area:.5g} µm²"))
         error = self.error
         if error is not None:
@@ -294,6 +403,7 @@ class SurfaceTransition:
     """What is met first: ``"top_first"`` or ``"bottom_first"``."""
     floor_contact: tuple[float, float]
     """Centre of the floor cell that is touched, m from the lens axis."""
+    _json: str = field(repr=False)
 
     @property
     def force(self) -> float:
@@ -304,6 +414,62 @@ class SurfaceTransition:
     def indentation(self) -> float:
         """Critical indentation, m."""
         return self.contact.indentation
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir transition --json`` prints: same names, same numbers."""
+        return json.loads(self._json)  # type: ignore[no-any-return]
+
+
+class SurfaceApproach(Loading[SurfaceContact]):
+    """The states of a loading on a height map, by rising indentation; iterates over them."""
+
+    critical: SurfaceTransition | None
+    """The critical state, also if the loading ends before it; None where the floor is not known."""
+
+    def __init__(
+        self,
+        summary: dict[str, Any],
+        states: list[SurfaceContact],
+        critical: SurfaceTransition | None,
+    ) -> None:
+        super().__init__(summary, states)
+        self.critical = critical
+
+    def _rows(self) -> list[Row]:
+        rows = []
+        for state, row in zip(self.states, self._summary["states"]):
+            mark = ", critical" if row["critical"] else ""
+            area = f"{state.contact_area * 1e12:.5g} µm²"
+            text = f"{engineering(state.force, 'N')} on {area}{mark}"
+            rows.append((engineering(state.indentation, "m"), text))
+        return rows
+
+    def __repr__(self) -> str:
+        return text_table("fakir.love.SurfaceApproach: indentation, force", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Approach on a height map: indentation, force", self._rows())
+
+
+class SurfaceVerification(Opinion):
+    """The answers on both meshes, and what they differ by."""
+
+    elements: tuple[SurfaceContact, SurfaceContact]
+    """On half as many cells across a pillar, and on all of them."""
+
+    def __init__(self, summary: dict[str, Any], contacts: list[SurfaceContact]) -> None:
+        super().__init__(summary)
+        coarse, fine = contacts
+        self.elements = coarse, fine
+
+    def _rows(self) -> list[Row]:
+        return self._told([("coarse", self.elements[0]), ("fine", self.elements[1])])
+
+    def __repr__(self) -> str:
+        return text_table("fakir.love.SurfaceVerification", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Verification on two meshes", self._rows())
 
 
 def _checked(contact: SurfaceContact) -> SurfaceContact:

@@ -7,6 +7,7 @@ units, and radii in lattice sums in pitches.
 
 from __future__ import annotations
 
+import json
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,6 +36,7 @@ __all__ = [
     "site_potential",
     "small_contact",
     "sum_coefficients",
+    "to_dict",
     "transition_force",
     "transition_from_exact_sums",
 ]
@@ -77,6 +79,14 @@ class Constants(NamedTuple):
     """S, the reduced force on the central pillar at the transition."""
 
 
+CONSTANT_UNITS = {
+    "reduced_modulus": "_Pa",
+    "internal_compliance": "_per_Pa",
+    "external_compliance": "_per_Pa",
+}
+"""The units in the names of ``fakir theory --json``."""
+
+
 class LatticeSums(NamedTuple):
     """The sums over all pillars but the central one, or their fitted coefficients."""
 
@@ -98,40 +108,47 @@ class Phase(NamedTuple):
 
 
 def closed_forms(system: System) -> dict[str, TransitionEstimate]:
-    """The critical state by every formula."""
-    forms = _fakir.closed_forms(system._case, None)
+    """The critical state by every formula that gives numbers for the system."""
+    forms = _fakir.closed_forms(system._case)
     return {name: TransitionEstimate(*estimate) for name, estimate in forms}
+
+
+def to_dict(system: System) -> dict[str, Any]:
+    """The object that ``fakir theory --json`` prints: all that is known of a system in closed form."""
+    return json.loads(_fakir.theory(system._case))  # type: ignore[no-any-return]
 
 
 def small_contact(system: System) -> TransitionEstimate:
     """The paper's formulas for one pillar in contact."""
-    return closed_forms(system)["small_contact"]
+    return _form(system, "small_contact")
 
 
 def one_pillar(system: System) -> TransitionEstimate:
     """One pillar in contact, with the distance of the floor contact found exactly."""
-    return closed_forms(system)["one_pillar"]
+    return _form(system, "one_pillar")
 
 
 def large_contact(system: System, form: str = "corrected") -> TransitionEstimate:
     """The paper's formulas for many pillars in contact, ``"corrected"`` or ``"as_printed"``."""
     if form not in {"corrected", "as_printed"}:
         raise ValueError(f'form is {form!r}: give "corrected" or "as_printed"')
-    return closed_forms(system)[f"large_contact_{form}"]
+    return _form(system, f"large_contact_{form}")
 
 
 def transition_from_exact_sums(
     system: System, contact_radius: Quantity | None = None
 ) -> TransitionEstimate:
     """From lattice sums over a contact radius (m), that of the large-contact formula if not given."""
-    radius = None if contact_radius is None else si(contact_radius, "length", "contact_radius")
-    forms = dict(_fakir.closed_forms(system._case, radius))
-    return TransitionEstimate(*forms["exact_lattice_sums"])
+    if contact_radius is None:
+        return _form(system, "exact_lattice_sums")
+    radius = si(contact_radius, "length", "contact_radius")
+    return TransitionEstimate(*_fakir.transition_from_exact_sums(system._case, radius))
 
 
 def constants(system: System) -> Constants:
     """Compliances and limits."""
-    return Constants(*_fakir.constants(system._case).values())
+    found = json.loads(_fakir.constants(system._case))
+    return Constants(*(found[name + CONSTANT_UNITS.get(name, "")] for name in Constants._fields))
 
 
 def transition_force(system: System, contact_radius: object) -> Any:
@@ -201,6 +218,10 @@ def site_potential() -> float:
 def hollow_potential() -> float:
     """The same at a hollow site: v_h."""
     return _fakir.hollow_potential()
+
+
+def _form(system: System, name: str) -> TransitionEstimate:
+    return TransitionEstimate(*_fakir.closed_form(system._case, name))
 
 
 def _each(function: Any, values: Any) -> Any:

@@ -6,11 +6,12 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::Load;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
-use fakir_study::design::{FREE, Wanted};
+use fakir_inverse::design::{FREE, Wanted};
+use fakir_inverse::fit::{FitOptions, Measurements, Parameter};
+use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
+use fakir_study::approach::LoadingPath;
 use fakir_study::fields::MOST_POINTS;
-use fakir_study::fit::{FitOptions, Measurements, Parameter};
 use fakir_study::output::Replace;
-use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::{Existing, Shard};
 use std::path::PathBuf;
 
@@ -57,6 +58,9 @@ pub(crate) enum Command {
     #[command(after_help = "Example: fakir press case.toml --force 20uN")]
     Press(Press),
     /// Loading step by step, as in the experiment, up to the critical state
+    ///
+    /// On a general surface (a case with a [surface]) the floor bears load past that state. A height
+    /// map without surface.floor has none: there the loading ends at --until.
     #[command(
         after_help = "Example: fakir approach case.toml --step 0.1um --output approach-to-floor"
     )]
@@ -66,7 +70,9 @@ pub(crate) enum Command {
     /// Elements of constant pressure on two meshes against the accurate spectral method; both
     /// methods estimate their errors. Exit status 1 says that they differ by more, or that it cannot
     /// be told, as one of them did not converge or knows no digit. Of the case's [method] only the
-    /// mesh of elements counts.
+    /// mesh of elements counts. On a general surface (a case with a [surface]) there are elements only:
+    /// pillars on a lattice are solved on both meshes; a height map, which has one, and pillars at random
+    /// are refused.
     #[command(after_help = "Example: fakir verify case.toml --cells 32")]
     Verify(Verify),
     /// The formulas: lattice sums, critical state and transition curve in closed form
@@ -233,21 +239,12 @@ pub(crate) struct Approach {
     /// Stop at this indentation instead of the critical one, if it is reached earlier
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     until: Option<f64>,
-    /// Go on past the critical state to the indentation of --until, as if the floor were not there
+    /// Go on past the critical state to the indentation of --until, on a texture as if the floor were
+    /// not there
     #[arg(long, requires = "until")]
     past_transition: bool,
     #[command(flatten)]
     pub(crate) run: RunArguments,
-}
-
-/// The indentations of a quasi-static loading.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct LoadingPath {
-    /// m
-    pub(crate) step: f64,
-    /// m
-    pub(crate) until: Option<f64>,
-    pub(crate) past_transition: bool,
 }
 
 impl Approach {

@@ -4,12 +4,14 @@ use fakir::state::SolveError;
 use fakir::state::SurfaceError;
 use fakir_case::CaseError;
 use fakir_figure::FigureError;
+use fakir_inverse::design::DesignError;
+use fakir_inverse::fit::{DataError, FitError};
+use fakir_inverse::spread::SpreadError;
 use fakir_paper::PaperError;
 use fakir_study::StudyError;
-use fakir_study::design::DesignError;
-use fakir_study::fit::{DataError, FitError};
+use fakir_study::approach::ApproachError;
 use fakir_study::output::OutputError;
-use fakir_study::spread::SpreadError;
+use fakir_study::surfaces::SurfaceVerifyError;
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -63,6 +65,26 @@ impl From<PaperError> for Failure {
                 error.into()
             }
             PaperError::Figure(error) => Self::Figure(error),
+        }
+    }
+}
+
+impl From<ApproachError> for Failure {
+    fn from(error: ApproachError) -> Self {
+        match error {
+            ApproachError::Solve(error) => error.into(),
+            ApproachError::Surface(error) => error.into(),
+            other => Self::Argument(other.to_string()),
+        }
+    }
+}
+
+impl From<SurfaceVerifyError> for Failure {
+    fn from(error: SurfaceVerifyError) -> Self {
+        match error {
+            SurfaceVerifyError::Case(error) => error.into(),
+            SurfaceVerifyError::Surface(error) => error.into(),
+            other => Self::Argument(other.to_string()),
         }
     }
 }

@@ -7,7 +7,6 @@
 mod arguments;
 mod commands;
 mod failure;
-mod numbers;
 mod output;
 mod report;
 mod session;
@@ -17,6 +16,7 @@ use clap::Parser;
 use failure::Failure;
 use fakir_case::input::{self, LARGEST_CASE};
 use fakir_case::{Case, CaseFile};
+use fakir_study::numbers;
 use report::Report;
 use session::Session;
 use std::path::Path;
@@ -66,16 +66,24 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         }
         Command::Approach(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(
-                command,
-                &options.case,
-                &read_case(&options.case)?,
-                move |case| commands::approach::run(case, &options.path()?, &session),
-            )
+            let (file, path) = (read_case(&options.case)?, options.path()?);
+            if file.is_surface() {
+                return deliver(command, &options.case, move || {
+                    commands::surface::approach(&file, &path, &session)
+                });
+            }
+            answer(command, &options.case, &file, move |case| {
+                commands::approach::run(case, &path, &session)
+            })
         }
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
+            if file.is_surface() {
+                return deliver(command, &options.case, move || {
+                    commands::surface::verify(&file, options.load(), options.cells, &session)
+                });
+            }
             answer(command, &options.case, &file, move |case| {
                 commands::verify::run(case, options.load(), options.cells, &session)
             })

@@ -74,13 +74,6 @@ impl Session {
         }
         bar.with_prefix(name)
     }
-
-    /// Threads that share the work.
-    pub(crate) fn threads(&self) -> usize {
-        self.pool
-            .as_ref()
-            .map_or(1, ThreadPool::current_num_threads)
-    }
 }
 
 /// How many threads are used where so many were asked for; warns if that is less.

@@ -10,7 +10,7 @@ use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
 use fakir_case::Case;
-use fakir_study::summary::{PressSummary, TransitionSummary};
+use fakir_study::result::{PressSummary, TransitionSummary, warnings};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -272,10 +272,6 @@ fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
 fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool) -> State {
     let system = &state.system;
     let floor = state.smallest_gap_position;
-    let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
-    if !state.converged() {
-        warnings.push(format!("the solution {}", state.termination.description()));
-    }
     let reduced = Normalized::new(system, state.force, state.contact_radius, state.indentation);
     State {
         approximate,
@@ -300,7 +296,7 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
             })
             .collect(),
         floor_contacts_m: copies(system, floor),
-        warnings,
+        warnings: warnings(state),
     }
 }
 

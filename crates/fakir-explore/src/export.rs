@@ -4,18 +4,16 @@ use crate::answers::{Solved, solve};
 use crate::jobs::{Failure, File, Worker};
 use crate::refusal::Refusal;
 use crate::request;
+use fakir::problem::Load;
 use fakir::state::{ContactState, Normalized, Run};
 use fakir_case::Case;
-use fakir_case::unit::{Dimension, format_quantity};
 use fakir_figure::{
     Figure, FigureError, PhaseDiagram, ProfileState, Series, Style, Text, View, floor_gap_map,
     phase_diagram, phase_points, pressure_map, profiles, top_view,
 };
 use fakir_study::citations::Topic;
-use fakir_study::pillars;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::summary::{PressSummary, TransitionSummary};
-use serde::Serialize;
+use fakir_study::result::{PressSummary, TransitionSummary, json, load_words, pillars};
 
 const FIGURES: [&str; 5] = [
     "pressure-map",
@@ -48,7 +46,9 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
         },
         ("pillars", "csv") => {
             let solved = solved(&case, request, worker)?;
-            let table = solved.state().and_then(|(state, _)| pillars::table(state));
+            let table = solved
+                .state()
+                .and_then(|(state, _)| pillars(state).some_csv("pillars.csv"));
             File {
                 kind: CSV,
                 contents: table.ok_or_else(no_pillars)?.contents,
@@ -96,25 +96,18 @@ fn no_pillars() -> Refusal {
 
 /// What `fakir transition --json` or `fakir press --json` prints.
 fn summary(solved: &Solved) -> Vec<u8> {
-    fn pretty(value: &impl Serialize) -> Vec<u8> {
-        let mut text = serde_json::to_vec_pretty(value).unwrap_or_default();
-        text.push(b'\n');
-        text
-    }
-    match (&solved.pressed, &solved.critical) {
-        (Some((state, time)), _) => pretty(&PressSummary::new(state, *time)),
-        (None, Some((critical, time))) => pretty(&TransitionSummary::new(critical, *time)),
-        (None, None) => Vec::new(),
-    }
+    let text = match (&solved.pressed, &solved.critical) {
+        (Some((state, time)), _) => json(&PressSummary::new(state, *time)),
+        (None, Some((critical, time))) => json(&TransitionSummary::new(critical, *time)),
+        (None, None) => return Vec::new(),
+    };
+    format!("{text}\n").into_bytes()
 }
 
 fn question(solved: &Solved) -> String {
     match &solved.pressed {
         None => "critical state".to_owned(),
-        Some((state, _)) => format!(
-            "contact at an indentation of {}",
-            format_quantity(state.indentation, Dimension::Length)
-        ),
+        Some((state, _)) => load_words(Load::Indentation(state.indentation)),
     }
 }
 

@@ -17,6 +17,7 @@ use fakir_figure::{
     profiles, top_view,
 };
 use fakir_study::Critical;
+use fakir_study::closed_forms::touches_one_pillar;
 use rayon::prelude::*;
 
 /// Why there is no figure.
@@ -248,7 +249,7 @@ fn models(grid: &Grid, substrate: Substrate) -> Result<Vec<CriticalCurve>, Drawi
     let (mut small, mut large, mut homogenised) = (Vec::new(), Vec::new(), Vec::new());
     for state in &grid.on_pillar(substrate).states {
         let system = system(substrate, 0.0, state.surface_fraction)?;
-        if state.surface_fraction < closed_forms::small_contact_limit(&system) {
+        if touches_one_pillar(&system) {
             let estimate = closed_forms::small_contact(&system);
             small.push(CriticalPoint::of_estimate(&system, &estimate));
             continue;

@@ -1,6 +1,6 @@
 //! A system and a method: what a case file describes.
 
-use crate::error::{PYTHON, case_error, value_error};
+use crate::error::{PYTHON, case_error, surface_in_system, value_error};
 use fakir_case::unit::{Dimension, parse_argument};
 use fakir_case::{CaseFile, Key, Setting};
 use pyo3::prelude::*;
@@ -85,7 +85,10 @@ impl Case {
         for setting in overrides {
             file.set(setting).map_err(|error| case_error(&error))?;
         }
-        let case = file.case().map_err(|error| case_error(&error))?;
+        let case = file.case().map_err(|error| match file.is_surface() {
+            true => surface_in_system(&error),
+            false => case_error(&error),
+        })?;
         Ok(Self { case })
     }
 

@@ -3,23 +3,19 @@
 use crate::case::{Case, key};
 use crate::error::{design_error, spread_error, value_error};
 use crate::state::Critical;
+use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
+use fakir_inverse::DesignSummary;
+use fakir_inverse::design::{Answer, Candidate, Design, Wanted};
+use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::citations::{Citation, Topic, citations};
-use fakir_study::design::{Candidate, Design, Limit, Wanted};
-use fakir_study::spread::{Deviation, Landing, Sampling, Tolerance};
-use numpy::PyArray1;
+use fakir_study::result::json;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use std::time::Instant;
 
-/// Outcome, why there is nothing nearer, sensitivity, and value, case and critical state of
-/// what was found or comes nearest.
-type Designed = (
-    &'static str,
-    Option<String>,
-    Option<f64>,
-    Vec<(f64, Case, Critical)>,
-);
+/// The object that `fakir design --json` prints, and value, case and critical state of what was found
+/// or comes nearest.
+type Designed = (String, Vec<(f64, Case, Critical)>);
 
 /// The value of a key that gives a wanted critical force (N) or contact radius (m).
 #[pyfunction]
@@ -39,32 +35,31 @@ pub(crate) fn design(
     let (file, free) = (case.file()?, key(free)?);
     let start = Instant::now();
     let designed = watched(py, &options, |run| {
-        fakir_study::design::design(&file, free, wanted, run)
+        fakir_inverse::design::design(&file, free, wanted, run)
     })?;
     let wall_time = start.elapsed().as_secs_f64();
+    let design = designed.map_err(|error| design_error(&error))?;
+    let method = case.case.method;
+    let answer = Answer {
+        free,
+        wanted,
+        design,
+    };
+    let summary = json(&DesignSummary::new(method, Some(&answer), None, wall_time));
+    let candidates = match answer.design {
+        Design::Found { candidate, .. } => vec![candidate],
+        Design::Jump(sides) => sides.into_iter().collect(),
+        Design::OutOfReach { nearest, .. } => vec![nearest],
+    };
     let candidate = |candidate: Candidate| {
         let critical = Critical::new(candidate.critical, wall_time);
         (candidate.value, candidate.case.into(), critical)
     };
-    Ok(match designed.map_err(|error| design_error(&error))? {
-        Design::Found {
-            candidate: found,
-            sensitivity,
-        } => ("found", None, Some(sensitivity), vec![candidate(found)]),
-        Design::Jump(sides) => {
-            let sides = sides.into_iter().map(candidate).collect();
-            ("jump", None, None, sides)
-        }
-        Design::OutOfReach { nearest, limit } => {
-            let limit = match limit {
-                Limit::Range => format!("{} is at the end of its range", free.path()),
-                Limit::Solver(error) => format!("beyond, no contact can be computed: {error}"),
-                Limit::FloorFirst => "beyond, the lens meets the floor before any pillar".into(),
-            };
-            ("out_of_reach", Some(limit), None, vec![candidate(nearest)])
-        }
-    })
+    Ok((summary, candidates.into_iter().map(candidate).collect()))
 }
+
+/// The object that `fakir design --json` prints, and the columns of `samples.csv`.
+type Scattered<'py> = (String, PyColumns<'py>);
 
 /// Critical states of samples drawn about a case. `tolerances` are keys with a standard deviation, which
 /// is relative if so marked.
@@ -77,7 +72,7 @@ pub(crate) fn spread<'py>(
     samples: usize,
     seed: u64,
     options: Options,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Scattered<'py>> {
     let sampling = Sampling {
         tolerances: tolerances
             .iter()
@@ -101,39 +96,15 @@ pub(crate) fn spread<'py>(
         seed,
     };
     let file = case.file()?;
+    let start = Instant::now();
     let spread = watched(py, &options, |run| {
-        fakir_study::spread::spread(&file, &sampling, run, &|_| {})
+        fakir_inverse::spread::spread(&file, &sampling, run, &|_| {})
     })?;
-    let samples = spread.map_err(|error| spread_error(&error))?.samples;
-    let columns = PyDict::new(py);
-    for (number, (path, ..)) in tolerances.iter().enumerate() {
-        let values = samples.iter().map(|sample| sample.values[number]);
-        columns.set_item(path, PyArray1::from_iter(py, values))?;
-    }
-    let offsets = samples.iter().map(|sample| sample.offset);
-    columns.set_item("offset", PyArray1::from_iter(py, offsets))?;
-    let angles = samples.iter().map(|sample| sample.offset_angle);
-    columns.set_item("offset_angle_rad", PyArray1::from_iter(py, angles))?;
-    type Number = fn(&fakir_study::spread::Critical) -> f64;
-    let numbers: [(&str, Number); 3] = [
-        ("critical_force_N", |critical| critical.force),
-        ("critical_indentation_m", |critical| critical.indentation),
-        ("critical_contact_radius_m", |critical| {
-            critical.contact_radius
-        }),
-    ];
-    for (name, number) in numbers {
-        let values = samples
-            .iter()
-            .map(|sample| sample.outcome.as_ref().map_or(f64::NAN, number));
-        columns.set_item(name, PyArray1::from_iter(py, values))?;
-    }
-    let problems: Vec<_> = samples
-        .into_iter()
-        .map(|sample| sample.outcome.err().unwrap_or_default())
-        .collect();
-    columns.set_item("problem", problems)?;
-    Ok(columns)
+    let spread = spread.map_err(|error| spread_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let scattered = Some((&sampling, &spread));
+    let summary = DesignSummary::new(case.case.method, None, scattered, wall_time);
+    Ok((json(&summary), columns(py, &spread.table(&sampling))?))
 }
 
 /// What to cite: text, BibTeX entry and reason of each work.

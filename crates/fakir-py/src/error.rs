@@ -2,10 +2,12 @@
 
 use fakir::state::SolveError;
 use fakir::state::SurfaceError;
+use fakir_inverse::design::DesignError;
+use fakir_inverse::fit::FitError;
+use fakir_inverse::spread::SpreadError;
 use fakir_study::StudyError;
-use fakir_study::design::DesignError;
-use fakir_study::fit::FitError;
-use fakir_study::spread::SpreadError;
+use fakir_study::approach::ApproachError;
+use fakir_study::surfaces::SurfaceVerifyError;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 
@@ -19,6 +21,20 @@ mod exceptions {
 
 /// What a case that was made in Python is called.
 pub(crate) const PYTHON: &str = "fakir.System";
+
+/// A case with a general surface where a texture is wanted.
+pub(crate) fn surface_in_system(error: &fakir_case::CaseError) -> PyErr {
+    exceptions::CaseError::new_err((
+        format!(
+            "{}; a case with a [surface] is read by fakir.love.Surface.from_file",
+            error.one_line()
+        ),
+        Some(error.file().to_owned()),
+        error.position().map(|(line, _)| line),
+        error.position().map(|(_, column)| column),
+        error.key_path().map(str::to_owned),
+    ))
+}
 
 /// A problem with a case; those with what was given in Python have no file to point into.
 pub(crate) fn case_error(error: &fakir_case::CaseError) -> PyErr {
@@ -53,11 +69,27 @@ pub(crate) fn solve_error(error: &SolveError) -> PyErr {
     }
 }
 
+pub(crate) fn approach_error(error: &ApproachError) -> PyErr {
+    match error {
+        ApproachError::Solve(error) => solve_error(error),
+        ApproachError::Surface(error) => surface_error(error),
+        other => value_error(other),
+    }
+}
+
 pub(crate) fn surface_error(error: &SurfaceError) -> PyErr {
     match error {
         SurfaceError::Interrupted => PyKeyboardInterrupt::new_err(()),
         SurfaceError::InvalidQuantity(_) => value_error(error),
         _ => exceptions::SolveError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn surface_verify_error(error: &SurfaceVerifyError) -> PyErr {
+    match error {
+        SurfaceVerifyError::Case(error) => case_error(error),
+        SurfaceVerifyError::Surface(error) => surface_error(error),
+        other => value_error(other),
     }
 }
 

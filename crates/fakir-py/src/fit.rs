@@ -4,10 +4,11 @@ use crate::case::Case;
 use crate::error::{fit_error, value_error};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
-use fakir_study::Table;
-use fakir_study::fit::{
+use fakir_inverse::fit::{
     Column, Fit, FitOptions, FitSummary, Measurements, Parameter, Position, Quantity,
 };
+use fakir_study::Table;
+use fakir_study::result::json;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -156,7 +157,7 @@ pub(crate) fn fit(
     let measurements = &data.measurements;
     let start = Instant::now();
     let fit = watched(py, &options, |run| {
-        fakir_study::fit::fit(&file, measurements, &free, &known, run)
+        fakir_inverse::fit::fit(&file, measurements, &free, &known, run)
     })?;
     let fit = fit.map_err(|error| fit_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
@@ -168,7 +169,7 @@ pub(crate) fn fit(
             Position::Indentation => "measured_indentation_m",
             Position::None => Column::Force.name(),
         },
-        summary: serde_json::to_string(&summary).map_err(value_error)?,
+        summary: json(&summary),
         case: fit
             .file
             .case()

@@ -28,18 +28,22 @@ mod _fakir {
     #[pymodule_export]
     use super::fit::{Data, Fitted, fit};
     #[pymodule_export]
-    use super::state::{Critical, State, check_points, press, transition, verify};
+    use super::state::{
+        Critical, State, approach, check_points, compare, press, transition, verify,
+    };
     #[pymodule_export]
     use super::study::{Ledger, Study, solve_cases};
     #[pymodule_export]
     use super::surface::{
-        Surface, SurfaceContact, SurfaceTransition, press_surface, surface_transition,
+        Surface, SurfaceContact, SurfaceTransition, approach_surface, press_surface,
+        surface_transition, verify_surface,
     };
     #[pymodule_export]
     use super::theory::{
-        closed_forms, constants, exact_lattice_sums, fitted_lattice_sums, hertz_contact_radius,
-        hollow_potential, homogenised, inverse_power_sum, lattice_potential, phase, site_potential,
-        sum_coefficients, transition_force,
+        closed_form, closed_forms, constants, exact_lattice_sums, fitted_lattice_sums,
+        hertz_contact_radius, hollow_potential, homogenised, inverse_power_sum, lattice_potential,
+        phase, site_potential, sum_coefficients, theory, transition_force,
+        transition_from_exact_sums,
     };
     #[pymodule_export]
     use super::watched::threads_warning;

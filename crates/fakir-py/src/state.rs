@@ -1,17 +1,19 @@
 //! Contact states, and the computations that give them.
 
 use crate::case::Case;
-use crate::error::{solve_error, value_error};
+use crate::error::{approach_error, solve_error, value_error};
+use crate::study::columns;
 use crate::watched::{Options, watched};
 use fakir::Question;
 use fakir::problem::ElementMesh;
 use fakir::problem::Point;
 use fakir::problem::{Load, Method};
-use fakir::state::{ContactState, CriticalState, FieldSamples, PillarState, Run};
-use fakir_study::summary::{PressSummary, TransitionSummary};
+use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
+use fakir_study::approach::LoadingPath;
+use fakir_study::result::{PressSummary, TransitionSummary, VerifySummary, json, pillars};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 use std::time::Instant;
 
 /// A contact under a load.
@@ -26,7 +28,7 @@ type Field<'py> = Bound<'py, PyArray1<f64>>;
 #[pymethods]
 impl State {
     /// The object that `fakir press --json` prints.
-    fn json(&self) -> PyResult<String> {
+    fn json(&self) -> String {
         json(&PressSummary::new(&self.state, self.wall_time))
     }
 
@@ -56,28 +58,7 @@ impl State {
 
     /// The touched pillars: the names of `pillars.csv`, each with a column.
     fn pillars<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let columns = PyDict::new(py);
-        let pillars = &self.state.pillars;
-        let numbers =
-            |of: &dyn Fn(&PillarState) -> f64| PyArray1::from_iter(py, pillars.iter().map(of));
-        let whole = |of: fn(&PillarState) -> i64| PyArray1::from_iter(py, pillars.iter().map(of));
-        let edge = |end: usize| {
-            numbers(&move |pillar| pillar.edge_coefficient.map_or(f64::NAN, |range| range[end]))
-        };
-        columns.set_item("i", whole(|pillar| pillar.index.0))?;
-        columns.set_item("j", whole(|pillar| pillar.index.1))?;
-        columns.set_item("x_m", numbers(&|pillar| pillar.centre[0]))?;
-        columns.set_item("y_m", numbers(&|pillar| pillar.centre[1]))?;
-        let status: Vec<_> = pillars.iter().map(|pillar| pillar.status.name()).collect();
-        columns.set_item("status", status)?;
-        columns.set_item("force_N", numbers(&|pillar| pillar.force))?;
-        columns.set_item(
-            "centre_pressure_Pa",
-            numbers(&|pillar| pillar.centre_pressure),
-        )?;
-        columns.set_item("smallest_edge_coefficient_Pa", edge(0))?;
-        columns.set_item("largest_edge_coefficient_Pa", edge(1))?;
-        Ok(columns)
+        columns(py, &pillars(&self.state))?.into_py_dict(py)
     }
 
     /// Displacement, gap and pressure at points; none from methods that do not resolve pillars.
@@ -172,7 +153,7 @@ pub(crate) struct Critical {
 #[pymethods]
 impl Critical {
     /// The object that `fakir transition --json` prints.
-    fn json(&self) -> PyResult<String> {
+    fn json(&self) -> String {
         json(&TransitionSummary::new(&self.critical, self.wall_time))
     }
 
@@ -193,10 +174,6 @@ impl Critical {
             wall_time,
         }
     }
-}
-
-fn json(value: &impl serde::Serialize) -> PyResult<String> {
-    serde_json::to_string(value).map_err(value_error)
 }
 
 /// The critical state.
@@ -239,9 +216,58 @@ pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Loa
     }
 }
 
-/// The verdict, and why there is none; relative and allowed differences of force and of indentation;
-/// and the states, the spectral one first.
-type Verified = (&'static str, Option<String>, [[f64; 2]; 2], Vec<State>);
+/// The object that `fakir approach --json` prints, the critical state, and the other states.
+type Loading = (String, Critical, Vec<State>);
+
+/// The states of a loading by steps of the indentation (m).
+#[pyfunction]
+pub(crate) fn approach(
+    py: Python<'_>,
+    case: &Case,
+    step: f64,
+    until: Option<f64>,
+    past_transition: bool,
+    options: Options,
+) -> PyResult<Loading> {
+    let (system, method) = (case.case.system, case.case.method);
+    let path = LoadingPath {
+        step,
+        until,
+        past_transition,
+    };
+    let (found, states) = watched(py, &options, |run| {
+        let mut states = Vec::new();
+        let mut keep = |state, wall_time| states.push(State { state, wall_time });
+        let found =
+            fakir_study::approach::approach(&system, method, &path, run, &|_| {}, &mut keep);
+        (found, states)
+    })?;
+    let found = found.map_err(|error| approach_error(&error))?;
+    let critical = Critical::new(found.critical, found.critical_time);
+    Ok((json(&found.summary), critical, states))
+}
+
+/// The object that `fakir compare --json` prints, and the critical states by method.
+type Compared = (String, Vec<(&'static str, Critical)>);
+
+/// The critical state by every method.
+#[pyfunction]
+pub(crate) fn compare(py: Python<'_>, case: &Case, options: Options) -> PyResult<Compared> {
+    let system = case.case.system;
+    let (found, states) = watched(py, &options, |run| {
+        let mut states = Vec::new();
+        let mut keep = |method, critical, wall_time| {
+            states.push((method, Critical::new(critical, wall_time)));
+        };
+        let found = fakir_study::compare::compare(&system, run, &|_| {}, &mut keep);
+        (found, states)
+    })?;
+    let found = found.map_err(|error| solve_error(&error))?;
+    Ok((json(&found.summary), states))
+}
+
+/// The object that `fakir verify --json` prints, and the states, the spectral one first.
+type Verified = (String, Vec<State>);
 
 /// A second opinion on the critical state, or on a contact under a load.
 #[pyfunction]
@@ -272,10 +298,8 @@ pub(crate) fn verify(
     })?;
     let answer = answer.map_err(|error| solve_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let verdict = answer.verdict();
-    let doubt = verdict.doubt().map(|doubt| doubt.to_string());
-    let differences = [answer.force, answer.indentation].map(|both| [both.relative, both.allowed]);
+    let summary = VerifySummary::new(question, &answer, wall_time);
     let [coarse, fine] = answer.elements;
     let states = [answer.spectral, coarse, fine].map(|state| State { state, wall_time });
-    Ok((verdict.name(), doubt, differences, states.into()))
+    Ok((json(&summary), states.into()))
 }

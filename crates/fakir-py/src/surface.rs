@@ -1,21 +1,30 @@
 //! A lens or a plate on a height map.
 
-use crate::error::{surface_error, value_error};
+use crate::error::{approach_error, case_error, surface_error, surface_verify_error, value_error};
 use crate::state::load;
 use crate::watched::{Options, watched};
+use fakir::Question;
 use fakir::problem::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
 use fakir::problem::{Lens, Material, Point};
-use fakir::state::Shares;
+use fakir::state::Run;
+use fakir_case::CaseFile;
+use fakir_study::approach::LoadingPath;
+use fakir_study::result::{
+    SurfacePressSummary, SurfaceTransitionSummary, SurfaceVerifySummary, json,
+};
+use fakir_study::surfaces::{self, SurfaceVerifyError};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// What is pressed onto what.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Surface {
     system: SurfaceSystem,
-    floor: Option<f64>,
+    floor: Option<Floor>,
+    /// The case file it is from, if it is.
+    file: Option<CaseFile>,
 }
 
 #[pymethods]
@@ -53,13 +62,87 @@ impl Surface {
         let system = SurfaceSystem::new(indenter, material(substrate), map, boundary);
         Ok(Self {
             system: system.map_err(value_error)?,
-            floor,
+            floor: floor.map(Floor::AtOrBelow),
+            file: None,
         })
+    }
+
+    /// Reads a case file with a `[surface]`.
+    #[staticmethod]
+    fn read(path: PathBuf, overrides: Vec<String>, memory_limit: Option<usize>) -> PyResult<Self> {
+        let file = CaseFile::read(&path).map_err(|error| case_error(&error))?;
+        Self::of(file, &overrides, memory_limit)
+    }
+
+    /// Reads the text of one; `name` is what errors call it.
+    #[staticmethod]
+    fn parse(
+        name: &str,
+        text: &str,
+        overrides: Vec<String>,
+        memory_limit: Option<usize>,
+    ) -> PyResult<Self> {
+        let file = CaseFile::parse(name, text).map_err(|error| case_error(&error))?;
+        Self::of(file, &overrides, memory_limit)
     }
 
     #[getter]
     fn reduced_modulus(&self) -> f64 {
         self.system.reduced_modulus()
+    }
+
+    /// Heights, m, a row for every y.
+    fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (surface, grid) = (self.system.surface(), self.system.surface().grid());
+        let flat = numpy::PyArray1::from_slice(py, surface.heights());
+        flat.reshape([grid.rows(), grid.columns()])
+    }
+
+    /// Sides of a cell, m.
+    #[getter]
+    fn cell(&self) -> [f64; 2] {
+        self.system.surface().grid().cell()
+    }
+
+    /// Lower left corner, m from the lens axis.
+    #[getter]
+    fn origin(&self) -> Point {
+        self.system.surface().grid().origin()
+    }
+
+    #[getter]
+    fn periodic(&self) -> bool {
+        self.system.boundary() == Boundary::Periodic
+    }
+
+    /// Radius, modulus and Poisson's ratio of the lens, if it is one.
+    #[getter]
+    fn lens(&self) -> Option<[f64; 3]> {
+        match self.system.indenter() {
+            Indenter::Lens(lens) => Some([
+                lens.radius,
+                lens.material.young_modulus,
+                lens.material.poisson_ratio,
+            ]),
+            Indenter::Flat(_) => None,
+        }
+    }
+
+    /// Modulus and Poisson's ratio of an elastic plate.
+    #[getter]
+    fn plate(&self) -> Option<[f64; 2]> {
+        match self.system.indenter() {
+            Indenter::Flat(material) => {
+                material.map(|material| [material.young_modulus, material.poisson_ratio])
+            }
+            Indenter::Lens(_) => None,
+        }
+    }
+
+    #[getter]
+    fn substrate(&self) -> [f64; 2] {
+        let material = self.system.substrate();
+        [material.young_modulus, material.poisson_ratio]
     }
 }
 
@@ -67,48 +150,14 @@ impl Surface {
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct SurfaceContact {
     contact: fakir::state::SurfaceContact,
-    shares: Option<Shares>,
-    wall_time: f64,
+    summary: String,
 }
 
 #[pymethods]
 impl SurfaceContact {
-    /// Its numbers, by the names of `fakir press --json`.
-    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let contact = &self.contact;
-        let summary = PyDict::new(py);
-        summary.set_item("method", "love")?;
-        summary.set_item("force_N", contact.force)?;
-        summary.set_item("indentation_m", contact.indentation)?;
-        summary.set_item("contact_area_m2", contact.contact_area)?;
-        summary.set_item("contact_radius_m", contact.contact_radius)?;
-        for (name, share) in [
-            ("tops", self.shares.map(|shares| shares.tops)),
-            ("floor", self.shares.map(|shares| shares.floor)),
-        ] {
-            let share = share.map(|share| {
-                let numbers = PyDict::new(py);
-                numbers.set_item("force_N", share.force)?;
-                numbers.set_item("area_m2", share.area)?;
-                Ok::<_, PyErr>(numbers)
-            });
-            summary.set_item(name, share.transpose()?)?;
-        }
-        let error = contact.error.map(|error| {
-            let numbers = PyDict::new(py);
-            numbers.set_item("force", error.force)?;
-            numbers.set_item("indentation", error.indentation)?;
-            if let Some(error) = contact.relative_contact_radius_error() {
-                numbers.set_item("contact_radius", error)?;
-            }
-            Ok::<_, PyErr>(numbers)
-        });
-        summary.set_item("relative_error_estimate", error.transpose()?)?;
-        summary.set_item("converged", contact.converged())?;
-        summary.set_item("iterations", contact.products)?;
-        summary.set_item("wall_time_s", self.wall_time)?;
-        summary.set_item("fakir_version", fakir_study::VERSION)?;
-        Ok(summary)
+    /// The object that `fakir press --json` prints for it.
+    fn json(&self) -> &str {
+        &self.summary
     }
 
     #[getter]
@@ -154,6 +203,15 @@ pub(crate) struct SurfaceTransition {
     regime: &'static str,
     #[pyo3(get)]
     floor_contact: Point,
+    summary: String,
+}
+
+#[pymethods]
+impl SurfaceTransition {
+    /// The object that `fakir transition --json` prints for it.
+    fn json(&self) -> &str {
+        &self.summary
+    }
 }
 
 /// The contact at an indentation (m) or under a force (N).
@@ -169,7 +227,7 @@ pub(crate) fn press_surface(
     let start = Instant::now();
     let contact = watched(py, &options, |run| surface.system.press(load, run))?;
     let contact = contact.map_err(|error| surface_error(&error))?;
-    Ok(surface.with_shares(contact, start))
+    Ok(surface.contact(contact, start.elapsed().as_secs_f64()))
 }
 
 /// The state in which the floor is just reached.
@@ -183,26 +241,124 @@ pub(crate) fn surface_transition(
         .floor
         .ok_or_else(|| value_error("which cells are floor is not known: give floor, a height"))?;
     let start = Instant::now();
-    let found = watched(py, &options, |run| {
-        surface.system.transition(Floor::AtOrBelow(floor), run)
-    })?;
+    let found = watched(py, &options, |run| surface.system.transition(floor, run))?;
     let found = found.map_err(|error| surface_error(&error))?;
-    Ok(SurfaceTransition {
-        contact: Py::new(py, surface.with_shares(found.contact, start))?,
-        regime: found.regime.name(),
-        floor_contact: found.floor_contact,
-    })
+    surface.reached(py, found, start.elapsed().as_secs_f64())
+}
+
+/// The object that `fakir approach --json` prints for a surface, the critical state if there is one, and
+/// the other states.
+type Loading = (String, Option<SurfaceTransition>, Vec<SurfaceContact>);
+
+/// The states of a loading by steps of the indentation (m).
+#[pyfunction]
+pub(crate) fn approach_surface(
+    py: Python<'_>,
+    surface: &Surface,
+    step: f64,
+    until: Option<f64>,
+    past_transition: bool,
+    options: Options,
+) -> PyResult<Loading> {
+    let path = LoadingPath {
+        step,
+        until,
+        past_transition,
+    };
+    let (found, states) = watched(py, &options, |run| {
+        let mut states = Vec::new();
+        let mut keep = |contact, wall_time| states.push(surface.contact(contact, wall_time));
+        let (system, floor) = (&surface.system, surface.floor);
+        let found =
+            fakir_study::approach::approach_surface(system, floor, &path, run, &|_| {}, &mut keep);
+        (found, states)
+    })?;
+    let found = found.map_err(|error| approach_error(&error))?;
+    let critical = found
+        .critical
+        .map(|critical| surface.reached(py, critical, found.critical_time));
+    Ok((json(&found.summary), critical.transpose()?, states))
+}
+
+/// The object that `fakir verify --json` prints for a surface, and the surfaces of both meshes with their
+/// contacts.
+type Verified = (String, Vec<(Surface, SurfaceContact)>);
+
+/// The same question on two meshes.
+#[pyfunction]
+pub(crate) fn verify_surface(
+    py: Python<'_>,
+    surface: &Surface,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    cells_per_diameter: usize,
+    options: Options,
+) -> PyResult<Verified> {
+    let question = match (indentation, force) {
+        (None, None) => Question::Transition,
+        _ => Question::Press(load(indentation, force)?),
+    };
+    let file = surface
+        .file
+        .as_ref()
+        .ok_or_else(|| value_error(SurfaceVerifyError::OneMesh))?;
+    let start = Instant::now();
+    let found = watched(py, &options, |run| {
+        surfaces::verify(file, question, cells_per_diameter, run, &|_| {})
+    })?;
+    let found = found.map_err(|error| surface_verify_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let summary = json(&SurfaceVerifySummary::new(question, &found, wall_time));
+    let answers = found.answers.into_iter().map(|answered| {
+        let surface = Surface {
+            system: answered.case.system,
+            floor: answered.case.floor,
+            file: Some(file.clone()),
+        };
+        let contact = surface.contact(answered.answer, wall_time);
+        (surface, contact)
+    });
+    Ok((summary, answers.collect()))
 }
 
 impl Surface {
-    fn with_shares(&self, contact: fakir::state::SurfaceContact, start: Instant) -> SurfaceContact {
-        let shares = self
-            .floor
-            .map(|floor| contact.shares(self.system.surface(), Floor::AtOrBelow(floor)));
+    fn of(mut file: CaseFile, overrides: &[String], memory_limit: Option<usize>) -> PyResult<Self> {
+        for setting in overrides {
+            file.set(setting).map_err(|error| case_error(&error))?;
+        }
+        let run = Run {
+            memory_limit,
+            ..Run::default()
+        };
+        let case = file.surface_case(run.memory_limit());
+        let case = case.map_err(|error| case_error(&error))?;
+        Ok(Self {
+            system: case.system,
+            floor: case.floor,
+            file: Some(file),
+        })
+    }
+
+    fn reached(
+        &self,
+        py: Python<'_>,
+        found: fakir::state::SurfaceTransition,
+        wall_time: f64,
+    ) -> PyResult<SurfaceTransition> {
+        let summary = SurfaceTransitionSummary::new(&self.system, &found, wall_time);
+        Ok(SurfaceTransition {
+            summary: json(&summary),
+            regime: found.regime.name(),
+            floor_contact: found.floor_contact,
+            contact: Py::new(py, self.contact(found.contact, wall_time))?,
+        })
+    }
+
+    fn contact(&self, contact: fakir::state::SurfaceContact, wall_time: f64) -> SurfaceContact {
+        let summary = SurfacePressSummary::new(&self.system, self.floor, &contact, wall_time);
         SurfaceContact {
+            summary: json(&summary),
             contact,
-            shares,
-            wall_time: start.elapsed().as_secs_f64(),
         }
     }
 }

@@ -1,16 +1,16 @@
 //! Closed forms, lattice sums and the homogenised lattice.
 
 use crate::case::Case;
-use crate::error::solve_error;
+use crate::error::{solve_error, value_error};
 use fakir::theory::closed_forms as forms;
-use fakir::theory::closed_forms::{Form, Region, TransitionEstimate};
-use fakir::theory::homogenised as model;
+use fakir::theory::closed_forms::{Region, TransitionEstimate};
 use fakir::theory::homogenised::HomogenisedLattice;
 use fakir::theory::lattice_potential as potential;
 use fakir::theory::lattice_sums;
 use fakir::theory::lattice_sums::{LatticeSums, SumCoefficients, SumFit};
+use fakir_study::closed_forms::Formula;
+use fakir_study::result::{TheorySummary, json};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 /// Force, indentation, top contact radius and distance of the floor contact.
 type Estimate = (f64, f64, f64, f64);
@@ -24,58 +24,41 @@ fn estimate(estimate: &TransitionEstimate) -> Estimate {
     )
 }
 
-/// Every formula for the critical state, by name; sums over a contact of `contact_radius` (m) if
-/// one is given, and otherwise over that of the large-contact formula.
+/// Every formula for the critical state that gives numbers, by name.
 #[pyfunction]
-pub(crate) fn closed_forms(
-    case: &Case,
-    contact_radius: Option<f64>,
-) -> Vec<(&'static str, Estimate)> {
-    let system = &case.case.system;
-    let radius =
-        contact_radius.unwrap_or_else(|| forms::large_contact_radius(system, Form::Corrected));
-    [
-        ("small_contact", forms::small_contact(system)),
-        ("one_pillar", forms::one_pillar(system)),
-        (
-            "large_contact_as_printed",
-            forms::large_contact(system, Form::AsPrinted),
-        ),
-        (
-            "large_contact_corrected",
-            forms::large_contact(system, Form::Corrected),
-        ),
-        (
-            "exact_lattice_sums",
-            forms::transition_from_exact_sums(system, radius),
-        ),
-        ("homogenised_dense_limit", model::dense_limit(system)),
-    ]
-    .iter()
-    .map(|(name, form)| (*name, estimate(form)))
-    .collect()
+pub(crate) fn closed_forms(case: &Case) -> Vec<(&'static str, Estimate)> {
+    let forms = fakir_study::closed_forms::closed_forms(&case.case.system);
+    let named = forms.iter();
+    named
+        .map(|form| (form.formula.key(), estimate(&form.estimate)))
+        .collect()
 }
 
-/// The constants of a system, with units in their names.
+/// One formula for the critical state, whether it applies or not.
 #[pyfunction]
-pub(crate) fn constants<'py>(py: Python<'py>, case: &Case) -> PyResult<Bound<'py, PyDict>> {
+pub(crate) fn closed_form(case: &Case, name: &str) -> PyResult<Estimate> {
+    let formula = Formula::named(name)
+        .ok_or_else(|| value_error(format!("no formula is called \"{name}\"")))?;
+    Ok(estimate(&formula.estimate(&case.case.system)))
+}
+
+/// The critical state from lattice sums over a contact of this radius (m).
+#[pyfunction]
+pub(crate) fn transition_from_exact_sums(case: &Case, contact_radius: f64) -> Estimate {
     let system = &case.case.system;
-    let constants = PyDict::new(py);
-    for (name, value) in [
-        ("reduced_modulus_Pa", system.reduced_modulus()),
-        ("internal_compliance_per_Pa", system.internal_compliance()),
-        ("external_compliance_per_Pa", system.external_compliance()),
-        ("column_compliance_ratio", system.column_compliance_ratio()),
-        ("small_contact_limit", forms::small_contact_limit(system)),
-        ("homogenised_limit", model::largest_surface_fraction(system)),
-        (
-            "central_force_amplification",
-            model::central_force_amplification(system),
-        ),
-    ] {
-        constants.set_item(name, value)?;
-    }
-    Ok(constants)
+    estimate(&forms::transition_from_exact_sums(system, contact_radius))
+}
+
+/// The object that `fakir theory --json` prints.
+#[pyfunction]
+pub(crate) fn theory(case: &Case) -> String {
+    json(&TheorySummary::new(&case.case.system))
+}
+
+/// The constants in it.
+#[pyfunction]
+pub(crate) fn constants(case: &Case) -> String {
+    json(&fakir_study::result::constants(&case.case.system))
 }
 
 /// Layer compliance (m/Pa), critical force (N) and pressure (Pa) of the central pillar.

@@ -1,4 +1,4 @@
-//! What to cite for what was computed: the sources that the code paths name, as data.
+//! What to cite for what was computed: the sources that the code paths name, from `citations.toml`.
 //!
 //! A [`Topic`] is something that was made use of; [`citations`] gives the sources of several, each
 //! with a few words on why. The formulas themselves are cited where the crate `fakir` has them.
@@ -6,7 +6,9 @@
 use fakir::problem::MeshLayout;
 use fakir::problem::{Method, PunchForm};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::sync::LazyLock;
 
 /// DOI of the paper whose problem this is: R. Ledesma-Alonso, E. Raphaël, F. Restagno,
 /// C. Poulard, Phys. Rev. E 104, 055007 (2021).
@@ -159,17 +161,16 @@ fn escaped(text: &str) -> String {
 /// several topics once, with all reasons.
 #[must_use]
 pub fn citations(topics: &[Topic]) -> Vec<Citation> {
-    let mut citations = vec![
-        LEDESMA_ALONSO_2021.because("the problem, its symbols and reduced variables"),
-        fakir(),
-    ];
-    for (work, why) in topics.iter().flat_map(Topic::sources) {
-        match citations.iter_mut().find(|known| known.key == work.key) {
-            None => citations.push(work.because(why)),
-            Some(known) if known.why.contains(why) => {}
+    let mut citations: Vec<Citation> = sources("reference").collect();
+    citations.push(fakir());
+    let names = topics.iter().flat_map(Topic::names);
+    for source in names.flat_map(sources) {
+        match citations.iter_mut().find(|known| known.key == source.key) {
+            None => citations.push(source),
+            Some(known) if known.why.contains(&source.why) => {}
             Some(known) => {
                 known.why.push_str("; ");
-                known.why.push_str(why);
+                known.why.push_str(&source.why);
             }
         }
     }
@@ -193,352 +194,89 @@ fn fakir() -> Citation {
     }
 }
 
-type Source = (&'static Work, &'static str);
-
 impl Topic {
-    fn sources(&self) -> Vec<Source> {
+    /// The topics of the data that are behind it.
+    fn names(&self) -> Vec<&'static str> {
         match self {
-            Self::Method(method) => method_sources(*method),
-            Self::ClosedForms => vec![
-                (&LEDESMA_ALONSO_2021, "the closed forms"),
-                (&HERTZ_1882, "the lens on the bare substrate"),
-                (&BORWEIN_2013, "lattice sums in closed form"),
-            ],
-            Self::LeastSquares => vec![
-                (&LEVENBERG_1944, "the best fit"),
-                (&MARQUARDT_1963, "the best fit"),
-                (&OREAR_1982, "errors of the load in a fit"),
-            ],
+            Self::Method(Method::Spectral(_)) => vec!["spectral"],
+            Self::Method(Method::Punch(PunchForm::Plain)) => vec!["punch_plain"],
+            Self::Method(Method::Punch(PunchForm::Corrected)) => vec!["punch_corrected"],
+            Self::Method(Method::Love(mesh)) if mesh.layout == MeshLayout::Pattern => {
+                vec!["love", "elements", "free_space"]
+            }
+            Self::Method(Method::Love(_)) => vec!["love", "elements"],
+            Self::Method(Method::Homogenised) => vec!["homogenised"],
+            Self::Method(_) => Vec::new(), // methods to come name their sources here
+            Self::ClosedForms => vec!["closed_forms"],
+            Self::LeastSquares => vec!["least_squares"],
             Self::Surface { periodic, random } => {
-                let mut sources = ELEMENTS.to_vec();
-                if *periodic {
-                    sources.push((&JOHNSON_1985, "waves of pressure on a periodic half-space"));
-                } else {
-                    sources.push(FREE_SPACE);
-                }
+                let around = if *periodic { "periodic" } else { "free_space" };
+                let mut names = vec!["elements", around];
                 if *random {
-                    sources.push((&FEDER_1980, "placing pillars at random"));
+                    names.push("random");
                 }
-                sources
+                names
             }
         }
     }
 }
 
-fn method_sources(method: Method) -> Vec<Source> {
-    match method {
-        Method::Spectral(_) => vec![
-            (
-                &COPSON_1947,
-                "the eigenfunctions of the loaded disc, in which the pressure is expanded",
-            ),
-            (
-                &FABRIKANT_1991,
-                "the eigenfunctions of the loaded disc, in which the pressure is expanded",
-            ),
-            (&WATSON_1944, "the integrals that couple two pillars"),
-            (&JOHNSON_1985, "displacement around a flat punch"),
-            (&BOS_1991, "the points at which pressures are kept positive"),
-            (&JUDICE_1994, "the contact conditions on a pillar top"),
-        ],
-        Method::Punch(PunchForm::Plain) => vec![
-            (
-                &LEDESMA_ALONSO_2021,
-                "pillars that act on each other as flat punches",
-            ),
-            (&JOHNSON_1985, "displacement around a flat punch"),
-        ],
-        Method::Punch(PunchForm::Corrected) => vec![
-            (&JOHNSON_1985, "displacement around a flat punch"),
-            (&WATSON_1944, "the integrals that couple two pillars"),
-        ],
-        Method::Love(mesh) => {
-            let mut sources = ELEMENTS.to_vec();
-            sources.insert(
-                0,
-                (&LEDESMA_ALONSO_2016, "the paper's own numerical method"),
-            );
-            if mesh.layout == MeshLayout::Pattern {
-                sources.push(FREE_SPACE);
-            }
-            sources
-        }
-        Method::Homogenised => vec![
-            (
-                &BORWEIN_2013,
-                "potential of a lattice of charges in closed form",
-            ),
-            (
-                &SNEDDON_1966,
-                "the lens on a half-space under a layer of springs",
-            ),
-        ],
-        _ => Vec::new(), // methods to come name their sources here
-    }
+/// The works and topics of `citations.toml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Data {
+    works: Vec<Work>,
+    topics: BTreeMap<String, Vec<Source>>,
 }
 
-const ELEMENTS: [Source; 4] = [
-    (&LOVE_1929, "displacement by pressure on a rectangle"),
-    (&JOHNSON_1985, "displacement by pressure on a rectangle"),
-    (
-        &POLONSKY_1999,
-        "conjugate gradients with contact conditions",
-    ),
-    (&FRANK_1956, "the bound on the error of the solution"),
-];
-
-const FREE_SPACE: Source = (
-    &CRANDALL_1994,
-    "transforms of the free half-space, without padding",
-);
-
-/// A work as it is written down here.
+/// A work as it is written down there.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Work {
-    key: &'static str,
+    key: String,
     kind: Kind,
-    authors: &'static [&'static str],
-    title: &'static str,
-    published_in: &'static str,
-    volume: &'static str,
-    pages: &'static str,
+    authors: Vec<String>,
+    title: String,
+    published_in: String,
+    volume: Option<String>,
+    pages: Option<String>,
     year: u16,
-    doi: &'static str,
+    doi: Option<String>,
 }
 
-impl Work {
-    fn because(&self, why: &str) -> Citation {
-        let some = |text: &str| (!text.is_empty()).then(|| text.to_owned());
+/// What a work is cited for.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Source {
+    work: String,
+    why: String,
+}
+
+static DATA: LazyLock<Data> = LazyLock::new(|| {
+    toml::from_str(include_str!("citations.toml")).expect("the tests read this file")
+});
+
+/// The sources of a topic of the data.
+fn sources(topic: &str) -> impl Iterator<Item = Citation> {
+    DATA.topics[topic].iter().map(|source| {
+        let mut works = DATA.works.iter();
+        let work = works.find(|work| work.key == source.work);
+        let work = work.expect("the tests find every work");
         Citation {
-            key: self.key.to_owned(),
-            kind: self.kind,
-            authors: self.authors.iter().map(ToString::to_string).collect(),
-            title: self.title.to_owned(),
-            published_in: some(self.published_in),
-            volume: some(self.volume),
-            pages: some(self.pages),
-            year: Some(self.year),
+            key: work.key.clone(),
+            kind: work.kind,
+            authors: work.authors.clone(),
+            title: work.title.clone(),
+            published_in: Some(work.published_in.clone()),
+            volume: work.volume.clone(),
+            pages: work.pages.clone(),
+            year: Some(work.year),
             version: None,
-            doi: some(self.doi),
-            why: why.to_owned(),
+            doi: work.doi.clone(),
+            why: source.why.clone(),
         }
-    }
+    })
 }
-
-const fn article(
-    key: &'static str,
-    authors: &'static [&'static str],
-    title: &'static str,
-    [journal, volume, pages]: [&'static str; 3],
-    year: u16,
-    doi: &'static str,
-) -> Work {
-    Work {
-        key,
-        kind: Kind::Article,
-        authors,
-        title,
-        published_in: journal,
-        volume,
-        pages,
-        year,
-        doi,
-    }
-}
-
-const fn book(
-    key: &'static str,
-    authors: &'static [&'static str],
-    title: &'static str,
-    publisher: &'static str,
-    year: u16,
-    doi: &'static str,
-) -> Work {
-    Work {
-        key,
-        kind: Kind::Book,
-        authors,
-        title,
-        published_in: publisher,
-        volume: "",
-        pages: "",
-        year,
-        doi,
-    }
-}
-
-static LEDESMA_ALONSO_2021: Work = article(
-    "LedesmaAlonso2021",
-    &[
-        "R. Ledesma-Alonso",
-        "E. Raphaël",
-        "F. Restagno",
-        "C. Poulard",
-    ],
-    "Effect of the density of pillar-patterned substrates on the contact mechanics: Transition from \
-     top to mixed contact with a detailed pressure-field description",
-    ["Phys. Rev. E", "104", "055007"],
-    2021,
-    REFERENCE_DOI,
-);
-static LEDESMA_ALONSO_2016: Work = article(
-    "LedesmaAlonso2016",
-    &[
-        "R. Ledesma-Alonso",
-        "E. Raphaël",
-        "L. Léger",
-        "F. Restagno",
-        "C. Poulard",
-    ],
-    "Stress concentration in periodically rough Hertzian contact: Hertz to soft-flat-punch \
-     transition",
-    ["Proc. R. Soc. A", "472", "20160235"],
-    2016,
-    "10.1098/rspa.2016.0235",
-);
-static HERTZ_1882: Work = article(
-    "Hertz1882",
-    &["H. Hertz"],
-    "Ueber die Berührung fester elastischer Körper",
-    ["J. reine angew. Math.", "92", "156-171"],
-    1882,
-    "10.1515/crll.1882.92.156",
-);
-static LEVENBERG_1944: Work = article(
-    "Levenberg1944",
-    &["K. Levenberg"],
-    "A method for the solution of certain non-linear problems in least squares",
-    ["Q. Appl. Math.", "2", "164-168"],
-    1944,
-    "10.1090/qam/10666",
-);
-static MARQUARDT_1963: Work = article(
-    "Marquardt1963",
-    &["D. W. Marquardt"],
-    "An algorithm for least-squares estimation of nonlinear parameters",
-    ["J. Soc. Ind. Appl. Math.", "11", "431-441"],
-    1963,
-    "10.1137/0111030",
-);
-static OREAR_1982: Work = article(
-    "Orear1982",
-    &["J. Orear"],
-    "Least squares when both variables have uncertainties",
-    ["Am. J. Phys.", "50", "912-916"],
-    1982,
-    "10.1119/1.12972",
-);
-static LOVE_1929: Work = article(
-    "Love1929",
-    &["A. E. H. Love"],
-    "The stress produced in a semi-infinite solid by pressure on part of the boundary",
-    ["Phil. Trans. R. Soc. A", "228", "377-420"],
-    1929,
-    "10.1098/rsta.1929.0009",
-);
-static COPSON_1947: Work = article(
-    "Copson1947",
-    &["E. T. Copson"],
-    "On the problem of the electrified disc",
-    ["Proc. Edinb. Math. Soc.", "8", "14"],
-    1947,
-    "",
-);
-static FRANK_1956: Work = article(
-    "Frank1956",
-    &["M. Frank", "P. Wolfe"],
-    "An algorithm for quadratic programming",
-    ["Nav. Res. Logist. Q.", "3", "95-110"],
-    1956,
-    "10.1002/nav.3800030109",
-);
-static FEDER_1980: Work = article(
-    "Feder1980",
-    &["J. Feder"],
-    "Random sequential adsorption",
-    ["J. Theor. Biol.", "87", "237-254"],
-    1980,
-    "10.1016/0022-5193(80)90358-6",
-);
-static BOS_1991: Work = article(
-    "Bos1991",
-    &["L. Bos"],
-    "On certain configurations of points in R^n which are unisolvent for polynomial interpolation",
-    ["J. Approx. Theory", "64", "271"],
-    1991,
-    "",
-);
-static CRANDALL_1994: Work = article(
-    "Crandall1994",
-    &["R. E. Crandall", "B. Fagin"],
-    "Discrete weighted transforms and large-integer arithmetic",
-    ["Math. Comp.", "62", "305"],
-    1994,
-    "",
-);
-static JUDICE_1994: Work = article(
-    "Judice1994",
-    &["J. J. Júdice", "F. M. Pires"],
-    "A block principal pivoting algorithm for large-scale strictly monotone linear complementarity \
-     problems",
-    ["Comput. Oper. Res.", "21", "587"],
-    1994,
-    "",
-);
-static POLONSKY_1999: Work = article(
-    "Polonsky1999",
-    &["I. A. Polonsky", "L. M. Keer"],
-    "A numerical method for solving rough contact problems based on the multi-level \
-     multi-summation and conjugate gradient techniques",
-    ["Wear", "231", "206-219"],
-    1999,
-    "10.1016/S0043-1648(99)00113-1",
-);
-static WATSON_1944: Work = book(
-    "Watson1944",
-    &["G. N. Watson"],
-    "A treatise on the theory of Bessel functions, second edition",
-    "Cambridge University Press",
-    1944,
-    "",
-);
-static SNEDDON_1966: Work = book(
-    "Sneddon1966",
-    &["I. N. Sneddon"],
-    "Mixed boundary value problems in potential theory",
-    "North-Holland",
-    1966,
-    "",
-);
-static JOHNSON_1985: Work = book(
-    "Johnson1985",
-    &["K. L. Johnson"],
-    "Contact mechanics",
-    "Cambridge University Press",
-    1985,
-    "10.1017/CBO9781139171731",
-);
-static FABRIKANT_1991: Work = book(
-    "Fabrikant1991",
-    &["V. I. Fabrikant"],
-    "Mixed boundary value problems of potential theory and their applications in engineering",
-    "Kluwer",
-    1991,
-    "",
-);
-static BORWEIN_2013: Work = book(
-    "Borwein2013",
-    &[
-        "J. M. Borwein",
-        "M. L. Glasser",
-        "R. C. McPhedran",
-        "J. G. Wan",
-        "I. J. Zucker",
-    ],
-    "Lattice sums then and now",
-    "Cambridge University Press",
-    2013,
-    "10.1017/CBO9781139626804",
-);
 
 #[cfg(test)]
 mod tests {
@@ -579,6 +317,30 @@ mod tests {
             assert!(citations.len() > 2, "{topic:?}");
         }
         assert_eq!(citations(&[]).len(), 2);
+    }
+
+    /// Every topic of the data names works that are there, every work is cited for something, and the
+    /// paper is the one whose DOI is stamped on results.
+    #[test]
+    fn the_data_are_complete() {
+        let mut cited: Vec<String> = DATA
+            .topics
+            .keys()
+            .flat_map(|topic| sources(topic))
+            .map(|citation| citation.key)
+            .collect();
+        cited.sort();
+        cited.dedup();
+        let mut works: Vec<&String> = DATA.works.iter().map(|work| &work.key).collect();
+        works.sort();
+        assert_eq!(cited.iter().collect::<Vec<_>>(), works);
+        let topics = [every_topic(), vec![Topic::LeastSquares]].concat();
+        let named = topics.iter().flat_map(Topic::names).chain(["reference"]);
+        let mut named: Vec<&str> = named.collect();
+        named.sort_unstable();
+        named.dedup();
+        assert_eq!(named, DATA.topics.keys().collect::<Vec<_>>());
+        assert_eq!(citations(&[])[0].doi.as_deref(), Some(REFERENCE_DOI));
     }
 
     #[test]

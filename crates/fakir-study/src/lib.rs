@@ -26,29 +26,31 @@
 //! * What a case answers depends on the study alone: not on threads, shards or interruptions. So
 //!   the table of a sweep that was killed and resumed is the same, byte for byte.
 //! * A case without an answer keeps its row in the [`Table`], with the reason.
-//! * [`design`](mod@design) turns the question round: which value gives a wanted critical force;
-//!   [`spread`](mod@spread) draws samples about a case; [`fit`](mod@fit) finds moduli and instrument
-//!   parameters from measured loading curves.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
-//! * [`summary`] is what a single answer is as JSON, [`pillars`] its table of pillars.
+//! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
+//!   [`closed_forms`](mod@closed_forms) is the list of formulas.
+//! * [`surfaces`] solves a case with a general surface on a grid that is wide enough.
+//! * [`result`] is what every answer is as a JSON object and as tables: command line, Python package and
+//!   page show it and make none of their own.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
 //!   files that are there whole or not at all.
 
 mod answer;
+pub mod approach;
 pub mod citations;
-pub mod design;
+pub mod closed_forms;
+pub mod compare;
 mod error;
 pub mod fields;
-pub mod fit;
 mod folder;
 mod journal;
+pub mod numbers;
 pub mod output;
-pub mod pillars;
 mod plan;
 pub mod provenance;
 mod replace;
-pub mod spread;
-pub mod summary;
+pub mod result;
+pub mod surfaces;
 mod sweep;
 mod table;
 

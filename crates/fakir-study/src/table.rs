@@ -1,6 +1,7 @@
 //! The rows of a sweep as a table: one row per case, one column per axis and per number.
 
 use crate::answer::{Answer, Critical, Pressed, Row};
+use crate::output::File;
 use crate::provenance::Provenance;
 use fakir_case::Study;
 use fakir_case::study::{Asked, Coordinate};
@@ -103,6 +104,12 @@ impl Table {
         written.expect("memory takes rows of equal length");
         let bytes = writer.into_inner().expect("memory takes every byte");
         String::from_utf8(bytes).expect("cells are texts")
+    }
+
+    /// As a CSV file; none of a table without rows.
+    #[must_use]
+    pub fn some_csv(&self, name: &'static str) -> Option<File> {
+        (self.rows() > 0).then(|| File::new(name, self.to_csv()))
     }
 
     /// As a Parquet file that knows where it comes from.

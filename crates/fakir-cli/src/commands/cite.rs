@@ -3,7 +3,6 @@
 use crate::arguments::{Cite, CitedMethod};
 use crate::failure::Failure;
 use crate::output::print;
-use crate::report::json;
 use crate::report::surface::topic;
 use fakir::problem::ElementMesh;
 use fakir::problem::{Accuracy, Method, PunchForm};
@@ -12,6 +11,7 @@ use fakir_case::input::{self, LARGEST_STUDY};
 use fakir_case::{CaseFile, Study, StudyFile, study::Axis};
 use fakir_study::citations::{Citation, Topic, citations};
 use fakir_study::provenance::{FILE_NAME, Provenance, method_words};
+use fakir_study::result::json;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;

@@ -3,20 +3,21 @@
 use crate::arguments::Fit as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, digits, significant, with_unit};
+use crate::report::Report;
 use crate::report::figures::saved;
 use crate::report::state::texture_line;
 use crate::report::table::{Column, table};
-use crate::report::{Report, json};
 use crate::session::Session;
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile};
 use fakir_figure::{Figure, FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
-use fakir_study::citations::Topic;
-use fakir_study::fit::{
+use fakir_inverse::fit::{
     Estimate, Fit, FitSummary, FittedRow, Measurements, Parameter, Position, Quantity, fit,
 };
+use fakir_study::citations::Topic;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::result::json;
 use std::time::Instant;
 
 pub(crate) fn run(
@@ -168,7 +169,7 @@ fn figure(data: &Measurements, fitted: &Fit) -> Figure {
         Position::Indentation => FittedLoad::Indentation,
         Position::None => FittedLoad::Force,
     };
-    let curve = |scatter: &fakir_study::fit::Scatter| {
+    let curve = |scatter: &fakir_inverse::fit::Scatter| {
         let quantity = scatter.quantity;
         let point = |row: &FittedRow| {
             let compared = row.compared(quantity)?;

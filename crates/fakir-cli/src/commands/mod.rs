@@ -2,7 +2,6 @@
 
 pub(crate) mod approach;
 pub(crate) mod cite;
-mod closed_forms;
 pub(crate) mod compare;
 pub(crate) mod design;
 #[cfg(feature = "explore")]

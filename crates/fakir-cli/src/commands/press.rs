@@ -2,19 +2,18 @@
 
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
+use crate::report::Report;
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{QuantityList, load_words, radius_digits, texture_line, warnings};
-use crate::report::{Report, json};
+use crate::report::state::{QuantityList, radius_digits, texture_line};
 use crate::session::Session;
 use fakir::problem::Load;
 use fakir::state::{ContactState, CriticalState, Normalized, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
-use fakir_study::pillars;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::summary::PressSummary;
+use fakir_study::result::{PressSummary, json, load_words, pillars, warnings};
 use std::time::Instant;
 
 pub(crate) fn run(
@@ -38,7 +37,7 @@ pub(crate) fn run(
         &[Topic::Method(case.method)],
         case.to_toml(),
     );
-    let mut tables = Vec::from_iter(pillars::table(&state));
+    let mut tables = Vec::from_iter(pillars(&state).some_csv("pillars.csv"));
     tables.extend(maps.files(&state, &provenance, session)?);
     let figures = figures::files(&state, None, maps, &provenance, session)?;
     tables.extend(figures);

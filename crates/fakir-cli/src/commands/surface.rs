@@ -1,20 +1,18 @@
-//! `fakir press` and `fakir transition` of a case with a general surface.
+//! `fakir press`, `transition`, `approach` and `verify` of a case with a general surface.
 
 use crate::failure::Failure;
-use crate::numbers::with_unit;
 use crate::report::Report;
 use crate::report::maps::Maps;
-use crate::report::surface::{pressed, reached};
+use crate::report::surface::{loaded, pressed, reached, verified};
 use crate::session::Session;
+use fakir::Question;
 use fakir::problem::Load;
 use fakir::state::SurfaceError;
-use fakir_case::unit::Dimension;
-use fakir_case::{CaseFile, Key, SurfaceCase};
+use fakir_case::{CaseFile, SurfaceCase};
+use fakir_study::approach::{LoadingPath, approach_surface};
 use fakir_study::fields::{FieldMap, MOST_POINTS};
+use fakir_study::surfaces;
 use std::time::Instant;
-
-/// Digits shown of a width.
-const WIDTH_DIGITS: usize = 4;
 
 pub(crate) fn press(
     file: &CaseFile,
@@ -33,29 +31,20 @@ pub(crate) fn press(
     Ok(report)
 }
 
-/// The case and what is asked of it. A grid that turns out too narrow for the contact is made wider
-/// where that shows more of the surface; a sentence says so.
+/// The case and what is asked of it, on a grid that is wide enough; a sentence if that of the file is
+/// not.
 fn on_wide_enough_a_grid<T>(
     file: &CaseFile,
     session: &Session,
-    ask: impl Fn(&SurfaceCase) -> Result<T, Failure>,
+    ask: impl FnMut(&SurfaceCase) -> Result<T, Failure>,
 ) -> Result<(SurfaceCase, T, Option<String>), Failure> {
-    let mut file = file.clone();
-    let mut widened = None;
-    loop {
-        let case = file.surface_case(session.run().memory_limit())?;
-        match ask(&case) {
-            Err(Failure::Surface(SurfaceError::SurfaceEnds { needed, .. })) if case.can_grow() => {
-                file.set_number(Key::GridWidth, needed);
-                widened = Some(format!(
-                    "the contact goes beyond the grid of the case: solved with surface.grid.width = \
-                     {}",
-                    with_unit(needed, Dimension::Length, WIDTH_DIGITS)
-                ));
-            }
-            answer => return Ok((case, answer?, widened)),
-        }
-    }
+    let needed = |failure: &Failure| match failure {
+        Failure::Surface(SurfaceError::SurfaceEnds { needed, .. }) => Some(*needed),
+        _ => None,
+    };
+    let limit = session.run().memory_limit();
+    let answered = surfaces::on_wide_enough_a_grid(file, limit, needed, ask)?;
+    Ok((answered.case, answered.answer, answered.widened))
 }
 
 pub(crate) fn transition(
@@ -78,6 +67,48 @@ pub(crate) fn transition(
     let wall_time = start.elapsed().as_secs_f64();
     let mut report = reached(&case, &critical, maps, wall_time);
     report.warnings.extend(widened);
+    Ok(report)
+}
+
+pub(crate) fn approach(
+    file: &CaseFile,
+    path: &LoadingPath,
+    session: &Session,
+) -> Result<Report, Failure> {
+    let next = |part: &str| session.part(part);
+    let (case, found, widened) = on_wide_enough_a_grid(file, session, |case| {
+        let run = session.run();
+        let (system, floor) = (&case.system, case.floor);
+        let mut forget = |_, _| {};
+        Ok(approach_surface(
+            system,
+            floor,
+            path,
+            &run,
+            &next,
+            &mut forget,
+        )?)
+    })?;
+    let mut report = loaded(&case, path, found);
+    report.warnings.extend(widened);
+    Ok(report)
+}
+
+/// Pillars of any form on two meshes.
+pub(crate) fn verify(
+    file: &CaseFile,
+    load: Option<Load>,
+    cells_per_diameter: usize,
+    session: &Session,
+) -> Result<Report, Failure> {
+    let start = Instant::now();
+    let question = load.map_or(Question::Transition, Question::Press);
+    let next = |part: &str| session.part(part);
+    let found = surfaces::verify(file, question, cells_per_diameter, &session.run(), &next)?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let mut report = verified(question, &found, wall_time);
+    let [coarse, fine] = found.answers;
+    report.warnings.extend(fine.widened.or(coarse.widened));
     Ok(report)
 }
 

@@ -3,14 +3,13 @@
 use crate::arguments::{Merge, Sweep};
 use crate::failure::{Failure, tell};
 use crate::numbers::seconds;
-use crate::report::json;
-use crate::report::state::VERSION;
 use crate::session::{PATIENCE, stop_on_interrupt, threads};
 use crate::{STANDARD_INPUT, output, standard_input};
 use fakir::state::CancelToken;
 use fakir_case::input::LARGEST_STUDY;
 use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};
+use fakir_study::result::json;
 use fakir_study::{DamagedLine, Ledger, Options, Progress, Row, StudyError, Summary, Table};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
@@ -294,6 +293,6 @@ fn print_json(
             .is_none()
             .then(|| Table::new(study, &summary.rows).to_json()),
         wall_time_s: wall_time,
-        fakir_version: VERSION,
+        fakir_version: fakir_study::VERSION,
     }))
 }

@@ -2,18 +2,17 @@
 
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
+use crate::report::Report;
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{QuantityList, radius_digits, texture_line, warnings};
-use crate::report::{Report, json};
+use crate::report::state::{QuantityList, radius_digits, texture_line};
 use crate::session::Session;
 use fakir::state::{CriticalState, Regime};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
-use fakir_study::pillars;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::summary::TransitionSummary;
+use fakir_study::result::{TransitionSummary, json, pillars, warnings};
 use std::time::Instant;
 
 pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, Failure> {
@@ -28,7 +27,7 @@ pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, 
         &[Topic::Method(case.method)],
         case.to_toml(),
     );
-    let mut tables = Vec::from_iter(pillars::table(state));
+    let mut tables = Vec::from_iter(pillars(state).some_csv("pillars.csv"));
     tables.extend(maps.files(state, &provenance, session)?);
     let floor_contact = Some(critical.floor_contact);
     let figures = figures::files(state, floor_contact, maps, &provenance, session)?;

@@ -2,58 +2,20 @@
 
 use crate::failure::Failure;
 use crate::numbers::{seconds, significant};
-use crate::report::state::{VERSION, load_words, radius_digits, texture_line, warnings};
+use crate::report::Report;
+use crate::report::state::{difference, radius_digits, texture_line};
 use crate::report::table::{Column, table};
-use crate::report::{Report, csv, json};
 use crate::session::Session;
 use fakir::problem::ElementMesh;
 use fakir::problem::{Accuracy, Load, Method};
 use fakir::state::ContactState;
-use fakir::{Difference, Question, Verdict, Verification};
+use fakir::{Question, Verdict, Verification};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::summary::RelativeErrors;
-use serde::Serialize;
+use fakir_study::result::{AnswerRow, VerifySummary, csv, json, question_words, warnings};
 use std::time::Instant;
-
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct AnswerRow {
-    method: &'static str,
-    cells_per_diameter: Option<usize>,
-    #[serde(skip)]
-    name: String,
-    force_N: f64,
-    indentation_m: f64,
-    contact_radius_m: f64,
-    smallest_floor_gap_m: f64,
-    pillars_in_contact: usize,
-    pillars_partially_in_contact: usize,
-    force_error_estimate: f64,
-    indentation_error_estimate: f64,
-    contact_radius_error_estimate: f64,
-    converged: bool,
-    iterations: usize,
-}
-
-#[derive(Debug, Serialize)]
-struct VerifyJson<'a> {
-    question: &'static str,
-    agree: bool,
-    /// `agree`, `disagree` or `cannot tell`.
-    verdict: &'static str,
-    /// Why it cannot be told; none if it can.
-    doubt: Option<String>,
-    /// Elements on all cells from the spectral method.
-    relative_difference: RelativeErrors,
-    /// Sum of both error estimates.
-    allowed_difference: RelativeErrors,
-    answers: &'a [AnswerRow],
-    wall_time_s: f64,
-    fakir_version: &'static str,
-}
 
 pub(crate) fn run(
     case: &Case,
@@ -73,40 +35,12 @@ pub(crate) fn run(
     };
     let verification = fakir::verify(&case.system, question, mesh, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
-    let rows: Vec<AnswerRow> = answers(&verification).map(row).collect();
-    let verdict = verification.verdict();
-    let Verification {
-        force, indentation, ..
-    } = verification;
+    let summary = VerifySummary::new(question, &verification, wall_time);
     Ok(Report {
-        json: json(&VerifyJson {
-            question: match question {
-                Question::Transition => "transition",
-                Question::Press(Load::Indentation(_)) => "press at an indentation",
-                Question::Press(Load::Force(_)) => "press under a force",
-            },
-            agree: verification.agrees(),
-            verdict: verdict.name(),
-            doubt: verdict.doubt().map(|doubt| doubt.to_string()),
-            relative_difference: RelativeErrors {
-                force: force.relative,
-                indentation: indentation.relative,
-                contact_radius: None,
-                top_contact_radius: None,
-            },
-            allowed_difference: RelativeErrors {
-                force: force.allowed,
-                indentation: indentation.allowed,
-                contact_radius: None,
-                top_contact_radius: None,
-            },
-            answers: &rows,
-            wall_time_s: wall_time,
-            fakir_version: VERSION,
-        }),
-        text: text(case, &verification, &rows, wall_time),
+        json: json(&summary),
+        text: text(case, &verification, summary.answers(), wall_time),
         provenance: provenance(case, question, mesh),
-        tables: vec![csv("verify.csv", &rows)],
+        tables: vec![csv("verify.csv", summary.answers())],
         warnings: answers(&verification).flat_map(warnings).collect(),
         converged: verification.agrees(),
     })
@@ -115,10 +49,7 @@ pub(crate) fn run(
 fn provenance(case: &Case, question: Question, mesh: ElementMesh) -> Provenance {
     let methods = [Method::Spectral(Accuracy::Accurate), Method::Love(mesh)];
     Provenance::new(
-        match question {
-            Question::Transition => "critical state".to_owned(),
-            Question::Press(load) => load_words(load),
-        },
+        question_words(question),
         methods.map(method_words).join(" against "),
         &methods.map(Topic::Method),
         case.to_toml(),
@@ -127,32 +58,6 @@ fn provenance(case: &Case, question: Question, mesh: ElementMesh) -> Provenance 
 
 fn answers(verification: &Verification) -> impl Iterator<Item = &ContactState> {
     std::iter::once(&verification.spectral).chain(&verification.elements)
-}
-
-fn row(state: &ContactState) -> AnswerRow {
-    let cells = match state.method {
-        Method::Love(mesh) => Some(mesh.cells_per_diameter),
-        _ => None,
-    };
-    AnswerRow {
-        method: state.method.name(),
-        cells_per_diameter: cells,
-        name: match cells {
-            Some(cells) => format!("elements, {cells} cells"),
-            None => "spectral, accurate".to_owned(),
-        },
-        force_N: state.force,
-        indentation_m: state.indentation,
-        contact_radius_m: state.contact_radius,
-        smallest_floor_gap_m: state.smallest_floor_gap,
-        pillars_in_contact: state.pillars_in_contact,
-        pillars_partially_in_contact: state.pillars_partially_in_contact,
-        force_error_estimate: state.error.force,
-        indentation_error_estimate: state.error.indentation,
-        contact_radius_error_estimate: state.relative_contact_radius_error(),
-        converged: state.converged(),
-        iterations: state.iterations,
-    }
 }
 
 fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time: f64) -> String {
@@ -197,16 +102,4 @@ fn error(value: f64) -> String {
     } else {
         "-".to_owned()
     }
-}
-
-/// Nothing for what was prescribed.
-fn difference(name: &str, difference: Difference) -> String {
-    if difference.allowed == 0.0 {
-        return String::new();
-    }
-    format!(
-        "Difference in {name}: {:.1e}, allowed {:.1e}\n",
-        difference.relative.abs(),
-        difference.allowed
-    )
 }

@@ -8,7 +8,6 @@ pub(crate) mod table;
 
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
-use serde::Serialize;
 
 /// The result of a command, in every form it is wanted in.
 #[derive(Debug)]
@@ -50,21 +49,6 @@ impl Report {
         files.push(self.provenance.file(names));
         files
     }
-}
-
-/// A JSON object, with its keys in the order of the fields.
-pub(crate) fn json(value: &impl Serialize) -> String {
-    serde_json::to_string_pretty(value).expect("structs with named fields are JSON objects")
-}
-
-/// Rows as CSV, with the names of their fields as heading.
-pub(crate) fn csv<T: Serialize>(name: &'static str, rows: impl IntoIterator<Item = T>) -> File {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        writer.serialize(row).expect("flat structs are CSV records");
-    }
-    let bytes = writer.into_inner().expect("memory takes every byte");
-    File::new(name, String::from_utf8_lossy(&bytes).into_owned())
 }
 
 #[cfg(test)]

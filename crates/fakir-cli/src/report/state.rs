@@ -1,14 +1,12 @@
 //! What the reports of contact states have in common.
 
 use super::table::list;
-use crate::numbers::{DIGITS, digits, scaled, seconds, significant, with_unit};
+use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
+use fakir::Difference;
+use fakir::problem::Method;
 use fakir::problem::System;
-use fakir::problem::{Load, Method};
 use fakir::state::{ContactState, ErrorEstimate, Normalized};
-use fakir_case::unit::{Dimension, format_quantity};
-
-/// Digits shown of lengths that are known well enough: places and gaps of the floor, periods.
-pub(crate) const LENGTH_DIGITS: usize = 4;
+use fakir_case::unit::Dimension;
 
 /// Most digits shown of contact radii.
 const RADIUS_DIGITS: usize = 5;
@@ -20,23 +18,6 @@ pub(crate) fn radius_digits(relative_error: f64) -> usize {
 
 /// Digits shown of the homogenised lattice: its error is that of the model, not of the numbers.
 const MODEL_DIGITS: usize = 4;
-
-/// The version stamped into every result.
-pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// A load in words: `contact under a force of 20 uN`.
-pub(crate) fn load_words(load: Load) -> String {
-    match load {
-        Load::Force(force) => format!(
-            "contact under a force of {}",
-            format_quantity(force, Dimension::Force)
-        ),
-        Load::Indentation(indentation) => format!(
-            "contact at an indentation of {}",
-            format_quantity(indentation, Dimension::Length)
-        ),
-    }
-}
 
 /// The texture in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
 pub(crate) fn texture_line(system: &System) -> String {
@@ -66,6 +47,37 @@ pub(crate) fn texture_line(system: &System) -> String {
 fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
     rounded.to_string()
+}
+
+/// What a row of a loading is.
+pub(crate) fn loading_remark(converged: bool, critical: bool, beyond: bool) -> &'static str {
+    match (converged, critical, beyond) {
+        (false, ..) => "not converged",
+        (_, true, _) => "critical",
+        (_, _, true) => "past it",
+        _ => "",
+    }
+}
+
+/// Where the critical state is that a loading does not come to.
+pub(crate) fn further_on(indentation: f64, force: f64) -> String {
+    format!(
+        "\nThe critical state is further on, at an indentation of {} and a force of {}.\n",
+        with_unit(indentation, Dimension::Length, DIGITS),
+        with_unit(force, Dimension::Force, DIGITS)
+    )
+}
+
+/// A difference of two answers in words. Nothing for what was prescribed.
+pub(crate) fn difference(name: &str, difference: Difference) -> String {
+    if difference.allowed == 0.0 {
+        return String::new();
+    }
+    format!(
+        "Difference in {name}: {:.1e}, allowed {:.1e}\n",
+        difference.relative.abs(),
+        difference.allowed
+    )
 }
 
 /// A list of the quantities of a state, built up row by row.
@@ -208,13 +220,4 @@ fn error_remark(error: f64) -> String {
     } else {
         String::new()
     }
-}
-
-/// What to be careful about, of a state.
-pub(crate) fn warnings(state: &ContactState) -> Vec<String> {
-    let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
-    if !state.converged() {
-        warnings.push(format!("the solution {}", state.termination.description()));
-    }
-    warnings
 }

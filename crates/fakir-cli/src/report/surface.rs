@@ -1,147 +1,32 @@
 //! Reports of contacts with general surfaces.
 
+use super::Report;
 use super::maps::Maps;
-use super::state::{LENGTH_DIGITS, QuantityList, VERSION, load_words};
-use super::{Report, json};
-use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
+use super::state::{QuantityList, difference, further_on, loading_remark, radius_digits};
+use super::table::{Column, table};
+use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
+use fakir::Question;
+use fakir::problem::Boundary;
 use fakir::problem::Load;
-use fakir::problem::Point;
 use fakir::problem::pattern::{Arrangement, CrossSection, Pattern};
-use fakir::problem::{Boundary, Grid, Indenter};
-use fakir::state::Certificate;
 use fakir::state::Regime;
-use fakir::state::{Share, Shares, SurfaceContact, SurfaceTransition};
+use fakir::state::{Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
+use fakir_study::approach::{LoadingPath, SurfaceApproach};
 use fakir_study::citations::Topic;
 use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
-use fakir_study::summary::RelativeErrors;
-use serde::Serialize;
+use fakir_study::result::{
+    MeshRow, SurfaceLoadingRow, SurfacePressSummary, SurfaceTransitionSummary,
+    SurfaceVerifySummary, csv, indenter_name, json, load_words, question_words, surface_warnings,
+};
+use fakir_study::surfaces::SurfaceVerification;
 
 /// Digits shown of contact areas, which change by whole cells.
 const AREA_DIGITS: usize = 4;
-
-#[derive(Debug, Serialize)]
-struct GridJson {
-    columns: usize,
-    rows: usize,
-    cell_m: [f64; 2],
-    /// Lower left corner, from the lens axis.
-    origin_m: Point,
-}
-
-impl From<&Grid> for GridJson {
-    fn from(grid: &Grid) -> Self {
-        Self {
-            columns: grid.columns(),
-            rows: grid.rows(),
-            cell_m: grid.cell(),
-            origin_m: grid.origin(),
-        }
-    }
-}
-
-/// What a part of the surface bears.
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct ShareJson {
-    force_N: f64,
-    contact_area_m2: f64,
-}
-
-impl From<Share> for ShareJson {
-    fn from(share: Share) -> Self {
-        Self {
-            force_N: share.force,
-            contact_area_m2: share.area,
-        }
-    }
-}
-
-/// How well the contact conditions are met.
-#[derive(Debug, Serialize)]
-struct CertificateJson {
-    energy_bound: f64,
-    interpenetration_m: f64,
-    gap_under_pressure_m: f64,
-}
-
-impl From<Certificate> for CertificateJson {
-    fn from(certificate: Certificate) -> Self {
-        Self {
-            energy_bound: certificate.energy_bound,
-            interpenetration_m: certificate.interpenetration,
-            gap_under_pressure_m: certificate.gap_under_pressure,
-        }
-    }
-}
-
-/// What the surfaces' contracts of `fakir press --json` and `fakir transition --json` share.
-#[derive(Debug, Serialize)]
-struct CommonJson {
-    indenter: &'static str,
-    boundary: &'static str,
-    grid: GridJson,
-    certificate: CertificateJson,
-    relative_error_estimate: Option<RelativeErrors>,
-    converged: bool,
-    iterations: usize,
-    wall_time_s: f64,
-    fakir_version: &'static str,
-}
-
-impl CommonJson {
-    fn new(case: &SurfaceCase, contact: &SurfaceContact, wall_time: f64) -> Self {
-        Self {
-            indenter: indenter_name(case),
-            boundary: boundary_name(case),
-            grid: (&contact.grid).into(),
-            certificate: contact.certificate.into(),
-            relative_error_estimate: contact
-                .error
-                .map(|error| RelativeErrors::new(error, contact.relative_contact_radius_error())),
-            converged: contact.converged(),
-            iterations: contact.products,
-            wall_time_s: wall_time,
-            fakir_version: VERSION,
-        }
-    }
-}
-
-/// The contract of `fakir press --json` for a surface.
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct PressJson {
-    method: &'static str,
-    force_N: f64,
-    indentation_m: f64,
-    contact_area_m2: f64,
-    contact_radius_m: Option<f64>,
-    tops: Option<ShareJson>,
-    floor: Option<ShareJson>,
-    #[serde(flatten)]
-    common: CommonJson,
-}
-
-/// The contract of `fakir transition --json` for a surface.
-#[derive(Debug, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct TransitionJson {
-    method: &'static str,
-    regime: &'static str,
-    critical_force_N: f64,
-    critical_indentation_m: f64,
-    contact_area_m2: f64,
-    contact_radius_m: Option<f64>,
-    bottom_contact_m: Point,
-    #[serde(flatten)]
-    common: CommonJson,
-}
-
-const METHOD: &str = "love";
 
 /// The contact under a load.
 pub(crate) fn pressed(
@@ -154,16 +39,7 @@ pub(crate) fn pressed(
     let shares = case
         .floor
         .map(|floor| contact.shares(case.system.surface(), floor));
-    let summary = PressJson {
-        method: METHOD,
-        force_N: contact.force,
-        indentation_m: contact.indentation,
-        contact_area_m2: contact.contact_area,
-        contact_radius_m: contact.contact_radius,
-        tops: shares.map(|shares| shares.tops.into()),
-        floor: shares.map(|shares| shares.floor.into()),
-        common: CommonJson::new(case, contact, wall_time),
-    };
+    let summary = SurfacePressSummary::new(&case.system, case.floor, contact, wall_time);
     let mut list = QuantityList::default();
     add_load(&mut list, contact);
     add_area(&mut list, contact);
@@ -191,16 +67,7 @@ pub(crate) fn reached(
     wall_time: f64,
 ) -> Report {
     let contact = &critical.contact;
-    let summary = TransitionJson {
-        method: METHOD,
-        regime: critical.regime.name(),
-        critical_force_N: contact.force,
-        critical_indentation_m: contact.indentation,
-        contact_area_m2: contact.contact_area,
-        contact_radius_m: contact.contact_radius,
-        bottom_contact_m: critical.floor_contact,
-        common: CommonJson::new(case, contact, wall_time),
-    };
+    let summary = SurfaceTransitionSummary::new(&case.system, critical, wall_time);
     let [x, y] = critical.floor_contact;
     let place = |value: f64| with_unit(value, Dimension::Length, LENGTH_DIGITS);
     let mut list = QuantityList::default();
@@ -212,7 +79,7 @@ pub(crate) fn reached(
         format!("from the lens axis, at x = {}, y = {}", place(x), place(y)),
     );
     add_solution(&mut list, contact, wall_time);
-    let indenter = indenter_name(case);
+    let indenter = indenter_name(case.system.indenter());
     let first = match critical.regime {
         Regime::TopFirst => format!("the {indenter} rests on the tops and just reaches the floor"),
         Regime::BottomFirst => format!("the {indenter} reaches the floor before anything else"),
@@ -229,15 +96,129 @@ pub(crate) fn reached(
     }
 }
 
+/// A loading.
+pub(crate) fn loaded(case: &SurfaceCase, path: &LoadingPath, found: SurfaceApproach) -> Report {
+    let rows = &found.summary.states;
+    let further = match &found.critical {
+        Some(critical) if !rows.iter().any(|row| row.critical) => {
+            further_on(critical.contact.indentation, critical.contact.force)
+        }
+        _ => String::new(),
+    };
+    Report {
+        json: json(&found.summary),
+        text: format!(
+            "Approach of the {}\n{}\n\n{}{further}",
+            indenter_name(case.system.indenter()),
+            description(case),
+            table(rows, &columns(rows))
+        ),
+        provenance: provenance(case, &path.words()),
+        tables: vec![csv("approach.csv", rows)],
+        converged: found.summary.converged,
+        warnings: found.warnings,
+    }
+}
+
+fn columns(rows: &[SurfaceLoadingRow]) -> [Column<SurfaceLoadingRow>; 6] {
+    [
+        Column::quantity("indentation", Dimension::Length, rows, |row| {
+            Some(row.indentation_m)
+        }),
+        Column::force(
+            "force",
+            rows,
+            |row| Some(row.force_N),
+            |row| row.force_error_estimate.map_or(AREA_DIGITS, digits),
+        ),
+        Column::force(
+            "on the floor",
+            rows,
+            |row| row.floor_force_N,
+            |_| AREA_DIGITS,
+        ),
+        Column::number("contact area (um^2)", AREA_DIGITS, |row| {
+            Some(row.contact_area_m2 * 1e12)
+        }),
+        Column::radius(
+            "contact radius",
+            rows,
+            |row| row.contact_radius_m,
+            |row| radius_digits(row.contact_radius_error_estimate.unwrap_or(f64::NAN)),
+        ),
+        Column::text("", |row| {
+            loading_remark(
+                row.converged,
+                row.critical,
+                row.beyond_transition == Some(true),
+            )
+            .to_owned()
+        }),
+    ]
+}
+
+/// A second opinion.
+pub(crate) fn verified(question: Question, found: &SurfaceVerification, wall_time: f64) -> Report {
+    let summary = SurfaceVerifySummary::new(question, found, wall_time);
+    let rows = summary.answers();
+    let case = &found.answers[1].case;
+    let columns = [
+        Column::right("Cells across a pillar", |row: &MeshRow| {
+            row.cells_per_diameter.to_string()
+        }),
+        Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
+        Column::right("error", |row| estimate(row.force_error_estimate)),
+        Column::quantity("zeta", Dimension::Length, rows, |row| {
+            Some(row.indentation_m)
+        }),
+        Column::right("error", |row| estimate(row.indentation_error_estimate)),
+        Column::number("contact area (um^2)", AREA_DIGITS, |row| {
+            Some(row.contact_area_m2 * 1e12)
+        }),
+    ];
+    let verdict = match found.verdict() {
+        (_, Some(doubt)) => format!("IT CANNOT BE TOLD whether they agree: {doubt}"),
+        _ if found.agrees() => "The two meshes agree within their error estimates".to_owned(),
+        _ => "THE TWO MESHES DISAGREE beyond their error estimates".to_owned(),
+    };
+    let [coarse, fine] = found.cells_per_diameter;
+    Report {
+        json: json(&summary),
+        text: format!(
+            "Verification on two meshes\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",
+            description(case),
+            table(rows, &columns),
+            difference("force", found.force),
+            difference("indentation", found.indentation),
+            seconds(wall_time)
+        ),
+        provenance: Provenance::new(
+            question_words(question),
+            format!("Love elements, {coarse} against {fine} cells across a pillar"),
+            &[topic(case)],
+            case.to_toml(),
+        ),
+        tables: vec![csv("verify.csv", rows)],
+        warnings: found
+            .answers
+            .iter()
+            .flat_map(|answered| surface_warnings(&answered.answer))
+            .collect(),
+        converged: found.agrees(),
+    }
+}
+
+/// An error estimate; none of what was prescribed, or on too few cells.
+fn estimate(error: Option<f64>) -> String {
+    match error {
+        Some(error) if error > 0.0 => significant(error, 1),
+        _ => "-".to_owned(),
+    }
+}
+
 /// The report of a contact, but for its JSON and text.
 fn report(case: &SurfaceCase, question: &str, contact: &SurfaceContact, maps: Maps) -> Report {
-    let mut warnings: Vec<String> = contact.warnings.iter().map(ToString::to_string).collect();
-    if !contact.converged() {
-        warnings.push(format!(
-            "the solution {}",
-            contact.termination.description()
-        ));
-    }
+    let mut warnings = surface_warnings(contact);
     let field = |name, values| File::new(name, to_npy(&contact.grid, values));
     let mut tables = vec![
         field("pressure.npy", &contact.pressure),
@@ -430,18 +411,4 @@ fn pattern_line(pattern: &Pattern) -> String {
         "{outline} pillars {place}, surface fraction {}",
         significant(pattern.surface_fraction(), LENGTH_DIGITS)
     )
-}
-
-fn indenter_name(case: &SurfaceCase) -> &'static str {
-    match case.system.indenter() {
-        Indenter::Lens(_) => "lens",
-        Indenter::Flat(_) => "plate",
-    }
-}
-
-fn boundary_name(case: &SurfaceCase) -> &'static str {
-    match case.system.boundary() {
-        Boundary::FreeSpace => "free",
-        Boundary::Periodic => "periodic",
-    }
 }

@@ -1,7 +1,6 @@
 //! Tables for a terminal.
 
-use super::state::LENGTH_DIGITS;
-use crate::numbers::{DIGITS, column_unit, significant};
+use crate::numbers::{DIGITS, LENGTH_DIGITS, column_unit, significant};
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use fakir_case::unit::Dimension;
 

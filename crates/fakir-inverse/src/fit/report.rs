@@ -3,10 +3,9 @@
 use super::{
     Estimate, Fit, FittedRow, Measured, Measurements, Parameter, Position, Quantity, Scatter,
 };
-use crate::VERSION;
-use crate::table::{Column, Table, Values};
 use fakir::problem::Method;
 use fakir::state::Termination;
+use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
 use serde_json::{Map, Value};
 

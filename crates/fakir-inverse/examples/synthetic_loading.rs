@@ -2,7 +2,7 @@
 //! intermediate substrate at a surface fraction of 0.01, but of 1.4 MPa, read by an instrument that
 //! gives way by 2 mm/N, with the contact at 3 um, and normal noise of 0.5 uN on the force.
 //!
-//! `cargo run -p fakir-study --example synthetic_loading > examples/fit/loading.csv`
+//! `cargo run -p fakir-inverse --example synthetic_loading > examples/fit/loading.csv`
 
 use fakir::problem::Load;
 use fakir::state::Run;

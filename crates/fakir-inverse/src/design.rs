@@ -12,7 +12,9 @@ use fakir::numerics::convergence::within;
 use fakir::problem::Method;
 use fakir::problem::{MAXIMUM_SURFACE_FRACTION, System};
 use fakir::state::{CriticalState, Run, SolveError};
-use fakir_case::{Case, CaseError, CaseFile, Key};
+use fakir_case::unit::Dimension;
+use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
+use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, with_unit};
 
 /// What is wanted of the critical state.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +96,118 @@ pub enum Limit {
     Solver(SolveError),
     /// Beyond, the lens meets the floor before any pillar.
     FloorFirst,
+}
+
+/// A question with its answer.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    /// The key that was sought.
+    pub free: Key,
+    /// What was wanted.
+    pub wanted: Wanted,
+    /// What came of it.
+    pub design: Design,
+}
+
+/// Changes of the answer with the value below this hardly say which value it is.
+const INSENSITIVE: f64 = 1e-3;
+
+impl Answer {
+    /// What was found, or comes nearest to it.
+    #[must_use]
+    pub fn nearest(&self) -> &Candidate {
+        match &self.design {
+            Design::Found { candidate, .. } => candidate,
+            Design::OutOfReach { nearest, .. } => nearest,
+            Design::Jump(sides) => {
+                let away = |side: &Candidate| {
+                    (self.wanted.of(&side.critical) / self.wanted.value())
+                        .ln()
+                        .abs()
+                };
+                let [a, b] = sides.as_ref();
+                if away(a) <= away(b) { a } else { b }
+            }
+        }
+    }
+
+    /// What kind of number the value is.
+    #[must_use]
+    pub fn dimension(&self) -> Dimension {
+        match self.free.kind() {
+            Kind::Number(dimension) => dimension,
+            Kind::Word | Kind::Text => Dimension::Number,
+        }
+    }
+
+    fn value(&self, candidate: &Candidate) -> String {
+        with_unit(candidate.value, self.dimension(), 8)
+    }
+
+    fn wanted_dimension(&self) -> (Dimension, usize) {
+        match self.wanted {
+            Wanted::Force(_) => (Dimension::Force, DIGITS),
+            Wanted::ContactRadius(_) => (Dimension::Length, LENGTH_DIGITS),
+        }
+    }
+
+    fn answer_of(&self, candidate: &Candidate) -> String {
+        let (dimension, digits) = self.wanted_dimension();
+        with_unit(self.wanted.of(&candidate.critical), dimension, digits)
+    }
+
+    /// The answer in a sentence.
+    #[must_use]
+    pub fn statement(&self) -> String {
+        let (dimension, digits) = self.wanted_dimension();
+        let wanted = with_unit(self.wanted.value(), dimension, digits);
+        let (path, name) = (self.free.path(), self.wanted.name());
+        let nearest = self.nearest();
+        match &self.design {
+            Design::Found { candidate, .. } => {
+                format!(
+                    "{path} = {} gives a {name} of {wanted}",
+                    self.value(candidate)
+                )
+            }
+            Design::Jump(sides) => {
+                let [a, b] = sides.as_ref();
+                format!(
+                    "No {path} gives a {name} of {wanted}: at {} it jumps from {} to {}",
+                    self.value(nearest),
+                    self.answer_of(a),
+                    self.answer_of(b)
+                )
+            }
+            Design::OutOfReach { limit, .. } => {
+                let why = match limit {
+                    Limit::Range => "which is as near as it comes".to_owned(),
+                    Limit::FloorFirst => {
+                        "beyond which the lens meets the floor before any pillar".to_owned()
+                    }
+                    Limit::Solver(error) => format!("beyond which {error}"),
+                };
+                format!(
+                    "No {path} gives a {name} of {wanted}: the nearest is {}, at {}, {why}",
+                    self.answer_of(nearest),
+                    self.value(nearest),
+                )
+            }
+        }
+    }
+
+    /// What to be careful about: a value on which the answer hardly depends.
+    #[must_use]
+    pub fn caution(&self) -> Option<String> {
+        match &self.design {
+            Design::Found { sensitivity, .. } if sensitivity.abs() < INSENSITIVE => Some(format!(
+                "the {} hardly depends on {} there: other values do as well",
+                self.wanted.name(),
+                self.free.path()
+            )),
+            _ => None,
+        }
+    }
 }
 
 /// Why there is no design.

@@ -3,10 +3,14 @@
 use fakir_case::unit::{Dimension, Unit};
 
 /// Digits shown of a value that is exact, or nearly.
-pub(crate) const DIGITS: usize = 6;
+pub const DIGITS: usize = 6;
+
+/// Digits shown of lengths that are known well enough: places and gaps of the floor, periods.
+pub const LENGTH_DIGITS: usize = 4;
 
 /// Digits of a value with this relative error that mean something, two to six.
-pub(crate) fn digits(relative_error: f64) -> usize {
+#[must_use]
+pub fn digits(relative_error: f64) -> usize {
     let digits = (-relative_error.log10()).ceil();
     if digits.is_nan() || digits <= 2.0 {
         2
@@ -16,7 +20,8 @@ pub(crate) fn digits(relative_error: f64) -> usize {
 }
 
 /// A number in so many significant digits; in scientific form where zeros would hide it.
-pub(crate) fn significant(value: f64, digits: usize) -> String {
+#[must_use]
+pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
@@ -37,7 +42,8 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 }
 
 /// A value in the unit that suits it: the number, and the symbol of the unit.
-pub(crate) fn scaled(value: f64, dimension: Dimension, digits: usize) -> (String, &'static str) {
+#[must_use]
+pub fn scaled(value: f64, dimension: Dimension, digits: usize) -> (String, &'static str) {
     match dimension.unit_for(value) {
         Some(unit) => (significant(value / unit.in_si(), digits), unit.symbol),
         None => (significant(value, digits), ""),
@@ -45,13 +51,15 @@ pub(crate) fn scaled(value: f64, dimension: Dimension, digits: usize) -> (String
 }
 
 /// A value with its unit: `92.3061 uN`.
-pub(crate) fn with_unit(value: f64, dimension: Dimension, digits: usize) -> String {
+#[must_use]
+pub fn with_unit(value: f64, dimension: Dimension, digits: usize) -> String {
     let (number, unit) = scaled(value, dimension, digits);
     format!("{number} {unit}").trim_end().to_owned()
 }
 
 /// The unit of a column of values: that which suits the largest of them.
-pub(crate) fn column_unit(values: impl Iterator<Item = f64>, dimension: Dimension) -> Option<Unit> {
+#[must_use]
+pub fn column_unit(values: impl Iterator<Item = f64>, dimension: Dimension) -> Option<Unit> {
     let largest = values
         .filter(|value| value.is_finite())
         .fold(0.0, |largest: f64, value| largest.max(value.abs()));
@@ -59,7 +67,8 @@ pub(crate) fn column_unit(values: impl Iterator<Item = f64>, dimension: Dimensio
 }
 
 /// A duration: `0.31 s`, `12 ms`.
-pub(crate) fn seconds(value: f64) -> String {
+#[must_use]
+pub fn seconds(value: f64) -> String {
     if value < 1.0 {
         format!("{} ms", significant((value * 1e3).max(1e-3), 2))
     } else {

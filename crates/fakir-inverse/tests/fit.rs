@@ -5,7 +5,7 @@
 use fakir::problem::Load;
 use fakir::state::{Run, Termination};
 use fakir_case::{Case, CaseFile, Key};
-use fakir_study::fit::{Column, Fit, FitError, FitOptions, Measurements, Parameter, fit};
+use fakir_inverse::fit::{Column, Fit, FitError, FitOptions, Measurements, Parameter, fit};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};

@@ -4,6 +4,7 @@
 use fakir::problem::HexagonalLattice;
 use fakir::state::{Run, SolveError};
 use fakir_case::{CaseError, CaseFile, Key, Kind};
+use fakir_study::{Column, Table, Values};
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
@@ -35,6 +36,17 @@ pub enum Landing {
     Anywhere,
     /// Where the case file says.
     AsGiven,
+}
+
+impl Landing {
+    /// Its name in results: `"anywhere"` or `"as_given"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Anywhere => "anywhere",
+            Self::AsGiven => "as_given",
+        }
+    }
 }
 
 /// What is drawn.
@@ -286,6 +298,59 @@ impl Spread {
         self.samples
             .iter()
             .filter_map(|sample| sample.outcome.as_ref().err().map(String::as_str))
+    }
+
+    /// Every sample, what was drawn and its critical state or why there is none: `samples.csv`.
+    #[must_use]
+    pub fn table(&self, sampling: &Sampling) -> Table {
+        let samples = || self.samples.iter();
+        let numbers = |name: String, values: Vec<Option<f64>>| Column {
+            name,
+            values: Values::Numbers(values),
+        };
+        let mut columns = vec![Column {
+            name: "sample".to_owned(),
+            values: Values::Counts((0..).map(Some).take(self.samples.len()).collect()),
+        }];
+        for (number, tolerance) in sampling.tolerances.iter().enumerate() {
+            let suffix = match tolerance.key.kind() {
+                Kind::Number(dimension) => dimension.suffix(),
+                Kind::Word | Kind::Text => "",
+            };
+            columns.push(numbers(
+                format!("{}{suffix}", tolerance.key.path()),
+                samples()
+                    .map(|sample| Some(sample.values[number]))
+                    .collect(),
+            ));
+        }
+        let drawn = |name: &str, of: fn(&Sample) -> f64| {
+            let values = samples().map(|sample| Some(of(sample)));
+            numbers(name.to_owned(), values.collect())
+        };
+        let found = |name: &str, of: fn(&Critical) -> f64| {
+            let values = samples().map(|sample| sample.outcome.as_ref().ok().map(of));
+            numbers(name.to_owned(), values.collect())
+        };
+        columns.extend([
+            drawn("texture.offset", |sample| sample.offset),
+            drawn("texture.offset_angle_rad", |sample| sample.offset_angle),
+            found("critical_force_N", |critical| critical.force),
+            found("critical_indentation_m", |critical| critical.indentation),
+            found("critical_contact_radius_m", |critical| {
+                critical.contact_radius
+            }),
+        ]);
+        let problem = |sample: &Sample| sample.outcome.as_ref().err().cloned();
+        columns.push(Column {
+            name: "problem".to_owned(),
+            values: Values::Words(
+                samples()
+                    .map(|sample| Some(problem(sample).unwrap_or_default()))
+                    .collect(),
+            ),
+        });
+        Table { columns }
     }
 
     /// Mean, deviation and percentiles of one number of the critical states; `None` with fewer

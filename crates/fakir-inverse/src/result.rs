@@ -1,0 +1,126 @@
+//! A design and a spread as one JSON object.
+
+use crate::design::{Answer, Design, Wanted};
+use crate::spread::{Critical, Sampling, Spread};
+use fakir::problem::Method;
+use fakir_study::VERSION;
+use fakir_study::result::TransitionSummary;
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+/// A design, a spread, or both: what `fakir design --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DesignSummary {
+    method: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    design: Option<AnswerObject>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    spread: Option<SpreadObject>,
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+impl DesignSummary {
+    /// What came of it by a method, in so many seconds.
+    #[must_use]
+    pub fn new(
+        method: Method,
+        answer: Option<&Answer>,
+        spread: Option<(&Sampling, &Spread)>,
+        wall_time: f64,
+    ) -> Self {
+        Self {
+            method: method.name(),
+            design: answer.map(|answer| AnswerObject::new(answer, wall_time)),
+            spread: spread.map(|(sampling, spread)| SpreadObject::new(sampling, spread)),
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct AnswerObject {
+    free: &'static str,
+    wanted: Map<String, Value>,
+    status: &'static str,
+    /// The value, its unit in its name.
+    #[serde(flatten)]
+    value: Map<String, Value>,
+    /// `d ln(wanted)/d ln(value)`
+    sensitivity: Option<f64>,
+    statement: String,
+    critical_state: TransitionSummary,
+}
+
+impl AnswerObject {
+    fn new(answer: &Answer, wall_time: f64) -> Self {
+        let nearest = answer.nearest();
+        let (status, sensitivity) = match &answer.design {
+            Design::Found { sensitivity, .. } => ("found", Some(*sensitivity)),
+            Design::Jump(_) => ("jump", None),
+            Design::OutOfReach { .. } => ("out_of_reach", None),
+        };
+        let named = |name: String, value: f64| Map::from_iter([(name, Value::from(value))]);
+        let wanted = match answer.wanted {
+            Wanted::Force(_) => "critical_force_N",
+            Wanted::ContactRadius(_) => "critical_contact_radius_m",
+        };
+        Self {
+            free: answer.free.path(),
+            wanted: named(wanted.to_owned(), answer.wanted.value()),
+            status,
+            value: named(
+                format!("value{}", answer.dimension().suffix()),
+                nearest.value,
+            ),
+            sensitivity,
+            statement: answer.statement(),
+            critical_state: TransitionSummary::new(&nearest.critical, wall_time),
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct SpreadObject {
+    samples: usize,
+    failed: usize,
+    landing: &'static str,
+    seed: u64,
+    critical_force_N: Option<StatisticsObject>,
+    critical_indentation_m: Option<StatisticsObject>,
+    critical_contact_radius_m: Option<StatisticsObject>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct StatisticsObject {
+    mean: f64,
+    standard_deviation: f64,
+    percentiles: Map<String, Value>,
+}
+
+impl SpreadObject {
+    fn new(sampling: &Sampling, spread: &Spread) -> Self {
+        let summary = |pick: fn(&Critical) -> f64| {
+            spread.summary(pick).map(|summary| StatisticsObject {
+                mean: summary.mean,
+                standard_deviation: summary.deviation,
+                percentiles: summary
+                    .percentiles
+                    .iter()
+                    .map(|(percentage, value)| (percentage.to_string(), Value::from(*value)))
+                    .collect(),
+            })
+        };
+        Self {
+            samples: sampling.samples,
+            failed: spread.failures().count(),
+            landing: sampling.landing.name(),
+            seed: sampling.seed,
+            critical_force_N: summary(|critical| critical.force),
+            critical_indentation_m: summary(|critical| critical.indentation),
+            critical_contact_radius_m: summary(|critical| critical.contact_radius),
+        }
+    }
+}

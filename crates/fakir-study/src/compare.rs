@@ -1,0 +1,159 @@
+//! The critical state by every method, coarse to exact.
+
+use crate::VERSION;
+use crate::closed_forms::closed_forms;
+use crate::result::{CompareSummary, MethodRow, warnings};
+use fakir::problem::ElementMesh;
+use fakir::problem::System;
+use fakir::problem::{Accuracy, Method, PunchForm};
+use fakir::state::{CriticalState, Run, SolveError};
+use std::time::Instant;
+
+/// The methods that solve something, coarse to exact: each with its name in tables and for a person.
+#[must_use]
+pub fn methods() -> [(Method, &'static str, &'static str); 6] {
+    [
+        (Method::Homogenised, "homogenised", "homogenised lattice"),
+        (
+            Method::Punch(PunchForm::Plain),
+            "punch_plain",
+            "punch, plain",
+        ),
+        (
+            Method::Punch(PunchForm::Corrected),
+            "punch_corrected",
+            "punch, corrected",
+        ),
+        (
+            Method::Love(ElementMesh::default()),
+            "love",
+            "Love elements",
+        ),
+        (
+            Method::Spectral(Accuracy::Default),
+            "spectral_default",
+            "spectral, default",
+        ),
+        (
+            Method::Spectral(Accuracy::Accurate),
+            "spectral_accurate",
+            "spectral, accurate",
+        ),
+    ]
+}
+
+/// The answers of all methods.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// As JSON object and table.
+    pub summary: CompareSummary,
+    /// What to be careful about, with the names of the methods.
+    pub warnings: Vec<String>,
+}
+
+/// Asks every method for the critical state. What does not apply says why. `next` is told which method
+/// comes next, `keep` gets the states, each with the name of
+/// the method and the time it took, s.
+///
+/// # Errors
+/// [`SolveError::Interrupted`]; a method without an answer is none.
+pub fn compare(
+    system: &System,
+    run: &Run<'_>,
+    next: &dyn Fn(&str),
+    keep: &mut dyn FnMut(&'static str, CriticalState, f64),
+) -> Result<Comparison, SolveError> {
+    let mut rows: Vec<MethodRow> = closed_forms(system)
+        .iter()
+        .map(MethodRow::formula)
+        .collect();
+    let mut all_warnings = Vec::new();
+    for (method, key, name) in methods() {
+        next(name);
+        let clock = Clock::start();
+        let row = match fakir::transition(system, method, run) {
+            Ok(critical) => {
+                let of_method = warnings(&critical.contact).into_iter();
+                all_warnings.extend(of_method.map(|text| format!("{name}: {text}")));
+                let wall_time = clock.wall_time();
+                let row = MethodRow {
+                    wall_time_s: Some(wall_time),
+                    processor_time_s: clock.processor_time(),
+                    ..MethodRow::solved(key, name, &critical)
+                };
+                keep(key, critical, wall_time);
+                row
+            }
+            Err(SolveError::Interrupted) => return Err(SolveError::Interrupted),
+            Err(error) => MethodRow::refused(key, name, &error),
+        };
+        rows.push(row);
+    }
+    let reference = set_differences(&mut rows);
+    Ok(Comparison {
+        summary: CompareSummary {
+            surface_fraction: system.texture().surface_fraction(),
+            pitch_m: system.lattice().pitch,
+            reference,
+            converged: rows.iter().all(|row| row.converged),
+            methods: rows,
+            threads: run.pool.map_or(1, rayon::ThreadPool::current_num_threads),
+            fakir_version: VERSION,
+        },
+        warnings: all_warnings,
+    })
+}
+
+/// Fills in the differences from the most accurate method that gave an answer, and names it.
+fn set_differences(rows: &mut [MethodRow]) -> Option<&'static str> {
+    let best = rows
+        .iter()
+        .rfind(|row| row.wall_time_s.is_some() && row.converged)?;
+    let reference = best.method;
+    let (force, indentation) = (best.critical_force_N, best.critical_indentation_m);
+    let difference = |value: Option<f64>, reference: Option<f64>| match (value, reference) {
+        (Some(value), Some(reference)) if reference != 0.0 => Some(value / reference - 1.0),
+        _ => None,
+    };
+    for row in rows.iter_mut().filter(|row| row.method != reference) {
+        row.force_difference = difference(row.critical_force_N, force);
+        row.indentation_difference = difference(row.critical_indentation_m, indentation);
+    }
+    Some(reference)
+}
+
+/// Wall and processor time of a piece of work.
+struct Clock {
+    start: Instant,
+    processor_start: Option<f64>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self {
+            start: Instant::now(),
+            processor_start: processor_time(),
+        }
+    }
+
+    fn wall_time(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    fn processor_time(&self) -> Option<f64> {
+        Some(processor_time()? - self.processor_start?)
+    }
+}
+
+/// Processor time of the process so far, s; `None` where the system does not tell.
+#[cfg(unix)]
+fn processor_time() -> Option<f64> {
+    use rustix::time::{ClockId, clock_gettime};
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+}
+
+#[cfg(not(unix))]
+fn processor_time() -> Option<f64> {
+    None
+}

@@ -1,0 +1,170 @@
+//! Loading step by step.
+
+use super::surface::{GridObject, METHOD, boundary_name, indenter_name};
+use super::{SurfaceTransitionSummary, TransitionSummary};
+use crate::VERSION;
+use fakir::problem::SurfaceSystem;
+use fakir::state::ContactState;
+use fakir::state::{Shares, SurfaceContact, SurfaceTransition};
+use serde::Serialize;
+
+/// A state of the loading: a row of `approach.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct LoadingRow {
+    /// Indentation, m.
+    pub indentation_m: f64,
+    /// Normal force, N.
+    pub force_N: f64,
+    /// Contact radius, m.
+    pub contact_radius_m: f64,
+    /// Number of pillars touched.
+    pub pillars_in_contact: usize,
+    /// Number of pillars crossed by the edge of the contact.
+    pub pillars_partially_in_contact: usize,
+    /// Smallest gap between lens and floor, m; negative past the transition.
+    pub smallest_floor_gap_m: f64,
+    /// Estimated relative error of the force.
+    pub force_error_estimate: f64,
+    /// Estimated relative error of the contact radius.
+    pub contact_radius_error_estimate: f64,
+    /// Whether it is the critical state.
+    pub critical: bool,
+    /// Whether the floor would have been touched already.
+    pub beyond_transition: bool,
+    /// Whether the numbers are the solution.
+    pub converged: bool,
+}
+
+impl LoadingRow {
+    pub(crate) fn new(state: &ContactState, critical: bool) -> Self {
+        Self {
+            indentation_m: state.indentation,
+            force_N: state.force,
+            contact_radius_m: state.contact_radius,
+            pillars_in_contact: state.pillars_in_contact,
+            pillars_partially_in_contact: state.pillars_partially_in_contact,
+            smallest_floor_gap_m: state.smallest_floor_gap,
+            force_error_estimate: state.error.force,
+            contact_radius_error_estimate: state.relative_contact_radius_error(),
+            critical,
+            beyond_transition: state.beyond_transition(),
+            converged: state.converged(),
+        }
+    }
+}
+
+/// A loading: what `fakir approach --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ApproachSummary {
+    pub(crate) method: &'static str,
+    pub(crate) critical: TransitionSummary,
+    /// The states, by rising indentation.
+    pub states: Vec<LoadingRow>,
+    /// Whether all of them, and the critical state, are solutions.
+    pub converged: bool,
+    pub(crate) wall_time_s: f64,
+    pub(crate) fakir_version: &'static str,
+}
+
+/// A state of the loading of a general surface: a row of `approach.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct SurfaceLoadingRow {
+    /// Indentation, m.
+    pub indentation_m: f64,
+    /// Normal force, N.
+    pub force_N: f64,
+    /// Area of the cells in contact, m^2.
+    pub contact_area_m2: f64,
+    /// Contact radius, m; none under a plate.
+    pub contact_radius_m: Option<f64>,
+    /// Force on the tops, N; none where it is not known what the floor is.
+    pub tops_force_N: Option<f64>,
+    /// Contact area on the tops, m^2.
+    pub tops_contact_area_m2: Option<f64>,
+    /// Force on the floor, N.
+    pub floor_force_N: Option<f64>,
+    /// Contact area on the floor, m^2.
+    pub floor_contact_area_m2: Option<f64>,
+    /// Estimated relative error of the force; none on too few cells.
+    pub force_error_estimate: Option<f64>,
+    /// Estimated relative error of the contact radius.
+    pub contact_radius_error_estimate: Option<f64>,
+    /// Whether it is the critical state.
+    pub critical: bool,
+    /// Whether it is past that; none where it is not known what the floor is.
+    pub beyond_transition: Option<bool>,
+    /// Whether the numbers are the solution.
+    pub converged: bool,
+}
+
+impl SurfaceLoadingRow {
+    pub(crate) fn new(
+        contact: &SurfaceContact,
+        shares: Option<Shares>,
+        critical: bool,
+        beyond_transition: Option<bool>,
+    ) -> Self {
+        let (tops, floor) = (
+            shares.map(|shares| shares.tops),
+            shares.map(|shares| shares.floor),
+        );
+        Self {
+            indentation_m: contact.indentation,
+            force_N: contact.force,
+            contact_area_m2: contact.contact_area,
+            contact_radius_m: contact.contact_radius,
+            tops_force_N: tops.map(|share| share.force),
+            tops_contact_area_m2: tops.map(|share| share.area),
+            floor_force_N: floor.map(|share| share.force),
+            floor_contact_area_m2: floor.map(|share| share.area),
+            force_error_estimate: contact.error.map(|error| error.force),
+            contact_radius_error_estimate: contact.relative_contact_radius_error(),
+            critical,
+            beyond_transition,
+            converged: contact.converged(),
+        }
+    }
+}
+
+/// A loading of a general surface: what `fakir approach --json` prints for it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SurfaceApproachSummary {
+    method: &'static str,
+    indenter: &'static str,
+    boundary: &'static str,
+    grid: GridObject,
+    /// None where it is not known what the floor is.
+    critical: Option<SurfaceTransitionSummary>,
+    /// The states, by rising indentation.
+    pub states: Vec<SurfaceLoadingRow>,
+    /// Whether all of them, and the critical state, are solutions.
+    pub converged: bool,
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+impl SurfaceApproachSummary {
+    /// `critical` comes with the time it took, s.
+    pub(crate) fn new(
+        system: &SurfaceSystem,
+        critical: Option<(&SurfaceTransition, f64)>,
+        states: Vec<SurfaceLoadingRow>,
+        wall_time: f64,
+    ) -> Self {
+        let is_solved = critical.is_none_or(|(critical, _)| critical.contact.converged());
+        Self {
+            method: METHOD,
+            indenter: indenter_name(system.indenter()),
+            boundary: boundary_name(system.boundary()),
+            grid: system.surface().grid().into(),
+            critical: critical
+                .map(|(critical, time)| SurfaceTransitionSummary::new(system, critical, time)),
+            converged: is_solved && states.iter().all(|row| row.converged),
+            states,
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The critical state by every method.
+
+use crate::closed_forms::ClosedForm;
+use fakir::state::{CriticalState, SolveError};
+use serde::Serialize;
+
+/// A critical state by one method: a row of `compare.csv`. What a method does not give is `None`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct MethodRow {
+    /// Name of the method or formula.
+    pub method: &'static str,
+    /// The same for a person.
+    #[serde(skip)]
+    pub name: &'static str,
+    /// Critical force, N.
+    pub critical_force_N: Option<f64>,
+    /// Critical indentation, m.
+    pub critical_indentation_m: Option<f64>,
+    /// Critical contact radius, m.
+    pub critical_contact_radius_m: Option<f64>,
+    /// Number of pillars touched.
+    pub pillars_in_contact: Option<usize>,
+    /// Relative to the reference.
+    pub force_difference: Option<f64>,
+    /// The same of the indentation.
+    pub indentation_difference: Option<f64>,
+    /// Estimated relative error of the force.
+    pub force_error_estimate: Option<f64>,
+    /// Estimated relative error of the contact radius.
+    pub contact_radius_error_estimate: Option<f64>,
+    /// Whether the numbers are the solution, or none was to be had.
+    pub converged: bool,
+    /// Steps taken.
+    pub iterations: Option<usize>,
+    /// How long it took, s.
+    pub wall_time_s: Option<f64>,
+    /// Processor time of the whole process meanwhile, s.
+    pub processor_time_s: Option<f64>,
+    /// Why there is no answer, or that a formula is used out of its range.
+    pub remark: Option<String>,
+}
+
+/// The critical state by every method: what `fakir compare --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CompareSummary {
+    /// Fraction of the surface that is pillar top.
+    pub surface_fraction: f64,
+    /// Distance of neighbouring pillars, m.
+    pub pitch_m: f64,
+    /// The method that differences are from: the most accurate one with an answer.
+    pub reference: Option<&'static str>,
+    /// Formulas and methods, coarse to exact.
+    pub methods: Vec<MethodRow>,
+    /// Threads that shared the work.
+    pub threads: usize,
+    /// Whether everything that was solved converged.
+    pub converged: bool,
+    pub(crate) fakir_version: &'static str,
+}
+
+impl CompareSummary {
+    /// The name for a person of the method that differences are from.
+    #[must_use]
+    pub fn reference_name(&self) -> Option<&'static str> {
+        let reference = self.reference?;
+        let row = self.methods.iter().find(|row| row.method == reference)?;
+        Some(row.name)
+    }
+}
+
+impl MethodRow {
+    pub(crate) fn formula(form: &ClosedForm) -> Self {
+        Self {
+            critical_force_N: Some(form.estimate.force),
+            critical_indentation_m: Some(form.estimate.indentation),
+            critical_contact_radius_m: Some(form.estimate.contact_radius()),
+            converged: true,
+            remark: (!form.applies).then(|| "out of its range".to_owned()),
+            ..Self::empty(form.formula.key(), form.formula.name())
+        }
+    }
+
+    pub(crate) fn solved(
+        method: &'static str,
+        name: &'static str,
+        critical: &CriticalState,
+    ) -> Self {
+        let state = &critical.contact;
+        Self {
+            critical_force_N: Some(state.force),
+            critical_indentation_m: Some(state.indentation),
+            critical_contact_radius_m: Some(critical.contact_radius()),
+            contact_radius_error_estimate: Some(critical.relative_contact_radius_error()),
+            pillars_in_contact: Some(state.pillars_in_contact),
+            force_error_estimate: Some(state.error.force),
+            converged: state.converged(),
+            iterations: Some(state.iterations),
+            remark: (!state.converged()).then(|| state.termination.description().to_owned()),
+            ..Self::empty(method, name)
+        }
+    }
+
+    /// A method that does not apply is no failure of the comparison.
+    pub(crate) fn refused(method: &'static str, name: &'static str, error: &SolveError) -> Self {
+        Self {
+            converged: true,
+            remark: Some(error.to_string()),
+            ..Self::empty(method, name)
+        }
+    }
+
+    fn empty(method: &'static str, name: &'static str) -> Self {
+        Self {
+            method,
+            name,
+            critical_force_N: None,
+            critical_indentation_m: None,
+            critical_contact_radius_m: None,
+            pillars_in_contact: None,
+            force_difference: None,
+            indentation_difference: None,
+            force_error_estimate: None,
+            contact_radius_error_estimate: None,
+            converged: false,
+            iterations: None,
+            wall_time_s: None,
+            processor_time_s: None,
+            remark: None,
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Results as JSON objects and as tables, made once: what the command line, the Python package and
+//! the page show. The names are a contract, and end in the unit of the number.
+//!
+//! There is a file for every kind of result. Of a study with many cases [`Table`](crate::Table) has
+//! the rows.
+
+mod approach;
+mod compare;
+mod contact;
+mod critical;
+mod pillars;
+mod surface;
+mod theory;
+mod verify;
+
+pub use approach::{ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow};
+pub use compare::{CompareSummary, MethodRow};
+pub use contact::PressSummary;
+pub use critical::TransitionSummary;
+pub use pillars::pillars;
+pub use surface::{SurfacePressSummary, SurfaceTransitionSummary, indenter_name};
+pub use theory::{
+    CoefficientRow, Constants, CurveRow, FormulaRow, SumRow, TheorySummary, constants,
+};
+pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
+
+use crate::output::File;
+use fakir::Question;
+use fakir::problem::Load;
+use fakir::state::SurfaceContact;
+use fakir::state::{ContactState, ErrorEstimate, Normalized};
+use fakir_case::unit::{Dimension, format_quantity};
+use serde::Serialize;
+
+/// A result as a JSON object, with its keys in the order of the contract.
+///
+/// # Panics
+/// Never for the results of this room and the tables beside it, which have named fields.
+#[must_use]
+pub fn json(result: &impl Serialize) -> String {
+    serde_json::to_string_pretty(result).expect("structs with named fields are JSON objects")
+}
+
+/// Rows of a result as CSV, with the names of their fields as heading.
+///
+/// # Panics
+/// Never for the rows of this room, which are flat.
+pub fn csv<T: Serialize>(name: &'static str, rows: impl IntoIterator<Item = T>) -> File {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row).expect("flat structs are CSV records");
+    }
+    let bytes = writer.into_inner().expect("memory takes every byte");
+    File::new(name, bytes)
+}
+
+/// What to be careful about, of a contact.
+#[must_use]
+pub fn warnings(state: &ContactState) -> Vec<String> {
+    let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
+    if !state.converged() {
+        warnings.push(format!("the solution {}", state.termination.description()));
+    }
+    warnings
+}
+
+/// The same of a contact with a general surface.
+#[must_use]
+pub fn surface_warnings(contact: &SurfaceContact) -> Vec<String> {
+    let mut warnings: Vec<String> = contact.warnings.iter().map(ToString::to_string).collect();
+    if !contact.converged() {
+        let outcome = contact.termination.description();
+        warnings.push(format!("the solution {outcome}"));
+    }
+    warnings
+}
+
+/// A load in words: `contact under a force of 20 uN`.
+#[must_use]
+pub fn load_words(load: Load) -> String {
+    match load {
+        Load::Force(force) => format!(
+            "contact under a force of {}",
+            format_quantity(force, Dimension::Force)
+        ),
+        Load::Indentation(indentation) => format!(
+            "contact at an indentation of {}",
+            format_quantity(indentation, Dimension::Length)
+        ),
+    }
+}
+
+/// A question that is answered twice in words: `critical state`, or that of its load.
+#[must_use]
+pub fn question_words(question: Question) -> String {
+    match question {
+        Question::Transition => "critical state".to_owned(),
+        Question::Press(load) => load_words(load),
+    }
+}
+
+/// Estimated relative errors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RelativeErrors {
+    /// Of the force.
+    pub force: f64,
+    /// Of the indentation.
+    pub indentation: f64,
+    /// Of the contact radius, of a critical state the larger one; none under a plate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact_radius: Option<f64>,
+    /// Of the radius of the contact on the pillar tops of a critical state.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub top_contact_radius: Option<f64>,
+}
+
+impl RelativeErrors {
+    /// Errors with that of the contact radius.
+    #[must_use]
+    pub fn new(error: ErrorEstimate, contact_radius: Option<f64>) -> Self {
+        Self {
+            force: error.force,
+            indentation: error.indentation,
+            contact_radius,
+            top_contact_radius: None,
+        }
+    }
+}
+
+/// The paper's reduced variables.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ReducedVariables {
+    /// `F gamma_int/(h d)`.
+    pub force: f64,
+    /// `a/e`.
+    pub contact_radius: f64,
+    /// `zeta/h`.
+    pub indentation: f64,
+}
+
+impl From<Normalized> for ReducedVariables {
+    fn from(normalized: Normalized) -> Self {
+        Self {
+            force: normalized.force,
+            contact_radius: normalized.contact_radius,
+            indentation: normalized.indentation,
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! A second opinion: two independent answers to one question.
+
+use super::RelativeErrors;
+use super::surface::{METHOD, boundary_name, indenter_name};
+use crate::VERSION;
+use crate::surfaces::SurfaceVerification;
+use fakir::problem::{Load, Method};
+use fakir::state::ContactState;
+use fakir::state::SurfaceContact;
+use fakir::{Difference, Question, Verification};
+use serde::Serialize;
+
+/// One of the answers: a row of `verify.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct AnswerRow {
+    /// Name of the method.
+    pub method: &'static str,
+    /// Of the elements.
+    pub cells_per_diameter: Option<usize>,
+    /// What it is called for a person.
+    #[serde(skip)]
+    pub name: String,
+    /// Normal force, N.
+    pub force_N: f64,
+    /// Indentation, m.
+    pub indentation_m: f64,
+    /// Contact radius, m.
+    pub contact_radius_m: f64,
+    /// Smallest gap between lens and floor, m.
+    pub smallest_floor_gap_m: f64,
+    /// Number of pillars touched.
+    pub pillars_in_contact: usize,
+    /// Number of pillars crossed by the edge of the contact.
+    pub pillars_partially_in_contact: usize,
+    /// Estimated relative error of the force.
+    pub force_error_estimate: f64,
+    /// Estimated relative error of the indentation.
+    pub indentation_error_estimate: f64,
+    /// Estimated relative error of the contact radius.
+    pub contact_radius_error_estimate: f64,
+    /// Whether the numbers are the solution.
+    pub converged: bool,
+    /// Steps taken.
+    pub iterations: usize,
+}
+
+/// A second opinion: what `fakir verify --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerifySummary {
+    question: &'static str,
+    agree: bool,
+    /// `agree`, `disagree` or `cannot tell`.
+    verdict: &'static str,
+    /// Why it cannot be told; none if it can.
+    doubt: Option<String>,
+    /// Elements on all cells from the spectral method.
+    relative_difference: RelativeErrors,
+    /// Sum of both error estimates.
+    allowed_difference: RelativeErrors,
+    answers: Vec<AnswerRow>,
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+impl VerifySummary {
+    /// The answers to a question, which took so many seconds.
+    #[must_use]
+    pub fn new(question: Question, verification: &Verification, wall_time: f64) -> Self {
+        let verdict = verification.verdict();
+        let differences = |of| differences(&verification.force, &verification.indentation, of);
+        Self {
+            question: question_name(question),
+            agree: verification.agrees(),
+            verdict: verdict.name(),
+            doubt: verdict.doubt().map(|doubt| doubt.to_string()),
+            relative_difference: differences(|difference| difference.relative),
+            allowed_difference: differences(|difference| difference.allowed),
+            answers: std::iter::once(&verification.spectral)
+                .chain(&verification.elements)
+                .map(AnswerRow::new)
+                .collect(),
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
+        }
+    }
+
+    /// The answers, that of the spectral method first.
+    #[must_use]
+    pub fn answers(&self) -> &[AnswerRow] {
+        &self.answers
+    }
+}
+
+impl AnswerRow {
+    fn new(state: &ContactState) -> Self {
+        let cells = match state.method {
+            Method::Love(mesh) => Some(mesh.cells_per_diameter),
+            _ => None,
+        };
+        Self {
+            method: state.method.name(),
+            cells_per_diameter: cells,
+            name: match cells {
+                Some(cells) => format!("elements, {cells} cells"),
+                None => "spectral, accurate".to_owned(),
+            },
+            force_N: state.force,
+            indentation_m: state.indentation,
+            contact_radius_m: state.contact_radius,
+            smallest_floor_gap_m: state.smallest_floor_gap,
+            pillars_in_contact: state.pillars_in_contact,
+            pillars_partially_in_contact: state.pillars_partially_in_contact,
+            force_error_estimate: state.error.force,
+            indentation_error_estimate: state.error.indentation,
+            contact_radius_error_estimate: state.relative_contact_radius_error(),
+            converged: state.converged(),
+            iterations: state.iterations,
+        }
+    }
+}
+
+fn question_name(question: Question) -> &'static str {
+    match question {
+        Question::Transition => "transition",
+        Question::Press(Load::Indentation(_)) => "press at an indentation",
+        Question::Press(Load::Force(_)) => "press under a force",
+    }
+}
+
+/// One number of the differences in force and indentation.
+fn differences(
+    force: &Difference,
+    indentation: &Difference,
+    of: fn(&Difference) -> f64,
+) -> RelativeErrors {
+    RelativeErrors {
+        force: of(force),
+        indentation: of(indentation),
+        contact_radius: None,
+        top_contact_radius: None,
+    }
+}
+
+/// The answer on one mesh of a general surface: a row of `verify.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct MeshRow {
+    /// Name of the method.
+    pub method: &'static str,
+    /// Cells across a pillar.
+    pub cells_per_diameter: usize,
+    /// Cells of the grid along x.
+    pub columns: usize,
+    /// The same along y.
+    pub rows: usize,
+    /// Normal force, N.
+    pub force_N: f64,
+    /// Indentation, m.
+    pub indentation_m: f64,
+    /// Area of the cells in contact, m^2.
+    pub contact_area_m2: f64,
+    /// Contact radius, m; none under a plate.
+    pub contact_radius_m: Option<f64>,
+    /// Estimated relative error of the force; none on too few cells.
+    pub force_error_estimate: Option<f64>,
+    /// Estimated relative error of the indentation.
+    pub indentation_error_estimate: Option<f64>,
+    /// Estimated relative error of the contact radius.
+    pub contact_radius_error_estimate: Option<f64>,
+    /// Whether the numbers are the solution.
+    pub converged: bool,
+    /// Steps taken.
+    pub iterations: usize,
+}
+
+/// A second opinion on a general surface: what `fakir verify --json` prints for it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SurfaceVerifySummary {
+    question: &'static str,
+    indenter: &'static str,
+    boundary: &'static str,
+    agree: bool,
+    /// `agree`, `disagree` or `cannot tell`.
+    verdict: &'static str,
+    /// Why it cannot be told; none if it can.
+    doubt: Option<String>,
+    /// Half as many cells from all of them.
+    relative_difference: RelativeErrors,
+    /// Sum of both error estimates.
+    allowed_difference: RelativeErrors,
+    answers: Vec<MeshRow>,
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+impl SurfaceVerifySummary {
+    /// The answers to a question, which took so many seconds.
+    #[must_use]
+    pub fn new(question: Question, verification: &SurfaceVerification, wall_time: f64) -> Self {
+        let (verdict, doubt) = verification.verdict();
+        let differences = |of| differences(&verification.force, &verification.indentation, of);
+        let rows = verification.answers.iter().map(|answered| &answered.answer);
+        let system = &verification.answers[1].case.system;
+        Self {
+            question: question_name(question),
+            indenter: indenter_name(system.indenter()),
+            boundary: boundary_name(system.boundary()),
+            agree: verification.agrees(),
+            verdict,
+            doubt,
+            relative_difference: differences(|difference| difference.relative),
+            allowed_difference: differences(|difference| difference.allowed),
+            answers: rows
+                .zip(verification.cells_per_diameter)
+                .map(|(contact, cells)| MeshRow::new(contact, cells))
+                .collect(),
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
+        }
+    }
+
+    /// The answers, that on half as many cells first.
+    #[must_use]
+    pub fn answers(&self) -> &[MeshRow] {
+        &self.answers
+    }
+}
+
+impl MeshRow {
+    fn new(contact: &SurfaceContact, cells_per_diameter: usize) -> Self {
+        Self {
+            method: METHOD,
+            cells_per_diameter,
+            columns: contact.grid.columns(),
+            rows: contact.grid.rows(),
+            force_N: contact.force,
+            indentation_m: contact.indentation,
+            contact_area_m2: contact.contact_area,
+            contact_radius_m: contact.contact_radius,
+            force_error_estimate: contact.error.map(|error| error.force),
+            indentation_error_estimate: contact.error.map(|error| error.indentation),
+            contact_radius_error_estimate: contact.relative_contact_radius_error(),
+            converged: contact.converged(),
+            iterations: contact.products,
+        }
+    }
+}

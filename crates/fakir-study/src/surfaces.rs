@@ -1,0 +1,208 @@
+//! Cases with a general surface: on a grid that is wide enough for the contact, and on two meshes.
+
+use crate::numbers::{LENGTH_DIGITS, with_unit};
+use fakir::numerics::convergence::{larger, within};
+use fakir::problem::ElementMesh;
+use fakir::problem::Method;
+use fakir::state::{ErrorEstimate, Run};
+use fakir::state::{SurfaceContact, SurfaceError};
+use fakir::{Difference, Doubt, Question, Verdict};
+use fakir_case::unit::Dimension;
+use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
+
+/// An answer, and the case that was solved for it.
+#[derive(Debug, Clone)]
+pub struct Answered<T> {
+    /// The case, on the grid that was wide enough.
+    pub case: SurfaceCase,
+    /// What was asked.
+    pub answer: T,
+    /// A sentence that says so, if the grid is wider than that of the file.
+    pub widened: Option<String>,
+}
+
+/// Asks something of the case of a file. A grid that turns out too narrow for the contact is made wider
+/// where that shows more of the surface. `needed` is the width (m) that would do, of an error that asks
+/// for a wider grid.
+///
+/// # Errors
+/// Those of the case, and those of `ask`.
+pub fn on_wide_enough_a_grid<T, E: From<CaseError>>(
+    file: &CaseFile,
+    memory_limit: usize,
+    needed: impl Fn(&E) -> Option<f64>,
+    mut ask: impl FnMut(&SurfaceCase) -> Result<T, E>,
+) -> Result<Answered<T>, E> {
+    let mut file = file.clone();
+    let mut widened = None;
+    loop {
+        let case = file.surface_case(memory_limit)?;
+        let error = match ask(&case) {
+            Ok(answer) => {
+                return Ok(Answered {
+                    case,
+                    answer,
+                    widened,
+                });
+            }
+            Err(error) => error,
+        };
+        let Some(width) = needed(&error).filter(|_| case.can_grow()) else {
+            return Err(error);
+        };
+        file.set_number(Key::GridWidth, width);
+        widened = Some(format!(
+            "the contact goes beyond the grid of the case: solved with surface.grid.width = {}",
+            with_unit(width, Dimension::Length, LENGTH_DIGITS)
+        ));
+    }
+}
+
+/// Why there is no second opinion on a surface.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceVerifyError {
+    /// A case that cannot be.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// A contact that cannot be computed.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A height map, which is known on its own cells only.
+    #[error(
+        "a height map cannot be verified: it is known on its own cells only, so that there is no second \
+         mesh; press and transition estimate the error from cells twice and four times as large"
+    )]
+    OneMesh,
+    /// Pillars at random, which another grid places elsewhere.
+    #[error(
+        "pillars at random cannot be verified: they stand elsewhere on a second mesh; press and \
+         transition estimate the error from cells twice and four times as large"
+    )]
+    AtRandom,
+}
+
+/// The same question to a pattern of pillars on two meshes.
+#[derive(Debug, Clone)]
+pub struct SurfaceVerification {
+    /// On half as many cells across a pillar, and on all of them.
+    pub answers: [Answered<SurfaceContact>; 2],
+    /// Cells across a pillar of each.
+    pub cells_per_diameter: [usize; 2],
+    /// Force on half as many cells over that on all, minus 1, and what the estimates allow.
+    pub force: Difference,
+    /// The same of the indentation.
+    pub indentation: Difference,
+}
+
+/// Sum of error estimates from which there is nothing to compare.
+const NO_DIGITS: f64 = 1.0;
+
+impl SurfaceVerification {
+    /// What the two meshes say of each other, and why it cannot be told, if it cannot.
+    #[must_use]
+    pub fn verdict(&self) -> (&'static str, Option<String>) {
+        let doubt = |doubt: Doubt| Some((Verdict::CannotTell(doubt).name(), doubt.to_string()));
+        let failed = self.answers.iter().zip(self.cells_per_diameter).find_map(
+            |(Answered { answer, .. }, cells_per_diameter)| {
+                let method = Method::Love(ElementMesh {
+                    cells_per_diameter,
+                    ..ElementMesh::default()
+                });
+                let termination = answer.termination;
+                let failed = Doubt::NotConverged {
+                    method,
+                    termination,
+                };
+                (!answer.converged()).then_some(failed)
+            },
+        );
+        let allowed = larger(self.force.allowed, self.indentation.allowed);
+        let unknown = if let Some(failed) = failed {
+            doubt(failed)
+        } else if allowed.is_nan() {
+            let name = Verdict::CannotTell(Doubt::NoDigits { allowed }).name();
+            let reason = "there are too few cells to estimate the error";
+            Some((name, reason.to_owned()))
+        } else if !(self.force.is_allowed() && self.indentation.is_allowed()) {
+            return (Verdict::Disagree.name(), None);
+        } else if within(NO_DIGITS, allowed) {
+            doubt(Doubt::NoDigits { allowed })
+        } else {
+            None
+        };
+        match unknown {
+            Some((name, reason)) => (name, Some(reason)),
+            None => (Verdict::Agree.name(), None),
+        }
+    }
+
+    /// Whether both converged and agree within their error estimates.
+    #[must_use]
+    pub fn agrees(&self) -> bool {
+        self.verdict().0 == Verdict::Agree.name()
+    }
+}
+
+/// Answers a question to pillars of any form on half as many cells across a pillar and on
+/// `cells_per_diameter`. `next` is told which mesh comes next.
+///
+/// # Errors
+/// See [`SurfaceVerifyError`].
+pub fn verify(
+    file: &CaseFile,
+    question: Question,
+    cells_per_diameter: usize,
+    run: &Run<'_>,
+    next: &dyn Fn(&str),
+) -> Result<SurfaceVerification, SurfaceVerifyError> {
+    let given = file.surface_case(run.memory_limit())?;
+    match &given.origin {
+        SurfaceOrigin::HeightMap(_) => return Err(SurfaceVerifyError::OneMesh),
+        SurfaceOrigin::Pattern(_) if !given.can_grow() => return Err(SurfaceVerifyError::AtRandom),
+        SurfaceOrigin::Pattern(_) => {}
+    }
+    let needed = |error: &SurfaceVerifyError| match error {
+        SurfaceVerifyError::Surface(SurfaceError::SurfaceEnds { needed, .. }) => Some(*needed),
+        _ => None,
+    };
+    let answer = |cells: usize| {
+        next(&format!("{cells} cells across a pillar"));
+        let mut file = file.clone();
+        file.set_number(Key::GridCells, cells as f64);
+        on_wide_enough_a_grid(&file, run.memory_limit(), needed, |case| {
+            Ok(match question {
+                Question::Transition => {
+                    let floor = case.floor.ok_or(SurfaceError::NoFloor)?;
+                    case.system.transition(floor, run)?.contact
+                }
+                Question::Press(load) => case.system.press(load, run)?,
+            })
+        })
+    };
+    let cells = [cells_per_diameter / 2, cells_per_diameter];
+    let answers = [answer(cells[0])?, answer(cells[1])?];
+    let difference = |of: fn(&SurfaceContact) -> f64, error: fn(&ErrorEstimate) -> f64| {
+        let [coarse, fine] = [0, 1].map(|mesh| of(&answers[mesh].answer));
+        let estimates = [0, 1].map(|mesh| {
+            let estimate = answers[mesh].answer.error.as_ref();
+            estimate.map_or(f64::NAN, error)
+        });
+        Difference {
+            relative: if fine != 0.0 {
+                coarse / fine - 1.0
+            } else if coarse == 0.0 {
+                0.0
+            } else {
+                1.0
+            },
+            allowed: estimates[0] + estimates[1],
+        }
+    };
+    Ok(SurfaceVerification {
+        force: difference(|contact| contact.force, |error| error.force),
+        indentation: difference(|contact| contact.indentation, |error| error.indentation),
+        answers,
+        cells_per_diameter: cells,
+    })
+}

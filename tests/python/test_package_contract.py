@@ -1,0 +1,220 @@
+"""Results have one contract: the program, the package and the page give the same object."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import tomllib
+import urllib.request
+from contextlib import contextmanager
+from pathlib import Path
+
+import fakir
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+OVERRIDES = {"texture.surface_fraction": 0.01}
+
+
+def program(command, case, *arguments):
+    """What ``fakir COMMAND --json`` prints."""
+    run = [os.environ["FAKIR"], command, str(case), "--json", "--quiet", *arguments]
+    done = subprocess.run(run, capture_output=True, text=True)
+    assert done.stdout, done.stderr
+    return json.loads(done.stdout)
+
+
+def table(folder, name):
+    """Columns of a table that was saved."""
+    heading, *_ = (folder / name).read_text().splitlines()
+    return heading.split(",")
+
+
+def timeless(result):
+    """A result with its names in their order, but without what differs from run to run."""
+    if isinstance(result, dict):
+        return [(k, timeless(v)) for k, v in result.items() if not k.endswith("time_s")]
+    return [timeless(v) for v in result] if isinstance(result, list) else result
+
+
+@contextmanager
+def exploring():
+    """Runs the server of the page, and gives a way to ask it as the page does."""
+    command = [os.environ["FAKIR"], "explore", "--no-browser"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    try:
+        first = process.stderr.readline()
+        address = re.search(r"(http://127\.0\.0\.1:\d+)/([0-9a-f]{32})/", first)
+        asked = 0
+
+        def ask(path, case, **more):
+            nonlocal asked
+            asked += 1
+            ticket = {"session": "test", "sequence": asked}
+            question = json.dumps({"ticket": ticket, "case": case, **more})
+            headers = {"content-type": "application/json", "x-fakir-token": address.group(2)}
+            request = urllib.request.Request(address.group(1) + path, question.encode(), headers)
+            with urllib.request.urlopen(request) as answer:
+                return answer.read().decode()
+
+        yield ask
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=20)
+        process.stderr.close()
+
+
+def keys(values, path=""):
+    """The keys of a case file with their values."""
+    found = {}
+    for name, value in values.items():
+        inner = f"{path}{name}"
+        found |= keys(value, f"{inner}.") if isinstance(value, dict) else {inner: value}
+    return found
+
+
+def test_program_package_and_page_give_the_same_object():
+    case = EXAMPLES / "paper-intermediate.toml"
+    system = fakir.System.from_file(case, set=OVERRIDES)
+    values = keys(tomllib.loads(case.read_text())) | OVERRIDES
+    setting = "--set=texture.surface_fraction=0.01"
+    with exploring() as ask:
+        expected = timeless(program("transition", case, setting))
+        assert timeless(system.transition().to_dict()) == expected
+        of_page = json.loads(ask("/api/export", values, file="summary.json"))
+        assert timeless(of_page) == expected
+        half = {"fraction": 0.5}
+        of_page = json.loads(ask("/api/export", values, file="summary.json", load=half))
+        indentation = of_page["indentation_m"]
+        expected = timeless(program("press", case, setting, f"--indentation={indentation!r}m"))
+        assert timeless(of_page) == expected
+        pressed = system.press(indentation=indentation)
+        assert timeless(pressed.to_dict()) == expected
+        # What the page draws is the same object, of a moment at which errors are not estimated yet.
+        lines = ask("/api/contact", values, load=half).splitlines()
+        drawn = [json.loads(line) for line in lines]
+        summary = next(line["state"]["summary"] for line in drawn if "state" in line)
+        assert list(summary["relative_error_estimate"]) == list(pressed.error._asdict())[:3]
+        summary["relative_error_estimate"] = of_page["relative_error_estimate"]
+        assert timeless(summary) == expected
+        heading = ask("/api/export", values, file="pillars.csv").splitlines()[0]
+        assert heading.split(",") == list(system.transition().pillars.dtype.names)
+
+
+def height_map(folder, *, floor=True):
+    """A ridge along y under a lens: a case file, and the same in Python."""
+    heights = np.zeros((96, 112))
+    heights[:, 54:58] = 0.1e-6
+    np.save(folder / "heights.npy", heights)
+    case = folder / "case.toml"
+    given = ", floor = 0" if floor else ""
+    case.write_text(
+        'lens = { radius = "1 mm", young_modulus = "2 MPa", poisson_ratio = 0.5 }\n'
+        'substrate = { young_modulus = "2 MPa", poisson_ratio = 0.5 }\n'
+        f'surface = {{ height_map = "heights.npy", cell_size = "1 um"{given} }}\n'
+    )
+    lens, substrate = fakir.Lens("1 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
+    surface = fakir.love.Surface(
+        heights, lens, substrate, cell_size="1 um", floor=0.0 if floor else None
+    )
+    return case, surface
+
+
+@pytest.mark.filterwarnings("ignore:the contact reaches the border")
+@pytest.mark.parametrize("floor", [True, False])
+def test_a_height_map_gives_the_same_object(tmp_path, floor):
+    case, surface = height_map(tmp_path, floor=floor)
+    expected = program("press", case, "--force=1uN")
+    pressed = surface.press(force="1 uN").to_dict()
+    assert timeless(pressed) == timeless(expected)
+    assert (pressed["tops"] is None) == (not floor)
+    if floor:
+        assert pressed["tops"]["contact_area_m2"] > 0.0
+        expected = program("transition", case)
+        assert timeless(surface.transition().to_dict()) == timeless(expected)
+
+
+def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
+    case = EXAMPLES / "square-pillars.toml"
+    overrides = {"surface.grid.cells_per_diameter": 8}
+    setting = "--set=surface.grid.cells_per_diameter=8"
+    with pytest.raises(fakir.CaseError, match="fakir.love.Surface.from_file"):
+        fakir.System.from_file(case)
+    surface = fakir.love.Surface.from_file(case, set=overrides)
+    again = fakir.love.Surface.from_toml(case.read_text(), set=overrides)
+    assert np.array_equal(surface.heights, again.heights)
+    assert surface.heights.shape == (len(surface.y), len(surface.x))
+    assert surface.indenter == fakir.Lens("1 mm", "2 MPa", 0.5) and not surface.periodic
+    expected = program("press", case, setting, "--indentation=1um")
+    assert timeless(surface.press(indentation="1 um").to_dict()) == timeless(expected)
+    path = ["--step=1um", "--until=3um", "--past-transition", f"--output={tmp_path / 'out'}"]
+    expected = program("approach", case, setting, *path)
+    loading = surface.approach("1 um", until="3 um", past_transition=True)
+    assert timeless(loading.to_dict()) == timeless(expected)
+    assert table(tmp_path / "out", "approach.csv") == list(loading.to_pandas())
+    assert loading.critical is not None
+    assert [state is loading.critical.contact for state in loading] == [
+        row["critical"] for row in expected["states"]
+    ]
+    assert "critical" in repr(loading)
+    expected = program("verify", case, "--indentation=0.6um")
+    verification = surface.verify(indentation="0.6 um")
+    assert timeless(verification.to_dict()) == timeless(expected)
+    coarse, fine = verification.elements
+    assert verification.agrees and coarse.surface.heights.size < fine.surface.heights.size
+    assert "the answers agree" in repr(verification)
+
+
+def test_a_loading_on_a_map_without_a_floor_is_told_where_to_end(tmp_path):
+    _, surface = height_map(tmp_path, floor=False)
+    with pytest.raises(ValueError, match="give surface.floor"):
+        surface.approach("0.1 um")
+    loading = surface.approach("0.1 um", until="0.2 um")
+    assert loading.critical is None and len(loading) == 3
+    with pytest.raises(ValueError, match="known on its own cells only"):
+        surface.verify(indentation="0.1 um")
+
+
+@pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
+def test_tables_and_other_answers_are_the_same(tmp_path):
+    case = EXAMPLES / "paper-intermediate.toml"
+    overrides = {"texture.surface_fraction": 0.003}
+    system = fakir.System.from_file(case, set=overrides)
+
+    def saved(command, *arguments):
+        folder = tmp_path / command
+        setting = "--set=texture.surface_fraction=0.003"
+        return folder, program(command, case, setting, "--output", str(folder), *arguments)
+
+    folder, expected = saved("compare", "--threads=1")
+    compared = system.compare(threads=1)
+    assert timeless(compared.to_dict()) == timeless(expected)
+    assert table(folder, "compare.csv") == list(compared.rows[0])
+    assert compared.reference == expected["reference"]
+    forms = [row["method"] for row in expected["methods"]]
+    assert forms[: -len(compared.states)] == list(fakir.theory.closed_forms(system))
+
+    _, expected = saved("verify", "--cells=16")
+    assert timeless(system.verify(cells_per_diameter=16).to_dict()) == timeless(expected)
+
+    _, expected = saved("theory")
+    assert timeless(fakir.theory.to_dict(system)) == timeless(expected)
+    constants = expected["constants"]
+    assert fakir.theory.constants(system).reduced_modulus == constants["reduced_modulus_Pa"]
+    # What the list leaves out, as it gives no number there, can still be asked for by itself.
+    assert fakir.theory.small_contact(system).force > 0.0
+
+    _, expected = saved("design", "--free=pitch", "--critical-force=50uN")
+    found = fakir.design(system, "texture.pitch", force="50 uN")
+    assert found.to_dict()["design"]["statement"] == expected["design"]["statement"]
+    assert timeless(found.to_dict()) == timeless(expected)
+
+    sampled = ["--tolerance=texture.pillar.height=3%", "--samples=5", "--seed=1"]
+    folder = tmp_path / "spread"
+    setting = "--set=texture.surface_fraction=0.003"
+    expected = program("design", case, setting, *sampled, f"--output={folder}")
+    spread = fakir.spread(system, {"texture.pillar.height": "3 %"}, samples=5, seed=1)
+    assert timeless(spread.to_dict()) == timeless(expected)
+    assert table(folder, "samples.csv") == list(spread.to_pandas())
