@@ -2,8 +2,8 @@
 
 import { drawChart, range, type Axes, type Contents, type Place, type Series } from "./charts.js";
 import type { CurvePoint } from "./engine.js";
-import { age, byId } from "./screen.js";
-import { isBeyond, isCritical, isOlder, type State } from "./store.js";
+import { byId } from "./screen.js";
+import { isBeyond, isCritical, isOlder, type Of, type State } from "./store.js";
 
 const PHASE: Axes = {
   xLabel: "contact radius over pitch, a/e",
@@ -40,18 +40,20 @@ function aged(style: string, older: boolean): string {
   return older ? `${style} older` : style;
 }
 
+/** Whether something is still of the case before, while the critical state is of the next. */
+function isBefore(shown: Of<unknown>, critical: Of<unknown>): boolean {
+  return shown.of.name !== critical.of.name;
+}
+
 export function drawPhase(state: State): void {
-  const svg = byId<SVGSVGElement>("phase");
-  age(svg, isOlder(state, state.critical, "case"));
   const contents = phaseContents(state);
-  if (contents !== null) drawChart(svg, PHASE, contents);
+  if (contents !== null) drawChart(byId<SVGSVGElement>("phase"), PHASE, contents);
 }
 
 function phaseContents(state: State): Contents | null {
   const { phase, critical, solved } = state;
   if (phase === null || critical === null) return null;
-  // Grey while the critical state is of a newer case already; else all of it is of one case.
-  const older = isOlder(state, phase, "case") && !isOlder(state, critical, "case");
+  const older = isBefore(phase, critical);
   const { transition } = phase.is;
   const placeOf = ({ is }: { is: typeof critical.is }): Place => [
     is.normalized.contact_radius,
@@ -107,14 +109,10 @@ function phaseContents(state: State): Contents | null {
 }
 
 export function drawCurves(state: State): void {
-  const older = isOlder(state, state.critical, "case");
   for (const chart of CURVES) {
-    const svg = byId<SVGSVGElement>(chart.id);
-    age(svg, older);
     const contents = curveContents(state, chart);
-    if (contents !== null) drawChart(svg, chart.axes, contents);
+    if (contents !== null) drawChart(byId<SVGSVGElement>(chart.id), chart.axes, contents);
   }
-  byId("curves-work").textContent = curvesWork(state);
 }
 
 function curveContents(state: State, { of }: CurveChart): Contents | null {
@@ -122,7 +120,7 @@ function curveContents(state: State, { of }: CurveChart): Contents | null {
   if (curves === null || critical === null) return null;
   const { small, large, homogenised, exact } = curves.is;
   if (small.length + large.length === 0) return null;
-  const older = isOlder(state, curves, "case") && !isOlder(state, critical, "case");
+  const older = isBefore(curves, critical);
   const now = of(pointOf(critical.is));
   const present = critical.is.surface_fraction;
   const fractions = [...small, ...large].map((point) => point.surface_fraction);
@@ -163,8 +161,10 @@ function pointOf(critical: NonNullable<State["critical"]>["is"]): CurvePoint {
 }
 
 /** What is being done for the curves, or why there are none. */
-function curvesWork({ asking, answered, question }: State): string {
-  if (asking.curves !== null) return "computing …";
-  const told = [answered.curves, answered.phase].filter((each) => each?.of.name === question.name);
-  return told.map((each) => each?.is ?? "").find((words) => words !== "") ?? "";
+export function drawCurvesWork({ asking, answered, question }: State): void {
+  const refused = [answered.curves, answered.phase]
+    .filter((each) => each?.of.name === question.name)
+    .map((each) => each?.is ?? "");
+  byId("curves-work").textContent =
+    asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
 }

@@ -3,13 +3,13 @@
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
-import { drawCurves, drawPhase } from "./diagrams.js";
+import { drawCurves, drawCurvesWork, drawPhase } from "./diagrams.js";
 import { Server, type Texts, type Values } from "./engine.js";
 import { drawColourBar, drawMap, wordsAt, type MapContents } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
 import { announcement, drawCritical, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
-import { age, byId, Screen } from "./screen.js";
+import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
 import {
   FRACTION,
@@ -18,8 +18,6 @@ import {
   mapScale,
   PITCH,
   Store,
-  type Of,
-  type Picture,
   type State,
 } from "./store.js";
 import { onScheme } from "./theme.js";
@@ -80,12 +78,9 @@ function show(store: Store): void {
     ({ refusal }) => [refusal],
     ({ refusal }) => showRefusal(controls, refusal?.is ?? null),
   );
-  screen.add((state) => [state.critical, state.estimate, state.reference], drawCritical);
-  screen.add(
-    (state) => [state.critical, state.solved, state.progress, state.refusal, state.reference],
-    drawFacts,
-  );
-  screen.add((state) => [state.chosen.load, state.solved, state.reference], drawLoad);
+  screen.add((state) => [state.critical, state.estimate], drawCritical);
+  screen.add((state) => [state.critical, state.solved, state.progress, state.refusal], drawFacts);
+  screen.add((state) => [state.chosen.load, state.solved], drawLoad);
 
   const [canvas, bar] = [byId<HTMLCanvasElement>("map"), byId<HTMLCanvasElement>("colour-bar")];
   screen.add(
@@ -95,43 +90,44 @@ function show(store: Store): void {
       if (state.picture === null || contents === null) return;
       drawMap(canvas, contents, state.start.colours);
       write(byId("colour-most"), engineeringText(contents.force, "force", 3));
-      tellShown(state.picture);
+      const { of, is } = state.picture;
+      const detail = { asked: of.asked, stage: is.stage };
+      screen.whenShown(() => document.dispatchEvent(new CustomEvent("picture", { detail })));
     },
     [canvas],
-  );
-  screen.add(
-    (state) => [isOlder(state, state.picture, "load")],
-    (state) => {
-      for (const element of [canvas, byId("bar")]) {
-        age(element, isOlder(state, state.picture, "load"));
-      }
-    },
   );
   screen.add(
     () => [],
     ({ start }) => drawColourBar(bar, start.colours),
     [bar],
   );
-  const section = byId("section");
+  const [section, phase] = [byId("section"), byId("phase")];
+  screen.add((state) => [state.section, state.chosen.exaggeration], drawSection, [section]);
   screen.add(
-    (state) => [state.section, state.chosen.exaggeration, state.reference],
-    drawSection,
-    [section],
-  );
-  screen.add(
-    (state) => [state.phase, state.critical, state.solved, state.reference],
-    drawPhase,
-    [byId("phase")],
-  );
-  screen.add(
-    ({ curves, critical, reference, asking, answered }) => [
-      ...[curves, critical, reference],
-      ...[asking.curves, answered],
+    (state) => [
+      ...[state.phase, state.critical, state.solved],
+      isOlder(state, state.solved, "load"),
     ],
-    drawCurves,
-    ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`)),
+    drawPhase,
+    [phase],
   );
-  screen.add((state) => [state.texts, state.reference], showTexts);
+  const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
+  screen.add((state) => [state.curves, state.critical], drawCurves, curves);
+  screen.add(
+    ({ asking, answered, question }) => [asking.curves, answered, question.name],
+    drawCurvesWork,
+  );
+  screen.add((state) => [state.texts, isOlder(state, state.texts, "load")], showTexts);
+
+  screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
+  const facts = [byId("regime"), byId("pillars")];
+  screen.age((state) => state.critical, "case", [...facts, phase, ...curves]);
+  screen.age((state) => state.picture, "load", [canvas, byId("bar")]);
+  screen.age((state) => state.solved, "load", [byId("load-numbers"), byId("warnings")]);
+  screen.age((state) => state.progress ?? state.refusal ?? state.solved, "load", [byId("work")]);
+  screen.age((state) => state.section, "load", [section]);
+  const texts = [byId("command"), byId("python"), byId("case-file")];
+  screen.age((state) => state.texts, "load", texts);
   screen.add((state) => [state.notices], drawNotices);
   screen.add(
     (state) => [state.announcement],
@@ -160,15 +156,6 @@ function mapContents(state: State): MapContents | null {
   return state.picture && { scene: state.picture.is.scene, ...mapScale(state, state.picture) };
 }
 
-/** Tells when what was just drawn has been shown: after this frame. */
-function tellShown({ of, is }: Of<Picture>): void {
-  const detail = { asked: of.asked, stage: is.stage };
-  const channel = new MessageChannel();
-  channel.port1.onmessage = () =>
-    document.dispatchEvent(new CustomEvent("picture", { detail }));
-  channel.port2.postMessage(null);
-}
-
 function showRefusal(controls: Controls, refusal: NonNullable<State["refusal"]>["is"] | null): void {
   const atField = controls.refuse(refusal);
   const problem = byId("problem");
@@ -191,7 +178,6 @@ function showTexts(state: State): void {
     ["toml", "case-file"],
   ] as const) {
     byId(id).textContent = state.texts?.is[name].trimEnd() ?? "";
-    age(byId(id), older);
   }
   for (const button of buttons("copy")) button.disabled = older || state.texts === null;
 }

@@ -10,8 +10,8 @@ import {
   write,
   type Dimension,
 } from "./numbers.js";
-import { age, byId } from "./screen.js";
-import { isBeyond, isBusy, isCritical, isOlder, type Estimate, type State } from "./store.js";
+import { byId } from "./screen.js";
+import { isBeyond, isBusy, isCritical, type Estimate, type State } from "./store.js";
 
 interface Readout {
   readonly id: string;
@@ -24,9 +24,7 @@ interface Readout {
 /** The critical state of the case, or its estimate until it is solved for. */
 export function drawCritical(state: State): void {
   const { estimate, critical } = state;
-  const shown = estimate ?? critical;
   byId("readouts").classList.toggle("estimated", estimate !== null);
-  age(byId("critical"), isOlder(state, shown, "case"));
   const readouts =
     estimate !== null ? estimated(estimate.is) : critical === null ? [] : solved(critical.is);
   for (const { id, value, dimension, digits, remark } of readouts) {
@@ -85,25 +83,22 @@ function solved(summary: TransitionSummary): readonly Readout[] {
 
 /** What else is known of the critical state, and of how it was solved for. */
 export function drawFacts(state: State): void {
-  const { critical, solved, progress } = state;
-  const [regime, pillars] = [byId("regime"), byId("pillars")];
+  const { critical, solved } = state;
   if (critical !== null) {
+    const regime = byId("regime");
     const { pillars_in_contact: all, pillars_partially_in_contact: part } = critical.is;
     const bottom = critical.is.regime === "bottom_first";
     regime.textContent = bottom
       ? "bottom first: the lens reaches the floor before any pillar"
       : "top first: the lens rests on pillar tops before it reaches the floor";
     regime.classList.toggle("beyond", bottom);
-    pillars.textContent = `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
+    byId("pillars").textContent =
+      `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
   }
-  for (const fact of [regime, pillars]) age(fact, isOlder(state, critical, "case"));
-  const work = byId("work");
-  work.textContent = workWords(state);
-  age(work, progress === null && state.refusal === null && isOlder(state, solved, "load"));
+  byId("work").textContent = workWords(state);
   const warnings = byId("warnings");
   warnings.textContent = solved?.is.warnings.join("; ") ?? "";
   warnings.hidden = warnings.textContent === "";
-  age(warnings, isOlder(state, solved, "load"));
 }
 
 function workWords({ progress, refusal, solved }: State): string {
@@ -132,15 +127,13 @@ export function drawLoad(state: State): void {
   const slider = byId<HTMLInputElement>("load");
   slider.value = String(load);
   slider.setAttribute("aria-valuetext", words);
-  const numbers = byId("load-numbers");
-  age(numbers, isOlder(state, state.solved, "load"));
   if (state.solved === null) return;
   const { summary } = state.solved.is;
   const force = engineeringText(summary.force_N, "force", 4);
   const indentation = engineeringText(summary.indentation_m, "length", 4);
   const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
   const radius = engineeringText(summary.contact_radius_m, "length", Math.min(4, digits));
-  write(numbers, `F = ${force},  ζ = ${indentation},  a = ${radius}`);
+  write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
 }
 
 function loadWords(fraction: number): string {

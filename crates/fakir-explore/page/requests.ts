@@ -12,7 +12,7 @@ const CALM = 200;
 
 /** What is shown may be so much, ms, behind what was chosen before it turns grey: nobody sees the
  * delay, and the page does not flicker while a slider moves. */
-const OVERDUE = 150;
+const OVERDUE = 100;
 
 const BACKGROUND: readonly Background[] = ["phase", "curves"];
 

@@ -1,6 +1,6 @@
-// Draws the state: every view once a frame, if what it shows has changed.
+// Draws the state: every view of which something has changed, all together.
 
-import type { State, Store } from "./store.js";
+import { isOlder, type Of, type State, type Store } from "./store.js";
 
 interface View {
   readonly parts: (state: State) => readonly unknown[];
@@ -11,14 +11,16 @@ interface View {
 
 export class Screen {
   readonly #views: View[] = [];
-  #waiting = false;
+  #frameAwaited = false;
+  /** What is to be done once that which was drawn is on the screen. */
+  #afterwards: (() => void)[] = [];
 
   constructor(
     private readonly store: Store,
-    /** Called after everything has been drawn. */
-    private readonly shown: (state: State) => void,
+    /** Called in every frame in which something is drawn. */
+    private readonly framed: (state: State) => void,
   ) {
-    store.listen(() => this.#wait());
+    store.listen(() => this.#changed());
   }
 
   /** Draws whenever one of `parts` is another one, or one of the elements has another size. */
@@ -33,23 +35,59 @@ export class Screen {
       if (view.drawn !== null) draw(this.store.state);
     });
     for (const element of elements) sizes.observe(element);
-    this.#wait();
+    this.#changed();
+  }
+
+  /** Makes elements grey while what they show is of an older case, or of an older load. */
+  age(
+    shown: (state: State) => Of<unknown> | null,
+    dependsOn: "case" | "load",
+    elements: readonly Element[],
+  ): void {
+    const older = (state: State): boolean => isOlder(state, shown(state), dependsOn);
+    this.add(
+      (state) => [older(state)],
+      (state) => {
+        for (const element of elements) {
+          element.classList.toggle("older", older(state));
+          element.setAttribute("aria-busy", String(older(state)));
+        }
+      },
+    );
   }
 
   /** Draws everything anew, as in other colours. */
   redraw(): void {
     for (const view of this.#views) view.drawn = null;
-    this.#wait();
+    this.#changed();
   }
 
-  #wait(): void {
-    if (this.#waiting) return;
-    this.#waiting = true;
-    requestAnimationFrame(() => this.#draw());
+  /** Calls back when what is being drawn has been shown: after the next frame. */
+  whenShown(act: () => void): void {
+    this.#afterwards.push(act);
+  }
+
+  /** What has changed is drawn at once; what changes again before the next frame, in that frame. */
+  #changed(): void {
+    if (this.#frameAwaited) return;
+    this.#frameAwaited = true;
+    queueMicrotask(() => this.#draw());
+    requestAnimationFrame(() => this.#frame());
+  }
+
+  #frame(): void {
+    this.#frameAwaited = false;
+    this.#draw();
+    this.framed(this.store.state);
+    const afterwards = this.#afterwards;
+    if (afterwards.length === 0) return;
+    this.#afterwards = [];
+    const channel = new MessageChannel();
+    channel.port1.onmessage = () => afterwards.forEach((act) => act());
+    channel.port2.postMessage(null);
   }
 
   #draw(): void {
-    this.#waiting = false;
     const state = this.store.state;
     for (const view of this.#views) {
       const parts = view.parts(state);
@@ -57,7 +95,6 @@ export class Screen {
       view.drawn = parts;
       view.draw(state);
     }
-    this.shown(state);
   }
 }
 
@@ -65,10 +102,4 @@ export function byId<T extends Element = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
   if (found === null) throw new Error(`no element ${id}`);
   return found as Element as T;
-}
-
-/** Makes something grey that is of an older case or load, or not any more. */
-export function age(element: Element, older: boolean): void {
-  element.classList.toggle("older", older);
-  element.setAttribute("aria-busy", String(older));
 }

@@ -4,13 +4,12 @@
 import { element, path, text } from "./charts.js";
 import type { Section } from "./engine.js";
 import { engineeringText, significant } from "./numbers.js";
-import { age, byId } from "./screen.js";
-import { isOlder, type State } from "./store.js";
+import { byId } from "./screen.js";
+import type { State } from "./store.js";
 import { letterSize } from "./theme.js";
 
 export function drawSection(state: State): void {
   const svg = byId<SVGSVGElement>("section");
-  age(svg, isOlder(state, state.section, "load"));
   const wanted = state.chosen.exaggeration;
   byId("exaggeration-fit").setAttribute("aria-pressed", String(wanted === null));
   if (wanted !== null) tellExaggeration(wanted);

@@ -1,6 +1,6 @@
 // The phase diagram and the curves over the surface fraction.
 import { drawChart, range } from "./charts.js";
-import { age, byId } from "./screen.js";
+import { byId } from "./screen.js";
 import { isBeyond, isCritical, isOlder } from "./store.js";
 const PHASE = {
     xLabel: "contact radius over pitch, a/e",
@@ -28,19 +28,20 @@ const CURVES = [
 function aged(style, older) {
     return older ? `${style} older` : style;
 }
+/** Whether something is still of the case before, while the critical state is of the next. */
+function isBefore(shown, critical) {
+    return shown.of.name !== critical.of.name;
+}
 export function drawPhase(state) {
-    const svg = byId("phase");
-    age(svg, isOlder(state, state.critical, "case"));
     const contents = phaseContents(state);
     if (contents !== null)
-        drawChart(svg, PHASE, contents);
+        drawChart(byId("phase"), PHASE, contents);
 }
 function phaseContents(state) {
     const { phase, critical, solved } = state;
     if (phase === null || critical === null)
         return null;
-    // Grey while the critical state is of a newer case already; else all of it is of one case.
-    const older = isOlder(state, phase, "case") && !isOlder(state, critical, "case");
+    const older = isBefore(phase, critical);
     const { transition } = phase.is;
     const placeOf = ({ is }) => [
         is.normalized.contact_radius,
@@ -94,15 +95,11 @@ function phaseContents(state) {
     return { x, y, series, names };
 }
 export function drawCurves(state) {
-    const older = isOlder(state, state.critical, "case");
     for (const chart of CURVES) {
-        const svg = byId(chart.id);
-        age(svg, older);
         const contents = curveContents(state, chart);
         if (contents !== null)
-            drawChart(svg, chart.axes, contents);
+            drawChart(byId(chart.id), chart.axes, contents);
     }
-    byId("curves-work").textContent = curvesWork(state);
 }
 function curveContents(state, { of }) {
     const { curves, critical } = state;
@@ -111,7 +108,7 @@ function curveContents(state, { of }) {
     const { small, large, homogenised, exact } = curves.is;
     if (small.length + large.length === 0)
         return null;
-    const older = isOlder(state, curves, "case") && !isOlder(state, critical, "case");
+    const older = isBefore(curves, critical);
     const now = of(pointOf(critical.is));
     const present = critical.is.surface_fraction;
     const fractions = [...small, ...large].map((point) => point.surface_fraction);
@@ -149,9 +146,10 @@ function pointOf(critical) {
     };
 }
 /** What is being done for the curves, or why there are none. */
-function curvesWork({ asking, answered, question }) {
-    if (asking.curves !== null)
-        return "computing …";
-    const told = [answered.curves, answered.phase].filter((each) => each?.of.name === question.name);
-    return told.map((each) => each?.is ?? "").find((words) => words !== "") ?? "";
+export function drawCurvesWork({ asking, answered, question }) {
+    const refused = [answered.curves, answered.phase]
+        .filter((each) => each?.of.name === question.name)
+        .map((each) => each?.is ?? "");
+    byId("curves-work").textContent =
+        asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
 }

@@ -2,13 +2,13 @@
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
-import { drawCurves, drawPhase } from "./diagrams.js";
+import { drawCurves, drawCurvesWork, drawPhase } from "./diagrams.js";
 import { Server } from "./engine.js";
 import { drawColourBar, drawMap, wordsAt } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
 import { announcement, drawCritical, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
-import { age, byId, Screen } from "./screen.js";
+import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
 import { FRACTION, isBusy, isOlder, mapScale, PITCH, Store, } from "./store.js";
 import { onScheme } from "./theme.js";
@@ -55,9 +55,9 @@ function show(store) {
         }
     });
     screen.add(({ refusal }) => [refusal], ({ refusal }) => showRefusal(controls, refusal?.is ?? null));
-    screen.add((state) => [state.critical, state.estimate, state.reference], drawCritical);
-    screen.add((state) => [state.critical, state.solved, state.progress, state.refusal, state.reference], drawFacts);
-    screen.add((state) => [state.chosen.load, state.solved, state.reference], drawLoad);
+    screen.add((state) => [state.critical, state.estimate], drawCritical);
+    screen.add((state) => [state.critical, state.solved, state.progress, state.refusal], drawFacts);
+    screen.add((state) => [state.chosen.load, state.solved], drawLoad);
     const [canvas, bar] = [byId("map"), byId("colour-bar")];
     screen.add((state) => [state.picture, ...Object.values(mapContents(state) ?? {})], (state) => {
         const contents = mapContents(state);
@@ -65,22 +65,30 @@ function show(store) {
             return;
         drawMap(canvas, contents, state.start.colours);
         write(byId("colour-most"), engineeringText(contents.force, "force", 3));
-        tellShown(state.picture);
+        const { of, is } = state.picture;
+        const detail = { asked: of.asked, stage: is.stage };
+        screen.whenShown(() => document.dispatchEvent(new CustomEvent("picture", { detail })));
     }, [canvas]);
-    screen.add((state) => [isOlder(state, state.picture, "load")], (state) => {
-        for (const element of [canvas, byId("bar")]) {
-            age(element, isOlder(state, state.picture, "load"));
-        }
-    });
     screen.add(() => [], ({ start }) => drawColourBar(bar, start.colours), [bar]);
-    const section = byId("section");
-    screen.add((state) => [state.section, state.chosen.exaggeration, state.reference], drawSection, [section]);
-    screen.add((state) => [state.phase, state.critical, state.solved, state.reference], drawPhase, [byId("phase")]);
-    screen.add(({ curves, critical, reference, asking, answered }) => [
-        ...[curves, critical, reference],
-        ...[asking.curves, answered],
-    ], drawCurves, ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`)));
-    screen.add((state) => [state.texts, state.reference], showTexts);
+    const [section, phase] = [byId("section"), byId("phase")];
+    screen.add((state) => [state.section, state.chosen.exaggeration], drawSection, [section]);
+    screen.add((state) => [
+        ...[state.phase, state.critical, state.solved],
+        isOlder(state, state.solved, "load"),
+    ], drawPhase, [phase]);
+    const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
+    screen.add((state) => [state.curves, state.critical], drawCurves, curves);
+    screen.add(({ asking, answered, question }) => [asking.curves, answered, question.name], drawCurvesWork);
+    screen.add((state) => [state.texts, isOlder(state, state.texts, "load")], showTexts);
+    screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
+    const facts = [byId("regime"), byId("pillars")];
+    screen.age((state) => state.critical, "case", [...facts, phase, ...curves]);
+    screen.age((state) => state.picture, "load", [canvas, byId("bar")]);
+    screen.age((state) => state.solved, "load", [byId("load-numbers"), byId("warnings")]);
+    screen.age((state) => state.progress ?? state.refusal ?? state.solved, "load", [byId("work")]);
+    screen.age((state) => state.section, "load", [section]);
+    const texts = [byId("command"), byId("python"), byId("case-file")];
+    screen.age((state) => state.texts, "load", texts);
     screen.add((state) => [state.notices], drawNotices);
     screen.add((state) => [state.announcement], (state) => (byId("announcement").textContent = state.announcement));
     screen.add(() => [], ({ start }) => (byId("version").textContent = `fakir ${start.version}`));
@@ -100,13 +108,6 @@ function show(store) {
 }
 function mapContents(state) {
     return state.picture && { scene: state.picture.is.scene, ...mapScale(state, state.picture) };
-}
-/** Tells when what was just drawn has been shown: after this frame. */
-function tellShown({ of, is }) {
-    const detail = { asked: of.asked, stage: is.stage };
-    const channel = new MessageChannel();
-    channel.port1.onmessage = () => document.dispatchEvent(new CustomEvent("picture", { detail }));
-    channel.port2.postMessage(null);
 }
 function showRefusal(controls, refusal) {
     const atField = controls.refuse(refusal);
@@ -129,7 +130,6 @@ function showTexts(state) {
         ["toml", "case-file"],
     ]) {
         byId(id).textContent = state.texts?.is[name].trimEnd() ?? "";
-        age(byId(id), older);
     }
     for (const button of buttons("copy"))
         button.disabled = older || state.texts === null;

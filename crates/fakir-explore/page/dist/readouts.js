@@ -1,13 +1,11 @@
 // The numbers: the critical state of the case, and the load that is shown.
 import { digitsFor, engineering, engineeringText, radiusDigits, significant, write, } from "./numbers.js";
-import { age, byId } from "./screen.js";
-import { isBeyond, isBusy, isCritical, isOlder } from "./store.js";
+import { byId } from "./screen.js";
+import { isBeyond, isBusy, isCritical } from "./store.js";
 /** The critical state of the case, or its estimate until it is solved for. */
 export function drawCritical(state) {
     const { estimate, critical } = state;
-    const shown = estimate ?? critical;
     byId("readouts").classList.toggle("estimated", estimate !== null);
-    age(byId("critical"), isOlder(state, shown, "case"));
     const readouts = estimate !== null ? estimated(estimate.is) : critical === null ? [] : solved(critical.is);
     for (const { id, value, dimension, digits, remark } of readouts) {
         const { number, unit } = engineering(value, dimension, digits);
@@ -63,26 +61,22 @@ function solved(summary) {
 }
 /** What else is known of the critical state, and of how it was solved for. */
 export function drawFacts(state) {
-    const { critical, solved, progress } = state;
-    const [regime, pillars] = [byId("regime"), byId("pillars")];
+    const { critical, solved } = state;
     if (critical !== null) {
+        const regime = byId("regime");
         const { pillars_in_contact: all, pillars_partially_in_contact: part } = critical.is;
         const bottom = critical.is.regime === "bottom_first";
         regime.textContent = bottom
             ? "bottom first: the lens reaches the floor before any pillar"
             : "top first: the lens rests on pillar tops before it reaches the floor";
         regime.classList.toggle("beyond", bottom);
-        pillars.textContent = `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
+        byId("pillars").textContent =
+            `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
     }
-    for (const fact of [regime, pillars])
-        age(fact, isOlder(state, critical, "case"));
-    const work = byId("work");
-    work.textContent = workWords(state);
-    age(work, progress === null && state.refusal === null && isOlder(state, solved, "load"));
+    byId("work").textContent = workWords(state);
     const warnings = byId("warnings");
     warnings.textContent = solved?.is.warnings.join("; ") ?? "";
     warnings.hidden = warnings.textContent === "";
-    age(warnings, isOlder(state, solved, "load"));
 }
 function workWords({ progress, refusal, solved }) {
     if (progress !== null) {
@@ -110,8 +104,6 @@ export function drawLoad(state) {
     const slider = byId("load");
     slider.value = String(load);
     slider.setAttribute("aria-valuetext", words);
-    const numbers = byId("load-numbers");
-    age(numbers, isOlder(state, state.solved, "load"));
     if (state.solved === null)
         return;
     const { summary } = state.solved.is;
@@ -119,7 +111,7 @@ export function drawLoad(state) {
     const indentation = engineeringText(summary.indentation_m, "length", 4);
     const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
     const radius = engineeringText(summary.contact_radius_m, "length", Math.min(4, digits));
-    write(numbers, `F = ${force},  ζ = ${indentation},  a = ${radius}`);
+    write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
 }
 function loadWords(fraction) {
     if (fraction === 0)

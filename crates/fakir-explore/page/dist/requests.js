@@ -8,7 +8,7 @@ const GRACE = [120, 700];
 const CALM = 200;
 /** What is shown may be so much, ms, behind what was chosen before it turns grey: nobody sees the
  * delay, and the page does not flicker while a slider moves. */
-const OVERDUE = 150;
+const OVERDUE = 100;
 const BACKGROUND = ["phase", "curves"];
 /** Sends what the state asks for, from now on. */
 export function answerQuestions(store, server) {

@@ -2,12 +2,10 @@
 // the server; here they are only drawn.
 import { element, path, text } from "./charts.js";
 import { engineeringText, significant } from "./numbers.js";
-import { age, byId } from "./screen.js";
-import { isOlder } from "./store.js";
+import { byId } from "./screen.js";
 import { letterSize } from "./theme.js";
 export function drawSection(state) {
     const svg = byId("section");
-    age(svg, isOlder(state, state.section, "load"));
     const wanted = state.chosen.exaggeration;
     byId("exaggeration-fit").setAttribute("aria-pressed", String(wanted === null));
     if (wanted !== null)
