@@ -79,7 +79,13 @@ function show(store: Store): void {
     ({ refusal }) => showRefusal(controls, refusal?.is ?? null),
   );
   screen.add((state) => [state.critical, state.estimate], drawCritical);
-  screen.add((state) => [state.critical, state.solved, state.progress, state.refusal], drawFacts);
+  screen.add(
+    (state) => [
+      ...[state.critical, state.solved, state.reference],
+      ...[state.progress, state.refusal],
+    ],
+    drawFacts,
+  );
   screen.add((state) => [state.chosen.load, state.solved], drawLoad);
 
   const [canvas, bar] = [byId<HTMLCanvasElement>("map"), byId<HTMLCanvasElement>("colour-bar")];
@@ -124,7 +130,6 @@ function show(store: Store): void {
   screen.age((state) => state.critical, "case", [...facts, phase, ...curves]);
   screen.age((state) => state.picture, "load", [canvas, byId("bar")]);
   screen.age((state) => state.solved, "load", [byId("load-numbers"), byId("warnings")]);
-  screen.age((state) => state.progress ?? state.refusal ?? state.solved, "load", [byId("work")]);
   screen.age((state) => state.section, "load", [section]);
   const texts = [byId("command"), byId("python"), byId("case-file")];
   screen.age((state) => state.texts, "load", texts);

@@ -11,7 +11,7 @@ import {
   type Dimension,
 } from "./numbers.js";
 import { byId } from "./screen.js";
-import { isBeyond, isBusy, isCritical, type Estimate, type State } from "./store.js";
+import { isBeyond, isBusy, isCritical, isOlder, type Estimate, type State } from "./store.js";
 
 interface Readout {
   readonly id: string;
@@ -101,13 +101,15 @@ export function drawFacts(state: State): void {
   warnings.hidden = warnings.textContent === "";
 }
 
-function workWords({ progress, refusal, solved }: State): string {
+function workWords(state: State): string {
+  const { progress, refusal, solved } = state;
   if (progress !== null) {
     const { stage, step, touched } = progress.is;
     return `${stage}, step ${step}, ${touched} pillars touched …`;
   }
-  if (refusal !== null) return "no result";
+  if (refusal !== null && !isOlder(state, refusal, "load")) return "no result";
   if (solved === null) return "starting …";
+  if (isOlder(state, solved, "load")) return "solving …";
   const { method, wall_time_s } = solved.is.summary;
   return `${method}, solved in ${seconds(wall_time_s)}`;
 }

@@ -239,7 +239,16 @@ mod tests {
             let fields = state.fields.as_deref().unwrap();
             let section = section(state, None);
             let height = state.system.pillar().height;
+            let cut = cut_pillars(state, Section::half_width(state));
+            // At the very edge of a pillar rounding tells whether a point is on it.
+            let at_edge = |x: f64| {
+                let mut edges = cut.iter().flat_map(|pillar| [pillar.start, pillar.end]);
+                edges.any(|edge| (x - edge).abs() < 1e-15)
+            };
             for ((x, lens), surface) in section.x.iter().zip(&section.lens).zip(&section.surface) {
+                if at_edge(*x) {
+                    continue;
+                }
                 let gap = fields.gap([*x, 0.0]);
                 // The displacement of many pillars is summed up to a part in 1e8 or so.
                 assert!(
@@ -283,9 +292,11 @@ mod tests {
         let section = section(&state, None);
         for ((x, lens), surface) in section.x.iter().zip(&section.lens).zip(&section.surface) {
             let on = x.abs() <= 3e-6;
-            if x.abs() < 20e-6 {
-                assert_eq!(*surface, if on { 2.2e-6 } else { 0.0 }, "at {x}");
-            }
+            let height = if on { 2.2e-6 } else { 0.0 };
+            assert!(
+                x.abs() > 20e-6 || (surface - height).abs() < 1e-18,
+                "at {x}"
+            );
             let shape = 2.2e-6 + state.system.lens().sag(x.abs());
             assert!((lens - shape).abs() < 1e-18);
         }

@@ -1,7 +1,7 @@
 // The numbers: the critical state of the case, and the load that is shown.
 import { digitsFor, engineering, engineeringText, radiusDigits, significant, write, } from "./numbers.js";
 import { byId } from "./screen.js";
-import { isBeyond, isBusy, isCritical } from "./store.js";
+import { isBeyond, isBusy, isCritical, isOlder } from "./store.js";
 /** The critical state of the case, or its estimate until it is solved for. */
 export function drawCritical(state) {
     const { estimate, critical } = state;
@@ -78,15 +78,18 @@ export function drawFacts(state) {
     warnings.textContent = solved?.is.warnings.join("; ") ?? "";
     warnings.hidden = warnings.textContent === "";
 }
-function workWords({ progress, refusal, solved }) {
+function workWords(state) {
+    const { progress, refusal, solved } = state;
     if (progress !== null) {
         const { stage, step, touched } = progress.is;
         return `${stage}, step ${step}, ${touched} pillars touched …`;
     }
-    if (refusal !== null)
+    if (refusal !== null && !isOlder(state, refusal, "load"))
         return "no result";
     if (solved === null)
         return "starting …";
+    if (isOlder(state, solved, "load"))
+        return "solving …";
     const { method, wall_time_s } = solved.is.summary;
     return `${method}, solved in ${seconds(wall_time_s)}`;
 }
