@@ -107,7 +107,7 @@ export interface State {
   readonly asking: { readonly [kind in Kind]: Asking | null };
   /** How long the last picture took, ms. */
   readonly lastTime: number;
-  /** The question that all that is shown is compared with: whatever is of an older one is grey. */
+  /** The newest question that is overdue or was refused: whatever is of an older one is grey. */
   readonly reference: Question | null;
 
   /** What the map shows. */
@@ -335,7 +335,6 @@ function contactLine(
   line: Line,
   now: number,
 ): Partial<State> {
-  const reference = newer(state.reference, of);
   const known = knownCritical(state, of) !== null;
   if (line.progress) return { progress: { of, is: line.progress } };
   if (line.preview) {
@@ -346,7 +345,6 @@ function contactLine(
       indentation_m: critical_indentation_m,
     };
     return {
-      reference,
       picture: { of, is: { stage: "estimate", scene: sceneOfPreview(line.preview) } },
       estimate: known ? null : { of, is: estimate },
       refusal: null,
@@ -356,7 +354,7 @@ function contactLine(
     const picture: Of<Picture> = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
     // Of a case whose critical state is being solved for the last estimate is the best so far.
     const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
-    return { reference, picture, estimate: known ? null : estimate, refusal: null };
+    return { picture, estimate: known ? null : estimate, refusal: null };
   }
   if (line.state) {
     const scene = sceneOf(line.state);
@@ -365,7 +363,6 @@ function contactLine(
     const goesOn = !isCritical(of.load) && largest?.of.name === of.name;
     const force = Math.max(goesOn ? largest.is : 0, largestForceOf(scene));
     return {
-      reference,
       picture: { of, is: { stage: "exact", scene } },
       solved: { of, is: line.state },
       largestForce: { of, is: force },
@@ -374,9 +371,9 @@ function contactLine(
       refusal: null,
     };
   }
-  if (line.critical) return { reference, critical: { of, is: line.critical }, estimate: null };
-  if (line.case) return { reference, texts: { of, is: line.case } };
-  if (line.section !== undefined) return { reference, section: { of, is: line.section } };
+  if (line.critical) return { critical: { of, is: line.critical }, estimate: null };
+  if (line.case) return { texts: { of, is: line.case } };
+  if (line.section !== undefined) return { section: { of, is: line.section } };
   return {};
 }
 

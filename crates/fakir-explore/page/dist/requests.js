@@ -6,9 +6,9 @@ import { isBusy, knownCritical } from "./store.js";
 const GRACE = [120, 700];
 /** What is computed in the background waits so long, ms, for the next change. */
 const CALM = 200;
-/** What is shown may be so much, ms, behind what was chosen before it turns grey: nobody sees the
- * delay, and the page does not flicker while a slider moves. */
-const OVERDUE = 100;
+/** So long, ms, after a change whatever is shown of the case or load before turns grey. What is
+ * answered sooner does not, so that the page does not flicker while a slider moves. */
+const OVERDUE = 200;
 const BACKGROUND = ["phase", "curves"];
 /** Sends what the state asks for, from now on. */
 export function answerQuestions(store, server) {

@@ -183,7 +183,6 @@ function newer(a, b) {
     return a !== null && a.number > b.number ? a : b;
 }
 function contactLine(state, { question: of, since }, line, now) {
-    const reference = newer(state.reference, of);
     const known = knownCritical(state, of) !== null;
     if (line.progress)
         return { progress: { of, is: line.progress } };
@@ -195,7 +194,6 @@ function contactLine(state, { question: of, since }, line, now) {
             indentation_m: critical_indentation_m,
         };
         return {
-            reference,
             picture: { of, is: { stage: "estimate", scene: sceneOfPreview(line.preview) } },
             estimate: known ? null : { of, is: estimate },
             refusal: null,
@@ -205,7 +203,7 @@ function contactLine(state, { question: of, since }, line, now) {
         const picture = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
         // Of a case whose critical state is being solved for the last estimate is the best so far.
         const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
-        return { reference, picture, estimate: known ? null : estimate, refusal: null };
+        return { picture, estimate: known ? null : estimate, refusal: null };
     }
     if (line.state) {
         const scene = sceneOf(line.state);
@@ -214,7 +212,6 @@ function contactLine(state, { question: of, since }, line, now) {
         const goesOn = !isCritical(of.load) && largest?.of.name === of.name;
         const force = Math.max(goesOn ? largest.is : 0, largestForceOf(scene));
         return {
-            reference,
             picture: { of, is: { stage: "exact", scene } },
             solved: { of, is: line.state },
             largestForce: { of, is: force },
@@ -224,11 +221,11 @@ function contactLine(state, { question: of, since }, line, now) {
         };
     }
     if (line.critical)
-        return { reference, critical: { of, is: line.critical }, estimate: null };
+        return { critical: { of, is: line.critical }, estimate: null };
     if (line.case)
-        return { reference, texts: { of, is: line.case } };
+        return { texts: { of, is: line.case } };
     if (line.section !== undefined)
-        return { reference, section: { of, is: line.section } };
+        return { section: { of, is: line.section } };
     return {};
 }
 function phaseLine(state, of, line) {
