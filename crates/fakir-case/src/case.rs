@@ -2,9 +2,9 @@
 
 use crate::key::{Key, Kind};
 use crate::unit::{Dimension, format_quantity};
-use fakir::contact::{Accuracy, Method, PunchForm};
-use fakir::love::{ElementMesh, MeshLayout};
-use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{Accuracy, Method, PunchForm};
+use fakir::problem::{ElementMesh, MeshLayout};
+use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 use std::fmt::Write;
 
 /// A system and the method to solve it with: what a case file describes.

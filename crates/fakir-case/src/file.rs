@@ -7,9 +7,9 @@ use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Kind};
 use crate::surface;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
-use fakir::contact::{Accuracy, Method, PunchForm};
-use fakir::love::{ElementMesh, MeshLayout};
-use fakir::system::{
+use fakir::problem::{Accuracy, Method, PunchForm};
+use fakir::problem::{ElementMesh, MeshLayout};
+use fakir::problem::{
     HexagonalLattice, InvalidQuantity, Lens, MAXIMUM_SURFACE_FRACTION, Material, Pillar,
     PillarCompliance, Quantity, Requirement, System, Texture,
 };

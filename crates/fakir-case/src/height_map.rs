@@ -11,7 +11,7 @@
 //! before its elements are read, unpacked as they come; that of a text is checked while it is read. The lens axis is put on the centre of the map;
 //! [`HeightMap::with_axis_at`] moves it.
 
-use fakir::love::{Grid, HeightMap, InvalidGrid, InvalidHeightMap};
+use fakir::problem::{Grid, HeightMap, InvalidGrid, InvalidHeightMap};
 use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};

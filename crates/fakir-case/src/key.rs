@@ -2,7 +2,7 @@
 //! are written.
 
 use crate::unit::Dimension;
-use fakir::system::Quantity;
+use fakir::problem::Quantity;
 
 /// A key of a case file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -403,7 +403,7 @@ impl Key {
         }
     }
 
-    /// The key that sets a quantity of a [`System`](fakir::system::System); loads have none.
+    /// The key that sets a quantity of a [`System`](fakir::problem::System); loads have none.
     #[must_use]
     pub fn of(quantity: Quantity) -> Option<Self> {
         match quantity {

@@ -1,5 +1,5 @@
-//! Case files: TOML with units, read into a [`fakir::system::System`] and a
-//! [`fakir::contact::Method`], and written back.
+//! Case files: TOML with units, read into a [`fakir::problem::System`] and a
+//! [`fakir::problem::Method`], and written back.
 //!
 //! ```
 //! let text = r#"
@@ -49,7 +49,7 @@
 //! floor = "0.2 um"              # the floor is what is at or below this height
 //! ```
 //!
-//! or pillars of any form and arrangement ([`fakir::pattern`]):
+//! or pillars of any form and arrangement ([`fakir::problem::pattern`]):
 //!
 //! ```toml
 //! [surface]

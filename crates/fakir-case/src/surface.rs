@@ -7,11 +7,11 @@ use crate::file::{CaseFile, both_given, number, one_of};
 use crate::height_map::{BYTES_PER_POINT, HeightMapError, MapScale, MapSize, read_height_map};
 use crate::key::{Key, Kind, root};
 use crate::unit::{Dimension, format_quantity};
-use fakir::love::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
-use fakir::pattern::{
+use fakir::problem::pattern::{
     Arrangement, CrossSection, InvalidPattern, Pattern, PatternQuantity, PillarShape, Top,
 };
-use fakir::system::{HexagonalLattice, Lens, Material, PillarCompliance, Point};
+use fakir::problem::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
+use fakir::problem::{HexagonalLattice, Lens, Material, PillarCompliance, Point};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -737,7 +737,7 @@ fn period_grid(
     pattern: &Pattern,
     sides: Point,
     counts: [usize; 2],
-) -> Result<Grid, fakir::love::InvalidGrid> {
+) -> Result<Grid, fakir::problem::InvalidGrid> {
     let (rows, offset) = match pattern.arrangement {
         Arrangement::Hexagonal(lattice) => {
             let period = pattern.period().unwrap_or(sides);

@@ -3,9 +3,9 @@
 // Numbers are read to the last bit.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
-use fakir::contact::{Accuracy, Method, PunchForm};
-use fakir::love::{ElementMesh, MeshLayout};
-use fakir::system::{HexagonalLattice, PillarCompliance, System};
+use fakir::problem::{Accuracy, Method, PunchForm};
+use fakir::problem::{ElementMesh, MeshLayout};
+use fakir::problem::{HexagonalLattice, PillarCompliance, System};
 use fakir_case::{Case, CaseError, CaseFile};
 use proptest::prelude::*;
 use std::path::Path;

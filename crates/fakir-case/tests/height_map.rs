@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir::love::HeightMap;
+use fakir::problem::HeightMap;
 use fakir_case::height_map::{HeightMapError, MapScale, MapSize, read_height_map};
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};

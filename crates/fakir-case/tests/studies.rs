@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use fakir::Question;
-use fakir::contact::{Accuracy, Load, Method, PunchForm};
-use fakir::love::ElementMesh;
+use fakir::problem::ElementMesh;
+use fakir::problem::{Accuracy, Load, Method, PunchForm};
 use fakir_case::study::{Asked, Axis, Coordinate, Variable};
 use fakir_case::{Case, CaseFile, Key, Study, StudyFile};
 

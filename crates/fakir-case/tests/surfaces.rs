@@ -3,9 +3,9 @@
 // Numbers are read to the last bit.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
-use fakir::love::{Boundary, Floor, HeightMap, Indenter};
-use fakir::pattern::{Arrangement, CrossSection, Pattern, PillarShape, Top};
-use fakir::system::{HexagonalLattice, PillarCompliance};
+use fakir::problem::pattern::{Arrangement, CrossSection, Pattern, PillarShape, Top};
+use fakir::problem::{Boundary, Floor, HeightMap, Indenter};
+use fakir::problem::{HexagonalLattice, PillarCompliance};
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
 use std::path::{Path, PathBuf};
 

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use fakir::contact::Load;
+use fakir::problem::Load;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
 use fakir_study::design::{FREE, Wanted};

@@ -1,7 +1,7 @@
 //! Why there is no result, what the user is told, and with which exit status.
 
-use fakir::contact::SolveError;
-use fakir::love::SurfaceError;
+use fakir::state::SolveError;
+use fakir::state::SurfaceError;
 use fakir_case::CaseError;
 use fakir_figure::FigureError;
 use fakir_paper::PaperError;

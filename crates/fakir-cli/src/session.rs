@@ -2,7 +2,7 @@
 
 use crate::arguments::RunArguments;
 use crate::failure::{Failure, INTERRUPTED, tell};
-use fakir::contact::{CancelToken, Progress, Run, Threads};
+use fakir::state::{CancelToken, Progress, Run, Threads};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::io::IsTerminal;

@@ -90,7 +90,7 @@ fn keys_of_press_are_the_contract() {
     contract.sort_unstable();
     assert_eq!(keys(&result), contract);
     // The force is the sum over the pillars, which meets the load as far as the solver goes on:
-    // `MISMATCH_TOLERANCE` of `fakir::contact::newton`.
+    // `MISMATCH_TOLERANCE` of `fakir::state::newton`.
     assert_close(&result["force_N"], 20e-6, 1e-12);
     assert_eq!(result["beyond_transition"], false);
 }

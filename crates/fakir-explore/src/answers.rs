@@ -4,11 +4,11 @@
 use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, LoadPoint, at_fraction, expected_pillars};
-use fakir::contact::{
-    Accuracy, ContactState, CriticalState, Load, Method, Normalized, PillarStatus, Run,
-};
-use fakir::system::{Point, System};
-use fakir::theory::closed_forms::{self, Form, TransitionEstimate};
+use fakir::problem::{Accuracy, Load, Method};
+use fakir::problem::{Point, System};
+use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
+use fakir::theory::closed_forms;
+use fakir::theory::closed_forms::{Form, TransitionEstimate};
 use fakir::theory::homogenised;
 use fakir_case::Case;
 use fakir_figure::{FigureError, SectionDetail};
@@ -441,7 +441,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
                 worker.send(&CurveLine::Point(CurvePoint::of_state(&critical)));
             }
             Ok(_) => {}
-            Err(fakir::contact::SolveError::Interrupted) => return Err(Failure::Cancelled),
+            Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),
             // Of this surface fraction there is no answer; of others there may be.
             Err(_) => {}
         }
@@ -518,7 +518,7 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
                 let [radius, force] = reduced(state.force, state.contact_radius);
                 worker.send(&PhaseLine::Path([fraction, radius, force]));
             }
-            Err(fakir::contact::SolveError::Interrupted) => return Err(Failure::Cancelled),
+            Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),
             Err(_) => {}
         }
     }

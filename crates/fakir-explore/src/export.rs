@@ -4,7 +4,7 @@ use crate::answers::{Solved, solve};
 use crate::jobs::{Failure, File, Worker};
 use crate::refusal::Refusal;
 use crate::request;
-use fakir::contact::{ContactState, Normalized, Run};
+use fakir::state::{ContactState, Normalized, Run};
 use fakir_case::Case;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_figure::{

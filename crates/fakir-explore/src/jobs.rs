@@ -7,7 +7,7 @@ use axum::body::Body;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
-use fakir::contact::{CancelToken, Progress, Run, SolveError};
+use fakir::state::{CancelToken, Progress, Run, SolveError};
 use fakir_figure::FigureError;
 use http_body::Frame;
 use rayon::ThreadPool;

@@ -5,9 +5,9 @@ use crate::request::{FARTHEST, MOST_PILLARS};
 use axum::body::Body;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::Response;
-use fakir::contact::{Accuracy, Method, PunchForm};
-use fakir::love::MeshLayout;
-use fakir::system::PillarCompliance;
+use fakir::problem::MeshLayout;
+use fakir::problem::PillarCompliance;
+use fakir::problem::{Accuracy, Method, PunchForm};
 use fakir_case::{Case, Key};
 use serde_json::{Map, Value, json};
 

@@ -4,7 +4,7 @@
 use axum::body::Body;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use fakir::contact::SolveError;
+use fakir::state::SolveError;
 use fakir_case::{CaseError, Key};
 use fakir_figure::FigureError;
 use serde::Serialize;

@@ -1,7 +1,7 @@
 //! What is asked: a case by its keys, and where on the way to the critical state.
 
 use crate::refusal::Refusal;
-use fakir::system::{HexagonalLattice, System};
+use fakir::problem::{HexagonalLattice, System};
 use fakir::theory::homogenised;
 use fakir_case::{Case, CaseFile, Key};
 use serde::Deserialize;

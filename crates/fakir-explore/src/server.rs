@@ -13,7 +13,7 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::{get, post};
 use axum::{Extension, Router};
-use fakir::contact::{CancelToken, Threads};
+use fakir::state::{CancelToken, Threads};
 use fakir_case::Case;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};

@@ -4,7 +4,8 @@
 
 mod running;
 
-use fakir::contact::{Method, Run};
+use fakir::problem::Method;
+use fakir::state::Run;
 use fakir_case::Case;
 use fakir_explore::{ExploreError, Explorer};
 use running::{Running, case, options, question};

@@ -1,8 +1,10 @@
 //! Every figure, of the paper's lens and pillars, written to the folder given as argument.
 
-use fakir::contact::{CriticalState, Load, Method, Normalized, Run};
-use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
-use fakir::theory::closed_forms::{self, Form};
+use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{Load, Method};
+use fakir::state::{CriticalState, Normalized, Run};
+use fakir::theory::closed_forms;
+use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::SumFit;
 use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, Dash, Figure, FigureError, Histogram,

@@ -1,6 +1,6 @@
 //! Why a figure cannot be drawn.
 
-use fakir::contact::SolveError;
+use fakir::state::SolveError;
 
 /// Why a figure cannot be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

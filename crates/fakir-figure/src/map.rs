@@ -8,7 +8,7 @@ use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Pixels, Place, Strok
 use crate::series::Dash;
 use crate::text::Text;
 use crate::unit::{Unit, significant};
-use fakir::system::{HexagonalLattice, Point};
+use fakir::problem::{HexagonalLattice, Point};
 use std::sync::Arc;
 
 /// A square window on the surface, from `-half_width` to `half_width` (m) around a centre, shown

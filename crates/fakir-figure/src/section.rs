@@ -3,8 +3,8 @@
 
 use crate::error::FigureError;
 use crate::map::symmetric_copies;
-use fakir::contact::{ContactState, Run};
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::state::{ContactState, Run};
 use std::collections::HashMap;
 
 /// A symmetric copy of the floor contact this close to the section, in pitches, counts as in it.
@@ -200,10 +200,10 @@ fn places(pillars: &[CutPillar], half_width: f64, radius: f64, detail: SectionDe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fakir::contact::{Load, Method};
-    use fakir::system::{
+    use fakir::problem::{
         HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture,
     };
+    use fakir::problem::{Load, Method};
 
     const PITCH: f64 = 30e-6;
 

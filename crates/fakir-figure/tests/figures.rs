@@ -3,9 +3,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir::contact::{ContactState, CriticalState, Load, Method, Normalized, Run};
-use fakir::system::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
-use fakir::theory::closed_forms::{self, Form};
+use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{Load, Method};
+use fakir::state::{ContactState, CriticalState, Normalized, Run};
+use fakir::theory::closed_forms;
+use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::SumFit;
 use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, Figure, FigureError, FittedCurve,

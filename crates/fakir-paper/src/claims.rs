@@ -4,9 +4,10 @@ use crate::analysis::{
     PowerLaw, Quantity, merged_from, nearest_to, offset_spread, one_pillar_end, state_near,
 };
 use crate::grid::{Grid, Substrate, system};
-use fakir::contact::{ContactState, Normalized};
-use fakir::system::System;
-use fakir::theory::closed_forms::{self, Form};
+use fakir::problem::System;
+use fakir::state::{ContactState, Normalized};
+use fakir::theory::closed_forms;
+use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::{SumCoefficients, SumFit};
 use fakir_case::CaseError;
 use fakir_study::Critical;

@@ -4,8 +4,9 @@ use crate::analysis::{PowerLaw, Quantity};
 use crate::claims::LAW_RANGES;
 use crate::grid::{Grid, OFFSETS, Substrate, system};
 use crate::states::{Approach, States};
-use fakir::contact::{ContactState, Normalized, Run, SolveError};
-use fakir::theory::closed_forms::{self, Form};
+use fakir::state::{ContactState, Normalized, Run, SolveError};
+use fakir::theory::closed_forms;
+use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::SumFit;
 use fakir_case::CaseError;
 use fakir_figure::{

@@ -1,7 +1,7 @@
 //! The critical states of the paper: three substrates, six places to land, surface fractions from
 //! one pillar to many.
 
-use fakir::system::System;
+use fakir::problem::System;
 use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
 use fakir_study::{Answer, Critical, Row};
 

@@ -22,7 +22,7 @@ pub mod states;
 pub mod tables;
 
 use claims::{Claim, Evidence, claims};
-use fakir::contact::{Run, SolveError};
+use fakir::state::{Run, SolveError};
 use fakir::theory::lattice_sums::SumFit;
 use fakir_case::{CaseError, Study};
 use fakir_figure::Measured;

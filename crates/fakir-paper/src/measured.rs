@@ -6,7 +6,7 @@
 //! `intermediate` or `soft`), `intermediate` if it is left out. Empty cells are not drawn.
 
 use crate::grid::{Substrate, system};
-use fakir::contact::Normalized;
+use fakir::state::Normalized;
 use fakir_case::input::{self, LARGEST_TABLE};
 use fakir_figure::Measured;
 use serde::Deserialize;

@@ -1,7 +1,8 @@
 //! Contacts of the paper that figures show one by one.
 
 use crate::grid::{Substrate, system};
-use fakir::contact::{ContactState, CriticalState, Load, Method, Run, SolveError};
+use fakir::problem::{Load, Method};
+use fakir::state::{ContactState, CriticalState, Run, SolveError};
 use fakir_case::CaseError;
 use rayon::prelude::*;
 

@@ -1,6 +1,6 @@
 //! A coarse reproduction of the paper, read back from its files.
 
-use fakir::contact::Run;
+use fakir::state::Run;
 use fakir_figure::Measured;
 use fakir_paper::grid::{Fractions, Substrate};
 use fakir_paper::{Scope, reproduce};

@@ -1,7 +1,7 @@
 //! A system and a method: what a case file describes.
 
 use crate::error::{PYTHON, case_error, value_error};
-use fakir::system::{HexagonalLattice, PillarCompliance};
+use fakir::problem::{HexagonalLattice, PillarCompliance};
 use fakir_case::unit::{Dimension, parse_argument};
 use fakir_case::{CaseFile, Key};
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 //! Errors of the libraries as exceptions of `fakir.errors`, with the same words.
 
-use fakir::contact::SolveError;
-use fakir::love::SurfaceError;
+use fakir::state::SolveError;
+use fakir::state::SurfaceError;
 use fakir_study::StudyError;
 use fakir_study::design::DesignError;
 use fakir_study::fit::FitError;

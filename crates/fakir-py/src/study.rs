@@ -2,7 +2,7 @@
 
 use crate::error::{study_error, value_error};
 use crate::watched::{check_signals, stoppable};
-use fakir::contact::CancelToken;
+use fakir::state::CancelToken;
 use fakir_case::StudyFile;
 use fakir_case::study::{Combine, Coordinate};
 use fakir_study::{Existing, Options, Progress, StudyError, Table, Values};

@@ -3,8 +3,9 @@
 use crate::error::{surface_error, value_error};
 use crate::state::load;
 use crate::watched::{Options, watched};
-use fakir::love::{Boundary, Floor, Grid, HeightMap, Indenter, Shares, SurfaceSystem};
-use fakir::system::{Lens, Material, Point};
+use fakir::problem::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
+use fakir::problem::{Lens, Material, Point};
+use fakir::state::Shares;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -65,7 +66,7 @@ impl Surface {
 /// A contact on a height map.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct SurfaceContact {
-    contact: fakir::love::SurfaceContact,
+    contact: fakir::state::SurfaceContact,
     shares: Option<Shares>,
     wall_time: f64,
 }
@@ -194,7 +195,7 @@ pub(crate) fn surface_transition(
 }
 
 impl Surface {
-    fn with_shares(&self, contact: fakir::love::SurfaceContact, start: Instant) -> SurfaceContact {
+    fn with_shares(&self, contact: fakir::state::SurfaceContact, start: Instant) -> SurfaceContact {
         let shares = self
             .floor
             .map(|floor| contact.shares(self.system.surface(), Floor::AtOrBelow(floor)));

@@ -2,10 +2,13 @@
 
 use crate::case::Case;
 use crate::error::solve_error;
-use fakir::theory::closed_forms::{self as forms, Form, Region, TransitionEstimate};
-use fakir::theory::homogenised::{self as model, HomogenisedLattice};
+use fakir::theory::closed_forms as forms;
+use fakir::theory::closed_forms::{Form, Region, TransitionEstimate};
+use fakir::theory::homogenised as model;
+use fakir::theory::homogenised::HomogenisedLattice;
 use fakir::theory::lattice_potential as potential;
-use fakir::theory::lattice_sums::{self, LatticeSums, SumCoefficients, SumFit};
+use fakir::theory::lattice_sums;
+use fakir::theory::lattice_sums::{LatticeSums, SumCoefficients, SumFit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -4,7 +4,7 @@
 //! [`TICK`]: for signals, of which Ctrl-C raises `KeyboardInterrupt`, and for progress to be told. An
 //! exception in either stops the work and is raised as soon as it has stopped.
 
-use fakir::contact::{CancelToken, Progress, Run, Threads};
+use fakir::state::{CancelToken, Progress, Run, Threads};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;

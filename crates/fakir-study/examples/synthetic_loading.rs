@@ -4,7 +4,8 @@
 //!
 //! `cargo run -p fakir-study --example synthetic_loading > examples/fit/loading.csv`
 
-use fakir::contact::{Load, Run};
+use fakir::problem::Load;
+use fakir::state::Run;
 use fakir_case::{Case, CaseFile};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;

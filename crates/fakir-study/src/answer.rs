@@ -1,6 +1,6 @@
 //! The answer to one case, as it is kept: numbers only, each of which JSON gives back bit for bit.
 
-use fakir::contact::{ContactState, CriticalState, Normalized, Regime};
+use fakir::state::{ContactState, CriticalState, Normalized, Regime};
 use fakir_case::study::Coordinate;
 use serde::{Deserialize, Serialize};
 

@@ -3,8 +3,8 @@
 //! A [`Topic`] is something that was made use of; [`citations`] gives the sources of several, each
 //! with a few words on why. The formulas themselves are cited where the crate `fakir` has them.
 
-use fakir::contact::{Method, PunchForm};
-use fakir::love::MeshLayout;
+use fakir::problem::MeshLayout;
+use fakir::problem::{Method, PunchForm};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -543,7 +543,7 @@ static BORWEIN_2013: Work = book(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fakir::love::ElementMesh;
+    use fakir::problem::ElementMesh;
 
     fn every_topic() -> Vec<Topic> {
         let mesh = ElementMesh::default();

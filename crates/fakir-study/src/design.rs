@@ -8,9 +8,10 @@
 //! steps than bisection by more than one and takes a few. Where the lens would sink in too far to
 //! be solved the answer counts as too large; where it meets the floor first, as zero.
 
-use fakir::contact::{CriticalState, Method, Run, SolveError};
-use fakir::convergence::within;
-use fakir::system::{MAXIMUM_SURFACE_FRACTION, System};
+use fakir::numerics::convergence::within;
+use fakir::problem::Method;
+use fakir::problem::{MAXIMUM_SURFACE_FRACTION, System};
+use fakir::state::{CriticalState, Run, SolveError};
 use fakir_case::{Case, CaseError, CaseFile, Key};
 
 /// What is wanted of the critical state.

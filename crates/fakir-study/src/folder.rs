@@ -87,7 +87,7 @@ pub fn sweep_into(
 /// let mut ledger = fakir_study::Ledger::in_memory(&study);
 /// for cases in ledger.remaining() {
 ///     // Here, or in another process:
-///     let rows = fakir_study::solve(&study, &cases, None, &fakir::contact::CancelToken::default())?;
+///     let rows = fakir_study::solve(&study, &cases, None, &fakir::state::CancelToken::default())?;
 ///     let lines: Vec<String> = rows.iter().map(fakir_study::Row::to_json).collect();
 ///     ledger.append(&lines)?;
 /// }

@@ -11,7 +11,7 @@ use crate::answer::{Answer, Row};
 use crate::error::StudyError;
 use crate::plan::{Plan, Shard};
 use crate::sweep::Options;
-use fakir::contact::Run;
+use fakir::state::Run;
 use fakir_case::Study;
 use fakir_case::study::Asked;
 use serde::de::DeserializeOwned;

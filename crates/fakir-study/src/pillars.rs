@@ -1,7 +1,7 @@
 //! The touched pillars of a contact as a table.
 
 use crate::output::File;
-use fakir::contact::ContactState;
+use fakir::state::ContactState;
 use serde::Serialize;
 
 /// A pillar in `pillars.csv`.

@@ -6,7 +6,7 @@
 use crate::VERSION;
 use crate::citations::{Citation, REFERENCE_DOI, Topic, citations};
 use crate::output::File;
-use fakir::contact::{Accuracy, Method, PunchForm};
+use fakir::problem::{Accuracy, Method, PunchForm};
 use fakir_case::Study;
 use fakir_case::input::{self, LARGEST_STUDY};
 use fakir_case::study::Asked;

@@ -1,8 +1,8 @@
 //! How far the critical state of a texture scatters: sizes and moduli that vary from sample to
 //! sample, and a lens that lands anywhere on the lattice.
 
-use fakir::contact::{Run, SolveError};
-use fakir::system::HexagonalLattice;
+use fakir::problem::HexagonalLattice;
+use fakir::state::{Run, SolveError};
 use fakir_case::{CaseError, CaseFile, Key, Kind};
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};

@@ -1,8 +1,8 @@
 //! Results as JSON objects: the names are a contract, and end in the unit of the number.
 
 use crate::VERSION;
-use fakir::contact::{ContactState, CriticalState, ErrorEstimate, Normalized};
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::state::{ContactState, CriticalState, ErrorEstimate, Normalized};
 use serde::Serialize;
 
 /// Estimated relative errors.

@@ -4,7 +4,7 @@ use crate::answer::{Answer, Critical, Pressed, Row};
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
 use fakir::Question;
-use fakir::contact::{CancelToken, Run, SolveError, Termination, Threads};
+use fakir::state::{CancelToken, Run, SolveError, Termination, Threads};
 use fakir_case::Study;
 use fakir_case::study::StudyCase;
 use std::any::Any;

@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir::contact::{Load, Run, Termination};
+use fakir::problem::Load;
+use fakir::state::{Run, Termination};
 use fakir_case::{Case, CaseFile, Key};
 use fakir_study::fit::{Column, Fit, FitError, FitOptions, Measurements, Parameter, fit};
 use rand_chacha::ChaCha12Rng;

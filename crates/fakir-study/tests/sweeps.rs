@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir::contact::CancelToken;
+use fakir::state::CancelToken;
 use fakir_case::{Case, Study, StudyFile};
 use fakir_study::provenance::Provenance;
 use fakir_study::{

@@ -38,7 +38,7 @@ use crate::key::{Key, root};
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
 use fakir::Question;
-use fakir::contact::{Load, Method};
+use fakir::problem::{Load, Method};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

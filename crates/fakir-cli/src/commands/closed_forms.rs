@@ -1,7 +1,8 @@
 //! The formulas for the critical state, by name, with where they apply.
 
-use fakir::system::System;
-use fakir::theory::closed_forms::{self, Form, TransitionEstimate};
+use fakir::problem::System;
+use fakir::theory::closed_forms;
+use fakir::theory::closed_forms::{Form, TransitionEstimate};
 use fakir::theory::homogenised;
 
 /// Contact radius over pitch beyond which lattice sums are not added up term by term.

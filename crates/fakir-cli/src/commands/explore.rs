@@ -3,7 +3,7 @@
 use crate::arguments::Explore;
 use crate::failure::{Failure, tell};
 use crate::session::{stop_on_interrupt, threads};
-use fakir::contact::CancelToken;
+use fakir::state::CancelToken;
 use fakir_case::Case;
 use fakir_explore::{Explorer, Options};
 use std::process::ExitCode;

@@ -6,7 +6,7 @@ use crate::failure::{Failure, tell};
 use crate::numbers::seconds;
 use crate::output;
 use crate::session::{stop_on_interrupt, threads};
-use fakir::contact::{CancelToken, Run};
+use fakir::state::{CancelToken, Run};
 use fakir_paper::claims::{Claim, Verdict};
 use fakir_paper::grid::Fractions;
 use fakir_paper::{Progress, Scope, measured, reproduce};

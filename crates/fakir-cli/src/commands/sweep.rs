@@ -7,7 +7,7 @@ use crate::report::json;
 use crate::report::state::VERSION;
 use crate::session::{PATIENCE, stop_on_interrupt, threads};
 use crate::{STANDARD_INPUT, output, standard_input};
-use fakir::contact::CancelToken;
+use fakir::state::CancelToken;
 use fakir_case::input::LARGEST_STUDY;
 use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};

@@ -6,8 +6,9 @@ use crate::numbers::{significant, with_unit};
 use crate::report::state::{QuantityList, VERSION, texture_line};
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
-use fakir::contact::{CriticalState, Method, Run, SolveError};
-use fakir::system::System;
+use fakir::problem::Method;
+use fakir::problem::System;
+use fakir::state::{CriticalState, Run, SolveError};
 use fakir::theory::closed_forms::{
     Form, TransitionEstimate, hertz_contact_radius, large_contact_radius, small_contact_limit,
     transition_force, transition_from_exact_sums,

@@ -7,7 +7,7 @@ use crate::report::maps::Maps;
 use crate::report::state::{QuantityList, radius_digits, texture_line, warnings};
 use crate::report::{Report, json};
 use crate::session::Session;
-use fakir::contact::{CriticalState, Regime};
+use fakir::state::{CriticalState, Regime};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;

@@ -6,8 +6,9 @@ use crate::report::state::{VERSION, load_words, radius_digits, texture_line, war
 use crate::report::table::{Column, table};
 use crate::report::{Report, csv, json};
 use crate::session::Session;
-use fakir::contact::{Accuracy, ContactState, Load, Method};
-use fakir::love::ElementMesh;
+use fakir::problem::ElementMesh;
+use fakir::problem::{Accuracy, Load, Method};
+use fakir::state::ContactState;
 use fakir::{Difference, Question, Verdict, Verification};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;

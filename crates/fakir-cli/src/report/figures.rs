@@ -3,8 +3,8 @@
 use super::maps::Maps;
 use crate::failure::Failure;
 use crate::session::Session;
-use fakir::contact::ContactState;
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::state::ContactState;
 use fakir_figure::{
     Figure, FigureError, ProfileState, Text, View, floor_gap_map, pillar_pressure, pressure_map,
     profiles, top_view,

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::session::Session;
-use fakir::contact::ContactState;
+use fakir::state::ContactState;
 use fakir_study::fields::FieldMap;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;

@@ -2,8 +2,9 @@
 
 use super::table::list;
 use crate::numbers::{DIGITS, digits, scaled, seconds, significant, with_unit};
-use fakir::contact::{ContactState, ErrorEstimate, Load, Method, Normalized};
-use fakir::system::System;
+use fakir::problem::System;
+use fakir::problem::{Load, Method};
+use fakir::state::{ContactState, ErrorEstimate, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
 
 /// Digits shown of lengths that are known well enough: places and gaps of the floor, periods.

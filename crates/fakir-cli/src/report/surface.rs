@@ -4,11 +4,13 @@ use super::maps::Maps;
 use super::state::{LENGTH_DIGITS, QuantityList, VERSION, load_words};
 use super::{Report, json};
 use crate::numbers::{DIGITS, digits, seconds, significant, with_unit};
-use fakir::contact::{Load, Regime};
-use fakir::love::solver::Certificate;
-use fakir::love::{Boundary, Grid, Indenter, Share, Shares, SurfaceContact, SurfaceTransition};
-use fakir::pattern::{Arrangement, CrossSection, Pattern};
-use fakir::system::Point;
+use fakir::problem::Load;
+use fakir::problem::Point;
+use fakir::problem::pattern::{Arrangement, CrossSection, Pattern};
+use fakir::problem::{Boundary, Grid, Indenter};
+use fakir::state::Certificate;
+use fakir::state::Regime;
+use fakir::state::{Share, Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
@@ -286,7 +288,7 @@ fn provenance(case: &SurfaceCase, question: &str) -> Provenance {
 }
 
 fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
-    let error = contact.error.unwrap_or(fakir::contact::ErrorEstimate {
+    let error = contact.error.unwrap_or(fakir::state::ErrorEstimate {
         force: f64::NAN,
         indentation: f64::NAN,
     });

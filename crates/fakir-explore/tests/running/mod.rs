@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // no test needs all of it
 
-use fakir::contact::CancelToken;
+use fakir::state::CancelToken;
 use fakir_case::Case;
 use fakir_explore::{ExploreError, Explorer, Options};
 use serde_json::{Value, json};

@@ -6,8 +6,8 @@ use crate::colour::Tint;
 use crate::figure::{COLUMN, Figure, PAGE};
 use crate::series::{Series, Style};
 use crate::text::Text;
-use fakir::contact::{CriticalState, Normalized};
-use fakir::system::System;
+use fakir::problem::System;
+use fakir::state::{CriticalState, Normalized};
 use fakir::theory::closed_forms::TransitionEstimate;
 
 /// A critical state at one surface fraction.

@@ -9,7 +9,7 @@ use crate::map::{ARROW, ColourBar, KeySign, Window, crosses, key, symmetric_copi
 use crate::scene::{Colour, Item, Stroke};
 use crate::text::Text;
 use crate::unit::Unit;
-use fakir::contact::{ContactState, Run};
+use fakir::state::{ContactState, Run};
 use std::collections::HashSet;
 
 /// Pixels of the map, along a side.

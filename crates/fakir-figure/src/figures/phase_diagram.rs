@@ -10,8 +10,8 @@ use crate::legend::{Legend, place_where};
 use crate::scene::{Anchor, Colour, Item, Label};
 use crate::series::{Dash, Series, Style};
 use crate::text::Text;
-use fakir::contact::Normalized;
-use fakir::system::System;
+use fakir::problem::System;
+use fakir::state::Normalized;
 use fakir::theory::closed_forms::{Region, phase, transition_force};
 
 /// What is drawn on the regions of the phase diagram.

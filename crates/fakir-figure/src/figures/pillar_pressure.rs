@@ -13,8 +13,8 @@ use crate::scene::{Anchor, Colour, Item, Label, Stroke};
 use crate::series::{Dash, Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
-use fakir::contact::{ContactState, Fields, PillarState, PillarStatus, Run};
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::state::{ContactState, Fields, PillarState, PillarStatus, Run};
 use std::f64::consts::PI;
 
 /// Pressures are shown up to this multiple of the mean on the pillar top: at the edge they are

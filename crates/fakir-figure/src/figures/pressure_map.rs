@@ -15,8 +15,8 @@ use crate::scene::{Colour, Item, Stroke};
 use crate::series::{Marker, Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
-use fakir::contact::{ContactState, PillarState, PillarStatus};
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::state::{ContactState, PillarState, PillarStatus};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 

@@ -11,8 +11,8 @@ use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Stroke};
 use crate::section::{Section, SectionDetail};
 use crate::text::Text;
 use crate::unit::{Unit, significant};
-use fakir::contact::{ContactState, Run};
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::state::{ContactState, Run};
 
 const LENS: Colour = Colour([198, 221, 240]);
 const SUBSTRATE: Colour = Colour([226, 214, 196]);

@@ -7,8 +7,8 @@ use crate::figure::{COLUMN, Figure};
 use crate::map::{SCALE_BAR_ROOM, Window};
 use crate::scene::{Colour, Item, Path};
 use crate::unit::Unit;
-use fakir::contact::{ContactState, PillarState, PillarStatus, Run};
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::state::{ContactState, PillarState, PillarStatus, Run};
 use std::f64::consts::PI;
 
 /// What is seen from above.

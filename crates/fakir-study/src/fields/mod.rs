@@ -12,9 +12,10 @@ mod vti;
 
 use crate::output::File;
 use crate::provenance::Provenance;
-use fakir::contact::{ContactState, FieldSamples, Run, SolveError};
-use fakir::love::{Floor, SurfaceContact, SurfaceSystem};
-use fakir::system::Point;
+use fakir::problem::Point;
+use fakir::problem::{Floor, SurfaceSystem};
+use fakir::state::SurfaceContact;
+use fakir::state::{ContactState, FieldSamples, Run, SolveError};
 
 /// Most points across: three fields of so many squared take 100 MB.
 pub const MOST_POINTS: usize = 2048;
@@ -283,7 +284,7 @@ fn positions(x: &[f64], y: &[f64]) -> impl Iterator<Item = Point> {
 mod tests {
     use super::*;
     use crate::citations::Topic;
-    use fakir::contact::{Load, Method};
+    use fakir::problem::{Load, Method};
     use fakir_case::Case;
 
     fn stamp(case: &Case) -> Provenance {

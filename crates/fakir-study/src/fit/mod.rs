@@ -41,8 +41,8 @@ pub use measurements::{Column, DataError, Measured, Measurement, Measurements, P
 pub use parameter::Parameter;
 pub use report::FitSummary;
 
-use fakir::contact::{Run, SolveError, Termination};
-use fakir::convergence::{larger, within};
+use fakir::numerics::convergence::{larger, within};
+use fakir::state::{Run, SolveError, Termination};
 use fakir_case::{CaseError, CaseFile};
 use least_squares::Linear;
 use model::{Derivatives, Model, State};

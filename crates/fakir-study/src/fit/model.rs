@@ -4,8 +4,9 @@
 use super::measurements::{Measurement, Measurements, Position};
 use super::parameter::{Parameter, value_of};
 use super::{FitError, FitOptions};
-use fakir::contact::{ContactState, Load, Method, Run, SolveError};
-use fakir::convergence::within;
+use fakir::numerics::convergence::within;
+use fakir::problem::{Load, Method};
+use fakir::state::{ContactState, Run, SolveError};
 use fakir_case::{Case, CaseFile};
 use rayon::prelude::*;
 

@@ -1,6 +1,6 @@
 //! What can be fitted.
 
-use fakir::system::System;
+use fakir::problem::System;
 use fakir_case::unit::Dimension;
 use fakir_case::{Key, Kind};
 

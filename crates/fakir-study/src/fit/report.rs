@@ -5,8 +5,8 @@ use super::{
 };
 use crate::VERSION;
 use crate::table::{Column, Table, Values};
-use fakir::contact::Method;
-use fakir::contact::Termination;
+use fakir::problem::Method;
+use fakir::state::Termination;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
