@@ -1,7 +1,7 @@
 // Charts on logarithmic axes, as SVG: colours and lettering are those of the style sheet.
 
 import { engineeringText, significant, write, type Dimension } from "./numbers.js";
-import { letterSize, onSize } from "./theme.js";
+import { letterSize } from "./theme.js";
 
 export type Place = readonly [number, number];
 
@@ -12,9 +12,11 @@ export interface Series {
   readonly points: readonly Place[];
 }
 
+/** A text, by its class in the style sheet. */
 export interface Lettering {
   readonly place: Place;
   readonly text: string;
+  readonly style: string;
 }
 
 export interface Contents {
@@ -35,96 +37,79 @@ export interface Axes {
 
 const SVG = "http://www.w3.org/2000/svg";
 
-/** A chart that fills an SVG element. */
-export class Chart {
-  private contents: Contents | null = null;
-
-  constructor(
-    private readonly svg: SVGSVGElement,
-    private readonly axes: Axes,
-  ) {
-    onSize(svg, () => this.draw());
+/** Fills an SVG element with a chart. */
+export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): void {
+  const { width, height } = svg.getBoundingClientRect();
+  if (width < 40 || height < 40) return;
+  const em = letterSize();
+  const frame = {
+    left: 4.9 * em,
+    right: width - 0.9 * em,
+    top: 0.7 * em,
+    bottom: height - (axes.bare ? 0.5 : 2.9) * em,
+  };
+  const across = scale(contents.x, frame.left, frame.right);
+  const up = scale(contents.y, frame.bottom, frame.top);
+  const at = ([x, y]: Place): string => `${across(x).toFixed(1)} ${up(y).toFixed(1)}`;
+  const clip = `${svg.id}-frame`;
+  const box = rectangle(frame.left, frame.top, frame.right, frame.bottom);
+  svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  const inside = element("g", { "clip-path": `url(#${clip})` });
+  const grid = element("g", { class: "grid" });
+  const lettering = element("g", { class: "lettering" });
+  for (const { value, label } of ticks(contents.x, (frame.right - frame.left) / (3.4 * em))) {
+    const x = across(value).toFixed(1);
+    grid.append(path(`M${x} ${frame.top}V${frame.bottom}`, label ? "major" : "minor"));
+    if (label && !axes.bare) {
+      lettering.append(text(number(value), across(value), frame.bottom + 1.15 * em, "middle"));
+    }
   }
-
-  show(contents: Contents): void {
-    this.contents = contents;
-    this.draw();
+  for (const { value, label } of ticks(contents.y, (frame.bottom - frame.top) / (1.3 * em))) {
+    const y = up(value).toFixed(1);
+    grid.append(path(`M${frame.left} ${y}H${frame.right}`, label ? "major" : "minor"));
+    if (label) {
+      const words =
+        axes.yDimension === "number"
+          ? number(value)
+          : engineeringText(value, axes.yDimension, 1);
+      lettering.append(text(words, frame.left - 0.45 * em, up(value) + 0.32 * em, "end"));
+    }
   }
-
-  private draw(): void {
-    const contents = this.contents;
-    const { width, height } = this.svg.getBoundingClientRect();
-    if (contents === null || width < 40 || height < 40) return;
-    const em = letterSize();
-    const frame = {
-      left: 4.9 * em,
-      right: width - 0.9 * em,
-      top: 0.7 * em,
-      bottom: height - (this.axes.bare ? 0.5 : 2.9) * em,
-    };
-    const across = scale(contents.x, frame.left, frame.right);
-    const up = scale(contents.y, frame.bottom, frame.top);
-    const at = ([x, y]: Place): string => `${across(x).toFixed(1)} ${up(y).toFixed(1)}`;
-    const clip = `${this.svg.id}-frame`;
-    const box = rectangle(frame.left, frame.top, frame.right, frame.bottom);
-    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    const inside = element("g", { "clip-path": `url(#${clip})` });
-    const grid = element("g", { class: "grid" });
-    const lettering = element("g", { class: "lettering" });
-    for (const { value, label } of ticks(contents.x, (frame.right - frame.left) / (3.4 * em))) {
-      const x = across(value).toFixed(1);
-      grid.append(path(`M${x} ${frame.top}V${frame.bottom}`, label ? "major" : "minor"));
-      if (label && !this.axes.bare) {
-        lettering.append(text(number(value), across(value), frame.bottom + 1.15 * em, "middle"));
+  for (const series of contents.series) {
+    if (series.kind === "points") {
+      for (const point of series.points) {
+        const [cx, cy] = [across(point[0]).toFixed(1), up(point[1]).toFixed(1)];
+        inside.append(element("circle", { cx, cy, class: series.style, r: String(0.24 * em) }));
       }
-    }
-    for (const { value, label } of ticks(contents.y, (frame.bottom - frame.top) / (1.3 * em))) {
-      const y = up(value).toFixed(1);
-      grid.append(path(`M${frame.left} ${y}H${frame.right}`, label ? "major" : "minor"));
-      if (label) {
-        const words =
-          this.axes.yDimension === "number"
-            ? number(value)
-            : engineeringText(value, this.axes.yDimension, 1);
-        lettering.append(text(words, frame.left - 0.45 * em, up(value) + 0.32 * em, "end"));
+    } else if (series.kind === "vertical") {
+      for (const [x] of series.points) {
+        const d = `M${across(x).toFixed(1)} ${frame.top}V${frame.bottom}`;
+        inside.append(path(d, series.style));
       }
+    } else if (series.points.length > 0) {
+      const close = series.kind === "area" ? "Z" : "";
+      inside.append(path(`M${series.points.map(at).join("L")}${close}`, series.style));
     }
-    for (const series of contents.series) {
-      if (series.kind === "points") {
-        for (const point of series.points) {
-          const [cx, cy] = [across(point[0]).toFixed(1), up(point[1]).toFixed(1)];
-          inside.append(element("circle", { cx, cy, class: series.style, r: String(0.24 * em) }));
-        }
-      } else if (series.kind === "vertical") {
-        for (const [x] of series.points) {
-          const d = `M${across(x).toFixed(1)} ${frame.top}V${frame.bottom}`;
-          inside.append(path(d, series.style));
-        }
-      } else if (series.points.length > 0) {
-        const close = series.kind === "area" ? "Z" : "";
-        inside.append(path(`M${series.points.map(at).join("L")}${close}`, series.style));
-      }
-    }
-    for (const { place, text: words } of contents.names ?? []) {
-      const name = text(words, across(place[0]), up(place[1]), "middle");
-      name.setAttribute("class", "region");
-      inside.append(name);
-    }
-    if (!this.axes.bare) {
-      const middle = (frame.left + frame.right) / 2;
-      const label = text(this.axes.xLabel, middle, height - 0.45 * em, "middle");
-      label.setAttribute("class", "label");
-      lettering.append(label);
-    }
-    const side = text(this.axes.yLabel, 0, 0, "middle");
-    const middle = (frame.top + frame.bottom) / 2;
-    side.setAttribute("transform", `translate(${0.95 * em} ${middle}) rotate(-90)`);
-    side.setAttribute("class", "label");
-    lettering.append(side);
-    const clipping = element("clipPath", { id: clip });
-    clipping.append(path(box, ""));
-    this.svg.replaceChildren(clipping, grid, inside, path(box, "frame"), lettering);
   }
+  for (const { place, text: words, style } of contents.names ?? []) {
+    const name = text(words, across(place[0]), up(place[1]), "middle");
+    name.setAttribute("class", style);
+    inside.append(name);
+  }
+  if (!axes.bare) {
+    const middle = (frame.left + frame.right) / 2;
+    const label = text(axes.xLabel, middle, height - 0.45 * em, "middle");
+    label.setAttribute("class", "label");
+    lettering.append(label);
+  }
+  const side = text(axes.yLabel, 0, 0, "middle");
+  const middle = (frame.top + frame.bottom) / 2;
+  side.setAttribute("transform", `translate(${0.95 * em} ${middle}) rotate(-90)`);
+  side.setAttribute("class", "label");
+  lettering.append(side);
+  const clipping = element("clipPath", { id: clip });
+  clipping.append(path(box, ""));
+  svg.replaceChildren(clipping, grid, inside, path(box, "frame"), lettering);
 }
 
 /** Number with a power of ten where it would be long. */

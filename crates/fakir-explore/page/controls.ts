@@ -2,6 +2,7 @@
 
 import type { Refusal, Value, Values } from "./engine.js";
 import { editable, engineeringText, parse, type Dimension } from "./numbers.js";
+import { FRACTION, METHOD, PITCH } from "./store.js";
 
 interface Field {
   readonly key: string;
@@ -39,10 +40,7 @@ function quantity(
   return { key, label, symbol, dimension, range, logarithmic };
 }
 
-const FRACTION = "texture.surface_fraction";
-const PITCH = "texture.pitch";
 const DIAMETER = "texture.pillar.diameter";
-const METHOD = "method.name";
 
 const GROUPS: readonly Group[] = [
   {
@@ -136,18 +134,21 @@ const STEPS = 1000;
 interface Widget {
   readonly box: HTMLElement;
   readonly note: HTMLElement;
-  readonly show: (value: Value) => void;
+  /** Shows a value; the text stays as it is if it was just `typed`. */
+  readonly show: (value: Value, typed: boolean) => void;
   readonly inputs: readonly HTMLElement[];
 }
 
+/** What was done at a field: `typed` if its text is to stay as it was written. */
+type Changed = (key: string, value: Value, typed: boolean, asked: number) => void;
+
 /** All fields of a case. */
 export class Controls {
-  private values: Values = {};
   private readonly widgets = new Map<string, Widget>();
 
   constructor(
     container: HTMLElement,
-    private readonly changed: (asked: number) => void,
+    private readonly changed: Changed,
   ) {
     for (const group of GROUPS) {
       const set = document.createElement("fieldset");
@@ -163,56 +164,9 @@ export class Controls {
     }
   }
 
-  /** The case by its keys. */
-  get case(): Values {
-    return { ...this.values };
-  }
-
-  /** Shows another case. */
-  set case(values: Values) {
-    this.values = { ...values };
-    this.refresh(null);
-  }
-
-  /** Shows what is wrong at a field; false if there is no field of that key. */
-  refuse(refusal: Refusal): boolean {
-    const widget = this.widgets.get(refusal.key ?? "");
-    if (widget === undefined) return false;
-    const accepted = refusal.accepted === null ? "" : `: ${refusal.accepted}`;
-    widget.note.textContent = `${refusal.message}${accepted}`;
-    widget.note.hidden = false;
-    widget.box.classList.add("wrong");
-    widget.inputs.forEach((input) => input.setAttribute("aria-invalid", "true"));
-    return true;
-  }
-
-  /** Takes back what was shown to be wrong. */
-  accept(): void {
-    for (const widget of this.widgets.values()) {
-      widget.note.hidden = true;
-      widget.note.textContent = "";
-      widget.box.classList.remove("wrong");
-      widget.inputs.forEach((input) => input.removeAttribute("aria-invalid"));
-    }
-  }
-
-  private set(key: string, value: Value, from: HTMLElement): void {
-    const asked = performance.now();
-    if (key === FRACTION) delete this.values[PITCH];
-    if (key === PITCH) delete this.values[FRACTION];
-    if (key === METHOD) {
-      for (const other of Object.keys(this.values)) {
-        if (other.startsWith("method.")) delete this.values[other];
-      }
-    }
-    this.values[key] = value;
-    this.refresh(from);
-    this.changed(asked);
-  }
-
-  /** Shows the values everywhere but in the field that is being edited. */
-  private refresh(editing: HTMLElement | null): void {
-    const shown: Values = { ...this.values };
+  /** Shows a case everywhere but in the field that was just `typed` into. */
+  show(values: Values, typed: string | null): void {
+    const shown: Values = { ...values };
     const [fraction, pitch, diameter] = [shown[FRACTION], shown[PITCH], shown[DIAMETER]];
     if (typeof diameter === "number") {
       if (typeof fraction === "number" && fraction > 0) {
@@ -231,11 +185,27 @@ export class Controls {
           widget.box.hidden = field.method !== (shown[METHOD] ?? "spectral");
         }
         const value = shown[field.key] ?? initial(field);
-        if (value !== undefined && !(editing !== null && widget.inputs[0] === editing)) {
-          widget.show(value);
-        }
+        if (value !== undefined) widget.show(value, field.key === typed);
       }
     }
+  }
+
+  /** Shows what is wrong at its field, and nothing at others; false if it is at no field. */
+  refuse(refusal: Refusal | null): boolean {
+    let found = false;
+    for (const [key, widget] of this.widgets) {
+      const wrong = refusal !== null && refusal.key === key;
+      const accepted = wrong && refusal.accepted !== null ? `: ${refusal.accepted}` : "";
+      widget.note.textContent = wrong ? `${refusal.message}${accepted}` : "";
+      widget.note.hidden = !wrong;
+      widget.box.classList.toggle("wrong", wrong);
+      for (const input of widget.inputs) {
+        if (wrong) input.setAttribute("aria-invalid", "true");
+        else input.removeAttribute("aria-invalid");
+      }
+      found ||= wrong;
+    }
+    return found;
   }
 
   private field(field: Field): Widget {
@@ -255,25 +225,28 @@ export class Controls {
     slider.setAttribute("aria-label", `${field.label}, slider`);
     slider.setAttribute("aria-describedby", note.id);
     text.addEventListener("change", () => {
-      this.set(field.key, parse(text.value, field.dimension) ?? text.value, text);
+      const value = parse(text.value, field.dimension) ?? text.value;
+      this.changed(field.key, value, true, performance.now());
     });
+    const slide = (): void => {
+      const value = sliderValue(field, Number(slider.value));
+      this.changed(field.key, value, false, performance.now());
+    };
     text.addEventListener("keydown", (event) => {
       const step = event.key === "ArrowUp" ? 5 : event.key === "ArrowDown" ? -5 : 0;
       if (step === 0) return;
       event.preventDefault();
       slider.value = String(Number(slider.value) + step);
-      this.set(field.key, sliderValue(field, Number(slider.value)), slider);
+      slide();
     });
-    slider.addEventListener("input", () => {
-      this.set(field.key, sliderValue(field, Number(slider.value)), slider);
-    });
+    slider.addEventListener("input", slide);
     box.append(text, slider, note);
-    const show = (value: Value): void => {
+    const show = (value: Value, typed: boolean): void => {
       if (typeof value !== "number") {
-        text.value = value;
+        if (!typed) text.value = value;
         return;
       }
-      text.value = editable(value, field.dimension);
+      if (!typed) text.value = editable(value, field.dimension);
       if (document.activeElement !== slider || sliderPlace(field, value) !== slider.value) {
         slider.value = sliderPlace(field, value);
       }
@@ -291,7 +264,8 @@ export class Controls {
     for (const [value, words] of field.options) select.add(new Option(words, value));
     select.addEventListener("change", () => {
       const number = Number(select.value);
-      this.set(field.key, Number.isNaN(number) ? select.value : number, select);
+      const value = Number.isNaN(number) ? select.value : number;
+      this.changed(field.key, value, false, performance.now());
     });
     box.classList.add("choice");
     box.append(select, note);

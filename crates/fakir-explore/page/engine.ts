@@ -56,7 +56,8 @@ export interface PressSummary {
 
 export type Point = readonly [number, number];
 
-export interface State {
+/** A state, with what is needed to draw it. */
+export interface ContactState {
   /** By the punch lattice, within a per cent or two. */
   readonly approximate: boolean;
   readonly fraction: number;
@@ -86,10 +87,13 @@ export interface Preview {
   readonly offset_m: Point;
 }
 
+/** Outlines of both bodies: heights of each at places along x. */
 export interface Section {
   readonly x_m: readonly number[];
   readonly lens_m: readonly number[];
   readonly surface_m: readonly number[];
+  /** Where the floor is touched in this plane, if it is: x and height. */
+  readonly floor_contacts_m: readonly Point[];
 }
 
 export interface CurvePoint {
@@ -112,7 +116,7 @@ export interface Line {
   readonly refused?: Refusal;
   readonly preview?: Preview;
   readonly critical?: TransitionSummary;
-  readonly state?: State;
+  readonly state?: ContactState;
   readonly case?: Texts;
   readonly section?: Section | null;
   readonly formulas?: {
@@ -134,14 +138,10 @@ export interface Start {
   readonly farthest_load: number;
 }
 
-export type Kind = "contact" | "curves" | "phase" | "export";
+/** What is computed once nothing else is asked. */
+export type Background = "curves" | "phase";
 
-const TOKEN = location.pathname.split("/")[1] ?? "";
-
-/** The name of this page among others of the same server. */
-const SESSION = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) =>
-  byte.toString(16).padStart(2, "0"),
-).join("");
+export type Kind = "contact" | Background;
 
 /** What goes with the refusal of a request, or the reason why none came. */
 export class Refused extends Error {
@@ -150,87 +150,100 @@ export class Refused extends Error {
   }
 }
 
-const running = new Map<Kind, AbortController>();
-let sequence = 0;
+/** The server that the page is from. */
+export class Server {
+  private readonly token = location.pathname.split("/")[1] ?? "";
+  /** The name of this page among others of the same server. */
+  private readonly session = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) =>
+    byte.toString(16).padStart(2, "0"),
+  ).join("");
+  private readonly running = new Map<Kind | "export", AbortController>();
+  private sequence = 0;
 
-/** Calls off a question, on the server too. */
-export function cancel(kind: Kind): void {
-  running.get(kind)?.abort();
-  running.delete(kind);
-}
+  /** What the page begins with. */
+  async start(): Promise<Start> {
+    return (await (await fetch("start.json")).json()) as Start;
+  }
 
-/** Asks; `listen` is told every line as it comes. False if a newer question took its place. */
-export async function ask(
-  kind: Kind,
-  question: object,
-  listen: (line: Line) => void,
-): Promise<boolean> {
-  const controller = begin(kind);
-  try {
-    const response = await post(kind, question, controller.signal);
-    if (response === null || response.body === null) return false;
-    const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
-    let rest = "";
-    for (;;) {
-      const { value, done } = await reader.read();
-      if (done) break;
-      const lines = (rest + value).split("\n");
-      rest = lines.pop() ?? "";
-      for (const text of lines) {
-        const line = JSON.parse(text) as Line;
-        if (line.refused) throw new Refused(line.refused);
-        listen(line);
+  /** Calls off a question, on the server too. */
+  cancel(kind: Kind | "export"): void {
+    this.running.get(kind)?.abort();
+    this.running.delete(kind);
+  }
+
+  /** Asks; `listen` is told every line as it comes. False if a newer question took its place. */
+  async ask(kind: Kind, question: object, listen: (line: Line) => void): Promise<boolean> {
+    const controller = this.begin(kind);
+    try {
+      const response = await this.post(kind, question, controller.signal);
+      if (response === null || response.body === null) return false;
+      const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+      let rest = "";
+      for (;;) {
+        const { value, done } = await reader.read();
+        if (done) break;
+        const lines = (rest + value).split("\n");
+        rest = lines.pop() ?? "";
+        for (const text of lines) {
+          const line = JSON.parse(text) as Line;
+          if (line.refused) throw new Refused(line.refused);
+          listen(line);
+        }
       }
+      return true;
+    } catch (error) {
+      if (controller.signal.aborted) return false;
+      throw error;
+    } finally {
+      if (this.running.get(kind) === controller) this.running.delete(kind);
     }
-    return true;
-  } catch (error) {
-    if (controller.signal.aborted) return false;
-    throw error;
-  } finally {
-    if (running.get(kind) === controller) running.delete(kind);
   }
-}
 
-/** Asks for a file. */
-export async function fetchFile(question: object): Promise<Blob | null> {
-  const controller = begin("export");
-  const response = await post("export", question, controller.signal);
-  return response === null ? null : response.blob();
-}
-
-function begin(kind: Kind): AbortController {
-  cancel(kind);
-  const controller = new AbortController();
-  running.set(kind, controller);
-  return controller;
-}
-
-/** The answer; null if a newer question took its place. */
-async function post(kind: Kind, question: object, signal: AbortSignal): Promise<Response | null> {
-  sequence += 1;
-  const body = JSON.stringify({ ticket: { session: SESSION, sequence }, ...question });
-  let response: Response;
-  try {
-    response = await fetch(`/api/${kind}`, {
-      method: "POST",
-      headers: { "content-type": "application/json", "x-fakir-token": TOKEN },
-      body,
-      signal,
-    });
-  } catch (error) {
-    if (signal.aborted) throw error;
-    throw new Refused({
-      key: null,
-      message: "fakir does not answer",
-      accepted: "start `fakir explore` again; it prints a new address",
-    });
+  /** Asks for a file; null if another was asked for meanwhile. */
+  async file(question: object): Promise<Blob | null> {
+    const controller = this.begin("export");
+    try {
+      const response = await this.post("export", question, controller.signal);
+      return response === null ? null : await response.blob();
+    } catch (error) {
+      if (controller.signal.aborted) return null;
+      throw error;
+    }
   }
-  if (response.ok) return response;
-  if (response.status === 409) return null;
-  throw new Refused((await response.json()) as Refusal);
-}
 
-/** What the page begins with. */
-export async function start(): Promise<Start> {
-  return (await (await fetch("start.json")).json()) as Start;
+  private begin(kind: Kind | "export"): AbortController {
+    this.cancel(kind);
+    const controller = new AbortController();
+    this.running.set(kind, controller);
+    return controller;
+  }
+
+  /** The answer; null if a newer question took its place. */
+  private async post(
+    kind: Kind | "export",
+    question: object,
+    signal: AbortSignal,
+  ): Promise<Response | null> {
+    this.sequence += 1;
+    const ticket = { session: this.session, sequence: this.sequence };
+    let response: Response;
+    try {
+      response = await fetch(`/api/${kind}`, {
+        method: "POST",
+        headers: { "content-type": "application/json", "x-fakir-token": this.token },
+        body: JSON.stringify({ ticket, ...question }),
+        signal,
+      });
+    } catch (error) {
+      if (signal.aborted) throw error;
+      throw new Refused({
+        key: null,
+        message: "fakir does not answer",
+        accepted: "start `fakir explore` again; it prints a new address",
+      });
+    }
+    if (response.ok) return response;
+    if (response.status === 409) return null;
+    throw new Refused((await response.json()) as Refusal);
+  }
 }

@@ -1,112 +1,84 @@
-// The section through lens and surface, deformed, with heights exaggerated.
+// The section through lens and surface, deformed, with heights exaggerated. Its outlines come from
+// the server; here they are only drawn.
 
 import { element, path, text } from "./charts.js";
-import type { Section, State } from "./engine.js";
+import type { Section } from "./engine.js";
 import { engineeringText, significant } from "./numbers.js";
-import { letterSize, onSize } from "./theme.js";
+import { byId } from "./screen.js";
+import type { State } from "./store.js";
+import { letterSize } from "./theme.js";
 
-/** An SVG element with the section. */
-export class SectionView {
-  private section: Section | null = null;
-  private state: State | null = null;
-  private wanted: number | null = null;
-
-  constructor(
-    private readonly svg: SVGSVGElement,
-    private readonly told: (exaggeration: number) => void,
-  ) {
-    onSize(svg, () => this.draw());
+export function drawSection(state: State): void {
+  const svg = byId<SVGSVGElement>("section");
+  const wanted = state.chosen.exaggeration;
+  byId("exaggeration-fit").setAttribute("aria-pressed", String(wanted === null));
+  if (wanted !== null) tellExaggeration(wanted);
+  const { width, height } = svg.getBoundingClientRect();
+  if (state.section === null || width < 40 || height < 40) return;
+  svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  const section = state.section.is;
+  if (section === null) {
+    const note = text("this method does not resolve the section", width / 2, height / 2, "middle");
+    note.setAttribute("class", "region");
+    svg.replaceChildren(note);
+    return;
   }
+  const half = section.x_m[section.x_m.length - 1] ?? 1;
+  const [low, high] = span(section, 0.01 * half);
+  const across = width / (2 * half);
+  const factor = wanted ?? (0.62 * height) / (high - low) / across;
+  if (wanted === null) tellExaggeration(factor);
+  const up = across * factor;
+  const middle = (low + high) / 2;
+  const place = (x: number, z: number): [string, string] => [
+    ((x + half) * across).toFixed(1),
+    clamp(height * 0.56 - (z - middle) * up, height),
+  ];
+  const outline = (heights: readonly number[]): string =>
+    section.x_m.map((x, k) => place(x, heights[k] ?? 0).join(" ")).join("L");
+  const lens = outline(section.lens_m);
+  const surface = outline(section.surface_m);
+  const em = letterSize();
+  svg.replaceChildren(
+    path(`M${surface}L${width} ${height + 9}L0 ${height + 9}Z`, "substrate"),
+    path(`M${lens}L${width} -9L0 -9Z`, "lens"),
+    path(`M${surface}`, "outline"),
+    path(`M${lens}`, "outline"),
+    ...section.floor_contacts_m.map(([x, z]) => floorMark(place(x, z), em)),
+    ...names(width, height, em, across),
+  );
+}
 
-  show(section: Section | null, state: State | null): void {
-    this.section = section;
-    this.state = state;
-    this.draw();
-  }
+/** Shows an exaggeration beside its slider, and on it. */
+function tellExaggeration(factor: number): void {
+  const words = `heights × ${significant(factor, factor >= 100 ? 3 : 2)}`;
+  const slider = byId<HTMLInputElement>("exaggeration");
+  slider.value = String(Math.log10(factor));
+  slider.setAttribute("aria-valuetext", words);
+  byId("exaggeration-words").textContent = words;
+}
 
-  /** Heights over widths; null for what fills the view. */
-  exaggerate(factor: number | null): void {
-    this.wanted = factor;
-    this.draw();
-  }
+/** An arrow from below to where the floor is touched. */
+function floorMark([x, y]: [string, string], em: number): SVGElement {
+  const tip = Number(y) + 0.15 * em;
+  return path(`M${x} ${tip}l${-0.35 * em} ${0.7 * em}h${0.7 * em}Z`, "floor-mark");
+}
 
-  private draw(): void {
-    const { width, height } = this.svg.getBoundingClientRect();
-    if (width < 40 || height < 40) return;
-    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    const em = letterSize();
-    const section = this.section;
-    if (section === null) {
-      const words = "this method does not resolve the section";
-      const note = text(words, width / 2, height / 2, "middle");
-      note.setAttribute("class", "region");
-      this.svg.replaceChildren(note);
-      return;
-    }
-    const half = section.x_m[section.x_m.length - 1] ?? 1;
-    const [low, high] = span(section, 0.01 * half);
-    const across = width / (2 * half);
-    const fitting = (0.62 * height) / (high - low) / across;
-    const factor = this.wanted ?? fitting;
-    this.told(factor);
-    const up = across * factor;
-    const middle = (low + high) / 2;
-    const place = (x: number, z: number): string =>
-      `${((x + half) * across).toFixed(1)} ${clamp(height * 0.56 - (z - middle) * up, height)}`;
-    const outline = (heights: readonly number[]): string =>
-      section.x_m.map((x, k) => place(x, heights[k] ?? 0)).join("L");
-    const lens = outline(section.lens_m);
-    const surface = outline(section.surface_m);
-    const parts = [
-      path(`M${surface}L${width} ${height + 9}L0 ${height + 9}Z`, "substrate"),
-      path(`M${lens}L${width} -9L0 -9Z`, "lens"),
-      path(`M${surface}`, "outline"),
-      path(`M${lens}`, "outline"),
-    ];
-    parts.push(...this.floorMarks(section, place, em));
-    parts.push(...this.names(width, height, em, across));
-    this.svg.replaceChildren(...parts);
-  }
-
-  /** Where the floor is touched in the plane of the section. */
-  private floorMarks(
-    section: Section,
-    place: (x: number, z: number) => string,
-    em: number,
-  ): SVGElement[] {
-    const state = this.state;
-    if (state === null || Math.abs(state.fraction - 1) > 1e-9) return [];
-    return state.floor_contacts_m
-      .filter(([, y]) => Math.abs(y) < 0.02 * state.pitch_m)
-      .map(([x]) => {
-        const nearest = section.x_m.reduce(
-          (best, value, k) =>
-            Math.abs(value - x) < Math.abs((section.x_m[best] ?? 0) - x) ? k : best,
-          0,
-        );
-        const [cx = "0", cy = "0"] = place(x, section.surface_m[nearest] ?? 0).split(" ");
-        const tip = Number(cy) + 0.15 * em;
-        const d = `M${cx} ${tip}l${-0.35 * em} ${0.7 * em}h${0.7 * em}Z`;
-        return path(d, "floor-mark");
-      });
-  }
-
-  private names(width: number, height: number, em: number, across: number): SVGElement[] {
-    const lens = text("lens", width / 2, 1.4 * em, "middle");
-    const substrate = text("substrate", 0.7 * em, height - 0.8 * em, "start");
-    const longest = (0.2 * width) / across;
-    const power = 10 ** Math.floor(Math.log10(longest));
-    const length = power * Math.max(...[1, 2, 5].filter((step) => step * power <= longest));
-    const end = width - 0.8 * em;
-    const y = height - 0.7 * em;
-    const bar = element("path", {
-      d: `M${end - length * across} ${y}H${end}`,
-      class: "scale-bar",
-    });
-    const label = text(engineeringText(length, "length", 1), end, y - 0.45 * em, "end");
-    for (const name of [lens, substrate, label]) name.setAttribute("class", "body-name");
-    return [lens, substrate, bar, label];
-  }
+function names(width: number, height: number, em: number, across: number): SVGElement[] {
+  const lens = text("lens", width / 2, 1.4 * em, "middle");
+  const substrate = text("substrate", 0.7 * em, height - 0.8 * em, "start");
+  const longest = (0.2 * width) / across;
+  const power = 10 ** Math.floor(Math.log10(longest));
+  const length = power * Math.max(...[1, 2, 5].filter((step) => step * power <= longest));
+  const end = width - 0.8 * em;
+  const y = height - 0.7 * em;
+  const bar = element("path", {
+    d: `M${end - length * across} ${y}H${end}`,
+    class: "scale-bar",
+  });
+  const label = text(engineeringText(length, "length", 1), end, y - 0.45 * em, "end");
+  for (const name of [lens, substrate, label]) name.setAttribute("class", "body-name");
+  return [lens, substrate, bar, label];
 }
 
 /** Lowest and highest point of the surface; at least so far apart that rounding is not seen. */
@@ -122,9 +94,4 @@ function span(section: Section, least: number): [number, number] {
 
 function clamp(y: number, height: number): string {
   return Math.min(height + 9, Math.max(-9, y)).toFixed(1);
-}
-
-/** An exaggeration in words. */
-export function times(factor: number): string {
-  return `heights × ${significant(factor, factor >= 100 ? 3 : 2)}`;
 }

@@ -1,19 +1,10 @@
 // Colours: those of the style sheet, which follow the scheme of the system, and the map of forces.
 
-let colours: readonly (readonly [number, number, number])[] = [];
-
 /** The colour map of fakir's figures, dark for the smallest. */
-export function setColours(map: readonly (readonly [number, number, number])[]): void {
-  colours = map;
-}
-
-/** Number of colours in the map. */
-export function colourCount(): number {
-  return colours.length;
-}
+export type Colours = readonly (readonly [number, number, number])[];
 
 /** The colour of an entry of the map. */
-export function colour(index: number): string {
+export function colour(colours: Colours, index: number): string {
   const [r, g, b] = colours[index] ?? [0, 0, 0];
   return `rgb(${r} ${g} ${b})`;
 }
@@ -31,9 +22,4 @@ export function letterSize(): number {
 /** Calls back when the system changes between light and dark. */
 export function onScheme(changed: () => void): void {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
-}
-
-/** Calls back when an element has another size. */
-export function onSize(element: Element, changed: () => void): void {
-  new ResizeObserver(changed).observe(element);
 }

@@ -10,16 +10,11 @@ use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
 use fakir_case::Case;
+use fakir_figure::{FigureError, SectionDetail};
 use fakir_study::result::{PressSummary, TransitionSummary, warnings};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-
-/// Points across a section, besides those at pillar edges.
-const SECTION_POINTS: usize = 200;
-
-/// Places beside a pillar edge, in pillar radii: the surfaces are steep there.
-const BESIDE: [f64; 2] = [1e-6, 0.08];
 
 /// With more pillars than this there is something to see before they are solved for.
 const PREVIEW_PILLARS: f64 = 800.0;
@@ -186,6 +181,8 @@ struct Section {
     x_m: Vec<f64>,
     lens_m: Vec<f64>,
     surface_m: Vec<f64>,
+    /// Where the floor is touched in this plane, if it is: x and height.
+    floor_contacts_m: Vec<Point>,
 }
 
 #[derive(Serialize)]
@@ -223,7 +220,7 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
         case: lines::texts(&case, &solved),
     });
     worker.send(&SectionLine {
-        section: section(state, worker)?,
+        section: section(state, solved.floor_contact(), worker)?,
     });
     Ok(())
 }
@@ -312,79 +309,25 @@ fn copies(system: &System, point: Point) -> Vec<Point> {
     copies
 }
 
-/// The section of a state; none of methods without fields. The displacement belongs to both bodies,
-/// to each in proportion to its compliance; a pillar top is where the gap puts it.
-fn section(state: &ContactState, worker: &Worker) -> Result<Option<Section>, Failure> {
-    let Some(fields) = state.fields.as_deref() else {
-        return Ok(None);
-    };
-    let system = &state.system;
-    let [gap_x, gap_y] = state.smallest_gap_position;
-    let half_width = (1.3 * state.contact_radius)
-        .max(3.0 * gap_x.hypot(gap_y))
-        .max(6.0 * system.pillar().diameter)
-        .min(0.99 * system.lens().radius);
-    let x_m = places(system, half_width);
-    let samples = fields.on_grid(&x_m, &[0.0], &worker.run())?;
-    let lens_share = system.lens().material.plane_strain_compliance() / system.contact_compliance();
-    let lens_m: Vec<f64> = x_m
-        .iter()
-        .zip(&samples.displacement)
-        .map(|(x, w)| {
-            system.pillar().height + system.lens().sag(x.abs()) - state.indentation + lens_share * w
-        })
-        .collect();
-    let surface_m = lens_m.iter().zip(&samples.gap).map(|(z, gap)| z - gap);
-    Ok(Some(Section {
-        surface_m: surface_m.collect(),
-        lens_m,
-        x_m,
-    }))
-}
-
-/// Where the section is sampled: evenly, and close to the edges of the pillars it cuts.
-fn places(system: &System, half_width: f64) -> Vec<f64> {
-    let mut places: Vec<f64> = (0..=SECTION_POINTS)
-        .map(|k| half_width * (2.0 * k as f64 / SECTION_POINTS as f64 - 1.0))
-        .collect();
-    let radius = 0.5 * system.pillar().diameter;
-    for [start, end] in cut_pillars(system, half_width) {
-        for distance in BESIDE {
-            let step = distance * radius;
-            places.extend([start - step, end + step]);
-        }
-        let inside = 1e-6 * radius;
-        places.extend([start + inside, end - inside]);
+/// The section of the state that is shown; none of methods that do not resolve it.
+fn section(
+    state: &ContactState,
+    floor_contact: Option<Point>,
+    worker: &Worker,
+) -> Result<Option<Section>, Failure> {
+    let half_width = fakir_figure::Section::half_width(state);
+    let detail = SectionDetail::Screen;
+    let run = worker.run();
+    match fakir_figure::Section::new(state, half_width, floor_contact, detail, &run) {
+        Ok(section) => Ok(Some(Section {
+            x_m: section.x,
+            lens_m: section.lens,
+            surface_m: section.surface,
+            floor_contacts_m: section.floor_contacts,
+        })),
+        Err(FigureError::NoPillars { .. }) => Ok(None),
+        Err(error) => Err(error.into()),
     }
-    places.retain(|x| x.abs() <= half_width);
-    places.sort_by(f64::total_cmp);
-    places.dedup();
-    places
-}
-
-/// Where pillars are cut by the section.
-fn cut_pillars(system: &System, half_width: f64) -> Vec<[f64; 2]> {
-    let (lattice, radius) = (system.lattice(), 0.5 * system.pillar().diameter);
-    // Rows of pillars along x are half a pitch apart, so that at most a few meet y = 0.
-    let row_distance = 0.5 * lattice.pitch;
-    let [offset_x, offset_y] = lattice.offset_vector();
-    let nearest_row = (offset_y / row_distance).round() as i64;
-    let rows = (radius / row_distance).ceil() as i64 + 1;
-    let column = 0.5 * 3f64.sqrt() * lattice.pitch;
-    let (first, last) = (
-        ((offset_x - half_width) / column).floor() as i64 - 1,
-        ((offset_x + half_width) / column).ceil() as i64 + 1,
-    );
-    (nearest_row - rows..=nearest_row + rows)
-        .flat_map(|row| (first..=last).map(move |column| (row, column)))
-        // Lattice indices are whole where row and column are both even or both odd.
-        .filter(|(row, column)| (row + column) % 2 == 0)
-        .filter_map(|(row, column)| {
-            let [x, y] = lattice.centre((column + row) / 2, (column - row) / 2);
-            let half = (radius * radius - y * y).max(0.0).sqrt();
-            (half > 0.0).then_some([x - half, x + half])
-        })
-        .collect()
 }
 
 /// A point of a curve.
@@ -592,19 +535,5 @@ mod tests {
         assert_eq!(order[..5], [0, 8, 16, 24, 32]);
         order.sort_unstable();
         assert_eq!(order, (0..CURVE_POINTS).collect::<Vec<_>>());
-    }
-
-    #[test]
-    fn the_section_knows_the_pillars_it_cuts() {
-        let system = Case::example().system;
-        let cut = cut_pillars(&system, 100e-6);
-        // Along x pillars stand sqrt(3) pitches apart.
-        let distance = 3f64.sqrt() * system.lattice().pitch;
-        assert!(cut.iter().any(|[a, b]| (a + b).abs() < 1e-12));
-        for [start, end] in cut {
-            let steps = 0.5 * (start + end) / distance;
-            assert!((steps - steps.round()).abs() < 1e-9);
-            assert!((end - start - 6e-6).abs() < 1e-12);
-        }
     }
 }

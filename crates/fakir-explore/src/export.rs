@@ -56,10 +56,7 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
         }
         (name, "svg" | "png") if FIGURES.contains(&name) => {
             let solved = solved(&case, request, worker)?;
-            let figure = figure(name, &case, &solved, &worker.run())
-                .map_err(|error| {
-                    Refusal::of_figure(&error).map_or(Failure::Cancelled, Failure::Refused)
-                })?
+            let figure = figure(name, &case, &solved, &worker.run())?
                 .with_provenance(&provenance(&case, &solved).stamp());
             match extension {
                 "svg" => File {

@@ -8,6 +8,7 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use fakir::state::{CancelToken, Progress, Run, SolveError};
+use fakir_figure::FigureError;
 use http_body::Frame;
 use rayon::ThreadPool;
 use serde::Serialize;
@@ -272,6 +273,12 @@ impl From<Refusal> for Failure {
 impl From<SolveError> for Failure {
     fn from(error: SolveError) -> Self {
         Refusal::of(&error).map_or(Self::Cancelled, Self::Refused)
+    }
+}
+
+impl From<FigureError> for Failure {
+    fn from(error: FigureError) -> Self {
+        Refusal::of_figure(&error).map_or(Self::Cancelled, Self::Refused)
     }
 }
 

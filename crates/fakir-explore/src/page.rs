@@ -9,6 +9,17 @@ use fakir_case::{Case, Key, Kind};
 use serde_json::{Value, json};
 use std::ops::Bound;
 
+/// A script of the page, by its name.
+macro_rules! script {
+    ($name:literal) => {
+        (
+            concat!($name, ".js"),
+            SCRIPT,
+            include_str!(concat!("../page/dist/", $name, ".js")),
+        )
+    };
+}
+
 /// The files of the page, by their names below the token.
 const FILES: &[(&str, &str, &str)] = &[
     (
@@ -17,26 +28,22 @@ const FILES: &[(&str, &str, &str)] = &[
         include_str!("../page/index.html"),
     ),
     ("style.css", CSS, include_str!("../page/style.css")),
-    ("main.js", SCRIPT, include_str!("../page/dist/main.js")),
-    ("charts.js", SCRIPT, include_str!("../page/dist/charts.js")),
-    (
-        "controls.js",
-        SCRIPT,
-        include_str!("../page/dist/controls.js"),
-    ),
-    ("engine.js", SCRIPT, include_str!("../page/dist/engine.js")),
-    ("map.js", SCRIPT, include_str!("../page/dist/map.js")),
-    (
-        "numbers.js",
-        SCRIPT,
-        include_str!("../page/dist/numbers.js"),
-    ),
-    (
-        "section.js",
-        SCRIPT,
-        include_str!("../page/dist/section.js"),
-    ),
-    ("theme.js", SCRIPT, include_str!("../page/dist/theme.js")),
+    script!("actions"),
+    script!("address"),
+    script!("charts"),
+    script!("controls"),
+    script!("diagrams"),
+    script!("engine"),
+    script!("main"),
+    script!("map"),
+    script!("numbers"),
+    script!("readouts"),
+    script!("requests"),
+    script!("scene"),
+    script!("screen"),
+    script!("section"),
+    script!("store"),
+    script!("theme"),
 ];
 
 const CSS: &str = "text/css; charset=utf-8";

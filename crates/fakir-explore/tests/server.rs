@@ -134,15 +134,18 @@ fn answers_are_those_of_the_library() {
     let section = answer.line("section");
     let lowest = section["surface_m"].as_array().unwrap().len();
     assert_eq!(lowest, section["x_m"].as_array().unwrap().len());
+    // By symmetry the floor is touched along x, on both sides of the lens axis.
+    assert_eq!(section["floor_contacts_m"].as_array().unwrap().len(), 2);
 
     // Half the way from first touch, which is at 0 with a pillar under the lens axis.
     let mut half = question(2, &case(0.01));
     half["load"] = json!({ "fraction": 0.5 });
-    let state = server.ask("/api/contact", &half).line("state");
+    let answer = server.ask("/api/contact", &half);
     assert_eq!(
-        state["summary"]["indentation_m"],
+        answer.line("state")["summary"]["indentation_m"],
         json!(0.5 * critical.contact.indentation)
     );
+    assert_eq!(answer.line("section")["floor_contacts_m"], json!([]));
     let mut beyond = question(3, &case(0.01));
     beyond["load"] = json!({ "fraction": 1.2 });
     let state = server.ask("/api/contact", &beyond).line("state");

@@ -1,14 +1,12 @@
 // The quantities of a case: a slider and a field with unit for each, and what is wrong with it.
 import { editable, engineeringText, parse } from "./numbers.js";
+import { FRACTION, METHOD, PITCH } from "./store.js";
 const DEGREE = Math.PI / 180;
 const MAXIMUM_FRACTION = Math.PI / (2 * Math.sqrt(3));
 function quantity(key, label, symbol, dimension, range, logarithmic = true) {
     return { key, label, symbol, dimension, range, logarithmic };
 }
-const FRACTION = "texture.surface_fraction";
-const PITCH = "texture.pitch";
 const DIAMETER = "texture.pillar.diameter";
-const METHOD = "method.name";
 const GROUPS = [
     {
         title: "Texture",
@@ -99,7 +97,6 @@ const STEPS = 1000;
 /** All fields of a case. */
 export class Controls {
     changed;
-    values = {};
     widgets = new Map();
     constructor(container, changed) {
         this.changed = changed;
@@ -116,55 +113,9 @@ export class Controls {
             container.append(set);
         }
     }
-    /** The case by its keys. */
-    get case() {
-        return { ...this.values };
-    }
-    /** Shows another case. */
-    set case(values) {
-        this.values = { ...values };
-        this.refresh(null);
-    }
-    /** Shows what is wrong at a field; false if there is no field of that key. */
-    refuse(refusal) {
-        const widget = this.widgets.get(refusal.key ?? "");
-        if (widget === undefined)
-            return false;
-        const accepted = refusal.accepted === null ? "" : `: ${refusal.accepted}`;
-        widget.note.textContent = `${refusal.message}${accepted}`;
-        widget.note.hidden = false;
-        widget.box.classList.add("wrong");
-        widget.inputs.forEach((input) => input.setAttribute("aria-invalid", "true"));
-        return true;
-    }
-    /** Takes back what was shown to be wrong. */
-    accept() {
-        for (const widget of this.widgets.values()) {
-            widget.note.hidden = true;
-            widget.note.textContent = "";
-            widget.box.classList.remove("wrong");
-            widget.inputs.forEach((input) => input.removeAttribute("aria-invalid"));
-        }
-    }
-    set(key, value, from) {
-        const asked = performance.now();
-        if (key === FRACTION)
-            delete this.values[PITCH];
-        if (key === PITCH)
-            delete this.values[FRACTION];
-        if (key === METHOD) {
-            for (const other of Object.keys(this.values)) {
-                if (other.startsWith("method."))
-                    delete this.values[other];
-            }
-        }
-        this.values[key] = value;
-        this.refresh(from);
-        this.changed(asked);
-    }
-    /** Shows the values everywhere but in the field that is being edited. */
-    refresh(editing) {
-        const shown = { ...this.values };
+    /** Shows a case everywhere but in the field that was just `typed` into. */
+    show(values, typed) {
+        const shown = { ...values };
         const [fraction, pitch, diameter] = [shown[FRACTION], shown[PITCH], shown[DIAMETER]];
         if (typeof diameter === "number") {
             if (typeof fraction === "number" && fraction > 0) {
@@ -185,11 +136,29 @@ export class Controls {
                     widget.box.hidden = field.method !== (shown[METHOD] ?? "spectral");
                 }
                 const value = shown[field.key] ?? initial(field);
-                if (value !== undefined && !(editing !== null && widget.inputs[0] === editing)) {
-                    widget.show(value);
-                }
+                if (value !== undefined)
+                    widget.show(value, field.key === typed);
             }
         }
+    }
+    /** Shows what is wrong at its field, and nothing at others; false if it is at no field. */
+    refuse(refusal) {
+        let found = false;
+        for (const [key, widget] of this.widgets) {
+            const wrong = refusal !== null && refusal.key === key;
+            const accepted = wrong && refusal.accepted !== null ? `: ${refusal.accepted}` : "";
+            widget.note.textContent = wrong ? `${refusal.message}${accepted}` : "";
+            widget.note.hidden = !wrong;
+            widget.box.classList.toggle("wrong", wrong);
+            for (const input of widget.inputs) {
+                if (wrong)
+                    input.setAttribute("aria-invalid", "true");
+                else
+                    input.removeAttribute("aria-invalid");
+            }
+            found ||= wrong;
+        }
+        return found;
     }
     field(field) {
         const { box, note, id } = frame(field.key, field.label, field.symbol);
@@ -208,26 +177,31 @@ export class Controls {
         slider.setAttribute("aria-label", `${field.label}, slider`);
         slider.setAttribute("aria-describedby", note.id);
         text.addEventListener("change", () => {
-            this.set(field.key, parse(text.value, field.dimension) ?? text.value, text);
+            const value = parse(text.value, field.dimension) ?? text.value;
+            this.changed(field.key, value, true, performance.now());
         });
+        const slide = () => {
+            const value = sliderValue(field, Number(slider.value));
+            this.changed(field.key, value, false, performance.now());
+        };
         text.addEventListener("keydown", (event) => {
             const step = event.key === "ArrowUp" ? 5 : event.key === "ArrowDown" ? -5 : 0;
             if (step === 0)
                 return;
             event.preventDefault();
             slider.value = String(Number(slider.value) + step);
-            this.set(field.key, sliderValue(field, Number(slider.value)), slider);
+            slide();
         });
-        slider.addEventListener("input", () => {
-            this.set(field.key, sliderValue(field, Number(slider.value)), slider);
-        });
+        slider.addEventListener("input", slide);
         box.append(text, slider, note);
-        const show = (value) => {
+        const show = (value, typed) => {
             if (typeof value !== "number") {
-                text.value = value;
+                if (!typed)
+                    text.value = value;
                 return;
             }
-            text.value = editable(value, field.dimension);
+            if (!typed)
+                text.value = editable(value, field.dimension);
             if (document.activeElement !== slider || sliderPlace(field, value) !== slider.value) {
                 slider.value = sliderPlace(field, value);
             }
@@ -245,7 +219,8 @@ export class Controls {
             select.add(new Option(words, value));
         select.addEventListener("change", () => {
             const number = Number(select.value);
-            this.set(field.key, Number.isNaN(number) ? select.value : number, select);
+            const value = Number.isNaN(number) ? select.value : number;
+            this.changed(field.key, value, false, performance.now());
         });
         box.classList.add("choice");
         box.append(select, note);

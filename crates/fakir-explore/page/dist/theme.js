@@ -1,15 +1,6 @@
 // Colours: those of the style sheet, which follow the scheme of the system, and the map of forces.
-let colours = [];
-/** The colour map of fakir's figures, dark for the smallest. */
-export function setColours(map) {
-    colours = map;
-}
-/** Number of colours in the map. */
-export function colourCount() {
-    return colours.length;
-}
 /** The colour of an entry of the map. */
-export function colour(index) {
+export function colour(colours, index) {
     const [r, g, b] = colours[index] ?? [0, 0, 0];
     return `rgb(${r} ${g} ${b})`;
 }
@@ -24,8 +15,4 @@ export function letterSize() {
 /** Calls back when the system changes between light and dark. */
 export function onScheme(changed) {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
-}
-/** Calls back when an element has another size. */
-export function onSize(element, changed) {
-    new ResizeObserver(changed).observe(element);
 }

@@ -1,0 +1,170 @@
+// The phase diagram and the curves over the surface fraction.
+
+import { drawChart, range, type Axes, type Contents, type Place, type Series } from "./charts.js";
+import type { CurvePoint } from "./engine.js";
+import { byId } from "./screen.js";
+import { isBeyond, isCritical, isOlder, type Of, type State } from "./store.js";
+
+const PHASE: Axes = {
+  xLabel: "contact radius over pitch, a/e",
+  yLabel: "F γ_{int}/(h d)",
+  yDimension: "number",
+};
+
+interface CurveChart {
+  readonly id: string;
+  readonly axes: Axes;
+  readonly of: (point: CurvePoint) => number;
+}
+
+const CURVES: readonly CurveChart[] = [
+  {
+    id: "curve-force",
+    axes: { xLabel: "", yLabel: "F_{c}", yDimension: "force", bare: true },
+    of: (point) => point.force_N,
+  },
+  {
+    id: "curve-radius",
+    axes: { xLabel: "", yLabel: "a_{c}", yDimension: "length", bare: true },
+    of: (point) => point.contact_radius_m,
+  },
+  {
+    id: "curve-indentation",
+    axes: { xLabel: "surface fraction φ", yLabel: "ζ_{c}", yDimension: "length" },
+    of: (point) => point.indentation_m,
+  },
+];
+
+/** A style, grey if what is drawn is of an older case or load. */
+function aged(style: string, older: boolean): string {
+  return older ? `${style} older` : style;
+}
+
+/** Whether something is still of the case before, while the critical state is of the next. */
+function isBefore(shown: Of<unknown>, critical: Of<unknown>): boolean {
+  return shown.of.name !== critical.of.name;
+}
+
+export function drawPhase(state: State): void {
+  const contents = phaseContents(state);
+  if (contents !== null) drawChart(byId<SVGSVGElement>("phase"), PHASE, contents);
+}
+
+function phaseContents(state: State): Contents | null {
+  const { phase, critical, solved } = state;
+  if (phase === null || critical === null) return null;
+  const older = isBefore(phase, critical);
+  const { transition } = phase.is;
+  const placeOf = ({ is }: { is: typeof critical.is }): Place => [
+    is.normalized.contact_radius,
+    is.normalized.force,
+  ];
+  const at = placeOf(critical);
+  const end = placeOf({ is: phase.is.critical });
+  const places = (of: (fraction: number) => boolean): Place[] =>
+    phase.is.path.filter(([fraction]) => of(fraction)).map(([, x, y]): Place => [x, y]);
+  const path = [...places((fraction) => fraction < 1), end];
+  const beyond = places((fraction) => fraction > 1);
+  const all = [at, ...path, ...beyond];
+  const x = range([0.4, 12, ...all.map(([a]) => a).filter((a) => a > 0.004)]);
+  const floor = transition[0]?.[1] ?? 1;
+  const forces = all.map(([, force]) => force).filter((force) => force > 1e-3 * floor);
+  const y = range([0.2 * floor, 30 * floor, ...forces], 1.8);
+  const curve = transition.filter(([a]) => a > x[0] / 2 && a < x[1] * 2);
+  const inside = curve.filter(([a]) => a >= x[0] && a <= x[1]);
+  const edge = (level: number): Place[] => [
+    [x[1] * 2, level],
+    [x[0] / 2, level],
+  ];
+  const series: Series[] = [
+    { kind: "area", style: aged("top-region", older), points: [...curve, ...edge(y[0])] },
+    { kind: "area", style: aged("mixed-region", older), points: [...curve, ...edge(y[1])] },
+    { kind: "vertical", style: "one-pitch", points: [[1, y[0]]] },
+    { kind: "line", style: aged("transition", older), points: curve },
+    { kind: "line", style: aged("path", older), points: path },
+    {
+      kind: "line",
+      style: aged("path beyond-path", older),
+      points: beyond.length > 0 ? [end, ...beyond] : [],
+    },
+    { kind: "points", style: "critical-point", points: [at] },
+  ];
+  if (solved !== null && solved.of.name === critical.of.name) {
+    const { fraction, normalized } = solved.is;
+    const style = isBeyond(fraction) ? "load-point beyond" : "load-point";
+    series.push({
+      kind: "points",
+      style: aged(style, isOlder(state, solved, "load")),
+      points: [isCritical(fraction) ? at : [normalized[1], normalized[0]]],
+    });
+  }
+  const part = (share: number): Place => inside[Math.floor(inside.length * share)] ?? [1, floor];
+  const [left, right] = [part(0.3), part(0.78)];
+  const style = aged("region", older);
+  const names = [
+    { place: [left[0], Math.sqrt(left[1] * y[1])] as const, text: "tops and floor", style },
+    { place: [right[0], Math.sqrt(right[1] * y[0])] as const, text: "pillar tops only", style },
+  ];
+  return { x, y, series, names };
+}
+
+export function drawCurves(state: State): void {
+  for (const chart of CURVES) {
+    const contents = curveContents(state, chart);
+    if (contents !== null) drawChart(byId<SVGSVGElement>(chart.id), chart.axes, contents);
+  }
+}
+
+function curveContents(state: State, { of }: CurveChart): Contents | null {
+  const { curves, critical } = state;
+  if (curves === null || critical === null) return null;
+  const { small, large, homogenised, exact } = curves.is;
+  if (small.length + large.length === 0) return null;
+  const older = isBefore(curves, critical);
+  const now = of(pointOf(critical.is));
+  const present = critical.is.surface_fraction;
+  const fractions = [...small, ...large].map((point) => point.surface_fraction);
+  const places = (points: readonly CurvePoint[]): Place[] =>
+    points
+      .filter((point) => of(point) > 0)
+      .map((point): Place => [point.surface_fraction, of(point)]);
+  const shown = places([...exact, ...homogenised, ...small]);
+  const line = (style: string, points: readonly CurvePoint[]): Series => ({
+    kind: "line",
+    style: aged(style, older),
+    points: places(points),
+  });
+  return {
+    x: [Math.min(present, ...fractions), Math.max(present, ...fractions)],
+    y: range([now, ...shown.map(([, value]) => value)], 1.5),
+    series: [
+      { kind: "vertical", style: "present", points: [[present, now]] },
+      line("small-curve", small),
+      line("large-curve", large),
+      line("homogenised-curve", homogenised),
+      line("exact-curve", exact),
+      { kind: "points", style: aged("exact-point", older), points: places(exact) },
+      { kind: "points", style: "load-point", points: now > 0 ? [[present, now]] : [] },
+    ],
+  };
+}
+
+/** A critical state as a point of the curves. */
+function pointOf(critical: NonNullable<State["critical"]>["is"]): CurvePoint {
+  return {
+    surface_fraction: critical.surface_fraction,
+    force_N: critical.critical_force_N,
+    contact_radius_m: critical.critical_contact_radius_m,
+    indentation_m: critical.critical_indentation_m,
+    normalized: [critical.normalized.contact_radius, critical.normalized.force],
+  };
+}
+
+/** What is being done for the curves, or why there are none. */
+export function drawCurvesWork({ asking, answered, question }: State): void {
+  const refused = [answered.curves, answered.phase]
+    .filter((each) => each?.of.name === question.name)
+    .map((each) => each?.is ?? "");
+  byId("curves-work").textContent =
+    asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
+}

@@ -1,0 +1,143 @@
+// The numbers: the critical state of the case, and the load that is shown.
+import { digitsFor, engineering, engineeringText, radiusDigits, significant, write, } from "./numbers.js";
+import { byId } from "./screen.js";
+import { isBeyond, isBusy, isCritical, isOlder } from "./store.js";
+/** The critical state of the case, or its estimate until it is solved for. */
+export function drawCritical(state) {
+    const { estimate, critical } = state;
+    byId("readouts").classList.toggle("estimated", estimate !== null);
+    const readouts = estimate !== null ? estimated(estimate.is) : critical === null ? [] : solved(critical.is);
+    for (const { id, value, dimension, digits, remark } of readouts) {
+        const { number, unit } = engineering(value, dimension, digits);
+        write(byId(`${id}-value`), estimate === null ? number : `≈ ${number}`);
+        byId(`${id}-unit`).textContent = unit;
+        write(byId(`${id}-remark`), remark);
+    }
+}
+/** In the digits that an estimate has. */
+function estimated(estimate) {
+    const [digits, remark] = [3, "estimate, being solved"];
+    const { force_N: force, contact_radius_m: radius, indentation_m: indentation } = estimate;
+    return [
+        { id: "force", value: force, dimension: "force", digits, remark },
+        { id: "radius", value: radius, dimension: "length", digits, remark },
+        { id: "indentation", value: indentation, dimension: "length", digits, remark },
+    ];
+}
+function solved(summary) {
+    const error = summary.relative_error_estimate;
+    const model = summary.method === "homogenised";
+    const digits = (value) => (model ? 4 : digitsFor(value));
+    const words = (value) => {
+        if (model)
+            return "error of the model";
+        return value > 0 ? `error ${significant(value, 1)}` : "exact";
+    };
+    const reduced = summary.normalized;
+    const ratio = significant(reduced.contact_radius, radiusDigits(error.contact_radius));
+    return [
+        {
+            id: "force",
+            value: summary.critical_force_N,
+            dimension: "force",
+            digits: digits(error.force),
+            remark: `F γ_{int}/(h d) = ${significant(reduced.force, 4)},  ${words(error.force)}`,
+        },
+        {
+            id: "radius",
+            value: summary.critical_contact_radius_m,
+            dimension: "length",
+            digits: radiusDigits(error.contact_radius),
+            remark: `a/e = ${ratio},  ${words(error.contact_radius)}`,
+        },
+        {
+            id: "indentation",
+            value: summary.critical_indentation_m,
+            dimension: "length",
+            digits: digits(error.indentation),
+            remark: `ζ/h = ${significant(reduced.indentation, 4)},  ${words(error.indentation)}`,
+        },
+    ];
+}
+/** What else is known of the critical state, and of how it was solved for. */
+export function drawFacts(state) {
+    const { critical, solved } = state;
+    if (critical !== null) {
+        const regime = byId("regime");
+        const { pillars_in_contact: all, pillars_partially_in_contact: part } = critical.is;
+        const bottom = critical.is.regime === "bottom_first";
+        regime.textContent = bottom
+            ? "bottom first: the lens reaches the floor before any pillar"
+            : "top first: the lens rests on pillar tops before it reaches the floor";
+        regime.classList.toggle("beyond", bottom);
+        byId("pillars").textContent =
+            `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
+    }
+    byId("work").textContent = workWords(state);
+    const warnings = byId("warnings");
+    warnings.textContent = solved?.is.warnings.join("; ") ?? "";
+    warnings.hidden = warnings.textContent === "";
+}
+function workWords(state) {
+    const { progress, refusal, solved } = state;
+    if (progress !== null) {
+        const { stage, step, touched } = progress.is;
+        return `${stage}, step ${step}, ${touched} pillars touched …`;
+    }
+    if (refusal !== null && !isOlder(state, refusal, "load"))
+        return "no result";
+    if (solved === null)
+        return "starting …";
+    if (isOlder(state, solved, "load"))
+        return "solving …";
+    const { method, wall_time_s } = solved.is.summary;
+    return `${method}, solved in ${seconds(wall_time_s)}`;
+}
+function seconds(time) {
+    return time < 1 ? `${significant(1e3 * time, 2)} ms` : `${significant(time, 3)} s`;
+}
+/** The load: words and slider follow what is chosen, the numbers are those of the state solved for. */
+export function drawLoad(state) {
+    const { load } = state.chosen;
+    const words = loadWords(load);
+    const beyond = isBeyond(load);
+    byId("load-words").textContent = words;
+    byId("load-words").classList.toggle("beyond", beyond);
+    byId("beyond-note").hidden = !beyond;
+    const slider = byId("load");
+    slider.value = String(load);
+    slider.setAttribute("aria-valuetext", words);
+    if (state.solved === null)
+        return;
+    const { summary } = state.solved.is;
+    const force = engineeringText(summary.force_N, "force", 4);
+    const indentation = engineeringText(summary.indentation_m, "length", 4);
+    const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
+    const radius = engineeringText(summary.contact_radius_m, "length", Math.min(4, digits));
+    write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
+}
+function loadWords(fraction) {
+    if (fraction === 0)
+        return "first touch";
+    if (isCritical(fraction))
+        return "critical state";
+    const percent = `${significant(100 * fraction, 3)} %`;
+    return fraction < 1
+        ? `${percent} of the way to the critical state`
+        : `${percent}, beyond the transition`;
+}
+/** What listeners are told of a result that has come to rest; null while there is none. */
+export function announcement(state) {
+    const { critical, solved, refusal, question } = state;
+    if (critical === null || solved === null || refusal !== null || isBusy(state))
+        return null;
+    if (critical.of.name !== question.name)
+        return null;
+    const summary = critical.is;
+    const force = engineeringText(summary.critical_force_N, "force", 4);
+    const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
+    const radius = engineeringText(summary.critical_contact_radius_m, "length", Math.min(4, digits));
+    const indentation = engineeringText(summary.critical_indentation_m, "length", 4);
+    return (`Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
+        `Load shown: ${loadWords(solved.is.fraction)}.`);
+}

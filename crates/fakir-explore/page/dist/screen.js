@@ -1,0 +1,85 @@
+// Draws the state: every view of which something has changed, all together.
+import { isOlder } from "./store.js";
+export class Screen {
+    store;
+    framed;
+    #views = [];
+    #frameAwaited = false;
+    /** What is to be done once that which was drawn is on the screen. */
+    #afterwards = [];
+    constructor(store, 
+    /** Called in every frame in which something is drawn. */
+    framed) {
+        this.store = store;
+        this.framed = framed;
+        store.listen(() => this.#changed());
+    }
+    /** Draws whenever one of `parts` is another one, or one of the elements has another size. */
+    add(parts, draw, elements = []) {
+        const view = { parts, draw, drawn: null };
+        this.#views.push(view);
+        const sizes = new ResizeObserver(() => {
+            if (view.drawn !== null)
+                draw(this.store.state);
+        });
+        for (const element of elements)
+            sizes.observe(element);
+        this.#changed();
+    }
+    /** Makes elements grey while what they show is of an older case, or of an older load. */
+    age(shown, dependsOn, elements) {
+        const older = (state) => isOlder(state, shown(state), dependsOn);
+        this.add((state) => [older(state)], (state) => {
+            for (const element of elements) {
+                element.classList.toggle("older", older(state));
+                element.setAttribute("aria-busy", String(older(state)));
+            }
+        });
+    }
+    /** Draws everything anew, as in other colours. */
+    redraw() {
+        for (const view of this.#views)
+            view.drawn = null;
+        this.#changed();
+    }
+    /** Calls back when what is being drawn has been shown: after the next frame. */
+    whenShown(act) {
+        this.#afterwards.push(act);
+    }
+    /** What has changed is drawn at once; what changes again before the next frame, in that frame. */
+    #changed() {
+        if (this.#frameAwaited)
+            return;
+        this.#frameAwaited = true;
+        queueMicrotask(() => this.#draw());
+        requestAnimationFrame(() => this.#frame());
+    }
+    #frame() {
+        this.#frameAwaited = false;
+        this.#draw();
+        this.framed(this.store.state);
+        const afterwards = this.#afterwards;
+        if (afterwards.length === 0)
+            return;
+        this.#afterwards = [];
+        const channel = new MessageChannel();
+        channel.port1.onmessage = () => afterwards.forEach((act) => act());
+        channel.port2.postMessage(null);
+    }
+    #draw() {
+        const state = this.store.state;
+        for (const view of this.#views) {
+            const parts = view.parts(state);
+            if (view.drawn?.every((part, k) => part === parts[k]))
+                continue;
+            view.drawn = parts;
+            view.draw(state);
+        }
+    }
+}
+export function byId(id) {
+    const found = document.getElementById(id);
+    if (found === null)
+        throw new Error(`no element ${id}`);
+    return found;
+}

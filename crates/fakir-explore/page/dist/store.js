@@ -1,0 +1,259 @@
+// The state of the page, and the only functions that change it.
+//
+// Every change of the case or the load makes a new question, with a number. What comes back is kept
+// with the question that it answers, so that everything shown can be told to be of the newest
+// question or of an older one.
+import { largestForceOf, sceneOf, sceneOfPreview } from "./scene.js";
+/** Farthest load on the slider, critical loads. */
+export const FARTHEST = 1.3;
+export const FRACTION = "texture.surface_fraction";
+export const PITCH = "texture.pitch";
+export const METHOD = "method.name";
+export class Store {
+    #state;
+    #listeners = [];
+    constructor(start, first, asked) {
+        const chosen = { ...first, load: within(first.load) };
+        this.#state = {
+            start,
+            chosen,
+            typed: null,
+            question: newQuestion(1, chosen, asked),
+            sent: 0,
+            asking: { contact: null, curves: null, phase: null },
+            lastTime: 100,
+            reference: null,
+            picture: null,
+            solved: null,
+            critical: null,
+            estimate: null,
+            largestForce: null,
+            section: null,
+            texts: null,
+            progress: null,
+            refusal: null,
+            phase: null,
+            curves: null,
+            answered: { curves: null, phase: null },
+            notices: {},
+            announcement: "",
+        };
+    }
+    get state() {
+        return this.#state;
+    }
+    /** `listener` is called after every change. */
+    listen(listener) {
+        this.#listeners.push(listener);
+    }
+    #change(part) {
+        this.#state = { ...this.#state, ...part };
+        for (const listener of this.#listeners)
+            listener();
+    }
+    // --- What the user does ---------------------------------------------------------------------
+    /** Chooses something else; what is not named stays. `asked` is when the user did so, ms. */
+    choose(choice, asked, typed = null) {
+        const before = this.#state.chosen;
+        const chosen = { ...before, ...choice, load: within(choice.load ?? before.load) };
+        if (choice.case === undefined && choice.load === undefined) {
+            this.#change({ chosen });
+            return;
+        }
+        const question = newQuestion(this.#state.question.number + 1, chosen, asked);
+        this.#change({ chosen, typed, question });
+    }
+    /** Gives a key of the case another value; `typed` if it is to stay as the user wrote it. */
+    setValue(key, value, typed, asked) {
+        const values = { ...this.#state.chosen.case };
+        if (key === FRACTION)
+            delete values[PITCH];
+        if (key === PITCH)
+            delete values[FRACTION];
+        if (key === METHOD) {
+            for (const other of Object.keys(values)) {
+                if (other.startsWith("method."))
+                    delete values[other];
+            }
+        }
+        values[key] = value;
+        this.choose({ case: values }, asked, typed ? key : null);
+    }
+    /** Tells something beside a button, or no longer. */
+    tell(about, words) {
+        const notices = { ...this.#state.notices };
+        if (words === null)
+            delete notices[about];
+        else
+            notices[about] = words;
+        this.#change({ notices });
+    }
+    announce(announcement) {
+        this.#change({ announcement });
+    }
+    // --- What comes back ------------------------------------------------------------------------
+    /** A question has been sent. */
+    send(kind, question, now) {
+        const asking = { ...this.#state.asking, [kind]: { question, since: now } };
+        this.#change(kind === "contact" ? { asking, sent: question.number, progress: null } : { asking });
+    }
+    /** A line of the answer to a question; of one that was called off nothing is taken. */
+    receive(kind, number, line, now) {
+        const asking = this.#state.asking[kind];
+        if (asking === null || asking.question.number !== number)
+            return;
+        const taken = {
+            contact: () => contactLine(this.#state, asking, line, now),
+            phase: () => phaseLine(this.#state, asking.question, line),
+            curves: () => curvesLine(this.#state, asking.question, line),
+        }[kind]();
+        this.#change(taken);
+    }
+    /** The answer to a question has ended: `whole` if it was not called off, or with a refusal. */
+    end(kind, number, whole, refusal) {
+        const state = this.#state;
+        const of = state.asking[kind]?.question;
+        if (of === undefined || of.number !== number)
+            return;
+        const asking = { ...state.asking, [kind]: null };
+        if (kind !== "contact") {
+            const words = refusal?.message ?? "";
+            const done = whole || refusal !== null;
+            const answered = { ...state.answered, ...(done && { [kind]: { of, is: words } }) };
+            this.#change({ asking, answered });
+        }
+        else if (refusal !== null) {
+            const reference = newer(state.reference, of);
+            this.#change({ asking, reference, progress: null, refusal: { of, is: refusal } });
+        }
+        else {
+            this.#change({ asking, progress: null });
+        }
+    }
+    /** A question has been open for so long that what is older must not look as if it were current. */
+    overdue(question) {
+        const reference = newer(this.#state.reference, question);
+        if (reference !== this.#state.reference)
+            this.#change({ reference });
+    }
+}
+// --- What follows from the state ----------------------------------------------------------------
+/** Whether the answer to the newest question is still to come. */
+export function isBusy(state) {
+    return state.sent < state.question.number || state.asking.contact !== null;
+}
+/** Whether something shown is of an older case, or, if it depends on the load, of an older load. */
+export function isOlder({ reference }, shown, dependsOn) {
+    if (shown === null || reference === null || shown.of.number >= reference.number)
+        return false;
+    const sameLoad = dependsOn === "case" || shown.of.load === reference.load;
+    return shown.of.name !== reference.name || !sameLoad;
+}
+/** The critical state of a case, where it has been solved for. */
+export function knownCritical({ critical }, { name }) {
+    return critical?.of.name === name ? critical.is : null;
+}
+/** What the map needs besides its scene: the critical contact radius, m, where it is known or
+ * estimated, and the largest force that the colours show, N. */
+export function mapScale(state, { of, is }) {
+    const estimate = state.estimate?.of.name === of.name ? state.estimate.is : null;
+    const known = knownCritical(state, of)?.critical_contact_radius_m;
+    const largest = state.largestForce?.of.name === of.name ? state.largestForce.is : 0;
+    return {
+        radius: known ?? estimate?.contact_radius_m ?? 0,
+        force: Math.max(largest, largestForceOf(is.scene)),
+    };
+}
+export function isCritical(fraction) {
+    return Math.abs(fraction - 1) < 1e-9;
+}
+export function isBeyond(fraction) {
+    return fraction > 1 + 1e-9;
+}
+// --- Steps ----------------------------------------------------------------------------------------
+function newQuestion(number, chosen, asked) {
+    const { case: values, load } = chosen;
+    return { number, case: values, name: JSON.stringify(values), load, asked };
+}
+/** A load on the slider; the critical one in place of none. */
+function within(load) {
+    return Number.isFinite(load) ? Math.min(FARTHEST, Math.max(0, load)) : 1;
+}
+function newer(a, b) {
+    return a !== null && a.number > b.number ? a : b;
+}
+function contactLine(state, { question: of, since }, line, now) {
+    const known = knownCritical(state, of) !== null;
+    if (line.progress)
+        return { progress: { of, is: line.progress } };
+    if (line.preview) {
+        const { critical_force_N, critical_contact_radius_m, critical_indentation_m } = line.preview;
+        const estimate = {
+            force_N: critical_force_N,
+            contact_radius_m: critical_contact_radius_m,
+            indentation_m: critical_indentation_m,
+        };
+        return {
+            picture: { of, is: { stage: "estimate", scene: sceneOfPreview(line.preview) } },
+            estimate: known ? null : { of, is: estimate },
+            refusal: null,
+        };
+    }
+    if (line.state?.approximate) {
+        const picture = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
+        // Of a case whose critical state is being solved for the last estimate is the best so far.
+        const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
+        return { picture, estimate: known ? null : estimate, refusal: null };
+    }
+    if (line.state) {
+        const scene = sceneOf(line.state);
+        const largest = state.largestForce;
+        // Colours keep their scale while the load changes, and begin anew at the critical state.
+        const goesOn = !isCritical(of.load) && largest?.of.name === of.name;
+        const force = Math.max(goesOn ? largest.is : 0, largestForceOf(scene));
+        return {
+            picture: { of, is: { stage: "exact", scene } },
+            solved: { of, is: line.state },
+            largestForce: { of, is: force },
+            estimate: known ? null : state.estimate,
+            lastTime: now - since,
+            refusal: null,
+        };
+    }
+    if (line.critical)
+        return { critical: { of, is: line.critical }, estimate: null };
+    if (line.case)
+        return { texts: { of, is: line.case } };
+    if (line.section !== undefined)
+        return { section: { of, is: line.section } };
+    return {};
+}
+function phaseLine(state, of, line) {
+    const critical = knownCritical(state, of);
+    const phase = state.phase;
+    if (line.transition && critical !== null) {
+        return { phase: { of, is: { transition: line.transition, path: [], critical } } };
+    }
+    if (line.path && phase?.of.number === of.number) {
+        const path = [...phase.is.path, line.path].sort((a, b) => a[0] - b[0]);
+        return { phase: { of, is: { ...phase.is, path } } };
+    }
+    return {};
+}
+function curvesLine(state, of, line) {
+    if (line.formulas) {
+        const { small_contact: small, large_contact: large } = line.formulas;
+        return { curves: { of, is: { small, large, homogenised: [], exact: [] } } };
+    }
+    const curves = state.curves;
+    if (curves?.of.number !== of.number)
+        return {};
+    if (line.homogenised)
+        return { curves: { of, is: { ...curves.is, homogenised: line.homogenised } } };
+    if (line.point) {
+        const exact = [...curves.is.exact, line.point];
+        exact.sort((a, b) => a.surface_fraction - b.surface_fraction);
+        return { curves: { of, is: { ...curves.is, exact } } };
+    }
+    return {};
+}

@@ -1,0 +1,117 @@
+// The one place that asks the server: it follows the store, and puts the answers into it.
+
+import { Refused, type Background, type Kind, type Refusal, type Server } from "./engine.js";
+import { isBusy, knownCritical, type Question, type Store } from "./store.js";
+
+/** A computation that takes longer than this, ms, is given up for a newer one; shorter ones are
+ * shown, so that the picture moves while a slider does. */
+const GRACE = [120, 700] as const;
+
+/** What is computed in the background waits so long, ms, for the next change. */
+const CALM = 200;
+
+/** So long, ms, after a change whatever is shown of the case or load before turns grey. What is
+ * answered sooner does not, so that the page does not flicker while a slider moves. */
+const OVERDUE = 200;
+
+const BACKGROUND: readonly Background[] = ["phase", "curves"];
+
+/** Sends what the state asks for, from now on. */
+export function answerQuestions(store: Store, server: Server): void {
+  let newest = 0;
+  let calm: number | undefined;
+
+  function follow(): void {
+    const { question } = store.state;
+    if (question.number > newest) {
+      newest = question.number;
+      begin(question);
+    }
+    callOffSketched();
+    const { asking, sent } = store.state;
+    if (asking.contact === null && sent < question.number) void contact(question);
+  }
+
+  /** There is a new question. */
+  function begin(question: Question): void {
+    window.clearTimeout(calm);
+    window.setTimeout(() => store.overdue(question), OVERDUE);
+    const { asking, lastTime } = store.state;
+    for (const kind of BACKGROUND) {
+      if (asking[kind] !== null && asking[kind].question.name !== question.name) server.cancel(kind);
+    }
+    if (asking.contact === null) return;
+    const { question: before, since } = asking.contact;
+    const grace = Math.min(GRACE[1], Math.max(GRACE[0], 2 * lastTime));
+    window.setTimeout(
+      () => callOffLate(before),
+      Math.max(0, grace - (performance.now() - since)),
+    );
+  }
+
+  /** Nearly what will be solved for is enough of a question, if there is a newer one. */
+  function callOffSketched(): void {
+    const { asking, picture, question } = store.state;
+    const under = asking.contact?.question;
+    if (under === undefined || under.number >= question.number) return;
+    if (picture?.of.number === under.number && picture.is.stage !== "exact") {
+      server.cancel("contact");
+    }
+  }
+
+  /** Calls off a question of which there is no picture yet. */
+  function callOffLate(question: Question): void {
+    const { asking, picture } = store.state;
+    if (asking.contact?.question.number !== question.number) return;
+    if (picture?.of.number === question.number && picture.is.stage === "exact") return;
+    server.cancel("contact");
+  }
+
+  async function contact(question: Question): Promise<void> {
+    const known = knownCritical(store.state, question);
+    await ask("contact", question, {
+      case: question.case,
+      load: {
+        fraction: question.load,
+        ...(known && { critical_indentation_m: known.critical_indentation_m }),
+      },
+    });
+    if (!isBusy(store.state)) calm = window.setTimeout(background, CALM);
+  }
+
+  /** Curves and phase diagram, once nothing else is asked. */
+  function background(): void {
+    const { question, asking, answered } = store.state;
+    const critical = knownCritical(store.state, question);
+    if (critical === null) return;
+    const { critical_indentation_m } = critical;
+    const questions = {
+      phase: { case: question.case, load: { fraction: 1, critical_indentation_m } },
+      curves: { case: question.case },
+    };
+    for (const kind of BACKGROUND) {
+      const names = [asking[kind]?.question.name, answered[kind]?.of.name];
+      if (!names.includes(question.name)) void ask(kind, question, questions[kind]);
+    }
+  }
+
+  async function ask(kind: Kind, question: Question, body: object): Promise<void> {
+    store.send(kind, question, performance.now());
+    let whole = false;
+    let refusal: Refusal | null = null;
+    try {
+      whole = await server.ask(kind, body, (line) =>
+        store.receive(kind, question.number, line, performance.now()),
+      );
+    } catch (error) {
+      refusal =
+        error instanceof Refused
+          ? error.refusal
+          : { key: null, message: String(error), accepted: null };
+    }
+    store.end(kind, question.number, whole, refusal);
+  }
+
+  store.listen(follow);
+  follow();
+}

@@ -1,0 +1,287 @@
+"""Whatever is on the screen at a time is of one case and load, or it is grey.
+
+Answers are held back here, whole or from one of their lines on, so that there is time to look.
+"""
+
+import pytest
+from test_explorer import paper
+
+# What is shown of the critical state of a case, and of a state at a load.
+CASE = ["#force-value", "#radius-value", "#indentation-value", "#regime", "#pillars"]
+LOAD = ["#map", "#colour-bar", "#colour-most", "#section", "#load-numbers"]
+TEXTS = ["#command", "#python", "#case-file"]
+CURVES = ["#curve-force .exact-curve", "#curve-radius .exact-curve", "#curve-indentation .exact-curve"]
+PHASE = ["#phase .transition", "#phase path.path", "#phase .top-region"]
+NOW = ["#phase .critical-point", "#curve-force .load-point"]
+
+# How opaque an element is, with all that it is in.
+OPACITY = """([selector]) => {
+    let opacity = 1;
+    for (let at = document.querySelector(selector); at !== null; at = at.parentElement) {
+        opacity *= Number(getComputedStyle(at).opacity);
+    }
+    return opacity;
+}"""
+
+# Answers to contacts come to the page only up to the line that is to be held back.
+HOLD_LINES = """([key]) => {
+    const original = window.fetch;
+    let release;
+    const released = new Promise((resolve) => (release = resolve));
+    window.release = () => {
+        window.fetch = original;
+        release();
+    };
+    window.fetch = async (address, options) => {
+        const response = await original(address, options);
+        if (!String(address).endsWith("/api/contact") || !response.ok) return response;
+        let text = "";
+        const lines = new TransformStream({
+            async transform(part, sink) {
+                text += part;
+                const whole = text.split("\\n");
+                text = whole.pop();
+                for (const line of whole) {
+                    if (line.startsWith(`{"${key}"`)) await released;
+                    sink.enqueue(line + "\\n");
+                }
+            },
+        });
+        const body = response.body
+            .pipeThrough(new TextDecoderStream())
+            .pipeThrough(lines)
+            .pipeThrough(new TextEncoderStream());
+        return new Response(body, { status: response.status });
+    };
+}"""
+
+
+class Held:
+    """A page of which some requests are held back until they are released."""
+
+    def __init__(self, explorer, *kinds):
+        self.explorer = explorer
+        self.routes = []
+        self.patterns = [f"**/api/{kind}" for kind in kinds]
+        for pattern in self.patterns:
+            explorer.page.route(pattern, lambda route: self.routes.append(route))
+
+    def release(self):
+        for route in self.routes:
+            route.continue_()
+        for pattern in self.patterns:
+            self.explorer.page.unroute(pattern)
+
+
+def opacity(explorer, selector):
+    return explorer.page.evaluate(OPACITY, [selector])
+
+
+def grey(explorer, selectors):
+    """Waits until all of this is grey."""
+    for selector in selectors:
+        explorer.until(f"({OPACITY})(['{selector}']) < 0.6", 5)
+
+
+def plain(explorer, selectors):
+    """Waits until all of this is as usual."""
+    for selector in selectors:
+        explorer.until(f"({OPACITY})(['{selector}']) === 1", 5)
+
+
+def move(explorer, name, value):
+    """Moves a slider without waiting for the answer."""
+    explorer.page.evaluate(
+        """([name, value]) => {
+            const slider = document.getElementById(name);
+            slider.value = value;
+            slider.dispatchEvent(new Event("input", { bubbles: true }));
+        }""",
+        [name, str(value)],
+    )
+
+
+@pytest.fixture
+def filled(explore):
+    """A page with its curves and its loading path."""
+
+    def open_page(surface_fraction=0.01, **options):
+        page = explore("#" + "&".join(paper(surface_fraction)), **options)
+        page.until("document.querySelectorAll('#curve-force .exact-point').length > 20", 60)
+        page.until("document.querySelector('#phase path.beyond-path') !== null", 60)
+        return page
+
+    return open_page
+
+
+def test_everything_is_grey_until_the_new_case_is_solved(filled):
+    page = filled()
+    before = page.results()
+    held = Held(page, "contact")
+    move(page, "texture-pillar-height-slider", 700)
+    grey(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
+    assert page.results() == before
+    assert page.page.get_attribute("#section", "aria-busy") == "true"
+    assert page.text("work") == "solving …"
+    # What cannot be right yet is not to be copied.
+    assert page.page.is_disabled("[data-copy=command]")
+    held.release()
+    page.rest()
+    plain(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
+    assert page.results() != before
+
+
+def test_another_load_greys_what_depends_on_it(filled):
+    page = filled()
+    held = Held(page, "contact")
+    move(page, "load", 0.5)
+    grey(page, LOAD + TEXTS + ["#phase .load-point"])
+    # The critical state is that of the case, whatever the load.
+    plain(page, CASE + CURVES + PHASE + NOW)
+    # The words beside the slider are of the slider.
+    assert page.text("load-words").startswith("50")
+    held.release()
+    page.rest()
+    plain(page, LOAD + TEXTS + ["#phase .load-point"])
+
+
+def test_a_section_that_is_late_is_grey_beside_the_new_map(filled):
+    page = filled()
+    before = page.results()
+    outline = page.page.get_attribute("#section path.lens", "d")
+    page.page.evaluate(HOLD_LINES, ["section"])
+    move(page, "texture-pillar-height-slider", 700)
+    page.until(f"document.getElementById('force-value').textContent !== '{before[0]}'")
+    grey(page, ["#section"])
+    assert page.page.get_attribute("#section path.lens", "d") == outline
+    plain(page, CASE + ["#map", "#colour-bar", "#load-numbers"])
+    page.page.evaluate("() => window.release()")
+    page.rest()
+    plain(page, CASE + LOAD)
+    assert page.page.get_attribute("#section path.lens", "d") != outline
+
+
+def test_curves_of_the_case_before_are_grey_beside_the_new_point(filled):
+    page = filled()
+    held = Held(page, "curves", "phase")
+    place = page.page.get_attribute("#phase .critical-point", "cy")
+    page.slide("texture-pillar-height-slider", 600)
+    grey(page, CURVES + PHASE)
+    plain(page, NOW + CASE + LOAD)
+    assert page.page.get_attribute("#phase .critical-point", "cy") != place
+    held.release()
+    plain(page, PHASE)
+    page.until("document.querySelectorAll('#curve-force .exact-point').length > 3", 60)
+    plain(page, CURVES)
+
+
+def test_beside_an_estimate_the_solution_of_the_case_before_is_grey(explore):
+    # So many pillars that an estimate comes first.
+    page = explore("#" + "&".join(paper(0.12)))
+    most = page.text("colour-most")
+    page.page.evaluate(HOLD_LINES, ["state"])
+    move(page, "texture-pillar-height-slider", 800)
+    page.until("document.getElementById('force-value').textContent.startsWith('≈')")
+    grey(page, ["#section", "#load-numbers", "#regime", "#pillars"] + TEXTS)
+    plain(page, ["#force-value", "#radius-value", "#map", "#colour-bar"])
+    # The scale of the colours is that of the map that is shown.
+    assert page.text("colour-most") != most
+    page.page.evaluate("() => window.release()")
+    page.rest()
+    plain(page, CASE + LOAD + TEXTS)
+    assert not page.results()[0].startswith("≈")
+
+
+def test_after_an_error_all_that_is_shown_is_grey(filled):
+    page = filled()
+    before = page.results()
+    page.enter("texture.pillar.height", "5 mm")
+    grey(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
+    plain(page, ["#work", "#problem", "#texture-pillar-height-note"])
+    page.enter("texture.pillar.height", "2.2 um")
+    plain(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
+    assert page.results() == before
+
+
+def test_the_case_before_is_shown_again_at_once(filled):
+    """Back at a case that is known, nothing of it is grey, though its answer is still to come."""
+    page = filled()
+    Held(page, "contact")
+    move(page, "texture-pillar-height-slider", 700)
+    grey(page, CASE + LOAD)
+    page.page.fill("#texture-pillar-height", "2.2 um")
+    page.page.press("#texture-pillar-height", "Enter")
+    plain(page, CASE + LOAD + CURVES)
+
+
+def test_the_store_takes_no_line_of_a_question_that_was_called_off(explore):
+    page = explore("#" + "&".join(paper(0.01)))
+    taken = page.page.evaluate(
+        """async () => {
+            const { Store, isOlder, isBusy } = await import("./store.js");
+            const start = { version: "", case: {}, colours: [] };
+            const chosen = { case: { "lens.radius": 1 }, load: 1, exaggeration: null };
+            const store = new Store(start, chosen, 0);
+            const line = (toml) => ({ case: { toml, command: "", python: "" } });
+            const first = store.state.question;
+            store.send("contact", first, 1);
+            store.setValue("lens.radius", 2, false, 2);
+            const second = store.state.question;
+            const numbers = [first.number, second.number];
+            store.end("contact", first.number, false, null);
+            store.receive("contact", first.number, line("late"), 3);
+            const late = store.state.texts;
+            store.send("contact", second, 4);
+            store.receive("contact", first.number, line("later"), 5);
+            const later = store.state.texts;
+            store.receive("contact", second.number, line("second"), 6);
+            const { texts } = store.state;
+            store.choose({ load: 0.5 }, 7);
+            store.overdue(store.state.question);
+            const older = ["case", "load"].map((what) => isOlder(store.state, texts, what));
+            return { numbers, late, later, of: texts.of.number, toml: texts.is.toml, older,
+                     busy: isBusy(store.state) };
+        }"""
+    )
+    assert taken == {
+        "numbers": [1, 2],
+        "late": None,
+        "later": None,
+        "of": 2,
+        "toml": "second",
+        "older": [False, True],
+        "busy": True,
+    }
+
+
+def test_the_section_is_shown_at_first_touch_too(explore):
+    page = explore("#" + "&".join(paper(0.01)))
+    page.slide("load", 0)
+    assert page.page.locator("#section path.lens").count() == 1
+    assert page.page.locator("#section path.floor-mark").count() == 0
+
+
+def test_the_floor_contact_is_marked_in_the_critical_state_only(explore):
+    # By symmetry the floor is touched along x, on both sides of the axis.
+    page = explore("#" + "&".join(paper(0.01)))
+    assert page.page.locator("#section path.floor-mark").count() == 2
+    page.slide("load", 0.9)
+    assert page.page.locator("#section path.floor-mark").count() == 0
+
+
+def test_a_value_that_is_typed_moves_its_slider(explore):
+    page = explore("#" + "&".join(paper(0.01)))
+    place = page.page.input_value("#texture-pillar-height-slider")
+    page.enter("texture.pillar.height", "3 um")
+    assert page.page.input_value("#texture-pillar-height") == "3 um"
+    assert int(page.page.input_value("#texture-pillar-height-slider")) > int(place)
+
+
+def test_a_button_pressed_twice_says_what_it_does_again(explore):
+    page = explore("#" + "&".join(paper(0.01)))
+    page.page.click("#copy-link")
+    page.until("document.getElementById('copy-link').textContent !== 'copy link'")
+    page.page.click("#copy-link")
+    # The words go after 1.2 s.
+    page.page.wait_for_timeout(2500)
+    assert page.text("copy-link") == "copy link"
