@@ -1,4 +1,4 @@
-//! What mathematics and machines lend: vectors, factorisations, quadrature, special functions, shared threads, and the one
+//! What mathematics and machines lend: vectors, factorisations, [roots], quadrature, special functions, shared threads, and the one
 //! place that decides when a solution is good enough.
 //!
 //! Nothing here knows of lenses or pillars.
@@ -7,6 +7,7 @@ pub(crate) mod cholesky;
 pub mod convergence;
 pub(crate) mod pivoting;
 pub(crate) mod quadrature;
+pub mod roots;
 pub(crate) mod special;
 pub(crate) mod vector;
 pub(crate) mod workers;

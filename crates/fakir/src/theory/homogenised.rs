@@ -24,6 +24,7 @@ use super::closed_forms::TransitionEstimate;
 use super::lattice_potential::{hollow_potential, site_potential};
 use super::spring_layer::{LayerModes, UnitContact};
 use crate::numerics::convergence::{Judgement, judge, larger, within};
+use crate::numerics::roots;
 use crate::problem::{Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
 use crate::state::contact::contact_warnings;
 use crate::state::{
@@ -198,7 +199,7 @@ pub(crate) fn rough_contact_radius(system: &System, load: Option<Load>) -> Optio
         None => Target::CentralPressure(lattice.critical_central_pressure),
     };
     let modes = LayerModes::rough();
-    let (contact, _) = bisect(system, lattice.layer_compliance, modes, target).ok()?;
+    let (contact, _) = contact_at(system, lattice.layer_compliance, modes, target).ok()?;
     Some(contact.radius)
 }
 
@@ -236,53 +237,43 @@ impl LayerContact {
         }
     }
 
-    fn reaches(&self, target: Target) -> Result<bool, SolveError> {
+    /// By how much it is beyond the target.
+    fn excess(&self, target: Target) -> Result<f64, SolveError> {
         let (wanted, reached) = match target {
             Target::Indentation(zeta) => (zeta, self.indentation),
             Target::Force(force) => (force, self.force),
             Target::CentralPressure(pressure) => (pressure, self.central_pressure),
         };
         match judge(wanted, reached) {
-            Judgement::Good => Ok(true),
-            Judgement::TooLarge => Ok(false),
+            Judgement::Good | Judgement::TooLarge => Ok(reached - wanted),
             Judgement::Undefined => Err(SolveError::NotFinite { what: "load" }),
         }
     }
 }
 
-/// The contact that just reaches `target`, and the number of bisections it took.
+/// The contact that just reaches `target`, and the number of contacts that were looked at.
 ///
-/// Indentation, force and central pressure all grow with the contact radius, and a contact
-/// costs a microsecond, so plain bisection down to neighbouring numbers is enough.
-fn bisect(
+/// Indentation, force and central pressure all grow with the contact radius.
+fn contact_at(
     system: &System,
     layer_compliance: f64,
     modes: &LayerModes,
     target: Target,
 ) -> Result<(LayerContact, usize), SolveError> {
     let lens_radius = system.lens().radius;
+    let largest = LARGEST_CONTACT * lens_radius;
     let at = |radius: f64| LayerContact::new(system, layer_compliance, modes, radius);
-    let mut low = 0.0;
-    let mut high = LARGEST_CONTACT * lens_radius;
-    if !at(high).reaches(target)? {
-        return Err(SolveError::ContactExceedsLens {
-            contact_radius: high,
-            lens_radius,
-        });
-    }
-    let mut steps = 0;
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return Ok((at(high), steps));
-        }
-        if at(middle).reaches(target)? {
-            high = middle;
-        } else {
-            low = middle;
-        }
-        steps += 1;
-    }
+    let exceeds = SolveError::ContactExceedsLens {
+        contact_radius: largest,
+        lens_radius,
+    };
+    let wanted = match target {
+        Target::Indentation(value) | Target::Force(value) | Target::CentralPressure(value) => value,
+    };
+    let ends = [(0.0, -wanted), (largest, at(largest).excess(target)?)];
+    let ends = ends.map(|(position, value)| roots::Point { position, value });
+    let root = roots::find(ends, 0.0, |radius| at(radius).excess(target))?.ok_or(exceeds)?;
+    Ok((at(root.above.position), root.evaluations))
 }
 
 fn solve(
@@ -291,8 +282,8 @@ fn solve(
     target: Target,
 ) -> Result<ContactState, SolveError> {
     let beta = lattice.layer_compliance;
-    let (contact, iterations) = bisect(system, beta, LayerModes::fine(), target)?;
-    let (coarse, _) = bisect(system, beta, LayerModes::coarse(), target)?;
+    let (contact, iterations) = contact_at(system, beta, LayerModes::fine(), target)?;
+    let (coarse, _) = contact_at(system, beta, LayerModes::coarse(), target)?;
     let error = ErrorEstimate {
         force: relative_difference(coarse.force, contact.force),
         indentation: relative_difference(coarse.indentation, contact.indentation),

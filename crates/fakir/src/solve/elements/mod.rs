@@ -4,6 +4,7 @@
 //! * `pillars`: the elements of the pillars of a lattice;
 //! * [`surface`]: a lens or a plate pressed onto any height map.
 
+mod closing;
 pub(crate) mod pillars;
 pub mod solver;
 pub mod surface;

@@ -12,13 +12,14 @@
 //!
 //! Units are those of [`Problem`]: lengths in pillar radii, pressures in `E*`.
 
+use super::closing::Closing;
 use super::solver::{ElementContact, Settings};
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::exterior::FieldJet;
 use crate::halfspace::elements::{
     Columns, Dense, FreeSpaceConvolution, LatticeOfGrids, Operator, Preconditioned,
 };
-use crate::numerics::convergence::{Judgement, judge, larger, within};
+use crate::numerics::convergence::{Judgement, larger, within};
 use crate::numerics::workers::CancelToken;
 use crate::problem::scaled::Problem;
 use crate::problem::{Cells, ElementMesh, Grid, Load, MeshLayout, Point};
@@ -694,70 +695,28 @@ impl Level<'_> {
         search: &mut Search,
     ) -> Result<(ElementContact, Option<FloorPoint>), SolveError> {
         let tolerance = FLOOR_TOLERANCE * self.problem.height;
-        let mut indentation = search.indentation;
-        let mut bracket = [0.0, f64::INFINITY];
-        let mut previous: Option<[f64; 2]> = None;
+        let mut closing = Closing::new(search.indentation, 0.0, search.slope);
         for _ in 0..SEARCH_LIMIT {
-            let contact = self.press(Load::Indentation(indentation))?;
+            let indentation = closing.indentation();
+            let mut contact = self.press(Load::Indentation(indentation))?;
             check_contact(self.problem, self.reach(&contact))?;
             let floor = self.lowest(&contact)?;
             let gap = floor.map_or(f64::INFINITY, |point| point.indentation - indentation);
-            if let Some([other, other_gap]) = previous
-                && (indentation - other).abs() > 1e-13 * indentation
-            {
-                search.slope = Some((gap - other_gap) / (indentation - other));
-            }
-            match judge(gap.abs(), tolerance) {
-                Judgement::Good => {
-                    search.indentation = indentation;
-                    return Ok((contact, floor));
-                }
+            let judged = closing.take(gap, tolerance);
+            (search.indentation, search.slope) = (closing.indentation(), closing.slope());
+            match judged {
+                Judgement::Good => return Ok((contact, floor)),
                 Judgement::TooLarge => {}
                 Judgement::Undefined => {
-                    let termination = Termination::NotFinite;
-                    return Ok((
-                        ElementContact {
-                            termination,
-                            ..contact
-                        },
-                        floor,
-                    ));
+                    contact.termination = Termination::NotFinite;
+                    return Ok((contact, floor));
                 }
             }
-            bracket[usize::from(gap < 0.0)] = indentation;
-            previous = Some([indentation, gap]);
-            indentation = next_indentation(indentation, gap, search.slope, bracket);
         }
-        search.indentation = indentation;
-        let mut contact = self.press(Load::Indentation(indentation))?;
+        let mut contact = self.press(Load::Indentation(search.indentation))?;
         contact.termination = Termination::IterationLimit;
         let floor = self.lowest(&contact)?;
         Ok((contact, floor))
-    }
-}
-
-/// The next trial for the critical indentation.
-pub(super) fn next_indentation(
-    indentation: f64,
-    gap: f64,
-    slope: Option<f64>,
-    bracket: [f64; 2],
-) -> f64 {
-    let [low, high] = bracket;
-    let guess = match slope {
-        Some(slope) if slope < 0.0 => indentation - gap / slope,
-        // The floor follows the lens: down by the gap closes half of it, say.
-        _ => indentation + 2.0 * gap,
-    };
-    if high.is_finite() {
-        if guess > low && guess < high {
-            guess
-        } else {
-            0.5 * (low + high)
-        }
-    } else {
-        // No upper bound yet: at most double.
-        guess.clamp(1.001 * indentation, 2.0 * indentation)
     }
 }
 
@@ -801,20 +760,6 @@ mod tests {
             assert!((slope - jet.gradient[0]).abs() < 1e-6);
             let bend = (at(0.0, step).gradient[0] - at(0.0, -step).gradient[0]) / (2.0 * step);
             assert!((bend - jet.hessian[1]).abs() < 1e-6);
-        }
-    }
-
-    #[test]
-    fn next_trial_stays_in_the_bracket() {
-        let unbounded = [1.0, f64::INFINITY];
-        for (gap, slope, bracket, expected) in [
-            (0.5, Some(-1.0), unbounded, 1.5),
-            (5.0, Some(-1.0), unbounded, 2.0),
-            (-0.1, Some(-0.01), [0.6, 1.0], 0.8),
-            (-0.1, None, [0.5, 1.0], 0.8),
-        ] {
-            let next = next_indentation(1.0, gap, slope, bracket);
-            assert!((next - expected).abs() < 1e-12, "{next}");
         }
     }
 }

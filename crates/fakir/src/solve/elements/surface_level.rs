@@ -1,11 +1,12 @@
 //! The contact with a surface on cells of one size.
 
-use super::pillars::{missing_compliances, next_indentation};
+use super::closing::Closing;
+use super::pillars::missing_compliances;
 use super::solver::Settings;
 use crate::halfspace::elements::{
     Columns, FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
 };
-use crate::numerics::convergence::{Judgement, judge};
+use crate::numerics::convergence::Judgement;
 use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Load, SurfaceSystem};
 use crate::solve::elements::solver;
 use crate::solve::spectral::LARGEST_CONTACT;
@@ -427,36 +428,25 @@ impl<'a> Level<'a> {
             Boundary::FreeSpace => lowest,
             Boundary::Periodic => 0.0,
         };
-        let mut indentation = self.expected.unwrap_or(lowest).max(least);
-        let mut bracket = [least, f64::INFINITY];
-        let mut previous: Option<[f64; 2]> = None;
+        let start = self.expected.unwrap_or(lowest).max(least);
+        let mut closing = Closing::new(start, least, self.floor_slope);
         for _ in 0..SEARCH_LIMIT {
+            let indentation = closing.indentation();
             self.choose_candidates(MARGIN * indentation)?;
-            let pressed = self.solve(Load::Indentation(indentation))?;
+            let mut pressed = self.solve(Load::Indentation(indentation))?;
             let (gap, cell) = self.floor_gap(indentation)?;
-            if let Some([other, other_gap]) = previous
-                && (indentation - other).abs() > 1e-13 * indentation
-            {
-                self.floor_slope = Some((gap - other_gap) / (indentation - other));
-            }
-            match judge(gap.abs(), FLOOR_TOLERANCE * indentation) {
+            let judged = closing.take(gap, FLOOR_TOLERANCE * indentation);
+            self.floor_slope = closing.slope();
+            match judged {
                 Judgement::Good => return Ok((pressed, cell)),
                 Judgement::TooLarge => {}
                 Judgement::Undefined => {
-                    let termination = Termination::NotFinite;
-                    return Ok((
-                        Pressed {
-                            termination,
-                            ..pressed
-                        },
-                        cell,
-                    ));
+                    pressed.termination = Termination::NotFinite;
+                    return Ok((pressed, cell));
                 }
             }
-            bracket[usize::from(gap < 0.0)] = indentation;
-            previous = Some([indentation, gap]);
-            indentation = next_indentation(indentation, gap, self.floor_slope, bracket);
         }
+        let indentation = closing.indentation();
         self.choose_candidates(indentation)?;
         let pressed = self.solve(Load::Indentation(indentation))?;
         let (_, cell) = self.floor_gap(indentation)?;

@@ -9,6 +9,8 @@
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, compliances, mode_count};
 use crate::numerics::convergence::within;
 use crate::numerics::quadrature::hemisphere;
+use crate::numerics::roots;
+use std::convert::Infallible;
 
 /// Degree of the modes: those of the sphere fall by `(radius/2R)^2` for each step of two.
 const DEGREE: usize = 8;
@@ -108,36 +110,15 @@ impl PatchSolver {
         measure: impl Fn(&Patch) -> f64,
         value: f64,
     ) -> Option<Patch> {
-        let excess = |patch: &Patch| measure(patch) - value;
-        let mut high_excess = excess(&self.with_radius(largest, &sag));
-        if !within(-high_excess, 0.0) {
-            return None;
-        }
-        // Regula falsi (Illinois) on the radius squared, in which indentation is all but linear.
-        let (mut low_square, mut low_excess) = (0.0, -value);
-        let mut high_square = largest * largest;
-        let mut last_side = 0;
-        for _ in 0..100 {
-            let square =
-                (low_square * high_excess - high_square * low_excess) / (high_excess - low_excess);
-            let patch = self.with_radius(square.max(f64::MIN_POSITIVE).sqrt(), &sag);
-            let found = excess(&patch);
-            let side = if found > 0.0 { 1 } else { -1 };
-            if side > 0 {
-                (high_square, high_excess) = (square, found);
-                low_excess *= if last_side == side { 0.5 } else { 1.0 };
-            } else {
-                (low_square, low_excess) = (square, found);
-                high_excess *= if last_side == side { 0.5 } else { 1.0 };
-            }
-            last_side = side;
-            let exact = within(found.abs(), 1e-14 * value);
-            let narrow = within(high_square - low_square, 1e-15 * high_square);
-            if exact || narrow && within(found.abs(), PATCH_TOLERANCE * value) {
-                return Some(patch);
-            }
-        }
-        None
+        let at = |square: f64| self.with_radius(square.max(f64::MIN_POSITIVE).sqrt(), &sag);
+        let excess = |square: f64| measure(&at(square)) - value;
+        // In the square of the radius indentation is all but linear.
+        let largest_square = largest * largest;
+        let ends = [(0.0, -value), (largest_square, excess(largest_square))];
+        let ends = ends.map(|(position, value)| roots::Point { position, value });
+        let found = roots::find(ends, 0.0, |square| Ok::<_, Infallible>(excess(square)));
+        let root = found.unwrap_or_else(|never| match never {})?.closest();
+        within(root.value.abs(), PATCH_TOLERANCE * value).then(|| at(root.position))
     }
 }
 

@@ -20,8 +20,10 @@
 use crate::halfspace::disc::basis::{BasisEvaluator, mode_count};
 use crate::halfspace::disc::nodes::Resolution;
 use crate::numerics::pivoting::{PivotSolver, Pivoting};
+use crate::numerics::roots;
 use crate::problem::Point;
 use crate::state::fields::SliverEdge;
+use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
 
 /// Places around the rim at which a sliver is looked for.
@@ -35,9 +37,6 @@ const HYSTERESIS: f64 = 1.1;
 
 /// Depth below which nothing is resolved: rounding of the cells' mean displacements.
 const SHALLOWEST: f64 = 1e-9;
-
-/// Halvings in search of an end of the sliver.
-const HALVINGS: usize = 60;
 
 /// Where a pillar top is asked to come down: a part along its rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -178,19 +177,15 @@ impl Rim {
 /// Where a function that is positive at zero and falls ends to be; `None` if it is positive at the largest
 /// argument.
 fn first_zero(largest: f64, mut function: impl FnMut(f64) -> f64) -> Option<f64> {
-    if function(largest) > 0.0 {
-        return None;
-    }
-    let (mut low, mut high) = (0.0, largest);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if function(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Some(high)
+    let ends = [0.0, largest].map(|position| roots::Point {
+        position,
+        value: function(position),
+    });
+    let found = roots::find(ends, 0.0, |argument| {
+        Ok::<_, Infallible>(function(argument))
+    });
+    let root = found.unwrap_or_else(|never| match never {});
+    root.map(|root| root.below.position)
 }
 
 /// The contact on the cells of a sliver.

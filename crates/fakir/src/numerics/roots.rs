@@ -1,0 +1,208 @@
+//! Where a function of one variable changes its sign: one bracketing method for all searches.
+//!
+//! The method is that of T. R. Chandrupatla, Adv. Eng. Softw. 28, 145 (1997): inverse quadratic interpolation where the three
+//! last points allow it, bisection elsewhere. It needs no derivative, never leaves the bracket, and takes some ten evaluations for all
+//! digits of a smooth function.
+
+/// Evaluations before giving up. Bisection alone takes 52 per factor of two between the ends of the bracket.
+const LIMIT: usize = 2200;
+
+/// A point and the value of the function there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Where.
+    pub position: f64,
+    /// What.
+    pub value: f64,
+}
+
+/// Two neighbouring points between which a function changes its sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Root {
+    /// Where the function is negative, or zero.
+    pub below: Point,
+    /// Where it is positive, or zero.
+    pub above: Point,
+    /// Evaluations of the function.
+    pub evaluations: usize,
+}
+
+impl Root {
+    /// The point where the function is closer to zero.
+    #[must_use]
+    pub fn closest(&self) -> Point {
+        if self.below.value.abs() < self.above.value.abs() {
+            self.below
+        } else {
+            self.above
+        }
+    }
+}
+
+/// Narrows the bracket between two points at which a function has different signs until it is as wide as `tolerance`, relative to the
+/// position, or as neighbouring numbers are. `None` if the signs are the same, or if the function is undefined somewhere.
+///
+/// # Errors
+/// The first that the function returns.
+///
+/// ```
+/// use fakir::numerics::roots::{Point, find};
+///
+/// let end = |position: f64| Point { position, value: position * position - 2.0 };
+/// let root = find([end(0.0), end(2.0)], 0.0, |x| Ok::<_, ()>(x * x - 2.0))?.expect("a root");
+/// assert!((root.closest().position - 2f64.sqrt()).abs() < 1e-15);
+/// # Ok::<(), ()>(())
+/// ```
+pub fn find<E>(
+    ends: [Point; 2],
+    tolerance: f64,
+    mut function: impl FnMut(f64) -> Result<f64, E>,
+) -> Result<Option<Root>, E> {
+    let [mut newest, mut opposite] = ends;
+    let root = |one: Point, other: Point, evaluations: usize| {
+        let [below, above] = if one.value <= 0.0 && other.value >= 0.0 {
+            [one, other]
+        } else {
+            [other, one]
+        };
+        Root {
+            below,
+            above,
+            evaluations,
+        }
+    };
+    if newest.value == 0.0 || opposite.value == 0.0 {
+        let zero = if newest.value == 0.0 {
+            newest
+        } else {
+            opposite
+        };
+        return Ok(Some(root(zero, zero, 0)));
+    }
+    // A product of signs would overflow, and lets no undefined number pass here.
+    if !(newest.value < 0.0 && opposite.value > 0.0 || newest.value > 0.0 && opposite.value < 0.0) {
+        return Ok(None);
+    }
+    let mut part = 0.5;
+    for evaluations in 1..=LIMIT {
+        let position = newest.position + part * (opposite.position - newest.position);
+        let trial = Point {
+            position,
+            value: function(position)?,
+        };
+        if trial.value.is_nan() {
+            return Ok(None);
+        }
+        if trial.value == 0.0 {
+            return Ok(Some(root(trial, trial, evaluations)));
+        }
+        let before;
+        if (trial.value > 0.0) == (newest.value > 0.0) {
+            before = newest;
+        } else {
+            (before, opposite) = (opposite, newest);
+        }
+        newest = trial;
+        let width = (opposite.position - newest.position).abs();
+        let size = newest.position.abs().max(opposite.position.abs());
+        let narrowest = size * tolerance.max(2.0 * f64::EPSILON);
+        if width <= narrowest || width <= f64::MIN_POSITIVE {
+            return Ok(Some(root(newest, opposite, evaluations)));
+        }
+        part = next_part(newest, opposite, before);
+        // Never so close to an end that nothing is learned.
+        let least = (0.5 * narrowest / width).min(0.5);
+        part = part.clamp(least, 1.0 - least);
+    }
+    Ok(None)
+}
+
+/// Where to go next, from the newest point towards the opposite one.
+fn next_part(newest: Point, opposite: Point, before: Point) -> f64 {
+    let [f1, f2, f3] = [newest, opposite, before].map(|point| point.value);
+    let [x1, x2, x3] = [newest, opposite, before].map(|point| point.position);
+    let position = (x1 - x2) / (x3 - x2);
+    let value = (f1 - f2) / (f3 - f2);
+    // Inside these, inverse quadratic interpolation is monotone.
+    if value * value < position && (1.0 - value) * (1.0 - value) < 1.0 - position {
+        f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+    } else {
+        0.5
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::convert::Infallible;
+
+    fn solve(low: f64, high: f64, function: impl Fn(f64) -> f64) -> Option<Root> {
+        let ends = [low, high].map(|position| Point {
+            position,
+            value: function(position),
+        });
+        let found = find(ends, 0.0, |x| Ok::<_, Infallible>(function(x)));
+        match found {
+            Ok(root) => root,
+        }
+    }
+
+    /// Roots that are known, of functions that are smooth, steep, flat, or jump.
+    #[test]
+    fn finds_all_digits() {
+        type Function = fn(f64) -> f64;
+        let cases: [(f64, f64, Function, f64); 6] = [
+            (0.0, 2.0, |x| x * x - 2.0, 2f64.sqrt()),
+            (0.0, 4.0, |x| x.cos(), std::f64::consts::FRAC_PI_2),
+            (1e-300, 1e300, |x| x.ln() - 1.0, std::f64::consts::E),
+            (-1.0, 3.0, |x| (x - 0.25).powi(9), 0.25),
+            (
+                0.0,
+                1.0,
+                |x| if x < 1.0 / 3.0 { -1e9 } else { 1e-9 },
+                1.0 / 3.0,
+            ),
+            (0.0, 1e-20, |x| 1e-25 - x, 1e-25),
+        ];
+        for (low, high, function, expected) in cases {
+            for [low, high] in [[low, high], [high, low]] {
+                let root = solve(low, high, function).unwrap();
+                let found = root.closest().position;
+                assert!((found / expected - 1.0).abs() < 4e-3, "{found} {expected}");
+                assert!(root.below.value <= 0.0 && root.above.value >= 0.0);
+                let width = (root.below.position - root.above.position).abs();
+                assert!(
+                    width <= 2.0 * f64::EPSILON * found.abs(),
+                    "{width} at {found}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn is_quick_where_functions_are_smooth() {
+        let root = solve(0.0, 2.0, |x| x.exp() - 2.0).unwrap();
+        assert!((root.closest().position - 2f64.ln()).abs() < 4e-16);
+        assert!(root.evaluations < 15, "{}", root.evaluations);
+    }
+
+    #[test]
+    fn undefined_functions_have_no_root() {
+        assert_eq!(solve(0.0, 1.0, |x| x + 1.0), None);
+        assert_eq!(solve(0.0, 1.0, |_| f64::NAN), None);
+        assert_eq!(
+            solve(0.0, 1.0, |x| if x > 0.0 && x < 1.0 {
+                f64::NAN
+            } else {
+                x - 0.5
+            }),
+            None
+        );
+        let failing = find(
+            [(0.0, -1.0), (1.0, 1.0)].map(|(position, value)| Point { position, value }),
+            0.0,
+            |_| Err("stopped"),
+        );
+        assert_eq!(failing, Err("stopped"));
+    }
+}

@@ -1,0 +1,97 @@
+//! The search for the indentation at which the lens just reaches the floor.
+
+use crate::numerics::convergence::{Judgement, judge};
+
+/// Secants of the gap between lens and floor over the indentation, kept within a bracket once there is one.
+pub(super) struct Closing {
+    indentation: f64,
+    /// The largest indentation at which the floor is free, and the smallest at which the lens is in it.
+    bracket: [f64; 2],
+    /// The last indentation and its gap.
+    previous: Option<[f64; 2]>,
+    slope: Option<f64>,
+}
+
+impl Closing {
+    /// Begins at an indentation; the floor is free up to `least`. `slope` is the change of the gap with the
+    /// indentation, if it is known from cells of another size.
+    pub(super) fn new(indentation: f64, least: f64, slope: Option<f64>) -> Self {
+        Self {
+            indentation,
+            bracket: [least, f64::INFINITY],
+            previous: None,
+            slope,
+        }
+    }
+
+    /// The indentation to look at; after a good one, that.
+    pub(super) fn indentation(&self) -> f64 {
+        self.indentation
+    }
+
+    /// Change of the gap with the indentation, as far as it is known.
+    pub(super) fn slope(&self) -> Option<f64> {
+        self.slope
+    }
+
+    /// Takes in the gap at the indentation. Unless it is within the tolerance, the next indentation follows.
+    pub(super) fn take(&mut self, gap: f64, tolerance: f64) -> Judgement {
+        let indentation = self.indentation;
+        if let Some([other, other_gap]) = self.previous
+            && (indentation - other).abs() > 1e-13 * indentation
+        {
+            self.slope = Some((gap - other_gap) / (indentation - other));
+        }
+        let judged = judge(gap.abs(), tolerance);
+        if judged == Judgement::TooLarge {
+            self.bracket[usize::from(gap < 0.0)] = indentation;
+            self.previous = Some([indentation, gap]);
+            self.indentation = self.next(gap);
+        }
+        judged
+    }
+
+    fn next(&self, gap: f64) -> f64 {
+        let [low, high] = self.bracket;
+        let guess = match self.slope {
+            Some(slope) if slope < 0.0 => self.indentation - gap / slope,
+            // The floor follows the lens: down by the gap closes half of it, say.
+            _ => self.indentation + 2.0 * gap,
+        };
+        if high.is_finite() {
+            if guess > low && guess < high {
+                guess
+            } else {
+                0.5 * (low + high)
+            }
+        } else {
+            // No upper bound yet: at most double.
+            guess.clamp(1.001 * self.indentation, 2.0 * self.indentation)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn next_trial_stays_in_the_bracket() {
+        let unbounded = [1.0, f64::INFINITY];
+        for (gap, slope, bracket, expected) in [
+            (0.5, Some(-1.0), unbounded, 1.5),
+            (5.0, Some(-1.0), unbounded, 2.0),
+            (-0.1, Some(-0.01), [0.6, 1.0], 0.8),
+            (-0.1, None, [0.5, 1.0], 0.8),
+        ] {
+            let closing = Closing {
+                indentation: 1.0,
+                bracket,
+                previous: None,
+                slope,
+            };
+            let next = closing.next(gap);
+            assert!((next - expected).abs() < 1e-12, "{next}");
+        }
+    }
+}
