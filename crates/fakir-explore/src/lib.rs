@@ -19,6 +19,12 @@
 //! Requests of the API have the token in the header `x-fakir-token` and a JSON object as body.
 //! Answers that take their time come as lines of JSON, progress first. What is wrong comes with a
 //! status of 4xx as `{"key", "message", "accepted"}`.
+//!
+//! # From a slider to the map
+//!
+//! The page puts a change into its one store, which numbers the question and sends the values of all keys. They become a case through the key
+//! table of `fakir-case`, as those of a file do; the newest question of its kind is solved (`jobs`), and its lines come back: progress,
+//! estimates, the state, the section. The store takes those of the question under way and no others, and what depends on them is drawn.
 
 mod answers;
 mod arrivals;

@@ -34,6 +34,11 @@
 //!   page show it and make none of their own.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
 //!   files that are there whole or not at all.
+//!
+//! # From a study to a table
+//!
+//! A [`Study`](fakir_case::Study) becomes a plan, a list of cases; each case goes to [`solve`] and comes back as a [`Row`]; rows are written to
+//! the journal as they come, and the [`Table`] is made of them at the end, in the order of the plan.
 
 mod answer;
 pub mod approach;

@@ -35,6 +35,12 @@
 //! [`verify()`] asks two for the same. A lens or plate on any height map, floor included and past the transition too, is a
 //! [`SurfaceSystem`](problem::SurfaceSystem).
 //!
+//! # From a case to a force
+//!
+//! A [`System`](problem::System), checked once, goes to [`press`] or [`transition`], and from there to one method. That scales it to
+//! pillar radii, chooses a window of pillars, and solves it ([`solve`] says how); answers come back in SI units, and are looked at once more
+//! before they are handed out: a number that is infinite or undefined is an error. No room is entered twice.
+//!
 //! # What is computed
 //!
 //! Both bodies are elastic half-spaces without friction or adhesion, in free space: nothing is

@@ -11,7 +11,7 @@
 use super::error::SolveError;
 use super::fields::{Disc, Fields};
 use super::run::Run;
-use crate::halfspace::coupling::convolution::smooth_size;
+use crate::numerics::fft::smooth_size;
 use crate::problem::{HexagonalLattice, Point};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;

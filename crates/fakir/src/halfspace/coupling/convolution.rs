@@ -13,13 +13,11 @@
 
 use super::pair::PairCoupling;
 use super::window::Window;
+use crate::numerics::fft::{RealPlans, smooth_size};
 use crate::numerics::vector::widest;
 use crate::numerics::workers::Workers;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
 use std::ops::Range;
-use std::sync::Arc;
 
 /// Rows and columns of a tile: a row of it is a cache line.
 const TILE: (usize, usize) = (8, 4);
@@ -50,31 +48,7 @@ pub(crate) struct LatticeConvolution {
     /// Transformed rows, and what becomes of them. In tiles: for every [`TILE`]`.1` columns, every
     /// [`TILE`]`.0` rows of the window, every mode, these rows of these columns.
     tiles: Vec<Complex64>,
-    transforms: Transforms,
-}
-
-struct Transforms {
-    row: Arc<dyn RealToComplex<f64>>,
-    row_back: Arc<dyn ComplexToReal<f64>>,
-    column: Arc<dyn Fft<f64>>,
-    column_back: Arc<dyn Fft<f64>>,
-}
-
-/// Smallest even number of the form 2^a 3^b 5^c not below `least`.
-pub(crate) fn smooth_size(least: usize) -> usize {
-    let smooth = |mut n: usize| {
-        for prime in [2, 3, 5] {
-            while n.is_multiple_of(prime) {
-                n /= prime;
-            }
-        }
-        n == 1
-    };
-    let mut size = least.max(2);
-    while size % 2 == 1 || !smooth(size) {
-        size += 1;
-    }
-    size
+    transforms: RealPlans,
 }
 
 impl LatticeConvolution {
@@ -84,14 +58,7 @@ impl LatticeConvolution {
         let shape = window.shape();
         let padded = (smooth_size(2 * shape.0 - 1), smooth_size(2 * shape.1 - 1));
         let half = padded.1 / 2 + 1;
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
-        let transforms = Transforms {
-            row: real.plan_fft_forward(padded.1),
-            row_back: real.plan_fft_inverse(padded.1),
-            column: complex.plan_fft_forward(padded.0),
-            column_back: complex.plan_fft_inverse(padded.0),
-        };
+        let transforms = RealPlans::new(padded.0, padded.1);
         let mut odd = Vec::with_capacity(pair.entry_count());
         for (row, receiver) in pair.modes().iter().enumerate() {
             for source in &pair.modes()[row..] {
@@ -217,7 +184,7 @@ impl LatticeConvolution {
 
     /// The transforms of a product and nothing else, of numbers that stay in the cache.
     pub(crate) fn transforms_alone(&self) {
-        let Transforms {
+        let RealPlans {
             row,
             row_back,
             column,

@@ -18,6 +18,7 @@ use super::convolution::{
 };
 use super::operator::Operator;
 use super::rectangle::Rectangle;
+use crate::numerics::fft::quick_length;
 use crate::problem::Cells;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -121,26 +122,6 @@ impl Operator for FreeSpaceConvolution<'_> {
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         self.convolution.apply(pressure, displacement);
     }
-}
-
-/// A length not below `least` that is quick to transform: the smallest `2^a 3^b`, once times 5 or
-/// not, unless a power of two is within a tenth of it.
-///
-/// Per point, powers of two take 0.65 to 0.8 of the time of the others, and lengths with more
-/// fives 1.2 to 2 times as long (measured between 30 and 2200 points).
-pub(super) fn quick_length(least: usize) -> usize {
-    let without = |mut n: usize, prime: usize| {
-        while n.is_multiple_of(prime) {
-            n /= prime;
-        }
-        n
-    };
-    let least = least.max(1);
-    let power_of_two = least.next_power_of_two();
-    (least..power_of_two)
-        .find(|length| matches!(without(without(*length, 2), 3), 1 | 5))
-        .filter(|length| 10 * power_of_two > 11 * length)
-        .unwrap_or(power_of_two)
 }
 
 /// The transform of one dimension.

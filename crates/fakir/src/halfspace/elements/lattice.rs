@@ -7,15 +7,12 @@
 
 use super::operator::Operator;
 use super::rectangle::Rectangle;
-use crate::halfspace::coupling::convolution::smooth_size;
+use crate::numerics::fft::{ComplexPlans, RealPlans, smooth_size, transpose};
 use crate::problem::{Cells, Point};
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 /// Work below which threads are not worth waking, complex values of all spectra.
 const PARALLEL_VALUES: usize = 20_000;
@@ -48,10 +45,7 @@ struct LocalTransform {
     columns: usize,
     /// Complex columns kept of a real transform.
     half: usize,
-    row: Arc<dyn RealToComplex<f64>>,
-    row_back: Arc<dyn ComplexToReal<f64>>,
-    column: Arc<dyn Fft<f64>>,
-    column_back: Arc<dyn Fft<f64>>,
+    plans: RealPlans,
 }
 
 /// Transforms over the array of lattice indices padded to at least twice its size.
@@ -59,10 +53,7 @@ struct LocalTransform {
 struct LatticeTransform {
     rows: usize,
     columns: usize,
-    row: Arc<dyn Fft<f64>>,
-    row_back: Arc<dyn Fft<f64>>,
-    column: Arc<dyn Fft<f64>>,
-    column_back: Arc<dyn Fft<f64>>,
+    plans: ComplexPlans,
 }
 
 impl<'a> LatticeOfGrids<'a> {
@@ -394,12 +385,7 @@ struct LocalWork {
 
 impl LocalWork {
     fn new(local: &LocalTransform) -> Self {
-        let scratch = local
-            .row
-            .get_scratch_len()
-            .max(local.row_back.get_scratch_len())
-            .max(local.column.get_inplace_scratch_len())
-            .max(local.column_back.get_inplace_scratch_len());
+        let scratch = local.plans.scratch_len();
         Self {
             array: vec![0.0; local.rows * local.columns],
             row: vec![Complex64::default(); local.rows * local.half],
@@ -411,16 +397,11 @@ impl LocalWork {
 
 impl LocalTransform {
     fn new(rows: usize, columns: usize) -> Self {
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
         Self {
             rows,
             columns,
             half: columns / 2 + 1,
-            row: real.plan_fft_forward(columns),
-            row_back: real.plan_fft_inverse(columns),
-            column: complex.plan_fft_forward(rows),
-            column_back: complex.plan_fft_inverse(rows),
+            plans: RealPlans::new(rows, columns),
         }
     }
 
@@ -440,18 +421,21 @@ impl LocalTransform {
                 continue;
             }
             let done = self
+                .plans
                 .row
                 .process_with_scratch(values, row, &mut work.scratch);
             debug_assert!(done.is_ok());
         }
         transpose(&work.row, spectrum, self.rows, self.half);
-        self.column
+        self.plans
+            .column
             .process_with_scratch(spectrum, &mut work.scratch);
     }
 
     /// `work.array` from its spectrum, which is used up; not normalised.
     fn backward(&self, spectrum: &mut [Complex64], work: &mut LocalWork) {
-        self.column_back
+        self.plans
+            .column_back
             .process_with_scratch(spectrum, &mut work.scratch);
         transpose(spectrum, &mut work.line, self.half, self.rows);
         for (row, values) in work
@@ -465,6 +449,7 @@ impl LocalTransform {
                 row[self.half - 1].im = 0.0;
             }
             let done = self
+                .plans
                 .row_back
                 .process_with_scratch(row, values, &mut work.scratch);
             debug_assert!(done.is_ok());
@@ -512,14 +497,6 @@ impl LocalTransform {
     }
 }
 
-fn transpose(from: &[Complex64], to: &mut [Complex64], rows: usize, columns: usize) {
-    for (row, values) in from.chunks_exact(columns).enumerate() {
-        for (column, value) in values.iter().enumerate() {
-            to[column * rows + row] = *value;
-        }
-    }
-}
-
 struct LatticeWork {
     array: Vec<Complex64>,
     line: Vec<Complex64>,
@@ -528,12 +505,7 @@ struct LatticeWork {
 
 impl LatticeWork {
     fn new(lattice: &LatticeTransform) -> Self {
-        let scratch = lattice
-            .row
-            .get_inplace_scratch_len()
-            .max(lattice.row_back.get_inplace_scratch_len())
-            .max(lattice.column.get_inplace_scratch_len())
-            .max(lattice.column_back.get_inplace_scratch_len());
+        let scratch = lattice.plans.scratch_len();
         Self {
             array: vec![Complex64::default(); lattice.rows * lattice.columns],
             line: vec![Complex64::default(); lattice.rows * lattice.columns],
@@ -544,34 +516,34 @@ impl LatticeWork {
 
 impl LatticeTransform {
     fn new(rows: usize, columns: usize) -> Self {
-        let mut planner = FftPlanner::new();
         Self {
             rows,
             columns,
-            row: planner.plan_fft_forward(columns),
-            row_back: planner.plan_fft_inverse(columns),
-            column: planner.plan_fft_forward(rows),
-            column_back: planner.plan_fft_inverse(rows),
+            plans: ComplexPlans::new(rows, columns),
         }
     }
 
     /// Transforms `work.array`, of which only the first `used` rows hold anything. The result
     /// is left transposed.
     fn forward(&self, used: usize, work: &mut LatticeWork) {
-        self.row
+        self.plans
+            .row
             .process_with_scratch(&mut work.array[..used * self.columns], &mut work.scratch);
         transpose(&work.array, &mut work.line, self.rows, self.columns);
-        self.column
+        self.plans
+            .column
             .process_with_scratch(&mut work.line, &mut work.scratch);
         std::mem::swap(&mut work.array, &mut work.line);
     }
 
     /// Back from [`Self::forward`], as far as the first `used` rows; not normalised.
     fn backward(&self, used: usize, work: &mut LatticeWork) {
-        self.column_back
+        self.plans
+            .column_back
             .process_with_scratch(&mut work.array, &mut work.scratch);
         transpose(&work.array, &mut work.line, self.columns, self.rows);
-        self.row_back
+        self.plans
+            .row_back
             .process_with_scratch(&mut work.line[..used * self.columns], &mut work.scratch);
         std::mem::swap(&mut work.array, &mut work.line);
     }

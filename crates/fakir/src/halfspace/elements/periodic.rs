@@ -4,13 +4,11 @@ use super::convolution::{
     Bounds, ColumnBlock, Convolution, Transform, Workspace, clear_rows, line_stride,
     memory_estimate, multiply,
 };
-use super::free_space::quick_length;
 use super::operator::Operator;
+use crate::numerics::fft::{RealPlans, quick_length};
 use crate::problem::Cells;
 use rayon::ThreadPool;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -129,10 +127,7 @@ impl<O: Operator> Operator for Preconditioned<'_, O> {
 /// Transforms and kernel of the periodic half-space.
 struct Periodic {
     shape: [usize; 2],
-    row: Arc<dyn RealToComplex<f64>>,
-    row_back: Arc<dyn ComplexToReal<f64>>,
-    column: Arc<dyn Fft<f64>>,
-    column_back: Arc<dyn Fft<f64>>,
+    plans: RealPlans,
     /// For every column of the transform, its rows that are not mirror images, `rows/2 + 1`;
     /// with the normalisation of the transforms.
     kernel: Vec<f64>,
@@ -143,8 +138,6 @@ impl Periodic {
     /// mean.
     fn new([columns, rows]: [usize; 2], cell: [f64; 2], of_wave: impl Fn(f64) -> f64) -> Self {
         let [width, height] = cell;
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
         let wave = |index: usize, period: f64| 2.0 * PI * index as f64 / period;
         let longest = (width * columns as f64).max(height * rows as f64);
         let smallest = PI / longest;
@@ -159,10 +152,7 @@ impl Periodic {
             .collect();
         Self {
             shape: [columns, rows],
-            row: real.plan_fft_forward(columns),
-            row_back: real.plan_fft_inverse(columns),
-            column: complex.plan_fft_forward(rows),
-            column_back: complex.plan_fft_inverse(rows),
+            plans: RealPlans::new(rows, columns),
             kernel,
         }
     }
@@ -179,7 +169,7 @@ impl Transform for Periodic {
 
     fn row_forward(&self, row: &mut [f64], spectrum: &mut [Complex64], scratch: &mut [Complex64]) {
         // The lengths are those that the transform was made for, so this cannot fail.
-        let _ = self.row.process_with_scratch(row, spectrum, scratch);
+        let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
     }
 
     fn row_back(&self, spectrum: &mut [Complex64], row: &mut [f64], scratch: &mut [Complex64]) {
@@ -188,7 +178,10 @@ impl Transform for Periodic {
         if self.shape[0].is_multiple_of(2) {
             spectrum[self.shape[0] / 2].im = 0.0;
         }
-        let _ = self.row_back.process_with_scratch(spectrum, row, scratch);
+        let _ = self
+            .plans
+            .row_back
+            .process_with_scratch(spectrum, row, scratch);
     }
 
     fn convolve(&self, block: &mut ColumnBlock<'_>, work: &mut Workspace) {
@@ -212,13 +205,16 @@ impl Transform for Periodic {
         let kernel = self.kernel[block.first * half..].chunks_exact(half);
         for (line, kernel) in lines.chunks_exact_mut(stride).zip(kernel) {
             let line = &mut line[..rows];
-            self.column.process_with_scratch(line, &mut work.scratch);
+            self.plans
+                .column
+                .process_with_scratch(line, &mut work.scratch);
             let (low, high) = line.split_at_mut(half);
             multiply(low, kernel);
             for (value, kernel) in high.iter_mut().rev().zip(&kernel[1..]) {
                 *value *= kernel;
             }
-            self.column_back
+            self.plans
+                .column_back
                 .process_with_scratch(line, &mut work.scratch);
         }
         for (&row, values) in block
@@ -233,15 +229,7 @@ impl Transform for Periodic {
     }
 
     fn scratch_len(&self) -> usize {
-        [
-            self.row.get_scratch_len(),
-            self.row_back.get_scratch_len(),
-            self.column.get_inplace_scratch_len(),
-            self.column_back.get_inplace_scratch_len(),
-        ]
-        .into_iter()
-        .max()
-        .unwrap_or(0)
+        self.plans.scratch_len()
     }
 
     fn columns_at_once(&self) -> usize {

@@ -1,0 +1,114 @@
+//! Plans of fast Fourier transforms in two dimensions, and the lengths that are quick to transform.
+
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+use std::sync::Arc;
+
+/// Transforms of a real array: its rows to half of their frequencies, then the columns of these.
+#[derive(Clone)]
+pub(crate) struct RealPlans {
+    pub(crate) row: Arc<dyn RealToComplex<f64>>,
+    pub(crate) row_back: Arc<dyn ComplexToReal<f64>>,
+    pub(crate) column: Arc<dyn Fft<f64>>,
+    pub(crate) column_back: Arc<dyn Fft<f64>>,
+}
+
+impl RealPlans {
+    /// Of an array of so many rows and columns.
+    pub(crate) fn new(rows: usize, columns: usize) -> Self {
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        Self {
+            row: real.plan_fft_forward(columns),
+            row_back: real.plan_fft_inverse(columns),
+            column: complex.plan_fft_forward(rows),
+            column_back: complex.plan_fft_inverse(rows),
+        }
+    }
+
+    /// Complex values of room that any of them needs.
+    pub(crate) fn scratch_len(&self) -> usize {
+        let of_rows = self.row.get_scratch_len();
+        of_rows
+            .max(self.row_back.get_scratch_len())
+            .max(self.column.get_inplace_scratch_len())
+            .max(self.column_back.get_inplace_scratch_len())
+    }
+}
+
+/// Transforms of a complex array.
+#[derive(Clone)]
+pub(crate) struct ComplexPlans {
+    pub(crate) row: Arc<dyn Fft<f64>>,
+    pub(crate) row_back: Arc<dyn Fft<f64>>,
+    pub(crate) column: Arc<dyn Fft<f64>>,
+    pub(crate) column_back: Arc<dyn Fft<f64>>,
+}
+
+impl ComplexPlans {
+    /// Of an array of so many rows and columns.
+    pub(crate) fn new(rows: usize, columns: usize) -> Self {
+        let mut planner = FftPlanner::new();
+        Self {
+            row: planner.plan_fft_forward(columns),
+            row_back: planner.plan_fft_inverse(columns),
+            column: planner.plan_fft_forward(rows),
+            column_back: planner.plan_fft_inverse(rows),
+        }
+    }
+
+    /// Complex values of room that any of them needs.
+    pub(crate) fn scratch_len(&self) -> usize {
+        [&self.row, &self.row_back, &self.column, &self.column_back]
+            .map(|plan| plan.get_inplace_scratch_len())
+            .into_iter()
+            .fold(0, usize::max)
+    }
+}
+
+/// Smallest even number of the form 2^a 3^b 5^c not below `least`.
+pub(crate) fn smooth_size(least: usize) -> usize {
+    let smooth = |mut n: usize| {
+        for prime in [2, 3, 5] {
+            while n.is_multiple_of(prime) {
+                n /= prime;
+            }
+        }
+        n == 1
+    };
+    let mut size = least.max(2);
+    while size % 2 == 1 || !smooth(size) {
+        size += 1;
+    }
+    size
+}
+
+/// A length not below `least` that is quick to transform: the smallest `2^a 3^b`, once times 5 or
+/// not, unless a power of two is within a tenth of it.
+///
+/// Per point, powers of two take 0.65 to 0.8 of the time of the others, and lengths with more
+/// fives 1.2 to 2 times as long (measured between 30 and 2200 points).
+pub(crate) fn quick_length(least: usize) -> usize {
+    let without = |mut n: usize, prime: usize| {
+        while n.is_multiple_of(prime) {
+            n /= prime;
+        }
+        n
+    };
+    let least = least.max(1);
+    let power_of_two = least.next_power_of_two();
+    (least..power_of_two)
+        .find(|length| matches!(without(without(*length, 2), 3), 1 | 5))
+        .filter(|length| 10 * power_of_two > 11 * length)
+        .unwrap_or(power_of_two)
+}
+
+/// Writes an array of `rows` and `columns` column by column.
+pub(crate) fn transpose(from: &[Complex64], to: &mut [Complex64], rows: usize, columns: usize) {
+    for (row, values) in from.chunks_exact(columns).enumerate() {
+        for (column, value) in values.iter().enumerate() {
+            to[column * rows + row] = *value;
+        }
+    }
+}
