@@ -2,8 +2,9 @@
 
 use crate::key::{Key, Setting};
 use crate::parts::Parts;
-use fakir::problem::Method;
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{
+    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
+};
 use std::fmt::Write;
 
 /// A system and the method to solve it with: what a case file describes.

@@ -3,9 +3,10 @@
 //! The table of keys says which field belongs to which key.
 
 use crate::case::{Case, Spacing};
-use fakir::problem::{Accuracy, Method, PunchForm};
-use fakir::problem::{Boundary, ElementMesh, MeshLayout};
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance};
+use fakir::problem::{
+    Accuracy, Boundary, ElementMesh, HexagonalLattice, Lens, Material, MeshLayout, Method, Pillar,
+    PillarCompliance, PunchForm,
+};
 
 /// The values of all keys. Required values are not numbers until they are set, all others have
 /// their default.

@@ -13,8 +13,9 @@ use crate::unit::{Dimension, format_quantity};
 use fakir::problem::pattern::{
     Arrangement, CrossSection, InvalidPattern, Pattern, PillarShape, Top,
 };
-use fakir::problem::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
-use fakir::problem::{HexagonalLattice, Point};
+use fakir::problem::{
+    Boundary, Floor, Grid, HeightMap, HexagonalLattice, Indenter, Point, SurfaceSystem,
+};
 use std::path::{Path, PathBuf};
 
 /// A general surface and what is pressed onto it: what a case file with a `[surface]` describes.

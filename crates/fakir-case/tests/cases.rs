@@ -3,9 +3,10 @@
 // Numbers are read to the last bit.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
-use fakir::problem::{Accuracy, Method, PunchForm};
-use fakir::problem::{ElementMesh, MeshLayout};
-use fakir::problem::{HexagonalLattice, PillarCompliance, System};
+use fakir::problem::{
+    Accuracy, ElementMesh, HexagonalLattice, MeshLayout, Method, PillarCompliance, PunchForm,
+    System,
+};
 use fakir_case::{Case, CaseError, CaseFile};
 use proptest::prelude::*;
 use std::path::Path;

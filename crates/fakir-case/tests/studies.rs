@@ -3,8 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fakir::Question;
-use fakir::problem::ElementMesh;
-use fakir::problem::{Accuracy, Load, Method, PunchForm};
+use fakir::problem::{Accuracy, ElementMesh, Load, Method, PunchForm};
 use fakir_case::study::{Asked, Axis, Coordinate, Variable};
 use fakir_case::{Case, CaseFile, Key, Study, StudyFile};
 

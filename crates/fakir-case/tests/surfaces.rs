@@ -4,8 +4,7 @@
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use fakir::problem::pattern::{Arrangement, CrossSection, Pattern, PillarShape, Top};
-use fakir::problem::{Boundary, Floor, HeightMap, Indenter};
-use fakir::problem::{HexagonalLattice, PillarCompliance};
+use fakir::problem::{Boundary, Floor, HeightMap, HexagonalLattice, Indenter, PillarCompliance};
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
 use std::path::{Path, PathBuf};
 

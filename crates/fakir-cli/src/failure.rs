@@ -1,7 +1,6 @@
 //! Why there is no result, what the user is told, and with which exit status.
 
-use fakir::state::SolveError;
-use fakir::state::SurfaceError;
+use fakir::state::{SolveError, SurfaceError};
 use fakir_case::CaseError;
 use fakir_figure::FigureError;
 use fakir_inverse::design::DesignError;

@@ -4,8 +4,7 @@
 use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, LoadPoint, at_fraction, expected_pillars};
-use fakir::problem::{Accuracy, Load, Method};
-use fakir::problem::{Point, System};
+use fakir::problem::{Accuracy, Load, Method, Point, System};
 use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};

@@ -1,7 +1,8 @@
 //! Every figure, of the paper's lens and pillars, written to the folder given as argument.
 
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
-use fakir::problem::{Load, Method};
+use fakir::problem::{
+    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+};
 use fakir::state::{CriticalState, Normalized, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::Form;

@@ -201,9 +201,8 @@ fn places(pillars: &[CutPillar], half_width: f64, radius: f64, detail: SectionDe
 mod tests {
     use super::*;
     use fakir::problem::{
-        HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture,
+        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
     };
-    use fakir::problem::{Load, Method};
 
     const PITCH: f64 = 30e-6;
 

@@ -3,8 +3,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
-use fakir::problem::{Load, Method};
+use fakir::problem::{
+    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+};
 use fakir::state::{ContactState, CriticalState, Normalized, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::Form;

@@ -9,8 +9,7 @@
 //! be solved the answer counts as too large; where it meets the floor first, as zero.
 
 use fakir::numerics::convergence::within;
-use fakir::problem::Method;
-use fakir::problem::{MAXIMUM_SURFACE_FRACTION, System};
+use fakir::problem::{MAXIMUM_SURFACE_FRACTION, Method, System};
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind};

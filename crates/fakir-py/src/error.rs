@@ -1,7 +1,6 @@
 //! Errors of the libraries as exceptions of `fakir.errors`, with the same words.
 
-use fakir::state::SolveError;
-use fakir::state::SurfaceError;
+use fakir::state::{SolveError, SurfaceError};
 use fakir_inverse::design::DesignError;
 use fakir_inverse::fit::FitError;
 use fakir_inverse::spread::SpreadError;

@@ -4,8 +4,9 @@ use crate::error::{approach_error, case_error, surface_error, surface_verify_err
 use crate::state::load;
 use crate::watched::{Options, watched};
 use fakir::Question;
-use fakir::problem::{Boundary, Floor, Grid, HeightMap, Indenter, SurfaceSystem};
-use fakir::problem::{Lens, Material, Point};
+use fakir::problem::{
+    Boundary, Floor, Grid, HeightMap, Indenter, Lens, Material, Point, SurfaceSystem,
+};
 use fakir::state::Run;
 use fakir_case::CaseFile;
 use fakir_study::approach::LoadingPath;

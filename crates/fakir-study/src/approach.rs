@@ -6,11 +6,10 @@ use crate::result::{
     ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow, TransitionSummary,
     surface_warnings, warnings,
 };
-use fakir::problem::System;
-use fakir::problem::{Floor, SurfaceSystem};
-use fakir::problem::{Load, Method};
-use fakir::state::{ContactState, CriticalState, Run, SolveError};
-use fakir::state::{SurfaceContact, SurfaceError, SurfaceTransition};
+use fakir::problem::{Floor, Load, Method, SurfaceSystem, System};
+use fakir::state::{
+    ContactState, CriticalState, Run, SolveError, SurfaceContact, SurfaceError, SurfaceTransition,
+};
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
 

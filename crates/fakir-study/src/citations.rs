@@ -3,8 +3,7 @@
 //! A [`Topic`] is something that was made use of; [`citations`] gives the sources of several, each
 //! with a few words on why. The formulas themselves are cited where the crate `fakir` has them.
 
-use fakir::problem::MeshLayout;
-use fakir::problem::{Method, PunchForm};
+use fakir::problem::{MeshLayout, Method, PunchForm};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -3,9 +3,7 @@
 use crate::VERSION;
 use crate::closed_forms::closed_forms;
 use crate::result::{CompareSummary, MethodRow, warnings};
-use fakir::problem::ElementMesh;
-use fakir::problem::System;
-use fakir::problem::{Accuracy, Method, PunchForm};
+use fakir::problem::{Accuracy, ElementMesh, Method, PunchForm, System};
 use fakir::state::{CriticalState, Run, SolveError};
 use std::time::Instant;
 

@@ -3,8 +3,7 @@
 //! A chain is a block of consecutive cases along the last axis: what a shard or a thread takes at
 //! once.
 
-use fakir::problem::Method;
-use fakir::problem::System;
+use fakir::problem::{Method, System};
 use fakir_case::Study;
 use fakir_case::study::{Axis, Combine};
 use serde::{Deserialize, Serialize};

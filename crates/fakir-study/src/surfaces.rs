@@ -2,10 +2,8 @@
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use fakir::numerics::convergence::{larger, within};
-use fakir::problem::ElementMesh;
-use fakir::problem::Method;
-use fakir::state::{ErrorEstimate, Run};
-use fakir::state::{SurfaceContact, SurfaceError};
+use fakir::problem::{ElementMesh, Method};
+use fakir::state::{ErrorEstimate, Run, SurfaceContact, SurfaceError};
 use fakir::{Difference, Doubt, Question, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};

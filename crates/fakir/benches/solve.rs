@@ -2,8 +2,10 @@
 //! size pressed to touch a thousand to a hundred thousand pillars.
 
 use divan::Bencher;
-use fakir::problem::{Accuracy, Load, Method};
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
+    Texture,
+};
 use fakir::state::Run;
 use std::f64::consts::PI;
 

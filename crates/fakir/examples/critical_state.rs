@@ -1,7 +1,8 @@
 //! The load at which a lens that rests on pillars reaches the floor between them.
 
-use fakir::problem::Method;
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{
+    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
+};
 use fakir::state::Run;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

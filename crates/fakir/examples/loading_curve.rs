@@ -1,8 +1,9 @@
 //! Force, contact radius and floor gap as a lens comes down on a texture, as far as the load at
 //! which it reaches the floor: comma-separated values on the standard output.
 
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
-use fakir::problem::{Load, Method};
+use fakir::problem::{
+    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+};
 use fakir::state::Run;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

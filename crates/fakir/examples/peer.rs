@@ -14,8 +14,7 @@
 use fakir::halfspace::elements::{
     FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
 };
-use fakir::problem::Load;
-use fakir::problem::{Cells, Grid};
+use fakir::problem::{Cells, Grid, Load};
 use fakir::solve::elements::solver;
 use fakir::solve::elements::solver::Settings;
 use fakir::state::CancelToken;

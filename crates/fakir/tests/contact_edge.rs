@@ -4,9 +4,9 @@
 mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_system};
-use fakir::problem::ElementMesh;
-use fakir::problem::{Accuracy, Method, PunchForm};
-use fakir::problem::{HexagonalLattice, PillarCompliance, Point, System};
+use fakir::problem::{
+    Accuracy, ElementMesh, HexagonalLattice, Method, PillarCompliance, Point, PunchForm, System,
+};
 use fakir::state::{ContactState, CriticalState, Fields, PillarState, PillarStatus, Run};
 use std::f64::consts::PI;
 

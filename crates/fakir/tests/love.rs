@@ -18,9 +18,7 @@ mod waves;
 use fakir::halfspace::elements::{
     FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
 };
-use fakir::problem::Load;
-use fakir::problem::Point;
-use fakir::problem::{Cells, Grid};
+use fakir::problem::{Cells, Grid, Load, Point};
 use fakir::solve::elements::solver;
 use fakir::solve::elements::solver::{ElementContact, Settings};
 use fakir::state::{CancelToken, Termination};

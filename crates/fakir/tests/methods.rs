@@ -4,16 +4,14 @@ mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_system};
 use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
-use fakir::problem::{Accuracy, Load, Method, PunchForm};
 use fakir::problem::{
-    Boundary, ElementMesh, Floor, Grid, HeightMap, Indenter, MeshLayout, SurfaceSystem,
+    Accuracy, Boundary, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
+    InvalidQuantity, Lens, Load, Material, MeshLayout, Method, PillarCompliance, PunchForm,
+    Quantity, Requirement, SurfaceSystem, System,
 };
-use fakir::problem::{
-    HexagonalLattice, InvalidQuantity, Lens, Material, PillarCompliance, Quantity, Requirement,
-    System,
+use fakir::state::{
+    CancelToken, ErrorEstimate, Run, SolveError, SurfaceContact, SurfaceError, Termination,
 };
-use fakir::state::{CancelToken, ErrorEstimate, Run, SolveError, Termination};
-use fakir::state::{SurfaceContact, SurfaceError};
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy)]

@@ -5,12 +5,10 @@
 mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_system};
-use fakir::problem::{Method, PunchForm};
-use fakir::problem::{PillarCompliance, System};
+use fakir::problem::{Method, PillarCompliance, PunchForm, System};
 use fakir::state::{CriticalState, Run};
-use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::Form;
-use fakir::theory::homogenised;
+use fakir::theory::{closed_forms, homogenised};
 use std::sync::LazyLock;
 
 const RIGID: f64 = 1e9;

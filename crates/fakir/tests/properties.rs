@@ -3,9 +3,9 @@
 //! The cases are the same in every run; a failing one is shrunk and printed.
 
 use fakir::problem::{
-    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
+    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, Point, System,
+    Texture,
 };
-use fakir::problem::{Load, Method};
 use fakir::state::{ContactState, Fields, PillarState, PillarStatus, Regime, Run, SolveError};
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};

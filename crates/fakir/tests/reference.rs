@@ -9,8 +9,7 @@
 mod common;
 
 use common::{paper_lattice, paper_system};
-use fakir::problem::{Accuracy, Method};
-use fakir::problem::{PillarCompliance, Point, System};
+use fakir::problem::{Accuracy, Method, PillarCompliance, Point, System};
 use fakir::state::{ContactState, CriticalState, PillarStatus, Regime, Run};
 use std::sync::LazyLock;
 

@@ -1,7 +1,9 @@
 //! The lightest touches: a lens beside a pillar meets its rim, and the contact is a sliver along it.
 
-use fakir::problem::{Accuracy, Load, Method};
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
+    Texture,
+};
 use fakir::state::{ContactState, Run};
 use std::f64::consts::FRAC_PI_6;
 

@@ -5,11 +5,11 @@ mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
-use fakir::problem::{Boundary, Floor, Grid, HeightMap, Indenter, PillarColumns, SurfaceSystem};
-use fakir::problem::{Lens, Material, PillarCompliance, Quantity};
-use fakir::problem::{Load, Method};
-use fakir::state::{CancelToken, Regime, Run};
-use fakir::state::{SurfaceContact, SurfaceError, SurfaceWarning};
+use fakir::problem::{
+    Boundary, Floor, Grid, HeightMap, Indenter, Lens, Load, Material, Method, PillarColumns,
+    PillarCompliance, Quantity, SurfaceSystem,
+};
+use fakir::state::{CancelToken, Regime, Run, SurfaceContact, SurfaceError, SurfaceWarning};
 use std::f64::consts::PI;
 
 const LENS_RADIUS: f64 = 1.0e-3;

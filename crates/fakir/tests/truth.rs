@@ -6,9 +6,9 @@ mod common;
 mod squares;
 
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
-use fakir::problem::{Accuracy, Load, Method, PunchForm};
 use fakir::problem::{
-    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, Point,
+    PunchForm, System, Texture,
 };
 use fakir::state::{
     CancelToken, ContactState, CriticalState, Fields, PillarStatus, Regime, Run, SolveError, Stage,

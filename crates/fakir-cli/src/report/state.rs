@@ -3,8 +3,7 @@
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
 use fakir::Difference;
-use fakir::problem::Method;
-use fakir::problem::System;
+use fakir::problem::{Method, System};
 use fakir::state::{ContactState, ErrorEstimate, Normalized};
 use fakir_case::unit::Dimension;
 

@@ -6,11 +6,9 @@ use super::state::{QuantityList, difference, further_on, loading_remark, radius_
 use super::table::{Column, table};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::Question;
-use fakir::problem::Boundary;
-use fakir::problem::Load;
 use fakir::problem::pattern::{Arrangement, CrossSection, Pattern};
-use fakir::state::Regime;
-use fakir::state::{Shares, SurfaceContact, SurfaceTransition};
+use fakir::problem::{Boundary, Load};
+use fakir::state::{Regime, Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};

@@ -12,10 +12,8 @@ mod vti;
 
 use crate::output::File;
 use crate::provenance::Provenance;
-use fakir::problem::Point;
-use fakir::problem::{Floor, SurfaceSystem};
-use fakir::state::SurfaceContact;
-use fakir::state::{ContactState, FieldSamples, Run, SolveError};
+use fakir::problem::{Floor, Point, SurfaceSystem};
+use fakir::state::{ContactState, FieldSamples, Run, SolveError, SurfaceContact};
 
 /// Most points across: three fields of so many squared take 100 MB.
 pub const MOST_POINTS: usize = 2048;

@@ -4,8 +4,7 @@ use super::surface::{GridObject, METHOD, boundary_name, indenter_name};
 use super::{SurfaceTransitionSummary, TransitionSummary};
 use crate::VERSION;
 use fakir::problem::SurfaceSystem;
-use fakir::state::ContactState;
-use fakir::state::{Shares, SurfaceContact, SurfaceTransition};
+use fakir::state::{ContactState, Shares, SurfaceContact, SurfaceTransition};
 use serde::Serialize;
 
 /// A state of the loading: a row of `approach.csv`.

@@ -27,8 +27,7 @@ pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 use crate::output::File;
 use fakir::Question;
 use fakir::problem::Load;
-use fakir::state::SurfaceContact;
-use fakir::state::{ContactState, ErrorEstimate, Normalized};
+use fakir::state::{ContactState, ErrorEstimate, Normalized, SurfaceContact};
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;
 

@@ -2,10 +2,8 @@
 
 use super::RelativeErrors;
 use crate::VERSION;
-use fakir::problem::Point;
-use fakir::problem::{Boundary, Floor, Grid, Indenter, SurfaceSystem};
-use fakir::state::Certificate;
-use fakir::state::{Share, SurfaceContact, SurfaceTransition};
+use fakir::problem::{Boundary, Floor, Grid, Indenter, Point, SurfaceSystem};
+use fakir::state::{Certificate, Share, SurfaceContact, SurfaceTransition};
 use serde::Serialize;
 
 /// By which method surfaces are solved.

@@ -2,8 +2,7 @@
 
 use crate::VERSION;
 use crate::closed_forms::{ClosedForm, LARGEST_SUM, closed_forms, touches_one_pillar};
-use fakir::problem::Method;
-use fakir::problem::System;
+use fakir::problem::{Method, System};
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir::theory::closed_forms::{
     Form, TransitionEstimate, hertz_contact_radius, large_contact_radius, small_contact_limit,

@@ -5,8 +5,7 @@ use super::surface::{METHOD, boundary_name, indenter_name};
 use crate::VERSION;
 use crate::surfaces::SurfaceVerification;
 use fakir::problem::{Load, Method};
-use fakir::state::ContactState;
-use fakir::state::SurfaceContact;
+use fakir::state::{ContactState, SurfaceContact};
 use fakir::{Difference, Question, Verification};
 use serde::Serialize;
 

@@ -1,9 +1,10 @@
 //! What is asked twice of a system, and by how much the answers differ.
 
 use crate::draw::{Asked, Drawn, load};
-use fakir::problem::ElementMesh;
-use fakir::problem::{Accuracy, Load, Method, PunchForm};
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, System, Texture};
+use fakir::problem::{
+    Accuracy, ElementMesh, HexagonalLattice, Lens, Load, Material, Method, Pillar, PunchForm,
+    System, Texture,
+};
 use fakir::state::{ContactState, ErrorEstimate, Run, SolveError};
 use fakir::{Question, Verdict, verify};
 use std::f64::consts::FRAC_PI_3;

@@ -1,8 +1,7 @@
 //! Random systems and questions, over all that is allowed.
 
-use fakir::problem::Load;
 use fakir::problem::{
-    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
+    HexagonalLattice, Lens, Load, Material, Pillar, PillarCompliance, Point, System, Texture,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

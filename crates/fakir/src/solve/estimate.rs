@@ -292,9 +292,11 @@ fn degree_changes(
             for (load, far) in load.iter_mut().zip(&*loads[0]).skip(modes) {
                 *load -= far;
             }
-            let mut active = solver.first_guess(&newton.tops.top, &load);
-            solver.solve(&newton.tops.top, &load, &mut active);
-            solver.coefficients(&newton.tops.top, &load, extra);
+            let own = newton.tops.partial_coefficients(pillar, &load, solver);
+            extra.fill(0.0);
+            for (extra, own) in extra.iter_mut().zip(own) {
+                *extra = own;
+            }
         }
         let own_modes = pillar * modes..(pillar + 1) * modes;
         let known = &total[own_modes.clone()];

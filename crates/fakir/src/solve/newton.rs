@@ -365,8 +365,8 @@ impl<'a> Newton<'a> {
 
     /// All coefficients of a partially touched pillar.
     pub(crate) fn partial_coefficients(&self, pillar: usize, solver: &mut LocalSolver) -> Vec<f64> {
-        let incident = |pillar: usize, load: &mut [f64]| self.contact.load(pillar, load);
-        self.tops.partial_coefficients(&incident, pillar, solver)
+        self.tops
+            .partial_coefficients(pillar, &self.full_load(pillar), solver)
     }
 
     /// Coefficients of the gap over a pillar top, `Lam c - b`.

@@ -2,8 +2,7 @@
 
 use super::{Indenter, assert_within, error, grid};
 use fakir::halfspace::elements::{FreeSpaceConvolution, displacement_at};
-use fakir::problem::Cells;
-use fakir::problem::Load;
+use fakir::problem::{Cells, Load};
 use std::f64::consts::PI;
 
 /// A paraboloid of radius 1 at this indentation: `a = sqrt(zeta)`, `F = 4/3 zeta^(3/2)` with

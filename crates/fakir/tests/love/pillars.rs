@@ -5,9 +5,9 @@ use super::half_space::hertz_error;
 use super::order::{extrapolated, order};
 use super::{Indenter, assert_within, error, grid};
 use fakir::halfspace::elements::LatticeOfGrids;
-use fakir::problem::{Accuracy, Load, Method};
-use fakir::problem::{Cells, ElementMesh, MeshLayout};
-use fakir::problem::{PillarCompliance, System};
+use fakir::problem::{
+    Accuracy, Cells, ElementMesh, Load, MeshLayout, Method, PillarCompliance, System,
+};
 use fakir::solve::elements::solver;
 use fakir::solve::elements::solver::Settings;
 use fakir::state::{CancelToken, ContactState, CriticalState, Run, Termination};

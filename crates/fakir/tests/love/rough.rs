@@ -3,8 +3,7 @@
 
 use super::{Indenter, dot, grid};
 use fakir::halfspace::elements::{FreeSpaceConvolution, Operator, PeriodicConvolution};
-use fakir::problem::Cells;
-use fakir::problem::Load;
+use fakir::problem::{Cells, Load};
 use fakir::solve::elements::solver::ElementContact;
 use std::f64::consts::PI;
 

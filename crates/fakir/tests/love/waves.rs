@@ -3,8 +3,7 @@
 
 use super::{Indenter, assert_within, grid};
 use fakir::halfspace::elements::PeriodicConvolution;
-use fakir::problem::Cells;
-use fakir::problem::Load;
+use fakir::problem::{Cells, Load};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Amplitude of the waves, whose length is 1: `E* = 1` throughout.

@@ -167,21 +167,20 @@ impl<'a> Tops<'a> {
         load
     }
 
-    /// All coefficients of a partially touched pillar.
+    /// All coefficients of a partially touched pillar under a load, starting from its state.
     pub(crate) fn partial_coefficients(
         &self,
-        incident: &Incident<'_>,
         pillar: usize,
+        load: &[f64],
         solver: &mut LocalSolver,
     ) -> Vec<f64> {
-        let load = self.full_load(incident, pillar);
         let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
             Some(partial) => partial.active.clone(),
-            None => solver.first_guess(&self.top, &load),
+            None => solver.first_guess(&self.top, load),
         };
-        solver.solve(&self.top, &load, &mut active);
+        solver.solve(&self.top, load, &mut active);
         let mut coefficients = vec![0.0; self.top.count()];
-        solver.coefficients(&self.top, &load, &mut coefficients);
+        solver.coefficients(&self.top, load, &mut coefficients);
         coefficients
     }
 
