@@ -1,6 +1,6 @@
 //! Why there is no result, what the user is told, and with which exit status.
 
-use fakir::state::{SolveError, SurfaceError};
+use fakir::state::SolveError;
 use fakir_case::CaseError;
 use fakir_figure::FigureError;
 use fakir_inverse::design::DesignError;
@@ -22,8 +22,6 @@ pub(crate) enum Failure {
     Case(#[from] CaseError),
     #[error(transparent)]
     Solve(#[from] SolveError),
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
     #[error(transparent)]
     Output(#[from] OutputError),
     #[error(transparent)]
@@ -72,7 +70,6 @@ impl From<ApproachError> for Failure {
     fn from(error: ApproachError) -> Self {
         match error {
             ApproachError::Solve(error) => error.into(),
-            ApproachError::Surface(error) => error.into(),
             other => Self::Argument(other.to_string()),
         }
     }
@@ -107,7 +104,6 @@ impl Failure {
         matches!(
             self,
             Self::Solve(SolveError::Interrupted)
-                | Self::Surface(SurfaceError::Interrupted)
                 | Self::Design(DesignError::Solve(SolveError::Interrupted))
                 | Self::Spread(SpreadError::Solve(SolveError::Interrupted))
                 | Self::Fit(FitError::Solve(SolveError::Interrupted))
@@ -144,7 +140,6 @@ impl Failure {
             #[cfg(feature = "explore")]
             Self::Explore(_) => 2,
             Self::Solve(SolveError::InvalidQuantity(_))
-            | Self::Surface(SurfaceError::InvalidQuantity(_))
             | Self::Case(_)
             | Self::Output(_)
             | Self::Study(_)
@@ -154,7 +149,6 @@ impl Failure {
             Self::Design(DesignError::NotConverged { .. }) => 1,
             Self::Solve(_)
             | Self::Figure(_)
-            | Self::Surface(_)
             | Self::Design(DesignError::Solve(_))
             | Self::Spread(SpreadError::Solve(_))
             | Self::Fit(

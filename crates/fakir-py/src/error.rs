@@ -1,6 +1,6 @@
 //! Errors of the libraries as exceptions of `fakir.errors`, with the same words.
 
-use fakir::state::{SolveError, SurfaceError};
+use fakir::state::SolveError;
 use fakir_inverse::design::DesignError;
 use fakir_inverse::fit::FitError;
 use fakir_inverse::spread::SpreadError;
@@ -71,23 +71,14 @@ pub(crate) fn solve_error(error: &SolveError) -> PyErr {
 pub(crate) fn approach_error(error: &ApproachError) -> PyErr {
     match error {
         ApproachError::Solve(error) => solve_error(error),
-        ApproachError::Surface(error) => surface_error(error),
         other => value_error(other),
-    }
-}
-
-pub(crate) fn surface_error(error: &SurfaceError) -> PyErr {
-    match error {
-        SurfaceError::Interrupted => PyKeyboardInterrupt::new_err(()),
-        SurfaceError::InvalidQuantity(_) => value_error(error),
-        _ => exceptions::SolveError::new_err(error.to_string()),
     }
 }
 
 pub(crate) fn surface_verify_error(error: &SurfaceVerifyError) -> PyErr {
     match error {
         SurfaceVerifyError::Case(error) => case_error(error),
-        SurfaceVerifyError::Surface(error) => surface_error(error),
+        SurfaceVerifyError::Surface(error) => solve_error(error),
         other => value_error(other),
     }
 }

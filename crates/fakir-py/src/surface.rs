@@ -1,6 +1,6 @@
 //! A lens or a plate on a height map.
 
-use crate::error::{approach_error, case_error, surface_error, surface_verify_error, value_error};
+use crate::error::{approach_error, case_error, solve_error, surface_verify_error, value_error};
 use crate::state::load;
 use crate::watched::{Options, watched};
 use fakir::Question;
@@ -227,7 +227,7 @@ pub(crate) fn press_surface(
     let load = load(indentation, force)?;
     let start = Instant::now();
     let contact = watched(py, &options, |run| surface.system.press(load, run))?;
-    let contact = contact.map_err(|error| surface_error(&error))?;
+    let contact = contact.map_err(|error| solve_error(&error))?;
     Ok(surface.contact(contact, start.elapsed().as_secs_f64()))
 }
 
@@ -243,7 +243,7 @@ pub(crate) fn surface_transition(
         .ok_or_else(|| value_error("which cells are floor is not known: give floor, a height"))?;
     let start = Instant::now();
     let found = watched(py, &options, |run| surface.system.transition(floor, run))?;
-    let found = found.map_err(|error| surface_error(&error))?;
+    let found = found.map_err(|error| solve_error(&error))?;
     surface.reached(py, found, start.elapsed().as_secs_f64())
 }
 

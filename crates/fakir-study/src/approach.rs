@@ -8,7 +8,7 @@ use crate::result::{
 };
 use fakir::problem::{Floor, Load, Method, SurfaceSystem, System};
 use fakir::state::{
-    ContactState, CriticalState, Run, SolveError, SurfaceContact, SurfaceError, SurfaceTransition,
+    ContactState, CriticalState, Run, SolveError, SurfaceContact, SurfaceTransition,
 };
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
@@ -50,9 +50,6 @@ pub enum ApproachError {
     /// A contact that cannot be computed.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// A contact with a general surface that cannot be computed.
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
     /// A loading up to the critical state of a surface of which nobody knows what is floor.
     #[error(
         "up to where the loading goes is not known: a height map has no pillars that would tell which \

@@ -3,7 +3,7 @@
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use fakir::numerics::convergence::{larger, within};
 use fakir::problem::{ElementMesh, Method};
-use fakir::state::{ErrorEstimate, Run, SurfaceContact, SurfaceError};
+use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact};
 use fakir::{Difference, Doubt, Question, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
@@ -65,7 +65,7 @@ pub enum SurfaceVerifyError {
     Case(#[from] CaseError),
     /// A contact that cannot be computed.
     #[error(transparent)]
-    Surface(#[from] SurfaceError),
+    Surface(#[from] SolveError),
     /// A height map, which is known on its own cells only.
     #[error(
         "a height map cannot be verified: it is known on its own cells only, so that there is no second \
@@ -161,7 +161,7 @@ pub fn verify(
         SurfaceOrigin::Pattern(_) => {}
     }
     let needed = |error: &SurfaceVerifyError| match error {
-        SurfaceVerifyError::Surface(SurfaceError::SurfaceEnds { needed, .. }) => Some(*needed),
+        SurfaceVerifyError::Surface(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
         _ => None,
     };
     let answer = |cells: usize| {
@@ -171,7 +171,7 @@ pub fn verify(
         on_wide_enough_a_grid(&file, run.memory_limit(), needed, |case| {
             Ok(match question {
                 Question::Transition => {
-                    let floor = case.floor.ok_or(SurfaceError::NoFloor)?;
+                    let floor = case.floor.ok_or(SolveError::NoFloor)?;
                     case.system.transition(floor, run)?.contact
                 }
                 Question::Press(load) => case.system.press(load, run)?,

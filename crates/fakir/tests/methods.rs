@@ -9,9 +9,7 @@ use fakir::problem::{
     InvalidQuantity, Lens, Load, Material, MeshLayout, Method, PillarCompliance, PunchForm,
     Quantity, Requirement, SurfaceSystem, System,
 };
-use fakir::state::{
-    CancelToken, ErrorEstimate, Run, SolveError, SurfaceContact, SurfaceError, Termination,
-};
+use fakir::state::{CancelToken, ErrorEstimate, Run, SolveError, SurfaceContact, Termination};
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy)]
@@ -48,19 +46,9 @@ impl From<SolveError> for Refusal {
     fn from(error: SolveError) -> Self {
         match error {
             SolveError::InvalidQuantity(invalid) => Self::Load(invalid),
-            SolveError::TooLarge { bytes, limit, .. } => Self::Memory { bytes, limit },
+            SolveError::TooLarge { bytes, limit, .. }
+            | SolveError::TooManyCells { bytes, limit, .. } => Self::Memory { bytes, limit },
             SolveError::Interrupted => Self::Interrupted,
-            other => Self::NoAnswer(other.to_string()),
-        }
-    }
-}
-
-impl From<SurfaceError> for Refusal {
-    fn from(error: SurfaceError) -> Self {
-        match error {
-            SurfaceError::InvalidQuantity(invalid) => Self::Load(invalid),
-            SurfaceError::TooLarge { bytes, limit, .. } => Self::Memory { bytes, limit },
-            SurfaceError::Interrupted => Self::Interrupted,
             other => Self::NoAnswer(other.to_string()),
         }
     }

@@ -9,7 +9,7 @@ use fakir::problem::{
     Boundary, Floor, Grid, HeightMap, Indenter, Lens, Load, Material, Method, PillarColumns,
     PillarCompliance, Quantity, SurfaceSystem,
 };
-use fakir::state::{CancelToken, Regime, Run, SurfaceContact, SurfaceError, SurfaceWarning};
+use fakir::state::{CancelToken, Regime, Run, SolveError, SurfaceContact, Warning};
 use std::f64::consts::PI;
 
 const LENS_RADIUS: f64 = 1.0e-3;
@@ -135,7 +135,7 @@ fn indentation_counts_from_the_highest_point() {
     let system = SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap();
     // It goes on beyond the map.
     let refused = system.press(Load::Indentation(0.2e-6), &Run::default());
-    assert!(matches!(refused, Err(SurfaceError::SurfaceEnds { .. })));
+    assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
 }
 
 /// The surface is cut off within the contact: no number is given, but the width that would do.
@@ -157,7 +157,7 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
     let run = Run::default();
     // The border of 100 um lies between pillars, 33 um apart: none of them is cut.
     for load in [Load::Indentation(3.0e-6), Load::Force(0.2e-3)] {
-        let Err(SurfaceError::SurfaceEnds { sides, needed }) = pattern(100e-6).press(load, &run)
+        let Err(SolveError::SurfaceEnds { sides, needed }) = pattern(100e-6).press(load, &run)
         else {
             panic!("{load:?}: the contact is 200 um wide");
         };
@@ -172,7 +172,7 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
     }
     let floor = Floor::OffPillars;
     let refused = pattern(100e-6).transition(floor, &run);
-    assert!(matches!(refused, Err(SurfaceError::SurfaceEnds { .. })));
+    assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
     assert!(pattern(300e-6).transition(floor, &run).is_ok());
     // A contact that stays inside is no concern of the border.
     assert!(
@@ -190,7 +190,7 @@ fn a_map_ends_where_its_border_is_reached() {
     assert!(flat.press(Load::Indentation(0.3e-6), &run).is_ok());
     // Hertz's radius of 22 um is beyond the border at 20 um.
     let refused = flat.press(Load::Indentation(0.5e-6), &run);
-    let Err(SurfaceError::SurfaceEnds { needed, .. }) = refused else {
+    let Err(SolveError::SurfaceEnds { needed, .. }) = refused else {
         panic!("{refused:?}");
     };
     assert!(needed > 44e-6 && needed < 80e-6);
@@ -200,9 +200,9 @@ fn a_map_ends_where_its_border_is_reached() {
     let alone = HeightMap::from_height(grid, pillar).unwrap();
     let alone = SurfaceSystem::new(lens(), rubber(), alone, Boundary::FreeSpace).unwrap();
     let contact = press(&alone, Load::Indentation(0.5e-6));
-    assert!(contact.warnings.contains(&SurfaceWarning::ReachesBorder));
+    assert!(contact.warnings.contains(&Warning::ReachesBorder));
     let refused = alone.continued().press(Load::Indentation(0.5e-6), &run);
-    assert!(matches!(refused, Err(SurfaceError::SurfaceEnds { .. })));
+    assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
 }
 
 #[test]
@@ -279,7 +279,7 @@ fn crossed_waves_in_full_contact() {
     let error = system
         .press(Load::Indentation(1.001 * highest), &Run::default())
         .unwrap_err();
-    assert!(matches!(error, SurfaceError::FullContact { .. }));
+    assert!(matches!(error, SolveError::FullContact { .. }));
 }
 
 #[test]
@@ -297,7 +297,7 @@ fn lens_on_a_period_is_free_while_it_is_small() {
     let error = system(Boundary::Periodic)
         .press(Load::Force(0.1), &Run::default())
         .unwrap_err();
-    assert!(matches!(error, SurfaceError::ContactExceedsPeriod { .. }));
+    assert!(matches!(error, SolveError::ContactExceedsPeriod { .. }));
 }
 
 /// Single pillar with a square top of side `across` cells, the rest far below.
@@ -379,7 +379,7 @@ fn what_cannot_be_solved_is_refused() {
     for value in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(
             error(Load::Indentation(value), &run),
-            SurfaceError::InvalidQuantity(refused) if refused.quantity == Quantity::Indentation
+            SolveError::InvalidQuantity(refused) if refused.quantity == Quantity::Indentation
         ));
     }
     let small = Run {
@@ -387,7 +387,7 @@ fn what_cannot_be_solved_is_refused() {
         ..Run::default()
     };
     let refused = error(Load::Indentation(0.2e-6), &small);
-    let SurfaceError::TooLarge {
+    let SolveError::TooManyCells {
         bytes,
         limit,
         cell,
@@ -410,7 +410,7 @@ fn what_cannot_be_solved_is_refused() {
     cancelled.cancel.cancel();
     assert_eq!(
         error(Load::Force(1e-6), &cancelled),
-        SurfaceError::Interrupted
+        SolveError::Interrupted
     );
 
     let grid = Grid::centred(64, 64, 0.05 * LENS_RADIUS).unwrap();
@@ -419,14 +419,14 @@ fn what_cannot_be_solved_is_refused() {
     for load in [Load::Indentation(0.4 * LENS_RADIUS), Load::Force(1.0e3)] {
         let error = wide.press(load, &run).unwrap_err();
         assert!(
-            matches!(error, SurfaceError::ContactExceedsLens { .. }),
+            matches!(error, SolveError::ContactExceedsLens { .. }),
             "{error}"
         );
     }
     let warned = press(&wide, Load::Indentation(0.08 * LENS_RADIUS));
     assert!(matches!(
         warned.warnings[..],
-        [SurfaceWarning::LargeContact { ratio }] if ratio > 0.2 && ratio < 0.4
+        [Warning::LargeContact { ratio }] if ratio > 0.2 && ratio < 0.4
     ));
 }
 
@@ -442,7 +442,7 @@ fn cancelled_from_the_progress_report() {
         ..Run::default()
     };
     let error = system.press(Load::Indentation(0.2e-6), &run).unwrap_err();
-    assert_eq!(error, SurfaceError::Interrupted);
+    assert_eq!(error, SolveError::Interrupted);
 }
 
 /// The paper's texture with pillars of its diameter on the intermediate substrate, under the lens
@@ -570,7 +570,7 @@ fn floor_before_any_pillar() {
     let shares = contact.shares(system.surface(), Floor::OffPillars);
     assert!(shares.floor.force > 0.0 && shares.tops.force.abs() < f64::MIN_POSITIVE);
     let error = flat(64).transition(Floor::AtOrBelow(0.0), &Run::default());
-    assert!(matches!(error, Err(SurfaceError::NoFloor)));
+    assert!(matches!(error, Err(SolveError::NoFloor)));
 }
 
 #[test]

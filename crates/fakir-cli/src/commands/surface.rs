@@ -7,7 +7,7 @@ use crate::report::surface::{loaded, pressed, reached, verified};
 use crate::session::Session;
 use fakir::Question;
 use fakir::problem::Load;
-use fakir::state::SurfaceError;
+use fakir::state::SolveError;
 use fakir_case::{CaseFile, SurfaceCase};
 use fakir_study::approach::{LoadingPath, approach_surface};
 use fakir_study::fields::{FieldMap, MOST_POINTS};
@@ -39,7 +39,7 @@ fn on_wide_enough_a_grid<T>(
     ask: impl FnMut(&SurfaceCase) -> Result<T, Failure>,
 ) -> Result<(SurfaceCase, T, Option<String>), Failure> {
     let needed = |failure: &Failure| match failure {
-        Failure::Surface(SurfaceError::SurfaceEnds { needed, .. }) => Some(*needed),
+        Failure::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
         _ => None,
     };
     let limit = session.run().memory_limit();

@@ -139,7 +139,7 @@ impl SurfaceSystem {
 
     /// The same system, told that the surface goes on around its grid as inside, as a pattern does
     /// of which the grid shows a part: a lens that could touch the highest of it outside is refused
-    /// with [`SurfaceError::SurfaceEnds`](crate::state::SurfaceError::SurfaceEnds). Otherwise that is judged by what lies near the border.
+    /// with [`SolveError::SurfaceEnds`](crate::state::SolveError::SurfaceEnds). Otherwise that is judged by what lies near the border.
     #[must_use]
     pub fn continued(self) -> Self {
         Self {

@@ -68,6 +68,9 @@ pub enum Warning {
         /// Contact radius over lens radius.
         ratio: f64,
     },
+    /// The contact of a plate reaches the border of a grid that stands free, or at the border a lens
+    /// is below the highest of the surface: there may be more contact on a larger surface.
+    ReachesBorder,
 }
 
 /// Contact radius over lens radius beyond which a contact is warned of.
@@ -89,6 +92,10 @@ impl std::fmt::Display for Warning {
                 f,
                 "the contact radius is {ratio:.2} of the lens radius: above 0.2 the lens is no \
                  longer well described as a half-space"
+            ),
+            Self::ReachesBorder => f.write_str(
+                "at the border of the height map what is pressed is as low as the surface: what lies \
+                 outside is taken as out of reach",
             ),
         }
     }

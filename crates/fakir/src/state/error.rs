@@ -84,6 +84,61 @@ pub enum SolveError {
         /// Where the model ends for this lens and substrate.
         limit: f64,
     },
+    /// On a periodic surface, the lens would touch its own images.
+    #[error(
+        "the contact reaches the border of the period, {0:.3e} m by {1:.3e} m around the lens axis, \
+         where the next lens begins: lower the load, or use a larger period or free space", .period[0], .period[1]
+    )]
+    ContactExceedsPeriod {
+        /// Sides of the period, m.
+        period: [f64; 2],
+    },
+    /// On a periodic surface, an indentation beyond the mean displacement that no contact has.
+    #[error(
+        "an indentation of {indentation:.3e} m is not below the mean separation, \
+         {mean_separation:.3e} m, at which a periodic contact is full under any pressure: \
+         prescribe a force"
+    )]
+    FullContact {
+        /// Prescribed indentation, m.
+        indentation: f64,
+        /// Mean separation of the undeformed surfaces, m.
+        mean_separation: f64,
+    },
+    /// The grid ends where the lens may still touch the surface, and what it would bear outside is
+    /// missing.
+    #[error(
+        "the surface ends within reach of the lens: its grid is {:.3e} m by {:.3e} m, and one of \
+         {needed:.3e} m around the lens axis would do: use a larger surface or lower the load",
+        .sides[0], .sides[1]
+    )]
+    SurfaceEnds {
+        /// Sides of the grid, m.
+        sides: [f64; 2],
+        /// Width of a grid around the lens axis that would do, m.
+        needed: f64,
+    },
+    /// There is no floor to be reached.
+    #[error("no cell of the surface under the lens is floor")]
+    NoFloor,
+    /// The cells of a surface do not fit the memory allowed.
+    #[error(
+        "{cells} cells take {} of memory; the limit is {}: raise the limit, lower the \
+         load, or use cells of {:.2e} m or larger in place of {cell:.2e} m",
+        memory(*.bytes), memory(*.limit), .suggested_cell
+    )]
+    TooManyCells {
+        /// Cells that would have to be solved.
+        cells: usize,
+        /// Memory they would take, bytes.
+        bytes: usize,
+        /// Memory allowed, bytes.
+        limit: usize,
+        /// Longer side of a cell, m.
+        cell: f64,
+        /// Longer side of a cell with which it would fit, m.
+        suggested_cell: f64,
+    },
     /// A number of the solution is infinite or undefined, so that there is none.
     #[error(
         "the {what} of the solution is infinite or undefined: there is no result; quantities of \

@@ -24,6 +24,4 @@ pub use error::SolveError;
 pub use fields::Fields;
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
-pub use surface::{
-    Certificate, Share, Shares, SurfaceContact, SurfaceError, SurfaceTransition, SurfaceWarning,
-};
+pub use surface::{Certificate, Share, Shares, SurfaceContact, SurfaceTransition};

@@ -1,10 +1,10 @@
 //! The contact with any surface, cell by cell.
 
 use super::checked::check_number;
-use super::contact::{ErrorEstimate, Termination};
+use super::contact::{ErrorEstimate, Termination, Warning};
 use super::critical::Regime;
-use super::error::memory;
-use crate::problem::{Floor, Grid, HeightMap, InvalidQuantity, Point};
+use super::error::SolveError;
+use crate::problem::{Floor, Grid, HeightMap, Point};
 
 /// The contact of an indenter with a surface. Fields have one value for every cell of the grid.
 #[derive(Debug, Clone)]
@@ -37,40 +37,37 @@ pub struct SurfaceContact {
     /// Products with the operator on the last level.
     pub products: usize,
     /// What to be careful about.
-    pub warnings: Vec<SurfaceWarning>,
+    pub warnings: Vec<Warning>,
 }
 
 impl SurfaceContact {
     /// The contact as it is handed out: all of its numbers are numbers, and no zero has a sign.
-    pub(crate) fn checked(mut self) -> Result<Self, SurfaceError> {
-        let check = |what, value: &mut f64| {
-            check_number(what, value).map_err(|_| SurfaceError::NotFinite { what })
-        };
-        check("force", &mut self.force)?;
-        check("indentation", &mut self.indentation)?;
-        check("contact area", &mut self.contact_area)?;
+    pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
+        check_number("force", &mut self.force)?;
+        check_number("indentation", &mut self.indentation)?;
+        check_number("contact area", &mut self.contact_area)?;
         if let Some(radius) = &mut self.contact_radius {
-            check("contact radius", radius)?;
+            check_number("contact radius", radius)?;
         }
         if let Some(error) = &mut self.error {
-            check("error estimate of the force", &mut error.force)?;
-            check("error estimate of the indentation", &mut error.indentation)?;
+            check_number("error estimate of the force", &mut error.force)?;
+            check_number("error estimate of the indentation", &mut error.indentation)?;
         }
         let certificate = &mut self.certificate;
-        check("energy error", &mut certificate.energy_bound)?;
-        check("interpenetration", &mut certificate.interpenetration)?;
-        check("gap under pressure", &mut certificate.gap_under_pressure)?;
+        check_number("energy error", &mut certificate.energy_bound)?;
+        check_number("interpenetration", &mut certificate.interpenetration)?;
+        check_number("gap under pressure", &mut certificate.gap_under_pressure)?;
         for value in &mut self.pressure {
-            check("pressure", value)?;
+            check_number("pressure", value)?;
         }
         for value in &mut self.displacement {
-            check("displacement", value)?;
+            check_number("displacement", value)?;
         }
         for value in self.gap.iter_mut().filter(|gap| **gap < f64::INFINITY) {
-            check("gap", value)?;
+            check_number("gap", value)?;
         }
         if self.gap.iter().any(|gap| gap.is_nan()) {
-            return Err(SurfaceError::NotFinite { what: "gap" });
+            return Err(SolveError::NotFinite { what: "gap" });
         }
         Ok(self)
     }
@@ -151,123 +148,6 @@ pub struct SurfaceTransition {
     pub contact: SurfaceContact,
     /// Centre of the floor cell that is touched, m.
     pub floor_contact: Point,
-}
-
-/// A condition under which a contact should be read with care.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum SurfaceWarning {
-    /// The contact radius is more than a fifth of the lens radius, where treating the lens as
-    /// a half-space becomes doubtful.
-    LargeContact {
-        /// Contact radius over lens radius.
-        ratio: f64,
-    },
-    /// The contact of a plate reaches the border of a grid that stands free, or at the border a lens
-    /// is below the highest of the surface: there may be more contact on a larger surface.
-    ReachesBorder,
-}
-
-impl std::fmt::Display for SurfaceWarning {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::LargeContact { ratio } => {
-                crate::state::contact::Warning::LargeContact { ratio: *ratio }.fmt(f)
-            }
-            Self::ReachesBorder => f.write_str(
-                "at the border of the height map what is pressed is as low as the surface: what lies \
-                 outside is taken as out of reach",
-            ),
-        }
-    }
-}
-
-/// Why no contact with a surface can be given.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SurfaceError {
-    /// A prescribed load that cannot be.
-    #[error(transparent)]
-    InvalidQuantity(#[from] InvalidQuantity),
-    /// The contact would reach past half the lens radius.
-    #[error(
-        "the contact would reach {:.3e} m from the lens axis, more than half the lens radius \
-         {lens_radius:.3e} m, where a lens is not a half-space: lower the load or use a larger lens",
-        .contact_radius
-    )]
-    ContactExceedsLens {
-        /// Contact radius, or a lower bound on it, m.
-        contact_radius: f64,
-        /// Lens radius, m.
-        lens_radius: f64,
-    },
-    /// On a periodic surface, the lens would touch its own images.
-    #[error(
-        "the contact reaches the border of the period, {0:.3e} m by {1:.3e} m around the lens axis, \
-         where the next lens begins: lower the load, or use a larger period or free space", .period[0], .period[1]
-    )]
-    ContactExceedsPeriod {
-        /// Sides of the period, m.
-        period: [f64; 2],
-    },
-    /// On a periodic surface, an indentation beyond the mean displacement that no contact has.
-    #[error(
-        "an indentation of {indentation:.3e} m is not below the mean separation, \
-         {mean_separation:.3e} m, at which a periodic contact is full under any pressure: \
-         prescribe a force"
-    )]
-    FullContact {
-        /// Prescribed indentation, m.
-        indentation: f64,
-        /// Mean separation of the undeformed surfaces, m.
-        mean_separation: f64,
-    },
-    /// The grid ends where the lens may still touch the surface, and what it would bear outside is
-    /// missing.
-    #[error(
-        "the surface ends within reach of the lens: its grid is {:.3e} m by {:.3e} m, and one of \
-         {needed:.3e} m around the lens axis would do: use a larger surface or lower the load",
-        .sides[0], .sides[1]
-    )]
-    SurfaceEnds {
-        /// Sides of the grid, m.
-        sides: [f64; 2],
-        /// Width of a grid around the lens axis that would do, m.
-        needed: f64,
-    },
-    /// A number of the solution is infinite or undefined, so that there is none.
-    #[error(
-        "the {what} of the solution is infinite or undefined: there is no result; quantities of \
-         the case may be too many orders of magnitude apart"
-    )]
-    NotFinite {
-        /// Which one.
-        what: &'static str,
-    },
-    /// There is no floor to be reached.
-    #[error("no cell of the surface under the lens is floor")]
-    NoFloor,
-    /// The problem does not fit the memory allowed.
-    #[error(
-        "{cells} cells take {} of memory; the limit is {}: raise the limit, lower the \
-         load, or use cells of {:.2e} m or larger in place of {cell:.2e} m",
-        memory(*.bytes), memory(*.limit), .suggested_cell
-    )]
-    TooLarge {
-        /// Cells that would have to be solved.
-        cells: usize,
-        /// Memory they would take, bytes.
-        bytes: usize,
-        /// Memory allowed, bytes.
-        limit: usize,
-        /// Longer side of a cell, m.
-        cell: f64,
-        /// Longer side of a cell with which it would fit, m.
-        suggested_cell: f64,
-    },
-    /// The caller asked to stop.
-    #[error("interrupted")]
-    Interrupted,
 }
 
 /// How well pressures meet the contact conditions. Pressures are never negative.

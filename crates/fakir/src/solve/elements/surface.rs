@@ -31,16 +31,16 @@
 use super::surface_level::{Level, Pressed, check_fields};
 use crate::numerics::convergence::larger;
 use crate::problem::{Boundary, Floor, HeightMap, Load, SurfaceSystem};
-use crate::state::{ErrorEstimate, Regime, Run, SurfaceContact, SurfaceError, SurfaceTransition};
+use crate::state::{ErrorEstimate, Regime, Run, SolveError, SurfaceContact, SurfaceTransition};
 
 impl SurfaceSystem {
     /// The contact under a load.
     ///
     /// # Errors
     /// A load that cannot be, a contact too large for the lens, the period or the memory
-    /// allowed, or interruption: see [`SurfaceError`]. A solution that did not converge is not an
+    /// allowed, or interruption: see [`SolveError`]. A solution that did not converge is not an
     /// error: it says so in [`SurfaceContact::termination`].
-    pub fn press(&self, load: Load, run: &Run<'_>) -> Result<SurfaceContact, SurfaceError> {
+    pub fn press(&self, load: Load, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
         let load = self.checked(load)?;
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
@@ -77,12 +77,8 @@ impl SurfaceSystem {
     /// indentation, as no free part of the surface is moved by more than the parts in contact.
     ///
     /// # Errors
-    /// As [`press`](Self::press); and [`SurfaceError::NoFloor`] if no cell is floor.
-    pub fn transition(
-        &self,
-        floor: Floor,
-        run: &Run<'_>,
-    ) -> Result<SurfaceTransition, SurfaceError> {
+    /// As [`press`](Self::press); and [`SolveError::NoFloor`] if no cell is floor.
+    pub fn transition(&self, floor: Floor, run: &Run<'_>) -> Result<SurfaceTransition, SolveError> {
         let mut solved: Option<(Level<'_>, Pressed, usize)> = None;
         let mut history = Vec::new();
         check_fields(&self.surface, run)?;
@@ -99,7 +95,7 @@ impl SurfaceSystem {
             history.push([pressed.force, pressed.indentation]);
             solved = Some((level, pressed, cell));
         }
-        let (level, pressed, cell) = solved.ok_or(SurfaceError::NoFloor)?;
+        let (level, pressed, cell) = solved.ok_or(SolveError::NoFloor)?;
         let columns = self.surface.grid().columns();
         let floor_contact = self.surface.grid().centre(cell % columns, cell / columns);
         let contact = level.finish(&pressed, estimate(&history))?.checked()?;
@@ -136,7 +132,7 @@ impl SurfaceSystem {
     }
 
     /// The load, relative to the size of a cell.
-    fn checked(&self, load: Load) -> Result<Load, SurfaceError> {
+    fn checked(&self, load: Load) -> Result<Load, SolveError> {
         let [width, height] = self.surface.grid().cell();
         Ok(load.checked(0.5 * width.min(height), self.reduced_modulus())?)
     }
@@ -214,7 +210,7 @@ mod tests {
                 let mut bad = contact.clone();
                 *place(&mut bad) = odd;
                 let error = bad.checked().unwrap_err();
-                assert!(matches!(error, SurfaceError::NotFinite { .. }));
+                assert!(matches!(error, SolveError::NotFinite { .. }));
             }
             let mut signed = contact.clone();
             *place(&mut signed) = -0.0;

@@ -12,8 +12,8 @@ use crate::solve::elements::solver;
 use crate::solve::spectral::LARGEST_CONTACT;
 use crate::state::contact::DOUBTFUL_CONTACT;
 use crate::state::{
-    Certificate, ErrorEstimate, Progress, Run, Stage, SurfaceContact, SurfaceError, SurfaceWarning,
-    Termination,
+    Certificate, ErrorEstimate, Progress, Run, SolveError, Stage, SurfaceContact, Termination,
+    Warning,
 };
 use std::f64::consts::PI;
 
@@ -152,7 +152,7 @@ impl<'a> Level<'a> {
         }
     }
 
-    pub(super) fn press(&mut self, load: Load) -> Result<Pressed, SurfaceError> {
+    pub(super) fn press(&mut self, load: Load) -> Result<Pressed, SolveError> {
         match load {
             Load::Indentation(indentation) => {
                 self.check_periodic_indentation(indentation)?;
@@ -169,7 +169,7 @@ impl<'a> Level<'a> {
     }
 
     /// Takes in cells until none that is left out can be touched.
-    fn press_with_force(&mut self, force: f64) -> Result<Pressed, SurfaceError> {
+    fn press_with_force(&mut self, force: f64) -> Result<Pressed, SolveError> {
         let mut bound = match self.expected {
             Some(expected) => MARGIN * expected,
             None => self
@@ -219,13 +219,13 @@ impl<'a> Level<'a> {
     }
 
     /// A uniform pressure works against the mean separation alone, unless there are columns.
-    fn check_periodic_indentation(&self, indentation: f64) -> Result<(), SurfaceError> {
+    fn check_periodic_indentation(&self, indentation: f64) -> Result<(), SolveError> {
         let mean_separation = self.separation.iter().sum::<f64>() / self.separation.len() as f64;
         let limited = self.system.boundary() == Boundary::Periodic
             && self.floor.is_none()
             && self.column_compliance.iter().all(|c| *c <= 0.0);
         if limited && indentation >= mean_separation && mean_separation > 0.0 {
-            return Err(SurfaceError::FullContact {
+            return Err(SolveError::FullContact {
                 indentation,
                 mean_separation,
             });
@@ -236,7 +236,7 @@ impl<'a> Level<'a> {
     /// Takes the cells with a separation up to `bound` as unknowns; all in a periodic surface,
     /// where displacements can be negative. None too far out for the lens: a contact that reaches
     /// the last of those kept is refused.
-    fn choose_candidates(&mut self, bound: f64) -> Result<(), SurfaceError> {
+    fn choose_candidates(&mut self, bound: f64) -> Result<(), SolveError> {
         let bound = match self.system.boundary() {
             Boundary::FreeSpace => bound,
             Boundary::Periodic => f64::MAX,
@@ -307,22 +307,22 @@ impl<'a> Level<'a> {
     }
 
     /// Whether `bytes` for `cells` of them fit the memory allowed, with the fields.
-    fn check_memory(&self, cells: usize, bytes: usize) -> Result<(), SurfaceError> {
+    fn check_memory(&self, cells: usize, bytes: usize) -> Result<(), SolveError> {
         let fields = BYTES_PER_CELL * self.separation.len();
         let whole = self.system.surface();
         check_memory(whole, &self.surface, cells, bytes + fields, self.run)
     }
 
-    fn check_cancelled(&self) -> Result<(), SurfaceError> {
+    fn check_cancelled(&self) -> Result<(), SolveError> {
         if self.run.cancel.is_cancelled() {
-            Err(SurfaceError::Interrupted)
+            Err(SolveError::Interrupted)
         } else {
             Ok(())
         }
     }
 
     /// Solves on the candidates, from the pressures known.
-    fn solve(&mut self, load: Load) -> Result<Pressed, SurfaceError> {
+    fn solve(&mut self, load: Load) -> Result<Pressed, SolveError> {
         self.check_cancelled()?;
         let Candidates {
             cells,
@@ -349,7 +349,7 @@ impl<'a> Level<'a> {
             &self.run.cancel,
         );
         if contact.termination == Termination::Interrupted {
-            return Err(SurfaceError::Interrupted);
+            return Err(SolveError::Interrupted);
         }
         self.products += contact.products;
         self.pressure.fill(0.0);
@@ -370,13 +370,13 @@ impl<'a> Level<'a> {
     }
 
     /// Refuses contacts too large for the lens or the period.
-    fn check_extent(&self) -> Result<(), SurfaceError> {
+    fn check_extent(&self) -> Result<(), SolveError> {
         let Indenter::Lens(lens) = self.system.indenter() else {
             return Ok(());
         };
         let contact_radius = self.contact_radius();
         if contact_radius > LARGEST_CONTACT * lens.radius {
-            return Err(SurfaceError::ContactExceedsLens {
+            return Err(SolveError::ContactExceedsLens {
                 contact_radius,
                 lens_radius: lens.radius,
             });
@@ -390,7 +390,7 @@ impl<'a> Level<'a> {
                 x.abs() > 0.5 * period[0] - width || y.abs() > 0.5 * period[1] - height
             });
             if on_border {
-                return Err(SurfaceError::ContactExceedsPeriod { period });
+                return Err(SolveError::ContactExceedsPeriod { period });
             }
         }
         Ok(())
@@ -413,7 +413,7 @@ impl<'a> Level<'a> {
 
     /// Raises the indentation until the gap to the floor that was taken away is closed; with the
     /// cell where it is.
-    pub(super) fn close_floor(&mut self) -> Result<(Pressed, usize), SurfaceError> {
+    pub(super) fn close_floor(&mut self) -> Result<(Pressed, usize), SolveError> {
         let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
         let lowest = self
             .separation
@@ -461,7 +461,7 @@ impl<'a> Level<'a> {
     }
 
     /// The smallest gap to the floor, and its cell.
-    fn floor_gap(&mut self, indentation: f64) -> Result<(f64, usize), SurfaceError> {
+    fn floor_gap(&mut self, indentation: f64) -> Result<(f64, usize), SolveError> {
         let reusable = self.floor_cells.take();
         let known = match reusable.filter(|known| known.bound >= indentation) {
             Some(known) => known,
@@ -484,7 +484,7 @@ impl<'a> Level<'a> {
     }
 
     /// All cells with a separation up to `bound`, floor or not; on a periodic surface all.
-    fn floor_cells_up_to(&self, bound: f64) -> Result<FloorCells<'a>, SurfaceError> {
+    fn floor_cells_up_to(&self, bound: f64) -> Result<FloorCells<'a>, SolveError> {
         let bound = match self.system.boundary() {
             Boundary::FreeSpace => bound,
             Boundary::Periodic => f64::MAX,
@@ -505,7 +505,7 @@ impl<'a> Level<'a> {
         mut self,
         pressed: &Pressed,
         error: Option<ErrorEstimate>,
-    ) -> Result<SurfaceContact, SurfaceError> {
+    ) -> Result<SurfaceContact, SolveError> {
         self.candidates = None;
         self.floor_cells = None;
         let displacement = self.displacement()?;
@@ -538,7 +538,7 @@ impl<'a> Level<'a> {
         })
     }
 
-    fn displacement(&self) -> Result<Vec<f64>, SurfaceError> {
+    fn displacement(&self) -> Result<Vec<f64>, SolveError> {
         let grid = self.surface.grid();
         let cells = Cells::all(grid);
         self.check_memory(cells.len(), self.half_space_memory(&cells))?;
@@ -561,7 +561,7 @@ impl<'a> Level<'a> {
     /// On a free half-space no displacement is negative, so that nothing is touched where the
     /// separation of the undeformed surfaces is larger than the indentation: a grid as wide as that
     /// has all of the contact.
-    fn check_border(&self, displacement: &[f64], indentation: f64) -> Result<(), SurfaceError> {
+    fn check_border(&self, displacement: &[f64], indentation: f64) -> Result<(), SolveError> {
         let (Indenter::Lens(lens), Boundary::FreeSpace) =
             (self.system.indenter(), self.system.boundary())
         else {
@@ -584,7 +584,7 @@ impl<'a> Level<'a> {
         let most = LARGEST_CONTACT * lens.radius;
         // Wider in any case: the reach is found with the contact cut off.
         let needed = (2.0 * MARGIN * reach.min(most)).max(GROWN * sides[0].max(sides[1]));
-        Err(SurfaceError::SurfaceEnds { sides, needed })
+        Err(SolveError::SurfaceEnds { sides, needed })
     }
 
     /// Whether the lens is lower than `level` (m) at the border, or touches a cell there.
@@ -598,12 +598,12 @@ impl<'a> Level<'a> {
         })
     }
 
-    fn warnings(&self, displacement: &[f64], indentation: f64) -> Vec<SurfaceWarning> {
+    fn warnings(&self, displacement: &[f64], indentation: f64) -> Vec<Warning> {
         let mut warnings = Vec::new();
         if let Indenter::Lens(lens) = self.system.indenter() {
             let ratio = self.contact_radius() / lens.radius;
             if ratio > DOUBTFUL_CONTACT {
-                warnings.push(SurfaceWarning::LargeContact { ratio });
+                warnings.push(Warning::LargeContact { ratio });
             }
         }
         // A plate is low everywhere, but bears on nothing where there is no surface.
@@ -614,7 +614,7 @@ impl<'a> Level<'a> {
         if self.system.boundary() == Boundary::FreeSpace
             && self.is_low_at_border(displacement, indentation, level)
         {
-            warnings.push(SurfaceWarning::ReachesBorder);
+            warnings.push(Warning::ReachesBorder);
         }
         warnings
     }
@@ -718,7 +718,7 @@ fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
 }
 
 /// Whether the fields of a surface fit the memory allowed.
-pub(super) fn check_fields(surface: &HeightMap, run: &Run<'_>) -> Result<(), SurfaceError> {
+pub(super) fn check_fields(surface: &HeightMap, run: &Run<'_>) -> Result<(), SolveError> {
     let cells = surface.grid().cell_count();
     check_memory(surface, surface, cells, BYTES_PER_CELL * cells, run)
 }
@@ -730,13 +730,13 @@ fn check_memory(
     cells: usize,
     bytes: usize,
     run: &Run<'_>,
-) -> Result<(), SurfaceError> {
+) -> Result<(), SolveError> {
     let limit = run.memory_limit();
     if bytes <= limit {
         return Ok(());
     }
     let side = |surface: &HeightMap| surface.grid().cell().into_iter().fold(0.0, f64::max);
-    Err(SurfaceError::TooLarge {
+    Err(SolveError::TooManyCells {
         cells,
         bytes,
         limit,
