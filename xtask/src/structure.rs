@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms from the ground up, and the files above them all.
-const ROOMS: [&str; 11] = [
+const ROOMS: [&str; 10] = [
     "numerics",
     "problem",
     "halfspace",
@@ -19,7 +19,6 @@ const ROOMS: [&str; 11] = [
     "verify",
     "kernels",
     "lib",
-    "",
 ];
 
 /// A module by its path, such as `state::fields`, and the modules it uses.

@@ -18,11 +18,11 @@ pub(crate) enum Target {
 
 impl Target {
     /// The indentation at which the frozen contact meets the target, with the floor point that decides it, if one does.
-    /// `None` if no indentation does.
+    /// `lowest` is the lowest point of the floor, where that is the target. `None` if no indentation does.
     pub(crate) fn close<O: Coupling>(
         self,
         contact: &FrozenContact<'_, O>,
-        lowest_floor_point: impl FnOnce() -> Option<FloorPoint>,
+        lowest: Option<FloorPoint>,
     ) -> Option<(f64, Option<FloorPoint>)> {
         match self {
             Self::Indentation(indentation) => Some((indentation, None)),
@@ -31,10 +31,7 @@ impl Target {
                 let missing = force - contact.force();
                 (stiffness > 0.0).then(|| (contact.indentation() + missing / stiffness, None))
             }
-            Self::Floor => {
-                let lowest = lowest_floor_point()?;
-                Some((lowest.indentation, Some(lowest)))
-            }
+            Self::Floor => lowest.map(|point| (point.indentation, lowest)),
         }
     }
 

@@ -293,10 +293,9 @@ fn degree_changes(
                 *load -= far;
             }
             let own = newton.tops.partial_coefficients(pillar, &load, solver);
+            let known = count.min(own.len());
             extra.fill(0.0);
-            for (extra, own) in extra.iter_mut().zip(own) {
-                *extra = own;
-            }
+            extra[..known].copy_from_slice(&own[..known]);
         }
         let own_modes = pillar * modes..(pillar + 1) * modes;
         let known = &total[own_modes.clone()];

@@ -161,6 +161,14 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         load[0] += self.base * UNIT_FORCE;
     }
 
+    /// [`load`](Self::load), to be handed to rules.
+    pub(crate) fn incident(&self) -> impl Fn(usize, &mut [f64]) + Sync
+    where
+        O: Sync,
+    {
+        |place, load| self.load(place, load)
+    }
+
     /// Goes along the response to another indentation.
     pub(crate) fn move_to(&mut self, indentation: f64) {
         let change = indentation - self.base;

@@ -285,23 +285,16 @@ impl<'a> Newton<'a> {
 
     /// The indentation that meets the target with the present responses.
     fn close(&mut self, target: Target) -> Option<(f64, Option<FloorPoint>)> {
-        let Self {
-            contact,
-            tops,
-            exterior,
-            floor,
-            problem,
-            run,
-            ..
-        } = self;
-        target.close(contact, || {
-            search_floor(contact, tops, exterior, floor, problem, run, true)
-        })
+        let lowest = match target {
+            Target::Floor => self.search_floor(true),
+            Target::Indentation(_) | Target::Force(_) => None,
+        };
+        target.close(&self.contact, lowest)
     }
 
     /// Takes over the states that the pillars have under the present loads.
     fn update(&mut self) -> Change {
-        let incident = |pillar: usize, load: &mut [f64]| self.contact.load(pillar, load);
+        let incident = self.contact.incident();
         self.tops
             .update(&incident, self.contact.coefficients(), self.run.workers())
     }
@@ -345,7 +338,7 @@ impl<'a> Newton<'a> {
     /// Whether a pillar counts as touched, or as untouched, only because the modes of the coupling
     /// leave out a part of the lens shape.
     pub(crate) fn has_marginal_pillars(&self) -> bool {
-        let incident = |pillar: usize, load: &mut [f64]| self.contact.load(pillar, load);
+        let incident = self.contact.incident();
         self.tops
             .has_marginal_pillars(&incident, self.run.workers())
     }
@@ -359,7 +352,7 @@ impl<'a> Newton<'a> {
 
     /// Load on a pillar with all modes of the lens shape over its top.
     pub(crate) fn full_load(&self, pillar: usize) -> Vec<f64> {
-        let incident = |pillar: usize, load: &mut [f64]| self.contact.load(pillar, load);
+        let incident = self.contact.incident();
         self.tops.full_load(&incident, pillar)
     }
 
@@ -371,7 +364,7 @@ impl<'a> Newton<'a> {
 
     /// Coefficients of the gap over a pillar top, `Lam c - b`.
     pub(crate) fn gap_coefficients(&self, pillar: usize, coefficients: &[f64]) -> Vec<f64> {
-        let incident = |pillar: usize, load: &mut [f64]| self.contact.load(pillar, load);
+        let incident = self.contact.incident();
         self.tops.gap_coefficients(&incident, pillar, coefficients)
     }
 
@@ -413,15 +406,38 @@ impl<'a> Newton<'a> {
 
     /// The lowest point of the floor under pressures that go with the indentation, or do not.
     fn search_floor(&mut self, with_indentation: bool) -> Option<FloorPoint> {
-        search_floor(
-            &self.contact,
-            &self.tops,
-            &self.exterior,
-            &mut self.floor,
-            self.problem,
-            self.run,
-            with_indentation,
-        )
+        let modes = self.contact.modes();
+        let touched: Vec<usize> = (0..self.tops.window.len())
+            .filter(|&p| self.tops.status[p] != PillarStatus::Untouched)
+            .collect();
+        let gather = |coefficients: &[f64]| -> Vec<f64> {
+            touched
+                .iter()
+                .flat_map(|p| &coefficients[p * modes..(p + 1) * modes])
+                .copied()
+                .collect()
+        };
+        let mut without = gather(self.contact.coefficients());
+        let along = if with_indentation {
+            let unit = gather(&self.contact.unit.coefficients);
+            add_scaled(&mut without, -self.contact.indentation(), &unit);
+            unit
+        } else {
+            vec![0.0; without.len()]
+        };
+        let centres: Vec<Point> = touched
+            .iter()
+            .map(|&p| self.tops.window.centres()[p])
+            .collect();
+        let discs = LoadedDiscs {
+            exterior: &self.exterior,
+            modes,
+            centres: &centres,
+            radius: 1.0,
+            coefficients: [&along, &without],
+            run: self.run,
+        };
+        self.floor.lowest(self.problem, &discs, &self.run.cancel)
     }
 
     /// Takes statuses and leading coefficients of full contact from a coarser solution.
@@ -445,47 +461,6 @@ fn failure(solved: Judgement) -> Option<Termination> {
         Judgement::TooLarge => Some(Termination::Stagnated),
         Judgement::Undefined => Some(Termination::NotFinite),
     }
-}
-
-/// Searches the floor around the touched pillars.
-fn search_floor(
-    contact: &FrozenContact<'_, LatticeCoupling>,
-    tops: &Tops<'_>,
-    exterior: &Exterior,
-    floor: &mut FloorSearch,
-    problem: &Problem,
-    run: &Run<'_>,
-    with_indentation: bool,
-) -> Option<FloorPoint> {
-    let modes = contact.modes();
-    let touched: Vec<usize> = (0..tops.window.len())
-        .filter(|&p| tops.status[p] != PillarStatus::Untouched)
-        .collect();
-    let gather = |coefficients: &[f64]| -> Vec<f64> {
-        touched
-            .iter()
-            .flat_map(|p| &coefficients[p * modes..(p + 1) * modes])
-            .copied()
-            .collect()
-    };
-    let mut without = gather(contact.coefficients());
-    let along = if with_indentation {
-        let unit = gather(&contact.unit.coefficients);
-        add_scaled(&mut without, -contact.indentation(), &unit);
-        unit
-    } else {
-        vec![0.0; without.len()]
-    };
-    let centres: Vec<Point> = touched.iter().map(|&p| tops.window.centres()[p]).collect();
-    let discs = LoadedDiscs {
-        exterior,
-        modes,
-        centres: &centres,
-        radius: 1.0,
-        coefficients: [&along, &without],
-        run,
-    };
-    floor.lowest(problem, &discs, &run.cancel)
 }
 
 #[cfg(test)]

@@ -11,14 +11,12 @@
 use super::error::SolveError;
 use super::fields::{Disc, Fields};
 use super::run::Run;
-use crate::numerics::fft::smooth_size;
+use crate::numerics::fft::{ComplexPlans, smooth_size, transpose};
 use crate::problem::{HexagonalLattice, Point};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// Displacement, gap and pressure at points.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -330,10 +328,7 @@ impl FarField {
 /// Convolution over the lattice of the loads on pillars with what they do at a node of a cell.
 struct Convolution {
     padded: (usize, usize),
-    rows: Arc<dyn Fft<f64>>,
-    rows_back: Arc<dyn Fft<f64>>,
-    columns: Arc<dyn Fft<f64>>,
-    columns_back: Arc<dyn Fft<f64>>,
+    plans: ComplexPlans,
     /// For every place of the array, the vector from a pillar to the middle of a cell; none where
     /// the pillar is near, or where there is no such pair.
     vectors: Vec<Option<Point>>,
@@ -341,7 +336,6 @@ struct Convolution {
 
 impl Convolution {
     fn new(far: &FarField, padded: (usize, usize)) -> Self {
-        let mut planner = FftPlanner::new();
         let shape = (far.cells.shape(), far.pillars.shape());
         // Place k of the array holds the difference k, or k - padded where that is negative.
         let difference = |k: usize, cells: usize, pillars: usize, padded: usize| -> Option<i64> {
@@ -368,10 +362,7 @@ impl Convolution {
             .collect();
         Self {
             padded,
-            rows: planner.plan_fft_forward(padded.1),
-            rows_back: planner.plan_fft_inverse(padded.1),
-            columns: planner.plan_fft_forward(padded.0),
-            columns_back: planner.plan_fft_inverse(padded.0),
+            plans: ComplexPlans::new(padded.0, padded.1),
             vectors,
         }
     }
@@ -414,7 +405,7 @@ impl Convolution {
                 array[row * self.padded.1 + column].re = *c;
             }
         }
-        self.transform(array, &self.rows, &self.columns)
+        self.transform(array)
     }
 
     /// Far field in every cell at two nodes.
@@ -440,7 +431,7 @@ impl Convolution {
         }
         let mut product = vec![Complex64::default(); size];
         for (kernel, load) in kernels.into_iter().zip(loads) {
-            let kernel = self.transform(kernel, &self.rows, &self.columns);
+            let kernel = self.transform(kernel);
             for ((sum, k), l) in product.iter_mut().zip(&kernel).zip(load) {
                 *sum += k * l;
             }
@@ -454,34 +445,23 @@ impl Convolution {
     }
 
     /// Transform of an array; the result has rows and columns exchanged.
-    fn transform(
-        &self,
-        mut array: Vec<Complex64>,
-        rows: &Arc<dyn Fft<f64>>,
-        columns: &Arc<dyn Fft<f64>>,
-    ) -> Vec<Complex64> {
-        rows.process(&mut array);
-        let mut turned = transposed(&array, self.padded.1);
-        columns.process(&mut turned);
+    fn transform(&self, mut array: Vec<Complex64>) -> Vec<Complex64> {
+        let (rows, columns) = self.padded;
+        self.plans.row.process(&mut array);
+        let mut turned = vec![Complex64::default(); array.len()];
+        transpose(&array, &mut turned, rows, columns);
+        self.plans.column.process(&mut turned);
         turned
     }
 
     fn transform_back(&self, mut array: Vec<Complex64>) -> Vec<Complex64> {
-        self.columns_back.process(&mut array);
-        let mut turned = transposed(&array, self.padded.0);
-        self.rows_back.process(&mut turned);
+        let (rows, columns) = self.padded;
+        self.plans.column_back.process(&mut array);
+        let mut turned = vec![Complex64::default(); array.len()];
+        transpose(&array, &mut turned, columns, rows);
+        self.plans.row_back.process(&mut turned);
         turned
     }
-}
-
-/// The transpose of an array with rows of `columns` elements.
-fn transposed(array: &[Complex64], columns: usize) -> Vec<Complex64> {
-    let rows = array.len() / columns;
-    let mut turned = Vec::with_capacity(array.len());
-    for column in 0..columns {
-        turned.extend((0..rows).map(|row| array[row * columns + column]));
-    }
-    turned
 }
 
 #[cfg(test)]
