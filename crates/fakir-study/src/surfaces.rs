@@ -1,7 +1,7 @@
 //! Cases with a general surface: on a grid that is wide enough for the contact, and on two meshes.
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
-use fakir::numerics::convergence::{larger, within};
+use fakir::numerics::convergence::larger;
 use fakir::problem::{ElementMesh, Method};
 use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact};
 use fakir::{Difference, Doubt, Question, Verdict};
@@ -93,14 +93,10 @@ pub struct SurfaceVerification {
     pub indentation: Difference,
 }
 
-/// Sum of error estimates from which there is nothing to compare.
-const NO_DIGITS: f64 = 1.0;
-
 impl SurfaceVerification {
     /// What the two meshes say of each other, and why it cannot be told, if it cannot.
     #[must_use]
     pub fn verdict(&self) -> (&'static str, Option<String>) {
-        let doubt = |doubt: Doubt| Some((Verdict::CannotTell(doubt).name(), doubt.to_string()));
         let failed = self.answers.iter().zip(self.cells_per_diameter).find_map(
             |(Answered { answer, .. }, cells_per_diameter)| {
                 let method = Method::Love(ElementMesh {
@@ -116,23 +112,14 @@ impl SurfaceVerification {
             },
         );
         let allowed = larger(self.force.allowed, self.indentation.allowed);
-        let unknown = if let Some(failed) = failed {
-            doubt(failed)
-        } else if allowed.is_nan() {
+        if failed.is_none() && allowed.is_nan() {
             let name = Verdict::CannotTell(Doubt::NoDigits { allowed }).name();
             let reason = "there are too few cells to estimate the error";
-            Some((name, reason.to_owned()))
-        } else if !(self.force.is_allowed() && self.indentation.is_allowed()) {
-            return (Verdict::Disagree.name(), None);
-        } else if within(NO_DIGITS, allowed) {
-            doubt(Doubt::NoDigits { allowed })
-        } else {
-            None
-        };
-        match unknown {
-            Some((name, reason)) => (name, Some(reason)),
-            None => (Verdict::Agree.name(), None),
+            return (name, Some(reason.to_owned()));
         }
+        let verdict = Verdict::of(failed, self.force, self.indentation);
+        let reason = verdict.doubt().map(|doubt| doubt.to_string());
+        (verdict.name(), reason)
     }
 
     /// Whether both converged and agree within their error estimates.
@@ -186,16 +173,7 @@ pub fn verify(
             let estimate = answers[mesh].answer.error.as_ref();
             estimate.map_or(f64::NAN, error)
         });
-        Difference {
-            relative: if fine != 0.0 {
-                coarse / fine - 1.0
-            } else if coarse == 0.0 {
-                0.0
-            } else {
-                1.0
-            },
-            allowed: estimates[0] + estimates[1],
-        }
+        Difference::of(coarse, fine, estimates[0] + estimates[1])
     };
     Ok(SurfaceVerification {
         force: difference(|contact| contact.force, |error| error.force),

@@ -52,6 +52,22 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// What is to be said of the differences in force and indentation between two answers, of which one may have
+    /// `failed`.
+    #[must_use]
+    pub fn of(failed: Option<Doubt>, force: Difference, indentation: Difference) -> Self {
+        let allowed = larger(force.allowed, indentation.allowed);
+        if let Some(doubt) = failed {
+            Self::CannotTell(doubt)
+        } else if !(force.is_allowed() && indentation.is_allowed()) {
+            Self::Disagree
+        } else if within(NO_DIGITS, allowed) {
+            Self::CannotTell(Doubt::NoDigits { allowed })
+        } else {
+            Self::Agree
+        }
+    }
+
     /// `"agree"`, `"disagree"` or `"cannot tell"`.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -128,14 +144,16 @@ const NO_DIGITS: f64 = 1.0;
 const ROUNDING: f64 = 1e-12;
 
 impl Difference {
-    fn of(elements: f64, spectral: f64, allowed: f64) -> Self {
-        let relative = if spectral != 0.0 {
-            elements / spectral - 1.0
-        } else if elements == 0.0 {
+    /// Between a value and the one it is compared with, where the error estimates allow so much, relatively.
+    #[must_use]
+    pub fn of(value: f64, other: f64, allowed: f64) -> Self {
+        let relative = if other != 0.0 {
+            value / other - 1.0
+        } else if value == 0.0 {
             // A state without force has none by either method.
             0.0
         } else {
-            elements.signum()
+            value.signum()
         };
         Self { relative, allowed }
     }
@@ -153,20 +171,12 @@ impl Verification {
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let mut answers = std::iter::once(&self.spectral).chain(&self.elements);
-        if let Some(failed) = answers.find(|state| !state.converged()) {
-            return Verdict::CannotTell(Doubt::NotConverged {
-                method: failed.method,
-                termination: failed.termination,
-            });
-        }
-        if !(self.force.is_allowed() && self.indentation.is_allowed()) {
-            return Verdict::Disagree;
-        }
-        let allowed = larger(self.force.allowed, self.indentation.allowed);
-        if within(NO_DIGITS, allowed) {
-            return Verdict::CannotTell(Doubt::NoDigits { allowed });
-        }
-        Verdict::Agree
+        let failed = answers.find(|state| !state.converged());
+        let failed = failed.map(|state| Doubt::NotConverged {
+            method: state.method,
+            termination: state.termination,
+        });
+        Verdict::of(failed, self.force, self.indentation)
     }
 
     /// Whether both methods converged and agree within their error estimates.
