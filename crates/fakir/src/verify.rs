@@ -235,25 +235,11 @@ pub fn verify(
 mod tests {
     use super::*;
     use crate::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Texture};
-
-    fn paper(surface_fraction: f64) -> System {
-        let material = Material::new(2e6, 0.5);
-        let pillar = Pillar {
-            diameter: 6e-6,
-            height: 2.2e-6,
-            compliance: PillarCompliance::Column,
-        };
-        let lens = Lens {
-            radius: 2.2e-3,
-            material,
-        };
-        let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, 6e-6);
-        System::new(lens, material, Texture { pillar, lattice }).unwrap()
-    }
+    use crate::theory::reference::intermediate;
 
     #[test]
     fn both_methods_agree_on_the_paper_s_system() {
-        let system = paper(0.01);
+        let system = intermediate(0.01);
         let run = Run::default();
         for question in [
             Question::Transition,
@@ -309,7 +295,7 @@ mod tests {
 
     #[test]
     fn verdicts_need_solutions_with_digits() {
-        let system = paper(0.01);
+        let system = intermediate(0.01);
         let mesh = ElementMesh::default();
         let run = Run::default();
         let good = verify(&system, Question::Transition, mesh, &run).unwrap();
@@ -345,7 +331,7 @@ mod tests {
     /// Just beyond first touch no centre of a cell is touched: that is not a force of zero.
     #[test]
     fn elements_that_touch_nothing_know_nothing() {
-        let system = paper(0.01);
+        let system = intermediate(0.01);
         let run = Run::default();
         // The nearest of 16 cells is some 0.19 um from the axis: 8 pm of sag.
         let load = Load::Indentation(1e-12);

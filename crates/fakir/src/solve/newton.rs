@@ -467,26 +467,16 @@ fn failure(solved: Judgement) -> Option<Termination> {
 pub(crate) mod tests {
     use super::*;
     use crate::halfspace::coupling::window::Window;
-    use crate::problem::{
-        HexagonalLattice, Lens, Material, Pillar, PillarCompliance, PunchForm, System, Texture,
-    };
+    use crate::problem::{PillarCompliance, PunchForm};
     use crate::solve::spectral::solve_punch;
+    use crate::theory::reference;
 
     /// The paper's pillars of rubber, the lens axis beside one of them.
     pub(crate) fn problem() -> Problem {
-        let material = Material::new(2e6, 0.5);
-        let pillar = Pillar {
-            diameter: 6e-6,
-            height: 2.2e-6,
-            compliance: PillarCompliance::Column,
-        };
-        let lens = Lens {
-            radius: 2.2e-3,
-            material,
-        };
-        let lattice = HexagonalLattice::with_surface_fraction(0.03, 6e-6).offset_by(0.2);
-        let system = System::new(lens, material, Texture { pillar, lattice });
-        Problem::new(&system.expect("a valid system"))
+        let lattice = reference::lattice(0.03).offset_by(0.2);
+        let compliance = PillarCompliance::Column;
+        let rubber = reference::INTERMEDIATE;
+        Problem::new(&reference::on_lattice(lattice, rubber, compliance))
     }
 
     fn newton<'a>(problem: &'a Problem, run: &'a Run<'a>) -> Newton<'a> {

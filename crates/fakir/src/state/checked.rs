@@ -64,24 +64,12 @@ pub(crate) fn check_number(what: &'static str, value: &mut f64) -> Result<(), So
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{
-        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
-    };
+    use crate::problem::{Load, Method};
     use crate::state::{PillarState, PillarStatus, Regime, Run};
+    use crate::theory::reference::intermediate;
 
     fn state() -> ContactState {
-        let material = Material::new(2e6, 0.5);
-        let pillar = Pillar {
-            diameter: 6e-6,
-            height: 2.2e-6,
-            compliance: PillarCompliance::Column,
-        };
-        let lens = Lens {
-            radius: 2.2e-3,
-            material,
-        };
-        let lattice = HexagonalLattice::with_surface_fraction(0.01, 6e-6);
-        let system = System::new(lens, material, Texture { pillar, lattice }).unwrap();
+        let system = intermediate(0.01);
         let mut state = ContactState::untouched(&system, Method::default(), 1e-6);
         state.pillars = vec![PillarState {
             index: (0, 0),

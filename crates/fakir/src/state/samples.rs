@@ -468,35 +468,22 @@ impl Convolution {
 mod tests {
     use super::BYTES_PER_POINT;
     use super::SolveError;
-    use crate::problem::{
-        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, Point, System,
-        Texture,
-    };
+    use crate::problem::{Load, Method, PillarCompliance, Point};
     use crate::state::Run;
+    use crate::theory::reference;
 
     /// Fields at many points against the same fields point by point, on and beside pillars, in
     /// and out of contact, with pillars the contact edge crosses.
     #[test]
     fn many_points_agree_with_single_ones() {
-        let rubber = Material::new(2.0e6, 0.5);
-        let pillar = Pillar {
-            diameter: 6.0e-6,
-            height: 2.2e-6,
-            compliance: PillarCompliance::Column,
-        };
         let little = Run {
             memory_limit: Some(40_000 * BYTES_PER_POINT),
             ..Run::default()
         };
         for (surface_fraction, offset, touched) in [(0.1, 0.3, 100), (0.4, 0.0, 300)] {
-            let lattice =
-                HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter)
-                    .offset_by(offset);
-            let lens = Lens {
-                radius: 2.2e-3,
-                material: rubber,
-            };
-            let system = System::new(lens, rubber, Texture { pillar, lattice }).unwrap();
+            let lattice = reference::lattice(surface_fraction).offset_by(offset);
+            let compliance = PillarCompliance::Column;
+            let system = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance);
             let load = Load::Indentation(4e-6);
             let run = Run::default();
             let state = crate::press(&system, load, Method::default(), &run).unwrap();

@@ -16,5 +16,5 @@ pub mod homogenised;
 pub mod lattice_potential;
 pub mod lattice_sums;
 #[cfg(test)]
-mod reference;
+pub(crate) mod reference;
 mod spring_layer;

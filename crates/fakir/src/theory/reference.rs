@@ -4,8 +4,11 @@ use crate::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance,
 
 /// Young's moduli of the rigid, intermediate and soft substrates of the paper, Pa.
 pub(super) const RIGID: f64 = 1e9;
-pub(super) const INTERMEDIATE: f64 = 2e6;
+pub(crate) const INTERMEDIATE: f64 = 2e6;
 pub(super) const SOFT: f64 = 2e3;
+
+/// Diameter of the paper's pillars, m.
+const DIAMETER: f64 = 6.0e-6;
 
 /// The paper's lens and pillars on a lattice of the given surface fraction.
 pub(super) fn paper(
@@ -13,8 +16,22 @@ pub(super) fn paper(
     substrate_modulus: f64,
     compliance: PillarCompliance,
 ) -> System {
+    on_lattice(lattice(surface_fraction), substrate_modulus, compliance)
+}
+
+/// The lattice of the paper's pillars at a surface fraction.
+pub(crate) fn lattice(surface_fraction: f64) -> HexagonalLattice {
+    HexagonalLattice::with_surface_fraction(surface_fraction, DIAMETER)
+}
+
+/// As [`paper`], on any lattice.
+pub(crate) fn on_lattice(
+    lattice: HexagonalLattice,
+    substrate_modulus: f64,
+    compliance: PillarCompliance,
+) -> System {
     let pillar = Pillar {
-        diameter: 6.0e-6,
+        diameter: DIAMETER,
         height: 2.2e-6,
         compliance,
     };
@@ -24,16 +41,13 @@ pub(super) fn paper(
             material: Material::new(2e6, 0.5),
         },
         Material::new(substrate_modulus, 0.5),
-        Texture {
-            pillar,
-            lattice: HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter),
-        },
+        Texture { pillar, lattice },
     )
     .unwrap()
 }
 
 /// As [`paper`], with the intermediate substrate and its column compliance.
-pub(super) fn intermediate(surface_fraction: f64) -> System {
+pub(crate) fn intermediate(surface_fraction: f64) -> System {
     paper(surface_fraction, INTERMEDIATE, PillarCompliance::Column)
 }
 
