@@ -21,10 +21,8 @@ use std::path::{Path, PathBuf};
 /// A general surface and what is pressed onto it: what a case file with a `[surface]` describes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceCase {
-    /// What is pressed.
+    /// What is pressed. It knows no floor where there is a height map without `surface.floor`.
     pub system: SurfaceSystem,
-    /// Which part of the surface is the floor; none for a height map without `surface.floor`.
-    pub floor: Option<Floor>,
     /// Where the surface is from.
     pub origin: SurfaceOrigin,
     /// All keys that were given and their values, as they are written in a case file.
@@ -117,9 +115,11 @@ impl CaseFile {
                 .with_round_tops(diameter)
                 .map_err(|invalid| self.impossible(&invalid))?;
         }
+        if let Some(floor) = floor {
+            system = system.with_floor(floor);
+        }
         Ok(SurfaceCase {
             system,
-            floor,
             origin,
             settings: self.settings(parts),
         })

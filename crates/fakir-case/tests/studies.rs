@@ -2,8 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir::Question;
-use fakir::problem::{Accuracy, ElementMesh, Load, Method, PunchForm};
+use fakir::problem::{Accuracy, Control, ElementMesh, Method, PunchForm};
 use fakir_case::study::{Asked, Axis, Coordinate, Variable};
 use fakir_case::{Case, CaseFile, Key, Study, StudyFile};
 
@@ -104,17 +103,14 @@ fn a_value_of_an_axis_is_that_of_a_case_file_bit_for_bit() {
 
 #[test]
 fn loads() {
-    let load = |study: &Study, index| match study.case(index).question {
-        Question::Press(load) => load,
-        Question::Transition => panic!("a load was given"),
-    };
+    let load = |study: &Study, index| study.case(index).control;
     let axis = study("[study]\nquestion = \"press\"\n[axes]\nforce = [\"20 uN\", 0]");
-    assert_eq!(load(&axis, 0), Load::Force(20e-6));
-    assert_eq!(load(&axis, 1), Load::Force(0.0));
+    assert_eq!(load(&axis, 0), Control::Force(20e-6));
+    assert_eq!(load(&axis, 1), Control::Force(0.0));
     let column = axis.axes().next().unwrap().variable().column();
     assert_eq!(column, "load.force_N");
     let fixed = "[study]\nquestion = \"press\"\nindentation = \"3 um\"\n[axes]\noffset = [0, 0.5]";
-    assert_eq!(load(&study(fixed), 1), Load::Indentation(3e-6));
+    assert_eq!(load(&study(fixed), 1), Control::Indentation(3e-6));
 }
 
 #[test]

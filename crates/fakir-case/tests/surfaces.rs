@@ -35,7 +35,7 @@ fn survives(case: &SurfaceCase) {
     let file = CaseFile::parse("case.toml", &text).unwrap();
     let again = file.surface_case(MEMORY).unwrap();
     assert_eq!(again.system, case.system);
-    assert_eq!(again.floor, case.floor);
+    assert_eq!(again.system.floor(), case.system.floor());
     assert_eq!(again.to_toml(), text);
 }
 
@@ -50,7 +50,7 @@ fn square_pillars() {
     assert_eq!(found.pillar.height, 0.5e-6);
     assert_eq!(found.pillar.compliance, PillarCompliance::Column);
     assert!((found.surface_fraction() - 0.2).abs() < 1e-15);
-    assert_eq!(case.floor, Some(Floor::OffPillars));
+    assert_eq!(case.system.floor(), Some(Floor::OffPillars));
     assert_eq!(case.system.boundary(), Boundary::FreeSpace);
     let surface = case.system.surface();
     // Cells of a sixteenth of the side; the next multiple of four of them beyond 160 um.
@@ -110,7 +110,7 @@ fn every_form_top_and_arrangement() {
         seed: 7,
     };
     assert_eq!(pattern(&case), expected);
-    assert_eq!(case.floor, Some(Floor::AtOrBelow(10e-9)));
+    assert_eq!(case.system.floor(), Some(Floor::AtOrBelow(10e-9)));
     survives(&case);
 
     let case = with(&[
@@ -229,12 +229,12 @@ fn a_height_map_has_its_size_and_unit() {
     let case = map("cell_size = \"2 um\"").surface_case(MEMORY).unwrap();
     assert_eq!(height(case.system.surface()), 23.0);
     assert_eq!(case.system.surface().grid().cell(), [2e-6; 2]);
-    assert_eq!(case.floor, None);
+    assert_eq!(case.system.floor(), None);
     let case = map("width = \"2 um\"\nheight_unit = \"1 nm\"\nfloor = \"5 nm\"");
     let case = case.surface_case(MEMORY).unwrap();
     assert!((height(case.system.surface()) - 23e-9).abs() < 1e-20);
     assert_eq!(case.system.surface().grid().cell(), [0.5e-6; 2]);
-    assert_eq!(case.floor, Some(Floor::AtOrBelow(5e-9)));
+    assert_eq!(case.system.floor(), Some(Floor::AtOrBelow(5e-9)));
     survives(&case);
 }
 

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use fakir::problem::Load;
+use fakir::problem::Control;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
 use fakir_inverse::design::{FREE, Wanted};
@@ -220,10 +220,10 @@ impl Press {
         self.fields.maps(&self.case)
     }
 
-    pub(crate) fn load(&self) -> Load {
+    pub(crate) fn control(&self) -> Control {
         match (self.indentation, self.force) {
-            (Some(indentation), _) => Load::Indentation(indentation),
-            (None, force) => Load::Force(force.unwrap_or(0.0)), // clap requires one of them
+            (Some(indentation), _) => Control::Indentation(indentation),
+            (None, force) => Control::Force(force.unwrap_or(0.0)), // clap requires one of them
         }
     }
 }
@@ -283,10 +283,12 @@ pub(crate) struct Verify {
 }
 
 impl Verify {
-    pub(crate) fn load(&self) -> Option<Load> {
-        self.indentation
-            .map(Load::Indentation)
-            .or(self.force.map(Load::Force))
+    pub(crate) fn control(&self) -> Control {
+        match (self.indentation, self.force) {
+            (Some(indentation), _) => Control::Indentation(indentation),
+            (None, Some(force)) => Control::Force(force),
+            (None, None) => Control::FloorContact,
+        }
     }
 }
 

@@ -57,11 +57,11 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
             let file = read_case(&options.case)?;
             if file.is_surface() {
                 return deliver(command, &options.case, move || {
-                    commands::surface::press(&file, options.load(), options.maps(), &session)
+                    commands::surface::press(&file, options.control(), options.maps(), &session)
                 });
             }
             answer(command, &options.case, &file, move |case| {
-                commands::press::run(case, options.load(), options.maps(), &session)
+                commands::press::run(case, options.control(), options.maps(), &session)
             })
         }
         Command::Approach(options) => {
@@ -81,11 +81,11 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
             let file = read_case(&options.case)?;
             if file.is_surface() {
                 return deliver(command, &options.case, move || {
-                    commands::surface::verify(&file, options.load(), options.cells, &session)
+                    commands::surface::verify(&file, options.control(), options.cells, &session)
                 });
             }
             answer(command, &options.case, &file, move |case| {
-                commands::verify::run(case, options.load(), options.cells, &session)
+                commands::verify::run(case, options.control(), options.cells, &session)
             })
         }
         Command::Theory(options) => answer(

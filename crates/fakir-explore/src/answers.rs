@@ -4,7 +4,7 @@
 use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, LoadPoint, at_fraction, expected_pillars};
-use fakir::problem::{Accuracy, Load, Method, Point, System};
+use fakir::problem::{Accuracy, Control, Method, Point, System};
 use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
@@ -89,7 +89,7 @@ pub(crate) fn solve(
     let pressed = if is_critical {
         None
     } else {
-        let load = Load::Indentation(indentation(case, target, load.fraction));
+        let load = Control::Indentation(indentation(case, target, load.fraction));
         let state = fakir::press(&case.system, load, case.method, &with(true))?;
         Some((state, start.elapsed().as_secs_f64()))
     };
@@ -242,7 +242,7 @@ fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
         let indentation = indentation(case, critical.indentation, load.fraction);
         match fakir::press(
             system,
-            Load::Indentation(indentation),
+            Control::Indentation(indentation),
             Method::Homogenised,
             &run,
         ) {
@@ -511,7 +511,7 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
     };
     for fraction in PATH_FRACTIONS {
         worker.give_way()?;
-        let load = Load::Indentation(indentation(&case, critical, fraction));
+        let load = Control::Indentation(indentation(&case, critical, fraction));
         match fakir::press(system, load, method, &run) {
             Ok(state) => {
                 let [radius, force] = reduced(state.force, state.contact_radius);

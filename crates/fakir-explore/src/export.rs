@@ -4,7 +4,7 @@ use crate::answers::{Solved, solve};
 use crate::jobs::{Failure, File, Worker};
 use crate::refusal::Refusal;
 use crate::request;
-use fakir::problem::Load;
+use fakir::problem::Control;
 use fakir::state::{ContactState, Normalized, Run};
 use fakir_case::Case;
 use fakir_figure::{
@@ -13,7 +13,7 @@ use fakir_figure::{
 };
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{PressSummary, TransitionSummary, json, load_words, pillars};
+use fakir_study::result::{PressSummary, TransitionSummary, control_words, json, pillars};
 
 const FIGURES: [&str; 5] = [
     "pressure-map",
@@ -104,7 +104,7 @@ fn summary(solved: &Solved) -> Vec<u8> {
 fn question(solved: &Solved) -> String {
     match &solved.pressed {
         None => "critical state".to_owned(),
-        Some((state, _)) => load_words(Load::Indentation(state.indentation)),
+        Some((state, _)) => control_words(Control::Indentation(state.indentation)),
     }
 }
 

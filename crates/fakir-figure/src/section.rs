@@ -201,7 +201,8 @@ fn places(pillars: &[CutPillar], half_width: f64, radius: f64, detail: SectionDe
 mod tests {
     use super::*;
     use fakir::problem::{
-        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+        Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
+        Texture,
     };
 
     const PITCH: f64 = 30e-6;
@@ -263,7 +264,7 @@ mod tests {
     fn pillars_are_cut_where_they_stand() {
         let state = fakir::press(
             &system(0.0),
-            Load::Indentation(0.0),
+            Control::Indentation(0.0),
             Method::default(),
             &Run::default(),
         )
@@ -283,7 +284,7 @@ mod tests {
     fn bodies_without_load_have_their_own_shape() {
         let state = fakir::press(
             &system(0.0),
-            Load::Indentation(0.0),
+            Control::Indentation(0.0),
             Method::default(),
             &Run::default(),
         )

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fakir::problem::{
-    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+    Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
 };
 use fakir::state::{ContactState, CriticalState, Normalized, Run};
 use fakir::theory::closed_forms;
@@ -45,7 +45,7 @@ fn transition(system: &System, method: Method) -> CriticalState {
 }
 
 fn press(system: &System, force: f64) -> ContactState {
-    let load = Load::Force(force);
+    let load = Control::Force(force);
     fakir::press(system, load, Method::default(), &Run::default()).unwrap()
 }
 

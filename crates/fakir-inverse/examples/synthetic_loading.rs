@@ -4,7 +4,7 @@
 //!
 //! `cargo run -p fakir-inverse --example synthetic_loading > examples/fit/loading.csv`
 
-use fakir::problem::Load;
+use fakir::problem::Control;
 use fakir::state::Run;
 use fakir_case::{Case, CaseFile};
 use rand_chacha::ChaCha12Rng;
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for step in 0..36 {
         let indentation = f64::from(step) * 0.1e-6 - 0.35e-6;
         let force = if indentation > 0.0 {
-            let load = Load::Indentation(indentation);
+            let load = Control::Indentation(indentation);
             fakir::press(&case.system, load, case.method, &Run::default())?.force
         } else {
             0.0

@@ -4,11 +4,12 @@ use crate::case::Case;
 use crate::error::{approach_error, solve_error, value_error};
 use crate::study::columns;
 use crate::watched::{Options, watched};
-use fakir::Question;
-use fakir::problem::{ElementMesh, Load, Method, Point};
+use fakir::problem::{Control, ElementMesh, Method, Point};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::approach::LoadingPath;
-use fakir_study::result::{PressSummary, TransitionSummary, VerifySummary, json, pillars};
+use fakir_study::result::{
+    ApproachSummary, PressSummary, TransitionSummary, VerifySummary, json, pillars,
+};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
@@ -206,16 +207,24 @@ pub(crate) fn press(
 }
 
 /// The one of both that is given.
-pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Load> {
+pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Control> {
     match (indentation, force) {
-        (Some(indentation), None) => Ok(Load::Indentation(indentation)),
-        (None, Some(force)) => Ok(Load::Force(force)),
+        (Some(indentation), None) => Ok(Control::Indentation(indentation)),
+        (None, Some(force)) => Ok(Control::Force(force)),
         _ => Err(value_error("give an indentation or a force, one of them")),
     }
 }
 
+/// The one of both that is given; that the floor is just reached if neither is.
+pub(crate) fn control(indentation: Option<f64>, force: Option<f64>) -> PyResult<Control> {
+    match (indentation, force) {
+        (None, None) => Ok(Control::FloorContact),
+        _ => load(indentation, force),
+    }
+}
+
 /// The object that `fakir approach --json` prints, the critical state, and the other states.
-type Loading = (String, Critical, Vec<State>);
+type Loading = (String, Option<Critical>, Vec<State>);
 
 /// The states of a loading by steps of the indentation (m).
 #[pyfunction]
@@ -236,13 +245,15 @@ pub(crate) fn approach(
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
         let mut keep = |state, wall_time| states.push(State { state, wall_time });
-        let found =
-            fakir_study::approach::approach(&system, method, &path, run, &|_| {}, &mut keep);
+        let problem = (system, method);
+        let found = fakir_study::approach::approach(&problem, &path, run, &|_| {}, &mut keep);
         (found, states)
     })?;
     let found = found.map_err(|error| approach_error(&error))?;
-    let critical = Critical::new(found.critical, found.critical_time);
-    Ok((json(&found.summary), critical, states))
+    let summary = json(&ApproachSummary::new(method, &found));
+    let time = found.critical_time;
+    let critical = found.critical.map(|critical| Critical::new(critical, time));
+    Ok((summary, critical, states))
 }
 
 /// The object that `fakir compare --json` prints, and the critical states by method.
@@ -277,10 +288,7 @@ pub(crate) fn verify(
     cells_per_diameter: usize,
     options: Options,
 ) -> PyResult<Verified> {
-    let question = match (indentation, force) {
-        (None, None) => Question::Transition,
-        _ => Question::Press(load(indentation, force)?),
-    };
+    let control = control(indentation, force)?;
     let mesh = match case.case.method {
         Method::Love(mesh) => mesh,
         _ => ElementMesh::default(),
@@ -292,11 +300,11 @@ pub(crate) fn verify(
     let system = case.case.system;
     let start = Instant::now();
     let answer = watched(py, &options, |run| {
-        fakir::verify(&system, question, mesh, run)
+        fakir::verify(&system, control, mesh, run)
     })?;
     let answer = answer.map_err(|error| solve_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let summary = VerifySummary::new(question, &answer, wall_time);
+    let summary = VerifySummary::new(control, &answer, wall_time);
     let [coarse, fine] = answer.elements;
     let states = [answer.spectral, coarse, fine].map(|state| State { state, wall_time });
     Ok((json(&summary), states.into()))

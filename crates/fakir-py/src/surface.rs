@@ -1,9 +1,8 @@
 //! A lens or a plate on a height map.
 
 use crate::error::{approach_error, case_error, solve_error, surface_verify_error, value_error};
-use crate::state::load;
+use crate::state::{control, load};
 use crate::watched::{Options, watched};
-use fakir::Question;
 use fakir::problem::{
     Boundary, Floor, Grid, HeightMap, Indenter, Lens, Material, Point, SurfaceSystem,
 };
@@ -11,7 +10,8 @@ use fakir::state::Run;
 use fakir_case::CaseFile;
 use fakir_study::approach::LoadingPath;
 use fakir_study::result::{
-    SurfacePressSummary, SurfaceTransitionSummary, SurfaceVerifySummary, json,
+    SurfaceApproachSummary, SurfacePressSummary, SurfaceTransitionSummary, SurfaceVerifySummary,
+    json,
 };
 use fakir_study::surfaces::{self, SurfaceVerifyError};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
@@ -23,7 +23,6 @@ use std::time::Instant;
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Surface {
     system: SurfaceSystem,
-    floor: Option<Floor>,
     /// The case file it is from, if it is.
     file: Option<CaseFile>,
 }
@@ -61,9 +60,12 @@ impl Surface {
             Boundary::FreeSpace
         };
         let system = SurfaceSystem::new(indenter, material(substrate), map, boundary);
+        let system = system.map_err(value_error)?;
         Ok(Self {
-            system: system.map_err(value_error)?,
-            floor: floor.map(Floor::AtOrBelow),
+            system: match floor {
+                Some(height) => system.with_floor(Floor::AtOrBelow(height)),
+                None => system,
+            },
             file: None,
         })
     }
@@ -238,11 +240,13 @@ pub(crate) fn surface_transition(
     surface: &Surface,
     options: Options,
 ) -> PyResult<SurfaceTransition> {
-    let floor = surface
-        .floor
-        .ok_or_else(|| value_error("which cells are floor is not known: give floor, a height"))?;
+    if surface.system.floor().is_none() {
+        return Err(value_error(
+            "which cells are floor is not known: give floor, a height",
+        ));
+    }
     let start = Instant::now();
-    let found = watched(py, &options, |run| surface.system.transition(floor, run))?;
+    let found = watched(py, &options, |run| surface.system.transition(run))?;
     let found = found.map_err(|error| solve_error(&error))?;
     surface.reached(py, found, start.elapsed().as_secs_f64())
 }
@@ -269,16 +273,16 @@ pub(crate) fn approach_surface(
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
         let mut keep = |contact, wall_time| states.push(surface.contact(contact, wall_time));
-        let (system, floor) = (&surface.system, surface.floor);
-        let found =
-            fakir_study::approach::approach_surface(system, floor, &path, run, &|_| {}, &mut keep);
+        let system = &surface.system;
+        let found = fakir_study::approach::approach(system, &path, run, &|_| {}, &mut keep);
         (found, states)
     })?;
     let found = found.map_err(|error| approach_error(&error))?;
+    let summary = json(&SurfaceApproachSummary::new(&surface.system, &found));
     let critical = found
         .critical
         .map(|critical| surface.reached(py, critical, found.critical_time));
-    Ok((json(&found.summary), critical.transpose()?, states))
+    Ok((summary, critical.transpose()?, states))
 }
 
 /// The object that `fakir verify --json` prints for a surface, and the surfaces of both meshes with their
@@ -295,25 +299,21 @@ pub(crate) fn verify_surface(
     cells_per_diameter: usize,
     options: Options,
 ) -> PyResult<Verified> {
-    let question = match (indentation, force) {
-        (None, None) => Question::Transition,
-        _ => Question::Press(load(indentation, force)?),
-    };
+    let control = control(indentation, force)?;
     let file = surface
         .file
         .as_ref()
         .ok_or_else(|| value_error(SurfaceVerifyError::OneMesh))?;
     let start = Instant::now();
     let found = watched(py, &options, |run| {
-        surfaces::verify(file, question, cells_per_diameter, run, &|_| {})
+        surfaces::verify(file, control, cells_per_diameter, run, &|_| {})
     })?;
     let found = found.map_err(|error| surface_verify_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let summary = json(&SurfaceVerifySummary::new(question, &found, wall_time));
+    let summary = json(&SurfaceVerifySummary::new(control, &found, wall_time));
     let answers = found.answers.into_iter().map(|answered| {
         let surface = Surface {
             system: answered.case.system,
-            floor: answered.case.floor,
             file: Some(file.clone()),
         };
         let contact = surface.contact(answered.answer, wall_time);
@@ -335,7 +335,6 @@ impl Surface {
         let case = case.map_err(|error| case_error(&error))?;
         Ok(Self {
             system: case.system,
-            floor: case.floor,
             file: Some(file),
         })
     }
@@ -356,7 +355,7 @@ impl Surface {
     }
 
     fn contact(&self, contact: fakir::state::SurfaceContact, wall_time: f64) -> SurfaceContact {
-        let summary = SurfacePressSummary::new(&self.system, self.floor, &contact, wall_time);
+        let summary = SurfacePressSummary::new(&self.system, &contact, wall_time);
         SurfaceContact {
             summary: json(&summary),
             contact,

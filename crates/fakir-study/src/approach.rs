@@ -1,14 +1,11 @@
 //! Quasi-static loading from first touch to the critical state.
 
-use crate::VERSION;
 use crate::numbers::{DIGITS, with_unit};
-use crate::result::{
-    ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow, TransitionSummary,
-    surface_warnings, warnings,
-};
-use fakir::problem::{Floor, Load, Method, SurfaceSystem, System};
+use crate::result::{LoadingRow, SurfaceLoadingRow, warnings};
+use fakir::problem::{Control, Method, SurfaceSystem, System};
 use fakir::state::{
-    ContactState, CriticalState, Run, SolveError, SurfaceContact, SurfaceTransition,
+    Contact, ContactState, Critical, CriticalState, Run, SolveError, SurfaceContact,
+    SurfaceTransition,
 };
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
@@ -77,133 +74,148 @@ fn rounded_length(value: f64) -> String {
     with_unit(value, Dimension::Length, DIGITS)
 }
 
+/// What a loading can be computed of.
+pub trait Loadable {
+    /// Its contacts.
+    type Contact: Contact;
+    /// What is told of each in a table.
+    type Row;
+
+    /// The contact under what is prescribed.
+    ///
+    /// # Errors
+    /// As [`fakir::press`].
+    fn press(&self, control: Control, run: &Run<'_>) -> Result<Self::Contact, SolveError>;
+
+    /// The critical state; none where it is not known what the floor is.
+    ///
+    /// # Errors
+    /// As [`fakir::transition`].
+    fn transition(&self, run: &Run<'_>) -> Result<Option<Critical<Self::Contact>>, SolveError>;
+
+    /// Whether it is known what the floor is.
+    fn has_floor(&self) -> bool;
+
+    /// The row of a contact: whether it is the critical state, and whether it is past that, if that is known.
+    fn row(contact: &Self::Contact, critical: bool, beyond: Option<bool>) -> Self::Row;
+}
+
+/// A texture, with the method that solves it.
+impl Loadable for (System, Method) {
+    type Contact = ContactState;
+    type Row = LoadingRow;
+
+    fn press(&self, control: Control, run: &Run<'_>) -> Result<ContactState, SolveError> {
+        fakir::press(&self.0, control, self.1, run)
+    }
+
+    fn transition(&self, run: &Run<'_>) -> Result<Option<CriticalState>, SolveError> {
+        fakir::transition(&self.0, self.1, run).map(Some)
+    }
+
+    fn has_floor(&self) -> bool {
+        true
+    }
+
+    fn row(contact: &ContactState, critical: bool, _: Option<bool>) -> LoadingRow {
+        LoadingRow::new(contact, critical)
+    }
+}
+
+impl Loadable for SurfaceSystem {
+    type Contact = SurfaceContact;
+    type Row = SurfaceLoadingRow;
+
+    fn press(&self, control: Control, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
+        SurfaceSystem::press(self, control, run)
+    }
+
+    fn transition(&self, run: &Run<'_>) -> Result<Option<SurfaceTransition>, SolveError> {
+        let known = self.floor().map(|_| SurfaceSystem::transition(self, run));
+        known.transpose()
+    }
+
+    fn has_floor(&self) -> bool {
+        self.floor().is_some()
+    }
+
+    fn row(contact: &SurfaceContact, critical: bool, beyond: Option<bool>) -> SurfaceLoadingRow {
+        SurfaceLoadingRow::new(contact, critical, beyond)
+    }
+}
+
 /// A loading.
 #[derive(Debug, Clone)]
-pub struct Approach {
-    /// As JSON object and table.
-    pub summary: ApproachSummary,
-    /// The critical state, also if the loading ends before it.
-    pub critical: CriticalState,
+pub struct Approach<P: Loadable> {
+    /// The states, by rising indentation.
+    pub rows: Vec<P::Row>,
+    /// The critical state, also if the loading ends before it; none where it is not known what the floor is.
+    pub critical: Option<Critical<P::Contact>>,
     /// How long that took, s.
     pub critical_time: f64,
+    /// Whether all states are solutions, the critical one too.
+    pub converged: bool,
+    /// How long all took, s.
+    pub wall_time: f64,
     /// What to be careful about, with the indentations.
     pub warnings: Vec<String>,
 }
 
-/// Computes all states of a loading. `next` is told what comes next, `keep` gets the states but for the
-/// critical one, each with the time it took, s.
+/// Computes all states of a loading. Where it is not known what the floor is, the path must say where it ends. `next`
+/// is told what comes next, `keep` gets the states but for the critical one, each with the time it took, s.
 ///
 /// # Errors
 /// See [`ApproachError`].
-pub fn approach(
-    system: &System,
-    method: Method,
+pub fn approach<P: Loadable>(
+    problem: &P,
     path: &LoadingPath,
     run: &Run<'_>,
     next: &dyn Fn(&str),
-    keep: &mut dyn FnMut(ContactState, f64),
-) -> Result<Approach, ApproachError> {
+    keep: &mut dyn FnMut(P::Contact, f64),
+) -> Result<Approach<P>, ApproachError> {
     let start = Instant::now();
-    next("critical state");
-    let critical = fakir::transition(system, method, run)?;
-    let critical_time = start.elapsed().as_secs_f64();
-    let mut warned = warnings(&critical.contact);
-    let rows = load(path, Some(critical.contact.indentation), next, |step| {
-        let Step::At(indentation) = step else {
-            return Ok(LoadingRow::new(&critical.contact, true));
-        };
-        let begun = Instant::now();
-        let state = fakir::press(system, Load::Indentation(indentation), method, run)?;
-        warned.extend(warnings(&state).iter().map(|text| at(indentation, text)));
-        let row = LoadingRow::new(&state, false);
-        keep(state, begun.elapsed().as_secs_f64());
-        Ok(row)
-    })?;
-    Ok(Approach {
-        summary: ApproachSummary {
-            method: method.name(),
-            critical: TransitionSummary::new(&critical, critical_time),
-            converged: critical.contact.converged() && rows.iter().all(|row| row.converged),
-            states: rows,
-            wall_time_s: start.elapsed().as_secs_f64(),
-            fakir_version: VERSION,
-        },
-        critical,
-        critical_time,
-        warnings: warned,
-    })
-}
-
-/// A loading on a general surface.
-#[derive(Debug, Clone)]
-pub struct SurfaceApproach {
-    /// As JSON object and table.
-    pub summary: SurfaceApproachSummary,
-    /// The critical state, also if the loading ends before it; none of a surface without a floor.
-    pub critical: Option<SurfaceTransition>,
-    /// How long that took, s.
-    pub critical_time: f64,
-    /// What to be careful about, with the indentations.
-    pub warnings: Vec<String>,
-}
-
-/// The same on a general surface. Past the critical state the floor bears load as well. Where it is not
-/// known what the floor is, the path must say where it ends.
-///
-/// # Errors
-/// See [`ApproachError`].
-pub fn approach_surface(
-    system: &SurfaceSystem,
-    floor: Option<Floor>,
-    path: &LoadingPath,
-    run: &Run<'_>,
-    next: &dyn Fn(&str),
-    keep: &mut dyn FnMut(SurfaceContact, f64),
-) -> Result<SurfaceApproach, ApproachError> {
-    let start = Instant::now();
-    if floor.is_none() && path.until.is_none() {
+    if !problem.has_floor() && path.until.is_none() {
         return Err(ApproachError::NoEnd);
     }
-    let critical = match floor {
-        Some(floor) => {
-            next("critical state");
-            Some(system.transition(floor, run)?)
-        }
-        None => None,
-    };
+    if problem.has_floor() {
+        next("critical state");
+    }
+    let critical = problem.transition(run)?;
     let critical_time = start.elapsed().as_secs_f64();
-    let known = critical.as_ref();
-    let critical_indentation = known.map(|critical| critical.contact.indentation);
-    let row = |contact: &SurfaceContact, critical: bool| {
-        let shares = floor.map(|floor| contact.shares(system.surface(), floor));
-        let beyond = critical_indentation.map(|reached| contact.indentation > reached);
-        SurfaceLoadingRow::new(contact, shares, critical, beyond)
+    let reached = critical.as_ref().map(|critical| &critical.contact);
+    let critical_indentation = reached.map(Contact::indentation);
+    let row = |contact: &P::Contact, is_critical: bool| {
+        let beyond = critical_indentation.map(|reached| contact.indentation() > reached);
+        P::row(contact, is_critical, beyond)
     };
-    let mut warned = known.map_or(Vec::new(), |critical| surface_warnings(&critical.contact));
-    let rows = load(path, critical_indentation, next, |step| {
-        let indentation = match (step, known) {
-            (Step::Critical, Some(critical)) => return Ok(row(&critical.contact, true)),
+    let mut converged = reached.is_none_or(Contact::converged);
+    let mut warned = reached.map_or(Vec::new(), warnings);
+    let steps = steps(path, critical_indentation)?;
+    let mut rows = Vec::with_capacity(steps.len());
+    for (number, step) in steps.iter().enumerate() {
+        let indentation = match (step, reached) {
+            (Step::Critical, Some(contact)) => {
+                rows.push(row(contact, true));
+                continue;
+            }
             (Step::Critical, None) => return Err(ApproachError::NoEnd),
-            (Step::At(indentation), _) => indentation,
+            (Step::At(indentation), _) => *indentation,
         };
+        next(&format!("state {} of {}", number + 1, steps.len()));
         let begun = Instant::now();
-        let contact = system.press(Load::Indentation(indentation), run)?;
-        let of_contact = surface_warnings(&contact);
+        let contact = problem.press(Control::Indentation(indentation), run)?;
+        let of_contact = warnings(&contact);
         warned.extend(of_contact.iter().map(|text| at(indentation, text)));
-        let row = row(&contact, false);
+        converged &= contact.converged();
+        rows.push(row(&contact, false));
         keep(contact, begun.elapsed().as_secs_f64());
-        Ok(row)
-    })?;
-    let summary = SurfaceApproachSummary::new(
-        system,
-        known.map(|critical| (critical, critical_time)),
+    }
+    Ok(Approach {
         rows,
-        start.elapsed().as_secs_f64(),
-    );
-    Ok(SurfaceApproach {
-        summary,
         critical,
         critical_time,
+        converged,
+        wall_time: start.elapsed().as_secs_f64(),
         warnings: warned,
     })
 }
@@ -214,24 +226,6 @@ fn at(indentation: f64, text: &str) -> String {
         "at an indentation of {}: {text}",
         rounded_length(indentation)
     )
-}
-
-/// The rows of all states of a path.
-fn load<R>(
-    path: &LoadingPath,
-    critical: Option<f64>,
-    next: &dyn Fn(&str),
-    mut row: impl FnMut(Step) -> Result<R, ApproachError>,
-) -> Result<Vec<R>, ApproachError> {
-    let steps = steps(path, critical)?;
-    let mut rows = Vec::with_capacity(steps.len());
-    for (number, step) in steps.iter().enumerate() {
-        if *step != Step::Critical {
-            next(&format!("state {} of {}", number + 1, steps.len()));
-        }
-        rows.push(row(*step)?);
-    }
-    Ok(rows)
 }
 
 /// A state of the loading that is to be computed.

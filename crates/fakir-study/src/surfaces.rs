@@ -2,9 +2,9 @@
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use fakir::numerics::convergence::larger;
-use fakir::problem::{ElementMesh, Method};
+use fakir::problem::{Control, ElementMesh, Method};
 use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact};
-use fakir::{Difference, Doubt, Question, Verdict};
+use fakir::{Difference, Doubt, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
 
@@ -136,7 +136,7 @@ impl SurfaceVerification {
 /// See [`SurfaceVerifyError`].
 pub fn verify(
     file: &CaseFile,
-    question: Question,
+    control: Control,
     cells_per_diameter: usize,
     run: &Run<'_>,
     next: &dyn Fn(&str),
@@ -156,13 +156,7 @@ pub fn verify(
         let mut file = file.clone();
         file.set_number(Key::GridCells, cells as f64);
         on_wide_enough_a_grid(&file, run.memory_limit(), needed, |case| {
-            Ok(match question {
-                Question::Transition => {
-                    let floor = case.floor.ok_or(SolveError::NoFloor)?;
-                    case.system.transition(floor, run)?.contact
-                }
-                Question::Press(load) => case.system.press(load, run)?,
-            })
+            Ok(case.system.press(control, run)?)
         })
     };
     let cells = [cells_per_diameter / 2, cells_per_diameter];

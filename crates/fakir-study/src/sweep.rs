@@ -3,7 +3,7 @@
 use crate::answer::{Answer, Critical, Pressed, Row};
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
-use fakir::Question;
+use fakir::problem::Control;
 use fakir::state::{CancelToken, Run, SolveError, Termination, Threads};
 use fakir_case::Study;
 use fakir_case::study::StudyCase;
@@ -250,13 +250,13 @@ impl<'a> Work<'a> {
             ..Run::default()
         };
         let (system, method) = (&case.case.system, case.case.method);
-        match case.question {
-            Question::Transition => {
+        match case.control {
+            Control::FloorContact => {
                 let critical = fakir::transition(system, method, &run)?;
                 let answer = Answer::Transition(Critical::from(&critical));
                 Ok((answer, critical.contact.termination))
             }
-            Question::Press(load) => {
+            load => {
                 let state = fakir::press(system, load, method, &run)?;
                 Ok((Answer::Press(Pressed::from(&state)), state.termination))
             }

@@ -14,9 +14,9 @@
 use fakir::halfspace::elements::{
     FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
 };
-use fakir::problem::{Cells, Grid, Load};
+use fakir::problem::{Cells, Grid};
 use fakir::solve::elements::solver;
-use fakir::solve::elements::solver::Settings;
+use fakir::solve::elements::solver::{Prescribed, Settings};
 use fakir::state::CancelToken;
 use rayon::ThreadPool;
 use std::collections::HashMap;
@@ -96,8 +96,8 @@ fn solve(arguments: &Arguments) -> Answer<()> {
     let (columns, rows) = (arguments.value("columns")?, arguments.value("rows")?);
     let grid = Grid::centred(columns, rows, arguments.value("cell")?)?;
     let load = match arguments.value("force") {
-        Ok(force) => Load::Force(force),
-        Err(_) => Load::Indentation(arguments.value("indentation")?),
+        Ok(force) => Prescribed::Force(force),
+        Err(_) => Prescribed::Indentation(arguments.value("indentation")?),
     };
     let settings = Settings {
         tolerance: arguments.value("tolerance")?,

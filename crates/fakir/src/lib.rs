@@ -65,4 +65,4 @@ pub mod theory;
 mod verify;
 
 pub use method::{press, transition};
-pub use verify::{Difference, Doubt, Question, Verdict, Verification, verify};
+pub use verify::{Difference, Doubt, Verdict, Verification, verify};

@@ -1,12 +1,12 @@
 //! The one place where a question goes to a method.
 
-use crate::problem::{Load, Method, System};
+use crate::problem::{Control, Method, System};
 use crate::solve::answers;
 use crate::solve::answers::PillarMethod;
 use crate::state::{ContactState, CriticalState, Run, SolveError};
 use crate::theory;
 
-/// The contact under a load, by the given method.
+/// The contact under what is prescribed, by the given method.
 ///
 /// A load past the transition is answered as if the floor were not there; the smallest floor
 /// gap is then negative.
@@ -17,23 +17,24 @@ use crate::theory;
 /// [`ContactState::termination`].
 pub fn press(
     system: &System,
-    load: Load,
+    control: Control,
     method: Method,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let load = load.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
+    let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
     match method {
         Method::Spectral(accuracy) => {
-            answers::press(system, load, PillarMethod::Spectral(accuracy), run)
+            answers::press(system, control, PillarMethod::Spectral(accuracy), run)
         }
-        Method::Punch(form) => answers::press(system, load, PillarMethod::Punch(form), run),
-        Method::Love(mesh) => answers::press(system, load, PillarMethod::Love(mesh), run),
-        Method::Homogenised => theory::homogenised::pressed(system, load, run),
+        Method::Punch(form) => answers::press(system, control, PillarMethod::Punch(form), run),
+        Method::Love(mesh) => answers::press(system, control, PillarMethod::Love(mesh), run),
+        Method::Homogenised => theory::homogenised::press(system, control, run),
     }?
     .checked()
 }
 
-/// The critical state, in which the lens just reaches the floor, by the given method.
+/// The critical state, in which the lens just reaches the floor, by the given method: [`press`] with
+/// [`Control::FloorContact`], and where the floor is touched.
 ///
 /// Where the lens reaches the floor before any pillar, that is a valid answer: the critical
 /// indentation is the pillar height and the critical force zero.
@@ -45,13 +46,6 @@ pub fn transition(
     method: Method,
     run: &Run<'_>,
 ) -> Result<CriticalState, SolveError> {
-    match method {
-        Method::Spectral(accuracy) => {
-            answers::transition(system, PillarMethod::Spectral(accuracy), run)
-        }
-        Method::Punch(form) => answers::transition(system, PillarMethod::Punch(form), run),
-        Method::Love(mesh) => answers::transition(system, PillarMethod::Love(mesh), run),
-        Method::Homogenised => theory::homogenised::critical(system, run),
-    }?
-    .checked()
+    let contact = press(system, Control::FloorContact, method, run)?;
+    CriticalState::new(contact).checked()
 }

@@ -6,17 +6,8 @@
 //! of them did not converge, or knows no digit, they cannot tell.
 
 use crate::numerics::convergence::{larger, within};
-use crate::problem::{Accuracy, ElementMesh, Load, Method, System};
-use crate::state::{ContactState, CriticalState, Run, SolveError, Termination};
-
-/// The question that is answered twice.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Question {
-    /// The critical state.
-    Transition,
-    /// The contact under a load.
-    Press(Load),
-}
+use crate::problem::{Accuracy, Control, ElementMesh, Method, System};
+use crate::state::{ContactState, Run, SolveError, Termination};
 
 /// The answers of both methods, and what they differ by.
 #[derive(Debug, Clone)]
@@ -195,19 +186,11 @@ impl Verification {
 /// As [`press`](crate::press).
 pub fn verify(
     system: &System,
-    question: Question,
+    control: Control,
     mesh: ElementMesh,
     run: &Run<'_>,
 ) -> Result<Verification, SolveError> {
-    let answer = |method| -> Result<ContactState, SolveError> {
-        match question {
-            Question::Transition => {
-                let CriticalState { contact, .. } = crate::method::transition(system, method, run)?;
-                Ok(contact)
-            }
-            Question::Press(load) => crate::method::press(system, load, method, run),
-        }
-    };
+    let answer = |method| crate::method::press(system, control, method, run);
     let spectral = answer(Method::Spectral(Accuracy::Accurate))?;
     let coarse = ElementMesh {
         cells_per_diameter: mesh.cells_per_diameter / 2,
@@ -242,9 +225,9 @@ mod tests {
         let system = intermediate(0.01);
         let run = Run::default();
         for question in [
-            Question::Transition,
-            Question::Press(Load::Indentation(2e-6)),
-            Question::Press(Load::Force(5e-5)),
+            Control::FloorContact,
+            Control::Indentation(2e-6),
+            Control::Force(5e-5),
         ] {
             let verification = verify(&system, question, ElementMesh::default(), &run).unwrap();
             assert_eq!(verification.verdict(), Verdict::Agree, "{question:?}");
@@ -282,7 +265,7 @@ mod tests {
         let system = System::new(lens, substrate, Texture { pillar, lattice }).unwrap();
         let run = Run::default();
         let mesh = ElementMesh::default();
-        let verification = verify(&system, Question::Transition, mesh, &run).unwrap();
+        let verification = verify(&system, Control::FloorContact, mesh, &run).unwrap();
         assert!(!verification.elements[0].converged());
         let doubt = verification.verdict().doubt().unwrap();
         assert!(
@@ -298,7 +281,7 @@ mod tests {
         let system = intermediate(0.01);
         let mesh = ElementMesh::default();
         let run = Run::default();
-        let good = verify(&system, Question::Transition, mesh, &run).unwrap();
+        let good = verify(&system, Control::FloorContact, mesh, &run).unwrap();
         for termination in [
             Termination::IterationLimit,
             Termination::Stagnated,
@@ -334,12 +317,12 @@ mod tests {
         let system = intermediate(0.01);
         let run = Run::default();
         // The nearest of 16 cells is some 0.19 um from the axis: 8 pm of sag.
-        let load = Load::Indentation(1e-12);
+        let load = Control::Indentation(1e-12);
         let state = crate::method::press(&system, load, Method::Love(ElementMesh::default()), &run);
         let state = state.unwrap();
         assert_eq!(state.pillars_in_contact, 0);
         assert!(state.error.force >= 1.0);
-        let question = Question::Press(load);
+        let question = load;
         let verification = verify(&system, question, ElementMesh::default(), &run).unwrap();
         assert!(verification.spectral.force > 0.0);
         assert!(matches!(

@@ -1,7 +1,7 @@
 //! Systems on which estimates once were too small.
 
 use fakir::problem::{
-    Accuracy, ElementMesh, HexagonalLattice, Lens, Load, Material, Method, Pillar,
+    Accuracy, Control, ElementMesh, HexagonalLattice, Lens, Material, Method, Pillar,
     PillarCompliance, PunchForm, System, Texture,
 };
 use fakir::state::{ContactState, Run};
@@ -119,7 +119,7 @@ fn a_touch_that_only_the_whole_lens_shape_shows() {
     let substrate = Material::new(4.563307782112325e8, 0.4054807325243255);
     let system = System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system");
     let press = |accuracy| {
-        let load = Load::Indentation(8.787422628639028e-9);
+        let load = Control::Indentation(8.787422628639028e-9);
         fakir::press(&system, load, Method::Spectral(accuracy), &Run::default()).expect("a contact")
     };
     let (default, accurate) = (press(Accuracy::Default), press(Accuracy::Accurate));
@@ -153,11 +153,12 @@ fn slivers_beside_a_pillar_in_a_dense_texture() {
     let system = System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system");
     // The force at which punches are about 1 nm in.
     let punches = Method::Punch(PunchForm::Corrected);
-    let near = Load::Indentation(9.832207915745805e-10);
+    let near = Control::Indentation(9.832207915745805e-10);
     let near = fakir::press(&system, near, punches, &Run::default()).expect("a contact");
     let press = |accuracy| {
         let method = Method::Spectral(accuracy);
-        fakir::press(&system, Load::Force(near.force), method, &Run::default()).expect("a contact")
+        fakir::press(&system, Control::Force(near.force), method, &Run::default())
+            .expect("a contact")
     };
     let (default, accurate) = (press(Accuracy::Default), press(Accuracy::Accurate));
     assert!(default.converged() && accurate.converged());

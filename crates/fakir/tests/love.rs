@@ -18,9 +18,9 @@ mod waves;
 use fakir::halfspace::elements::{
     FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
 };
-use fakir::problem::{Cells, Grid, Load, Point};
+use fakir::problem::{Cells, Grid, Point};
 use fakir::solve::elements::solver;
-use fakir::solve::elements::solver::{ElementContact, Settings};
+use fakir::solve::elements::solver::{ElementContact, Prescribed, Settings};
 use fakir::state::{CancelToken, Termination};
 
 /// An elastic half-space of compliance 1 under a rigid surface.
@@ -59,7 +59,12 @@ impl<O: Operator> Indenter<O> {
         self.cells.grid().cell_area()
     }
 
-    fn press_from(&mut self, load: Load, tolerance: f64, start: Option<&[f64]>) -> ElementContact {
+    fn press_from(
+        &mut self,
+        load: Prescribed,
+        tolerance: f64,
+        start: Option<&[f64]>,
+    ) -> ElementContact {
         let settings = Settings {
             tolerance,
             ..Settings::default()
@@ -87,7 +92,7 @@ impl<O: Operator> Indenter<O> {
         contact
     }
 
-    fn press(&mut self, load: Load) -> ElementContact {
+    fn press(&mut self, load: Prescribed) -> ElementContact {
         self.press_from(load, 1e-10, None)
     }
 

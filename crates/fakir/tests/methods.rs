@@ -5,18 +5,11 @@ mod common;
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_system};
 use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
 use fakir::problem::{
-    Accuracy, Boundary, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
-    InvalidQuantity, Lens, Load, Material, MeshLayout, Method, PillarCompliance, PunchForm,
-    Quantity, Requirement, SurfaceSystem, System,
+    Accuracy, Boundary, Control, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
+    InvalidQuantity, Lens, Material, MeshLayout, Method, PillarCompliance, PunchForm, Quantity,
+    Requirement, SurfaceSystem, System,
 };
 use fakir::state::{CancelToken, ErrorEstimate, Run, SolveError, SurfaceContact, Termination};
-
-/// What is asked for.
-#[derive(Debug, Clone, Copy)]
-enum Question {
-    Press(Load),
-    Transition,
-}
 
 /// What all answers have.
 #[derive(Debug, Clone)]
@@ -163,18 +156,18 @@ impl Subject {
         self,
         offset: f64,
         degrees: f64,
-        question: Question,
+        question: Control,
         run: &Run<'_>,
     ) -> Result<Answer, Refusal> {
         match self {
             Self::Texture(method) => {
                 let system = texture(offset, degrees);
                 let (state, place) = match question {
-                    Question::Press(load) => (fakir::press(&system, load, method, run)?, [0.0; 2]),
-                    Question::Transition => {
+                    Control::FloorContact => {
                         let critical = fakir::transition(&system, method, run)?;
                         (critical.contact, critical.floor_contact)
                     }
+                    load => (fakir::press(&system, load, method, run)?, [0.0; 2]),
                 };
                 let mut others = vec![state.contact_radius, state.smallest_floor_gap];
                 others.extend(state.smallest_gap_position);
@@ -192,22 +185,18 @@ impl Subject {
                 })
             }
             Self::Surface(boundary, form) => {
-                let system = surface(boundary, form, offset);
-                let contact = match question {
-                    Question::Press(load) => system.press(load, run)?,
-                    Question::Transition => system.transition(Floor::OffPillars, run)?.contact,
-                };
-                Ok(of_surface(&contact))
+                let system = surface(boundary, form, offset).with_floor(Floor::OffPillars);
+                Ok(of_surface(&system.press(question, run)?))
             }
         }
     }
 
-    fn ask(self, question: Question, run: &Run<'_>) -> Result<Answer, Refusal> {
+    fn ask(self, question: Control, run: &Run<'_>) -> Result<Answer, Refusal> {
         self.ask_at(0.2, 10.0, question, run)
     }
 
-    fn press(self, load: Load) -> Result<Answer, Refusal> {
-        self.ask(Question::Press(load), &Run::default())
+    fn press(self, load: Control) -> Result<Answer, Refusal> {
+        self.ask(load, &Run::default())
     }
 
     /// Whether it takes memory that grows with the problem.
@@ -229,8 +218,8 @@ fn loads_that_cannot_be_are_refused() {
             1e-100,
         ] {
             for (load, quantity) in [
-                (Load::Indentation(value), Quantity::Indentation),
-                (Load::Force(value), Quantity::Force),
+                (Control::Indentation(value), Quantity::Indentation),
+                (Control::Force(value), Quantity::Force),
             ] {
                 match subject.press(load) {
                     Err(Refusal::Load(refused)) => {
@@ -238,8 +227,10 @@ fn loads_that_cannot_be_are_refused() {
                         assert_eq!(refused.value.to_bits(), value.to_bits());
                         // The smallest that is not refused has an answer, or none for a reason.
                         let smallest = match refused.requirement {
-                            Requirement::ZeroOrForce(smallest) => Load::Force(smallest),
-                            Requirement::ZeroOrIndentation(smallest) => Load::Indentation(smallest),
+                            Requirement::ZeroOrForce(smallest) => Control::Force(smallest),
+                            Requirement::ZeroOrIndentation(smallest) => {
+                                Control::Indentation(smallest)
+                            }
                             other => panic!("{other:?}"),
                         };
                         assert!(!matches!(subject.press(smallest), Err(Refusal::Load(_))));
@@ -256,8 +247,8 @@ fn nothing_is_touched_without_load() {
     for subject in subjects() {
         for offset in [0.0, 0.5] {
             for value in [0.0, -0.0] {
-                for load in [Load::Indentation(value), Load::Force(value)] {
-                    let question = Question::Press(load);
+                for load in [Control::Indentation(value), Control::Force(value)] {
+                    let question = load;
                     let answer = subject.ask_at(offset, 0.0, question, &Run::default());
                     let answer = answer.expect("there is always such a contact");
                     assert_eq!(
@@ -282,9 +273,9 @@ fn cancelled_computations_stop() {
     };
     for subject in subjects() {
         for question in [
-            Question::Transition,
-            Question::Press(Load::Indentation(3e-6)),
-            Question::Press(Load::Force(1e-4)),
+            Control::FloorContact,
+            Control::Indentation(3e-6),
+            Control::Force(1e-4),
         ] {
             let stopped = subject.ask(question, &run);
             assert_eq!(
@@ -307,10 +298,7 @@ fn memory_is_limited() {
         .into_iter()
         .filter(|subject| subject.is_limited())
     {
-        for question in [
-            Question::Transition,
-            Question::Press(Load::Indentation(3e-6)),
-        ] {
+        for question in [Control::FloorContact, Control::Indentation(3e-6)] {
             match subject.ask(question, &run) {
                 Err(Refusal::Memory { bytes, limit }) => assert!(bytes > limit && limit == LIMIT),
                 other => panic!("{subject:?}: {other:?}"),
@@ -325,17 +313,16 @@ fn memory_is_limited() {
 fn all_numbers_are_numbers() {
     let indentations = (-26..=-6)
         .step_by(4)
-        .map(|power| Load::Indentation(10f64.powi(power)));
+        .map(|power| Control::Indentation(10f64.powi(power)));
     let forces = (-34..=-6)
         .step_by(4)
-        .map(|power| Load::Force(10f64.powi(power)));
-    let loads: Vec<Load> = indentations.chain(forces).collect();
+        .map(|power| Control::Force(10f64.powi(power)));
+    let loads: Vec<Control> = indentations.chain(forces).collect();
     for subject in subjects() {
         let (mut answers, mut converged) = (0, 0);
         // On a pillar, and beside one, of which the smallest loads touch next to nothing.
         for (load, offset) in loads.iter().flat_map(|load| [(load, 0.0), (load, 0.2)]) {
-            let question = Question::Press(*load);
-            let answer = match subject.ask_at(offset, 0.0, question, &Run::default()) {
+            let answer = match subject.ask_at(offset, 0.0, *load, &Run::default()) {
                 Ok(answer) => answer,
                 Err(Refusal::NoAnswer(_) | Refusal::Load(_)) => continue,
                 Err(other) => panic!("{subject:?} {load:?}: {other:?}"),
@@ -353,14 +340,12 @@ fn all_numbers_are_numbers() {
             assert!(answer.force >= 0.0 && force >= 0.0 && indentation >= 0.0);
             if answer.termination == Termination::Converged {
                 converged += 1;
-                let (given, found) = match *load {
-                    Load::Indentation(given) => (given, answer.indentation),
-                    Load::Force(given) => (given, answer.force),
+                let error = match *load {
+                    Control::Indentation(given) => answer.indentation / given - 1.0,
+                    Control::Force(given) => answer.force / given - 1.0,
+                    Control::FloorContact => 0.0,
                 };
-                assert!(
-                    (found / given - 1.0).abs() < 1e-6,
-                    "{subject:?} {load:?}: {found:e}"
-                );
+                assert!(error.abs() < 1e-6, "{subject:?} {load:?}: {error:e}");
             } else if matches!(subject, Subject::Texture(_)) {
                 assert!(force >= 1.0 && indentation >= 1.0, "{subject:?} {load:?}");
             }
@@ -459,9 +444,9 @@ fn symmetric_textures_have_the_same_answers() {
             continue;
         }
         for question in [
-            Question::Transition,
-            Question::Press(Load::Indentation(3e-6)),
-            Question::Press(Load::Force(1e-4)),
+            Control::FloorContact,
+            Control::Indentation(3e-6),
+            Control::Force(1e-4),
         ] {
             let ask = |degrees| {
                 let answer = subject.ask_at(0.2, degrees, question, &Run::default());
@@ -505,9 +490,9 @@ fn symmetric_textures_have_the_same_answers() {
 fn errors_are_as_estimated() {
     let exact = Subject::Texture(Method::Spectral(Accuracy::Accurate));
     for question in [
-        Question::Transition,
-        Question::Press(Load::Indentation(3e-6)),
-        Question::Press(Load::Force(1e-4)),
+        Control::FloorContact,
+        Control::Indentation(3e-6),
+        Control::Force(1e-4),
     ] {
         let exact = exact.ask(question, &Run::default()).expect("an answer");
         for subject in subjects() {

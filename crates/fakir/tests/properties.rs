@@ -3,7 +3,7 @@
 //! The cases are the same in every run; a failing one is shrunk and printed.
 
 use fakir::problem::{
-    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, Point, System,
+    Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, Point, System,
     Texture,
 };
 use fakir::state::{ContactState, Fields, PillarState, PillarStatus, Regime, Run, SolveError};
@@ -378,7 +378,7 @@ fn check<S: Strategy>(
 fn pressed_contacts_meet_the_contact_conditions() {
     check(400, &indented(), 0.9, |(system, indentation), tally| {
         let press = |system: &System| {
-            let load = Load::Indentation(indentation);
+            let load = Control::Indentation(indentation);
             solution(fakir::press(
                 system,
                 load,
@@ -415,12 +415,12 @@ fn prescribed_forces_are_met() {
                 &Run::default(),
             ))
         };
-        let Some(deep) = press(Load::Indentation(indentation))? else {
+        let Some(deep) = press(Control::Indentation(indentation))? else {
             count(&tally.refused);
             return Ok(());
         };
         let force = part * deep.force.max(0.0);
-        let Some(state) = press(Load::Force(force))? else {
+        let Some(state) = press(Control::Force(force))? else {
             count(&tally.refused);
             return Ok(());
         };
@@ -444,7 +444,7 @@ fn prescribed_forces_are_met() {
             "{}",
             summary(&state)
         );
-        if let Some(back) = press(Load::Indentation(state.indentation))? {
+        if let Some(back) = press(Control::Indentation(state.indentation))? {
             if !tally.counts(&back, 0.0) {
                 return Ok(());
             }

@@ -6,7 +6,7 @@ mod common;
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
 use fakir::problem::{
-    Boundary, Floor, Grid, HeightMap, Indenter, Lens, Load, Material, Method, PillarColumns,
+    Boundary, Control, Floor, Grid, HeightMap, Indenter, Lens, Material, Method, PillarColumns,
     PillarCompliance, Quantity, SurfaceSystem,
 };
 use fakir::state::{CancelToken, Regime, Run, SolveError, SurfaceContact, Warning};
@@ -32,7 +32,7 @@ fn flat(cells: usize) -> SurfaceSystem {
     SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).expect("a valid system")
 }
 
-fn press(system: &SurfaceSystem, load: Load) -> SurfaceContact {
+fn press(system: &SurfaceSystem, load: Control) -> SurfaceContact {
     let contact = system.press(load, &Run::default()).expect("a contact");
     assert!(contact.converged());
     contact
@@ -53,7 +53,7 @@ fn flat_surface_as_hertz() {
     let radius = (LENS_RADIUS * indentation).sqrt();
     for (cells, tolerance) in [(64, 2e-4), (128, 1e-4), (256, 3e-5)] {
         let system = flat(cells);
-        let contact = press(&system, Load::Indentation(indentation));
+        let contact = press(&system, Control::Indentation(indentation));
         let error = contact.force / hertz(&system, indentation) - 1.0;
         println!(
             "{cells} cells: force {error:.2e}, estimated {:?}",
@@ -76,7 +76,7 @@ fn fields_of_hertz() {
     // of cells away from the edge of the contact.
     let system = flat(256);
     let indentation: f64 = 0.25e-6;
-    let contact = press(&system, Load::Indentation(indentation));
+    let contact = press(&system, Control::Indentation(indentation));
     let radius = (LENS_RADIUS * indentation).sqrt();
     let peak = 2.0 / PI * system.reduced_modulus() * radius / LENS_RADIUS;
     for (cell, [x, y]) in contact.grid.centres().enumerate() {
@@ -103,14 +103,14 @@ fn fields_of_hertz() {
 fn force_and_indentation_belong_together() {
     let system = flat(100);
     for indentation in [0.01e-6, 0.1e-6, 0.3e-6] {
-        let first = press(&system, Load::Indentation(indentation));
-        let second = press(&system, Load::Force(first.force));
+        let first = press(&system, Control::Indentation(indentation));
+        let second = press(&system, Control::Force(first.force));
         assert!((second.force / first.force - 1.0).abs() < 1e-12);
         assert!((second.indentation / indentation - 1.0).abs() < 1e-8);
         assert_eq!(second.error.unwrap().force.to_bits(), 0);
         assert!((second.contact_area / first.contact_area - 1.0).abs() < 0.02);
     }
-    let contact = press(&system, Load::Force(0.0));
+    let contact = press(&system, Control::Force(0.0));
     assert!(contact.force.abs() < f64::MIN_POSITIVE && contact.indentation.abs() < 1e-18);
 }
 
@@ -121,9 +121,9 @@ fn indentation_counts_from_the_highest_point() {
     let height = |[x, _]: [f64; 2]| if x > 25.0e-6 { 0.1e-6 } else { 0.0 };
     let surface = HeightMap::from_height(grid, height).unwrap();
     let system = SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap();
-    let contact = press(&system, Load::Indentation(0.1e-6));
+    let contact = press(&system, Control::Indentation(0.1e-6));
     assert!(contact.force.abs() < f64::MIN_POSITIVE);
-    let contact = press(&system, Load::Indentation(0.2e-6));
+    let contact = press(&system, Control::Indentation(0.2e-6));
     let hertz = hertz(&system, 0.1e-6);
     assert!((contact.force / hertz - 1.0).abs() < 0.02);
     // With the axis there, the higher part is touched first.
@@ -134,7 +134,7 @@ fn indentation_counts_from_the_highest_point() {
         .unwrap();
     let system = SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap();
     // It goes on beyond the map.
-    let refused = system.press(Load::Indentation(0.2e-6), &Run::default());
+    let refused = system.press(Control::Indentation(0.2e-6), &Run::default());
     assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
 }
 
@@ -153,10 +153,11 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
         SurfaceSystem::new(lens, rubber(), surface, Boundary::FreeSpace)
             .expect("a valid system")
             .continued()
+            .with_floor(Floor::OffPillars)
     };
     let run = Run::default();
     // The border of 100 um lies between pillars, 33 um apart: none of them is cut.
-    for load in [Load::Indentation(3.0e-6), Load::Force(0.2e-3)] {
+    for load in [Control::Indentation(3.0e-6), Control::Force(0.2e-3)] {
         let Err(SolveError::SurfaceEnds { sides, needed }) = pattern(100e-6).press(load, &run)
         else {
             panic!("{load:?}: the contact is 200 um wide");
@@ -170,14 +171,13 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
         assert!((enough.contact_area / wide.contact_area - 1.0).abs() < 0.02);
         assert!(enough.warnings.is_empty());
     }
-    let floor = Floor::OffPillars;
-    let refused = pattern(100e-6).transition(floor, &run);
+    let refused = pattern(100e-6).transition(&run);
     assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
-    assert!(pattern(300e-6).transition(floor, &run).is_ok());
+    assert!(pattern(300e-6).transition(&run).is_ok());
     // A contact that stays inside is no concern of the border.
     assert!(
         pattern(100e-6)
-            .press(Load::Indentation(0.2e-6), &run)
+            .press(Control::Indentation(0.2e-6), &run)
             .is_ok()
     );
 }
@@ -187,9 +187,9 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
 fn a_map_ends_where_its_border_is_reached() {
     let run = Run::default();
     let flat = flat(64);
-    assert!(flat.press(Load::Indentation(0.3e-6), &run).is_ok());
+    assert!(flat.press(Control::Indentation(0.3e-6), &run).is_ok());
     // Hertz's radius of 22 um is beyond the border at 20 um.
-    let refused = flat.press(Load::Indentation(0.5e-6), &run);
+    let refused = flat.press(Control::Indentation(0.5e-6), &run);
     let Err(SolveError::SurfaceEnds { needed, .. }) = refused else {
         panic!("{refused:?}");
     };
@@ -199,9 +199,9 @@ fn a_map_ends_where_its_border_is_reached() {
     let pillar = |[x, y]: [f64; 2]| if x.hypot(y) < 4e-6 { 5e-6 } else { 0.0 };
     let alone = HeightMap::from_height(grid, pillar).unwrap();
     let alone = SurfaceSystem::new(lens(), rubber(), alone, Boundary::FreeSpace).unwrap();
-    let contact = press(&alone, Load::Indentation(0.5e-6));
+    let contact = press(&alone, Control::Indentation(0.5e-6));
     assert!(contact.warnings.contains(&Warning::ReachesBorder));
-    let refused = alone.continued().press(Load::Indentation(0.5e-6), &run);
+    let refused = alone.continued().press(Control::Indentation(0.5e-6), &run);
     assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
 }
 
@@ -217,7 +217,7 @@ fn rectangular_cells_give_the_same_contact() {
     .unwrap();
     let surface = HeightMap::from_height(grid, |_| 0.0).unwrap();
     let system = SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap();
-    let contact = press(&system, Load::Indentation(indentation));
+    let contact = press(&system, Control::Indentation(indentation));
     assert!((contact.force / hertz(&system, indentation) - 1.0).abs() < 1e-3);
 }
 
@@ -242,7 +242,7 @@ fn wave_in_partial_contact_as_westergaard() {
     let full = PI * system.reduced_modulus() * AMPLITUDE / WAVELENGTH;
     for fraction in [0.1, 0.35, 0.8] {
         let half_width = f64::sqrt(fraction).asin() / PI;
-        let contact = press(&system, Load::Force(fraction * full * period));
+        let contact = press(&system, Control::Force(fraction * full * period));
         assert!((contact.mean_pressure() / (fraction * full) - 1.0).abs() < 1e-9);
         let area = contact.contact_area / period;
         println!(
@@ -252,7 +252,7 @@ fn wave_in_partial_contact_as_westergaard() {
         assert!((area - 2.0 * half_width).abs() < 4.0 / 512.0);
         assert!(contact.contact_radius.is_none());
         // The same contact from its indentation.
-        let again = press(&system, Load::Indentation(contact.indentation));
+        let again = press(&system, Control::Indentation(contact.indentation));
         assert!((again.force / contact.force - 1.0).abs() < 1e-5);
     }
 }
@@ -266,7 +266,7 @@ fn crossed_waves_in_full_contact() {
     let system = wavy(64, height, 64);
     let full = 2f64.sqrt() * PI * system.reduced_modulus() * AMPLITUDE / WAVELENGTH;
     let period = WAVELENGTH * WAVELENGTH;
-    let contact = press(&system, Load::Force(1.01 * full * period));
+    let contact = press(&system, Control::Force(1.01 * full * period));
     assert!((contact.contact_area / period - 1.0).abs() < 1e-12);
     let highest = system.surface().highest();
     assert!((contact.indentation / highest - 1.0).abs() < 1e-6);
@@ -274,10 +274,10 @@ fn crossed_waves_in_full_contact() {
         let exact = full * (1.01 + wave(x) * wave(y));
         assert!((pressure - exact).abs() < 1e-3 * full);
     }
-    let contact = press(&system, Load::Force(0.9 * full * period));
+    let contact = press(&system, Control::Force(0.9 * full * period));
     assert!(contact.contact_area < 0.99 * period && contact.indentation < highest);
     let error = system
-        .press(Load::Indentation(1.001 * highest), &Run::default())
+        .press(Control::Indentation(1.001 * highest), &Run::default())
         .unwrap_err();
     assert!(matches!(error, SolveError::FullContact { .. }));
 }
@@ -288,14 +288,14 @@ fn lens_on_a_period_is_free_while_it_is_small() {
     let grid = Grid::centred(256, 256, 1.0e-6).unwrap();
     let surface = || HeightMap::from_height(grid, |_| 0.0).unwrap();
     let system = |boundary| SurfaceSystem::new(lens(), rubber(), surface(), boundary).unwrap();
-    let free = press(&system(Boundary::FreeSpace), Load::Force(20.0e-6));
-    let periodic = press(&system(Boundary::Periodic), Load::Force(20.0e-6));
+    let free = press(&system(Boundary::FreeSpace), Control::Force(20.0e-6));
+    let periodic = press(&system(Boundary::Periodic), Control::Force(20.0e-6));
     let [a, b] = [&free, &periodic].map(|contact| contact.contact_radius.unwrap());
     assert!((a - b).abs() < 1.5e-6);
     // The mean displacement is that of the free half-space but for the distant field.
     assert!(periodic.indentation < free.indentation);
     let error = system(Boundary::Periodic)
-        .press(Load::Force(0.1), &Run::default())
+        .press(Control::Force(0.1), &Run::default())
         .unwrap_err();
     assert!(matches!(error, SolveError::ContactExceedsPeriod { .. }));
 }
@@ -320,7 +320,7 @@ fn square_pillar_bears_the_force_of_a_square_punch() {
     // (1997), five of seven digits), so that F = 1.15230 E* zeta L.
     let capacity = |across: usize| {
         let system = square_pillar(across);
-        let contact = press(&system, Load::Indentation(0.1e-6));
+        let contact = press(&system, Control::Indentation(0.1e-6));
         assert!((contact.contact_area / 64.0e-12 - 1.0).abs() < 1e-12);
         contact.force / (system.reduced_modulus() * 0.1e-6 * 8.0e-6)
     };
@@ -356,8 +356,8 @@ fn column_sinks_under_the_whole_force() {
     let surface = surface.with_pillars(columns).unwrap();
     let plate = Indenter::Flat(Some(rubber()));
     let soft = SurfaceSystem::new(plate, rubber(), surface, Boundary::FreeSpace).unwrap();
-    let alone = press(&stiff, Load::Force(1.0e-6));
-    let column = press(&soft, Load::Force(1.0e-6));
+    let alone = press(&stiff, Control::Force(1.0e-6));
+    let column = press(&soft, Control::Force(1.0e-6));
     let sunk = column.indentation - alone.indentation;
     assert!((sunk / (compliance * 1.0e-6) - 1.0).abs() < 1e-6);
     for cell in 0..alone.pressure.len() {
@@ -378,7 +378,7 @@ fn what_cannot_be_solved_is_refused() {
     let run = Run::default();
     for value in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(
-            error(Load::Indentation(value), &run),
+            error(Control::Indentation(value), &run),
             SolveError::InvalidQuantity(refused) if refused.quantity == Quantity::Indentation
         ));
     }
@@ -386,7 +386,7 @@ fn what_cannot_be_solved_is_refused() {
         memory_limit: Some(400_000),
         ..Run::default()
     };
-    let refused = error(Load::Indentation(0.2e-6), &small);
+    let refused = error(Control::Indentation(0.2e-6), &small);
     let SolveError::TooManyCells {
         bytes,
         limit,
@@ -401,7 +401,11 @@ fn what_cannot_be_solved_is_refused() {
     assert!((cell / (40.0e-6 / 64.0) - 1.0).abs() < 1e-12 && suggested_cell > cell);
     // The suggestion fits.
     let cells = (40.0e-6 / suggested_cell).floor() as usize;
-    assert!(flat(cells).press(Load::Indentation(0.2e-6), &small).is_ok());
+    assert!(
+        flat(cells)
+            .press(Control::Indentation(0.2e-6), &small)
+            .is_ok()
+    );
 
     let cancelled = Run {
         cancel: CancelToken::default(),
@@ -409,21 +413,24 @@ fn what_cannot_be_solved_is_refused() {
     };
     cancelled.cancel.cancel();
     assert_eq!(
-        error(Load::Force(1e-6), &cancelled),
+        error(Control::Force(1e-6), &cancelled),
         SolveError::Interrupted
     );
 
     let grid = Grid::centred(64, 64, 0.05 * LENS_RADIUS).unwrap();
     let wide = HeightMap::from_height(grid, |_| 0.0).unwrap();
     let wide = SurfaceSystem::new(lens(), rubber(), wide, Boundary::FreeSpace).unwrap();
-    for load in [Load::Indentation(0.4 * LENS_RADIUS), Load::Force(1.0e3)] {
+    for load in [
+        Control::Indentation(0.4 * LENS_RADIUS),
+        Control::Force(1.0e3),
+    ] {
         let error = wide.press(load, &run).unwrap_err();
         assert!(
             matches!(error, SolveError::ContactExceedsLens { .. }),
             "{error}"
         );
     }
-    let warned = press(&wide, Load::Indentation(0.08 * LENS_RADIUS));
+    let warned = press(&wide, Control::Indentation(0.08 * LENS_RADIUS));
     assert!(matches!(
         warned.warnings[..],
         [Warning::LargeContact { ratio }] if ratio > 0.2 && ratio < 0.4
@@ -441,7 +448,9 @@ fn cancelled_from_the_progress_report() {
         progress: Some(&listener),
         ..Run::default()
     };
-    let error = system.press(Load::Indentation(0.2e-6), &run).unwrap_err();
+    let error = system
+        .press(Control::Indentation(0.2e-6), &run)
+        .unwrap_err();
     assert_eq!(error, SolveError::Interrupted);
 }
 
@@ -461,7 +470,9 @@ fn paper_texture(surface_fraction: f64, offset: f64, reach: f64, across: usize) 
         .height_map(&grid, &substrate)
         .expect("a valid surface");
     let lens = Indenter::Lens(paper_lens());
-    SurfaceSystem::new(lens, substrate, surface, Boundary::FreeSpace).expect("a valid system")
+    SurfaceSystem::new(lens, substrate, surface, Boundary::FreeSpace)
+        .expect("a valid system")
+        .with_floor(Floor::OffPillars)
 }
 
 #[test]
@@ -477,9 +488,7 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
     let matched = plain.clone().with_round_tops(6.0e-6).unwrap();
     // About 0.24/12 without correction for the outline of the cells (first order in the cell).
     for (system, tolerance) in [(plain, 0.02), (matched, 0.003)] {
-        let critical = system
-            .transition(Floor::OffPillars, &Run::default())
-            .unwrap();
+        let critical = system.transition(&Run::default()).unwrap();
         let contact = &critical.contact;
         assert!(contact.converged() && critical.regime == Regime::TopFirst);
         let errors = [
@@ -492,7 +501,7 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
         assert!(errors[0].abs() < estimate.force && estimate.force < 0.1);
         assert!(errors[1].abs() < estimate.indentation);
         // The floor is touched and bears nothing yet.
-        let shares = contact.shares(system.surface(), Floor::OffPillars);
+        let shares = contact.shares.unwrap();
         assert!(shares.floor.force.abs() < f64::MIN_POSITIVE);
         assert!((shares.tops.force / contact.force - 1.0).abs() < 1e-12);
         let smallest = contact.gap.iter().copied().fold(f64::INFINITY, f64::min);
@@ -506,17 +515,13 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
 #[test]
 fn floor_takes_its_share_past_the_transition() {
     let system = paper_texture(0.03, 0.0, 200.0e-6, 8);
-    let critical = system
-        .transition(Floor::OffPillars, &Run::default())
-        .unwrap();
+    let by_height = system.clone().with_floor(Floor::AtOrBelow(1.0e-9));
+    let critical = system.transition(&Run::default()).unwrap();
     let at = |factor: f64| {
-        let contact = press(
-            &system,
-            Load::Indentation(factor * critical.contact.indentation),
-        );
-        let shares = contact.shares(system.surface(), Floor::OffPillars);
-        let by_height = contact.shares(system.surface(), Floor::AtOrBelow(1.0e-9));
-        assert_eq!(shares, by_height);
+        let load = Control::Indentation(factor * critical.contact.indentation);
+        let contact = press(&system, load);
+        let shares = contact.shares.unwrap();
+        assert_eq!(Some(shares), press(&by_height, load).shares);
         assert!(((shares.tops.force + shares.floor.force) / contact.force - 1.0).abs() < 1e-12);
         assert!(contact.warnings.is_empty());
         (contact.force / critical.contact.force, shares)
@@ -544,7 +549,7 @@ fn pressing_before_the_transition_agrees_with_the_spectral_method() {
         INTERMEDIATE,
         PillarCompliance::Column,
     );
-    let load = Load::Indentation(3.0e-6);
+    let load = Control::Indentation(3.0e-6);
     let spectral = fakir::press(&system, load, Method::default(), &Run::default()).unwrap();
     let surface = paper_texture(0.03, 0.0, 130.0e-6, 16);
     let surface = surface.with_round_tops(6.0e-6).unwrap();
@@ -559,17 +564,17 @@ fn pressing_before_the_transition_agrees_with_the_spectral_method() {
 fn floor_before_any_pillar() {
     // As in the reference table: zeta_c = h, F_c = 0.
     let system = paper_texture(0.0005, 3f64.sqrt() / 2.0, 140.0e-6, 4);
-    let critical = system
-        .transition(Floor::OffPillars, &Run::default())
-        .unwrap();
+    let critical = system.transition(&Run::default()).unwrap();
     assert_eq!(critical.regime, Regime::BottomFirst);
     // The lowest point of the lens lies on a corner of cells, half a diagonal from a centre.
     assert!((critical.contact.indentation / 2.2e-6 - 1.0).abs() < 1e-3);
     assert!(critical.contact.force.abs() < f64::MIN_POSITIVE);
-    let contact = press(&system, Load::Indentation(2.5e-6));
-    let shares = contact.shares(system.surface(), Floor::OffPillars);
+    let contact = press(&system, Control::Indentation(2.5e-6));
+    let shares = contact.shares.unwrap();
     assert!(shares.floor.force > 0.0 && shares.tops.force.abs() < f64::MIN_POSITIVE);
-    let error = flat(64).transition(Floor::AtOrBelow(0.0), &Run::default());
+    let error = flat(64)
+        .with_floor(Floor::AtOrBelow(0.0))
+        .transition(&Run::default());
     assert!(matches!(error, Err(SolveError::NoFloor)));
 }
 
@@ -589,9 +594,9 @@ fn round_top_bears_the_force_of_a_flat_punch() {
     let plate = Indenter::Flat(Some(rubber()));
     let system = SurfaceSystem::new(plate, rubber(), surface, Boundary::FreeSpace).unwrap();
     let exact = system.reduced_modulus() * 6.0e-6 * 0.1e-6;
-    let plain = press(&system, Load::Indentation(0.1e-6)).force / exact - 1.0;
+    let plain = press(&system, Control::Indentation(0.1e-6)).force / exact - 1.0;
     let matched = system.with_round_tops(6.0e-6).unwrap();
-    let matched = press(&matched, Load::Indentation(0.1e-6)).force / exact - 1.0;
+    let matched = press(&matched, Control::Indentation(0.1e-6)).force / exact - 1.0;
     println!("plain {plain:.2e} matched {matched:.2e}");
     assert!(plain.abs() > 1e-3 && matched.abs() < 1e-7);
 }
@@ -608,14 +613,14 @@ fn plate_on_periodic_pillars_reaches_the_floor() {
         .height_map(&grid, &rubber())
         .unwrap();
     let plate = Indenter::Flat(Some(rubber()));
-    let system = SurfaceSystem::new(plate, rubber(), surface, Boundary::Periodic).unwrap();
-    let critical = system
-        .transition(Floor::OffPillars, &Run::default())
-        .unwrap();
+    let system = SurfaceSystem::new(plate, rubber(), surface, Boundary::Periodic)
+        .unwrap()
+        .with_floor(Floor::OffPillars);
+    let critical = system.transition(&Run::default()).unwrap();
     assert!(critical.contact.converged() && critical.regime == Regime::TopFirst);
     let floor = |factor: f64| {
-        let contact = press(&system, Load::Force(factor * critical.contact.force));
-        contact.shares(system.surface(), Floor::OffPillars).floor
+        let contact = press(&system, Control::Force(factor * critical.contact.force));
+        contact.shares.unwrap().floor
     };
     assert!(floor(0.999).force.abs() < f64::MIN_POSITIVE);
     let (before, after) = (floor(1.01), floor(1.3));
@@ -655,9 +660,9 @@ fn rough_surfaces_meet_the_contact_conditions_everywhere() {
         // The contact of the lens stays away from the border.
         let scale = if indenter == plate { 1.0 } else { 1.0e-3 };
         for force in [1.0e-9, 1.0e-6, 1.0e-4].map(|force| scale * force) {
-            let contact = press(&system, Load::Force(force));
+            let contact = press(&system, Control::Force(force));
             assert!((contact.force / force - 1.0).abs() < 1e-12);
-            let again = press(&system, Load::Indentation(contact.indentation));
+            let again = press(&system, Control::Indentation(contact.indentation));
             assert!((again.force / force - 1.0).abs() < 1e-6);
             for (pressure, gap) in contact.pressure.iter().zip(&contact.gap) {
                 let closed = *pressure > 0.0;

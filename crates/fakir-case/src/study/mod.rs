@@ -38,8 +38,7 @@ use crate::key::{Key, root};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
-use fakir::Question;
-use fakir::problem::{Load, Method};
+use fakir::problem::{Control, Method};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -99,7 +98,7 @@ pub struct StudyFile {
 #[derive(Debug, Clone)]
 struct FixedLoad {
     variable: Variable,
-    load: Load,
+    load: Control,
     place: Place,
 }
 
@@ -356,7 +355,7 @@ impl StudyFile {
         }
         Ok(StudyCase {
             case: file.case()?,
-            question: load.map_or(Question::Transition, Question::Press),
+            control: load.unwrap_or(Control::FloorContact),
             coordinates,
         })
     }
@@ -424,7 +423,7 @@ impl StudyFile {
 }
 
 /// The load of an entry.
-fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
+fn prescribed(variable: Variable, entry: &Entry) -> Result<Control, CaseError> {
     let dimension = variable.dimension().unwrap_or(Dimension::Number);
     let value = quantity(variable.path(), dimension, entry)?;
     if !(value.is_finite() && value >= 0.0) {
@@ -436,8 +435,8 @@ fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
         .accepted("it must be a finite number, 0 or greater"));
     }
     Ok(match variable {
-        Variable::Force => Load::Force(value),
-        _ => Load::Indentation(value),
+        Variable::Force => Control::Force(value),
+        _ => Control::Indentation(value),
     })
 }
 
@@ -457,7 +456,7 @@ pub struct StudyCase {
     /// What is pressed, and how it is solved.
     pub case: Case,
     /// What is asked.
-    pub question: Question,
+    pub control: Control,
     /// The value of every axis.
     pub coordinates: Vec<Coordinate>,
 }
@@ -537,9 +536,13 @@ impl Study {
         let file = &self.file;
         let _ = writeln!(text, "\n[study]\nquestion = \"{}\"", file.asked.name());
         let _ = writeln!(text, "combine = \"{}\"", file.combine.word());
-        if let Some(FixedLoad { variable, load, .. }) = &file.load {
-            let (Load::Force(value) | Load::Indentation(value)) = *load;
-            let _ = writeln!(text, "{} = {}", variable.path(), variable.written(value));
+        if let Some(FixedLoad {
+            variable,
+            load: Control::Force(value) | Control::Indentation(value),
+            ..
+        }) = &file.load
+        {
+            let _ = writeln!(text, "{} = {}", variable.path(), variable.written(*value));
         }
         text.push_str("\n[axes]\n");
         for axis in self.axes() {

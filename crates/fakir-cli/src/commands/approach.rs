@@ -12,16 +12,17 @@ use fakir_case::unit::Dimension;
 use fakir_study::approach::{LoadingPath, approach};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{LoadingRow, csv, json};
+use fakir_study::result::{ApproachSummary, LoadingRow, csv, json};
 
 pub(crate) fn run(case: &Case, path: &LoadingPath, session: &Session) -> Result<Report, Failure> {
     let next = |part: &str| session.part(part);
     let run = session.run();
-    let found = approach(&case.system, case.method, path, &run, &next, &mut |_, _| {})?;
-    let rows = &found.summary.states;
+    let problem = (case.system, case.method);
+    let found = approach(&problem, path, &run, &next, &mut |_, _| {})?;
+    let rows = &found.rows;
     Ok(Report {
-        json: json(&found.summary),
-        text: text(case, &found.critical, rows),
+        json: json(&ApproachSummary::new(case.method, &found)),
+        text: text(case, found.critical.as_ref(), rows),
         provenance: Provenance::new(
             path.words(),
             method_words(case.method),
@@ -29,16 +30,17 @@ pub(crate) fn run(case: &Case, path: &LoadingPath, session: &Session) -> Result<
             case.to_toml(),
         ),
         tables: vec![csv("approach.csv", rows)],
-        converged: found.summary.converged,
+        converged: found.converged,
         warnings: found.warnings,
     })
 }
 
-fn text(case: &Case, critical: &CriticalState, rows: &[LoadingRow]) -> String {
-    let reached = if rows.iter().any(|row| row.critical) {
-        String::new()
-    } else {
-        further_on(critical.contact.indentation, critical.contact.force)
+fn text(case: &Case, critical: Option<&CriticalState>, rows: &[LoadingRow]) -> String {
+    let reached = match critical {
+        Some(critical) if !rows.iter().any(|row| row.critical) => {
+            further_on(critical.contact.indentation, critical.contact.force)
+        }
+        _ => String::new(),
     };
     format!(
         "Approach of the lens\n{}\n{}\n\n{}{reached}",

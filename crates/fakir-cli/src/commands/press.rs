@@ -7,24 +7,24 @@ use crate::report::figures;
 use crate::report::maps::Maps;
 use crate::report::state::{QuantityList, radius_digits, texture_line};
 use crate::session::Session;
-use fakir::problem::Load;
+use fakir::problem::Control;
 use fakir::state::{ContactState, CriticalState, Normalized, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{PressSummary, json, load_words, pillars, warnings};
+use fakir_study::result::{PressSummary, control_words, json, pillars, warnings};
 use std::time::Instant;
 
 pub(crate) fn run(
     case: &Case,
-    load: Load,
+    control: Control,
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
     maps.check_memory(session)?;
     let start = Instant::now();
-    let state = fakir::press(&case.system, load, case.method, &session.run())?;
+    let state = fakir::press(&case.system, control, case.method, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
     let mut warnings = warnings(&state);
     if state.beyond_transition() {
@@ -32,7 +32,7 @@ pub(crate) fn run(
         warnings.push(beyond(case, session)?);
     }
     let provenance = Provenance::new(
-        load_words(load),
+        control_words(control),
         method_words(case.method),
         &[Topic::Method(case.method)],
         case.to_toml(),

@@ -5,28 +5,27 @@ use crate::report::Report;
 use crate::report::maps::Maps;
 use crate::report::surface::{loaded, pressed, reached, verified};
 use crate::session::Session;
-use fakir::Question;
-use fakir::problem::Load;
+use fakir::problem::Control;
 use fakir::state::SolveError;
 use fakir_case::{CaseFile, SurfaceCase};
-use fakir_study::approach::{LoadingPath, approach_surface};
+use fakir_study::approach::{self, LoadingPath};
 use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::surfaces;
 use std::time::Instant;
 
 pub(crate) fn press(
     file: &CaseFile,
-    load: Load,
+    control: Control,
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
     let start = Instant::now();
     let (case, contact, widened) = on_wide_enough_a_grid(file, session, |case| {
         check_maps(case, maps, session)?;
-        Ok(case.system.press(load, &session.run())?)
+        Ok(case.system.press(control, &session.run())?)
     })?;
     let wall_time = start.elapsed().as_secs_f64();
-    let mut report = pressed(&case, load, &contact, maps, wall_time);
+    let mut report = pressed(&case, control, &contact, maps, wall_time);
     report.warnings.extend(widened);
     Ok(report)
 }
@@ -55,14 +54,14 @@ pub(crate) fn transition(
     let start = Instant::now();
     let (case, critical, widened) = on_wide_enough_a_grid(file, session, |case| {
         check_maps(case, maps, session)?;
-        let Some(floor) = case.floor else {
+        if case.system.floor().is_none() {
             return Err(Failure::Argument(
                 "surface.floor is missing: a height map has no pillars that would tell which part \
                  of it is the floor; give the height at or below which it is"
                     .to_owned(),
             ));
-        };
-        Ok(case.system.transition(floor, &session.run())?)
+        }
+        Ok(case.system.transition(&session.run())?)
     })?;
     let wall_time = start.elapsed().as_secs_f64();
     let mut report = reached(&case, &critical, maps, wall_time);
@@ -77,16 +76,13 @@ pub(crate) fn approach(
 ) -> Result<Report, Failure> {
     let next = |part: &str| session.part(part);
     let (case, found, widened) = on_wide_enough_a_grid(file, session, |case| {
-        let run = session.run();
-        let (system, floor) = (&case.system, case.floor);
-        let mut forget = |_, _| {};
-        Ok(approach_surface(
-            system,
-            floor,
+        let keep = &mut |_, _| {};
+        Ok(approach::approach(
+            &case.system,
             path,
-            &run,
+            &session.run(),
             &next,
-            &mut forget,
+            keep,
         )?)
     })?;
     let mut report = loaded(&case, path, found);
@@ -97,16 +93,15 @@ pub(crate) fn approach(
 /// Pillars of any form on two meshes.
 pub(crate) fn verify(
     file: &CaseFile,
-    load: Option<Load>,
+    control: Control,
     cells_per_diameter: usize,
     session: &Session,
 ) -> Result<Report, Failure> {
     let start = Instant::now();
-    let question = load.map_or(Question::Transition, Question::Press);
     let next = |part: &str| session.part(part);
-    let found = surfaces::verify(file, question, cells_per_diameter, &session.run(), &next)?;
+    let found = surfaces::verify(file, control, cells_per_diameter, &session.run(), &next)?;
     let wall_time = start.elapsed().as_secs_f64();
-    let mut report = verified(question, &found, wall_time);
+    let mut report = verified(control, &found, wall_time);
     let [coarse, fine] = found.answers;
     report.warnings.extend(fine.widened.or(coarse.widened));
     Ok(report)

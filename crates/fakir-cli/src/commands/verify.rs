@@ -6,24 +6,23 @@ use crate::report::Report;
 use crate::report::state::{difference, radius_digits, texture_line};
 use crate::report::table::{Column, table};
 use crate::session::Session;
-use fakir::problem::{Accuracy, ElementMesh, Load, Method};
+use fakir::problem::{Accuracy, Control, ElementMesh, Method};
 use fakir::state::ContactState;
-use fakir::{Question, Verdict, Verification};
+use fakir::{Verdict, Verification};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{AnswerRow, VerifySummary, csv, json, question_words, warnings};
+use fakir_study::result::{AnswerRow, VerifySummary, control_words, csv, json, warnings};
 use std::time::Instant;
 
 pub(crate) fn run(
     case: &Case,
-    load: Option<Load>,
+    control: Control,
     cells_per_diameter: usize,
     session: &Session,
 ) -> Result<Report, Failure> {
     let start = Instant::now();
-    let question = load.map_or(Question::Transition, Question::Press);
     let mesh = match case.method {
         Method::Love(mesh) => mesh,
         _ => ElementMesh::default(),
@@ -32,23 +31,23 @@ pub(crate) fn run(
         cells_per_diameter,
         ..mesh
     };
-    let verification = fakir::verify(&case.system, question, mesh, &session.run())?;
+    let verification = fakir::verify(&case.system, control, mesh, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
-    let summary = VerifySummary::new(question, &verification, wall_time);
+    let summary = VerifySummary::new(control, &verification, wall_time);
     Ok(Report {
         json: json(&summary),
         text: text(case, &verification, summary.answers(), wall_time),
-        provenance: provenance(case, question, mesh),
+        provenance: provenance(case, control, mesh),
         tables: vec![csv("verify.csv", summary.answers())],
         warnings: answers(&verification).flat_map(warnings).collect(),
         converged: verification.agrees(),
     })
 }
 
-fn provenance(case: &Case, question: Question, mesh: ElementMesh) -> Provenance {
+fn provenance(case: &Case, control: Control, mesh: ElementMesh) -> Provenance {
     let methods = [Method::Spectral(Accuracy::Accurate), Method::Love(mesh)];
     Provenance::new(
-        question_words(question),
+        control_words(control),
         methods.map(method_words).join(" against "),
         &methods.map(Topic::Method),
         case.to_toml(),

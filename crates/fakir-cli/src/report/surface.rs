@@ -5,21 +5,21 @@ use super::maps::Maps;
 use super::state::{QuantityList, difference, further_on, loading_remark, radius_digits};
 use super::table::{Column, table};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
-use fakir::Question;
 use fakir::problem::pattern::{Arrangement, CrossSection, Pattern};
-use fakir::problem::{Boundary, Load};
+use fakir::problem::{Boundary, Control, SurfaceSystem};
 use fakir::state::{Regime, Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
-use fakir_study::approach::{LoadingPath, SurfaceApproach};
+use fakir_study::approach::{Approach, LoadingPath};
 use fakir_study::citations::Topic;
 use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::result::{
-    MeshRow, SurfaceLoadingRow, SurfacePressSummary, SurfaceTransitionSummary,
-    SurfaceVerifySummary, csv, indenter_name, json, load_words, question_words, surface_warnings,
+    MeshRow, SurfaceApproachSummary, SurfaceLoadingRow, SurfacePressSummary,
+    SurfaceTransitionSummary, SurfaceVerifySummary, control_words, csv, indenter_name, json,
+    warnings,
 };
 use fakir_study::surfaces::SurfaceVerification;
 
@@ -29,19 +29,16 @@ const AREA_DIGITS: usize = 4;
 /// The contact under a load.
 pub(crate) fn pressed(
     case: &SurfaceCase,
-    load: Load,
+    control: Control,
     contact: &SurfaceContact,
     maps: Maps,
     wall_time: f64,
 ) -> Report {
-    let shares = case
-        .floor
-        .map(|floor| contact.shares(case.system.surface(), floor));
-    let summary = SurfacePressSummary::new(&case.system, case.floor, contact, wall_time);
+    let summary = SurfacePressSummary::new(&case.system, contact, wall_time);
     let mut list = QuantityList::default();
     add_load(&mut list, contact);
     add_area(&mut list, contact);
-    if let Some(shares) = shares {
+    if let Some(shares) = contact.shares {
         add_shares(&mut list, &shares, contact);
     }
     add_solution(&mut list, contact, wall_time);
@@ -53,7 +50,7 @@ pub(crate) fn pressed(
     Report {
         json: json(&summary),
         text,
-        ..report(case, &load_words(load), contact, maps)
+        ..report(case, &control_words(control), contact, maps)
     }
 }
 
@@ -95,8 +92,12 @@ pub(crate) fn reached(
 }
 
 /// A loading.
-pub(crate) fn loaded(case: &SurfaceCase, path: &LoadingPath, found: SurfaceApproach) -> Report {
-    let rows = &found.summary.states;
+pub(crate) fn loaded(
+    case: &SurfaceCase,
+    path: &LoadingPath,
+    found: Approach<SurfaceSystem>,
+) -> Report {
+    let rows = &found.rows;
     let further = match &found.critical {
         Some(critical) if !rows.iter().any(|row| row.critical) => {
             further_on(critical.contact.indentation, critical.contact.force)
@@ -104,7 +105,7 @@ pub(crate) fn loaded(case: &SurfaceCase, path: &LoadingPath, found: SurfaceAppro
         _ => String::new(),
     };
     Report {
-        json: json(&found.summary),
+        json: json(&SurfaceApproachSummary::new(&case.system, &found)),
         text: format!(
             "Approach of the {}\n{}\n\n{}{further}",
             indenter_name(case.system.indenter()),
@@ -113,7 +114,7 @@ pub(crate) fn loaded(case: &SurfaceCase, path: &LoadingPath, found: SurfaceAppro
         ),
         provenance: provenance(case, &path.words()),
         tables: vec![csv("approach.csv", rows)],
-        converged: found.summary.converged,
+        converged: found.converged,
         warnings: found.warnings,
     }
 }
@@ -156,8 +157,8 @@ fn columns(rows: &[SurfaceLoadingRow]) -> [Column<SurfaceLoadingRow>; 6] {
 }
 
 /// A second opinion.
-pub(crate) fn verified(question: Question, found: &SurfaceVerification, wall_time: f64) -> Report {
-    let summary = SurfaceVerifySummary::new(question, found, wall_time);
+pub(crate) fn verified(control: Control, found: &SurfaceVerification, wall_time: f64) -> Report {
+    let summary = SurfaceVerifySummary::new(control, found, wall_time);
     let rows = summary.answers();
     let case = &found.answers[1].case;
     let columns = [
@@ -191,7 +192,7 @@ pub(crate) fn verified(question: Question, found: &SurfaceVerification, wall_tim
             seconds(wall_time)
         ),
         provenance: Provenance::new(
-            question_words(question),
+            control_words(control),
             format!("Love elements, {coarse} against {fine} cells across a pillar"),
             &[topic(case)],
             case.to_toml(),
@@ -200,7 +201,7 @@ pub(crate) fn verified(question: Question, found: &SurfaceVerification, wall_tim
         warnings: found
             .answers
             .iter()
-            .flat_map(|answered| surface_warnings(&answered.answer))
+            .flat_map(|answered| warnings(&answered.answer))
             .collect(),
         converged: found.agrees(),
     }
@@ -216,7 +217,7 @@ fn estimate(error: Option<f64>) -> String {
 
 /// The report of a contact, but for its JSON and text.
 fn report(case: &SurfaceCase, question: &str, contact: &SurfaceContact, maps: Maps) -> Report {
-    let mut warnings = surface_warnings(contact);
+    let mut warnings = warnings(contact);
     let field = |name, values| File::new(name, to_npy(&contact.grid, values));
     let mut tables = vec![
         field("pressure.npy", &contact.pressure),
@@ -225,7 +226,7 @@ fn report(case: &SurfaceCase, question: &str, contact: &SurfaceContact, maps: Ma
     ];
     let provenance = provenance(case, question);
     if maps != Maps::None {
-        match FieldMap::of_surface(&case.system, contact, case.floor) {
+        match FieldMap::of_surface(&case.system, contact) {
             Some(map) => tables.extend(map.files(&provenance)),
             None => warnings.push(format!(
                 "more cells than {MOST_POINTS} by {MOST_POINTS}: the fields are saved as .npy only"

@@ -5,7 +5,7 @@ use super::measurements::{Measurement, Measurements, Position};
 use super::parameter::{Parameter, value_of};
 use super::{FitError, FitOptions};
 use fakir::numerics::convergence::within;
-use fakir::problem::{Load, Method};
+use fakir::problem::{Control, Method};
 use fakir::state::{ContactState, Run, SolveError};
 use fakir_case::{Case, CaseFile};
 use rayon::prelude::*;
@@ -143,7 +143,7 @@ impl<'a> Model<'a> {
             .min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
         match nearest {
             Some((position, force)) => {
-                let state = self.solve(&self.start.case, Load::Force(force))?;
+                let state = self.solve(&self.start.case, Control::Force(force))?;
                 Ok(position - self.start.machine_compliance * force - state.indentation)
             }
             None => {
@@ -242,7 +242,7 @@ impl<'a> Model<'a> {
 
     /// The state under a force.
     pub(super) fn state_under(&self, settings: &Settings, force: f64) -> Result<State, FitError> {
-        Ok(self.solve(&settings.case, Load::Force(force))?)
+        Ok(self.solve(&settings.case, Control::Force(force))?)
     }
 
     /// The state at a reading: the indentation `zeta` with
@@ -260,7 +260,7 @@ impl<'a> Model<'a> {
             ),
             _ => (0.0, reading),
         };
-        let solve = |zeta: f64| self.solve(&settings.case, Load::Indentation(zeta));
+        let solve = |zeta: f64| self.solve(&settings.case, Control::Indentation(zeta));
         if compliance == 0.0 || target <= 0.0 {
             return Ok(solve(target)?);
         }
@@ -291,8 +291,8 @@ impl<'a> Model<'a> {
         }
     }
 
-    fn solve(&self, case: &Case, load: Load) -> Result<State, SolveError> {
-        if let Load::Indentation(zeta) = load
+    fn solve(&self, case: &Case, load: Control) -> Result<State, SolveError> {
+        if let Control::Indentation(zeta) = load
             && zeta <= 0.0
         {
             return Ok(State {
@@ -351,8 +351,8 @@ impl<'a> Model<'a> {
         self.for_each_row(|number, row| {
             let state = &states[number];
             let load = match row.position {
-                Some(_) => Load::Indentation(state.indentation),
-                None => Load::Force(state.force),
+                Some(_) => Control::Indentation(state.indentation),
+                None => Control::Force(state.force),
             };
             let along = self.along_load(&settings.case, load)?;
             let mut all = Derivatives::default();
@@ -387,12 +387,16 @@ impl<'a> Model<'a> {
     }
 
     /// Derivatives of force and smooth contact radius by the load.
-    fn along_load(&self, case: &Case, load: Load) -> Result<[f64; 2], SolveError> {
+    fn along_load(&self, case: &Case, load: Control) -> Result<[f64; 2], SolveError> {
         let at = |factor: f64| match load {
-            Load::Indentation(value) => Load::Indentation(factor * value),
-            Load::Force(value) => Load::Force(factor * value),
+            Control::Indentation(value) => Control::Indentation(factor * value),
+            Control::Force(value) => Control::Force(factor * value),
+            Control::FloorContact => Control::FloorContact,
         };
-        let (Load::Indentation(value) | Load::Force(value)) = load;
+        let value = match load {
+            Control::Indentation(value) | Control::Force(value) => value,
+            Control::FloorContact => 0.0, // nothing to go along
+        };
         if value <= 0.0 {
             return Ok([0.0; 2]);
         }
@@ -402,7 +406,7 @@ impl<'a> Model<'a> {
     }
 
     /// Derivatives of force and smooth contact radius from one case to another.
-    fn between(&self, [below, above]: &[Case; 2], load: Load) -> Result<[f64; 2], SolveError> {
+    fn between(&self, [below, above]: &[Case; 2], load: Control) -> Result<[f64; 2], SolveError> {
         let (below, above) = (self.solve(below, load)?, self.solve(above, load)?);
         Ok(difference(&below, &above, DIFFERENCE))
     }

@@ -12,7 +12,7 @@ mod vti;
 
 use crate::output::File;
 use crate::provenance::Provenance;
-use fakir::problem::{Floor, Point, SurfaceSystem};
+use fakir::problem::{Point, SurfaceSystem};
 use fakir::state::{ContactState, FieldSamples, Run, SolveError, SurfaceContact};
 
 /// Most points across: three fields of so many squared take 100 MB.
@@ -171,13 +171,9 @@ impl FieldMap {
     }
 
     /// The fields of a contact with a general surface, at the centres of its cells; on pillars is
-    /// what is not `floor`. `None` if that is more than [`MOST_POINTS`] squared.
+    /// what is not [floor](SurfaceSystem::floor). `None` if that is more than [`MOST_POINTS`] squared.
     #[must_use]
-    pub fn of_surface(
-        system: &SurfaceSystem,
-        contact: &SurfaceContact,
-        floor: Option<Floor>,
-    ) -> Option<Self> {
+    pub fn of_surface(system: &SurfaceSystem, contact: &SurfaceContact) -> Option<Self> {
         let grid = &contact.grid;
         if grid.cell_count() > MOST_POINTS * MOST_POINTS {
             return None;
@@ -225,7 +221,7 @@ impl FieldMap {
                 surface.heights(),
             ),
         ];
-        if let Some(floor) = floor {
+        if let Some(floor) = system.floor() {
             let on_pillar = |cell| i8::from(!floor.contains(surface, cell));
             let flags = (0..grid.cell_count()).map(on_pillar).collect();
             variables.push(on_pillar_variable(flags));
@@ -282,7 +278,7 @@ fn positions(x: &[f64], y: &[f64]) -> impl Iterator<Item = Point> {
 mod tests {
     use super::*;
     use crate::citations::Topic;
-    use fakir::problem::{Load, Method};
+    use fakir::problem::{Control, Method};
     use fakir_case::Case;
 
     fn stamp(case: &Case) -> Provenance {
@@ -305,7 +301,7 @@ mod tests {
     fn pressed(force: f64, points: Option<usize>) -> FieldMap {
         let case = Case::example();
         let run = Run::default();
-        let state = fakir::press(&case.system, Load::Force(force), case.method, &run).unwrap();
+        let state = fakir::press(&case.system, Control::Force(force), case.method, &run).unwrap();
         FieldMap::of_contact(&state, points, &run).unwrap().unwrap()
     }
 
@@ -355,7 +351,7 @@ mod tests {
     fn methods_without_fields_have_none() {
         let case = Case::example();
         let run = Run::default();
-        let load = Load::Force(2e-3);
+        let load = Control::Force(2e-3);
         let state = fakir::press(&case.system, load, Method::Homogenised, &run).unwrap();
         assert_eq!(FieldMap::of_contact(&state, None, &run).unwrap(), None);
     }

@@ -3,8 +3,9 @@
 use super::surface::{GridObject, METHOD, boundary_name, indenter_name};
 use super::{SurfaceTransitionSummary, TransitionSummary};
 use crate::VERSION;
-use fakir::problem::SurfaceSystem;
-use fakir::state::{ContactState, Shares, SurfaceContact, SurfaceTransition};
+use crate::approach::Approach;
+use fakir::problem::{Method, SurfaceSystem, System};
+use fakir::state::{ContactState, SurfaceContact};
 use serde::Serialize;
 
 /// A state of the loading: a row of `approach.csv`.
@@ -56,14 +57,30 @@ impl LoadingRow {
 /// A loading: what `fakir approach --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ApproachSummary {
-    pub(crate) method: &'static str,
-    pub(crate) critical: TransitionSummary,
-    /// The states, by rising indentation.
-    pub states: Vec<LoadingRow>,
-    /// Whether all of them, and the critical state, are solutions.
-    pub converged: bool,
-    pub(crate) wall_time_s: f64,
-    pub(crate) fakir_version: &'static str,
+    method: &'static str,
+    /// None where it is not known what the floor is, which a texture never lacks.
+    critical: Option<TransitionSummary>,
+    states: Vec<LoadingRow>,
+    converged: bool,
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+impl ApproachSummary {
+    /// A loading of a texture by a method.
+    #[must_use]
+    pub fn new(method: Method, found: &Approach<(System, Method)>) -> Self {
+        let critical = found.critical.as_ref();
+        Self {
+            method: method.name(),
+            critical: critical
+                .map(|critical| TransitionSummary::new(critical, found.critical_time)),
+            states: found.rows.clone(),
+            converged: found.converged,
+            wall_time_s: found.wall_time,
+            fakir_version: VERSION,
+        }
+    }
 }
 
 /// A state of the loading of a general surface: a row of `approach.csv`.
@@ -101,14 +118,11 @@ pub struct SurfaceLoadingRow {
 impl SurfaceLoadingRow {
     pub(crate) fn new(
         contact: &SurfaceContact,
-        shares: Option<Shares>,
         critical: bool,
         beyond_transition: Option<bool>,
     ) -> Self {
-        let (tops, floor) = (
-            shares.map(|shares| shares.tops),
-            shares.map(|shares| shares.floor),
-        );
+        let tops = contact.shares.map(|shares| shares.tops);
+        let floor = contact.shares.map(|shares| shares.floor);
         Self {
             indentation_m: contact.indentation,
             force_N: contact.force,
@@ -136,33 +150,28 @@ pub struct SurfaceApproachSummary {
     grid: GridObject,
     /// None where it is not known what the floor is.
     critical: Option<SurfaceTransitionSummary>,
-    /// The states, by rising indentation.
-    pub states: Vec<SurfaceLoadingRow>,
-    /// Whether all of them, and the critical state, are solutions.
-    pub converged: bool,
+    states: Vec<SurfaceLoadingRow>,
+    converged: bool,
     wall_time_s: f64,
     fakir_version: &'static str,
 }
 
 impl SurfaceApproachSummary {
-    /// `critical` comes with the time it took, s.
-    pub(crate) fn new(
-        system: &SurfaceSystem,
-        critical: Option<(&SurfaceTransition, f64)>,
-        states: Vec<SurfaceLoadingRow>,
-        wall_time: f64,
-    ) -> Self {
-        let is_solved = critical.is_none_or(|(critical, _)| critical.contact.converged());
+    /// A loading of a surface.
+    #[must_use]
+    pub fn new(system: &SurfaceSystem, found: &Approach<SurfaceSystem>) -> Self {
+        let critical = found.critical.as_ref();
         Self {
             method: METHOD,
             indenter: indenter_name(system.indenter()),
             boundary: boundary_name(system.boundary()),
             grid: system.surface().grid().into(),
-            critical: critical
-                .map(|(critical, time)| SurfaceTransitionSummary::new(system, critical, time)),
-            converged: is_solved && states.iter().all(|row| row.converged),
-            states,
-            wall_time_s: wall_time,
+            critical: critical.map(|critical| {
+                SurfaceTransitionSummary::new(system, critical, found.critical_time)
+            }),
+            states: found.rows.clone(),
+            converged: found.converged,
+            wall_time_s: found.wall_time,
             fakir_version: VERSION,
         }
     }

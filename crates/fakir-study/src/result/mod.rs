@@ -25,9 +25,8 @@ pub use theory::{
 pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
-use fakir::Question;
-use fakir::problem::Load;
-use fakir::state::{ContactState, ErrorEstimate, Normalized, SurfaceContact};
+use fakir::problem::Control;
+use fakir::state::{Contact, ErrorEstimate, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;
 
@@ -53,48 +52,30 @@ pub fn csv<T: Serialize>(name: &'static str, rows: impl IntoIterator<Item = T>) 
     File::new(name, bytes)
 }
 
-/// What to be careful about, of a contact.
+/// What to be careful about, of a contact of either kind.
 #[must_use]
-pub fn warnings(state: &ContactState) -> Vec<String> {
-    let mut warnings: Vec<String> = state.warnings.iter().map(ToString::to_string).collect();
-    if !state.converged() {
-        warnings.push(format!("the solution {}", state.termination.description()));
-    }
-    warnings
-}
-
-/// The same of a contact with a general surface.
-#[must_use]
-pub fn surface_warnings(contact: &SurfaceContact) -> Vec<String> {
-    let mut warnings: Vec<String> = contact.warnings.iter().map(ToString::to_string).collect();
+pub fn warnings(contact: &impl Contact) -> Vec<String> {
+    let mut warnings: Vec<String> = contact.warnings().iter().map(ToString::to_string).collect();
     if !contact.converged() {
-        let outcome = contact.termination.description();
+        let outcome = contact.termination().description();
         warnings.push(format!("the solution {outcome}"));
     }
     warnings
 }
 
-/// A load in words: `contact under a force of 20 uN`.
+/// What is asked in words: `contact under a force of 20 uN`, `critical state`.
 #[must_use]
-pub fn load_words(load: Load) -> String {
-    match load {
-        Load::Force(force) => format!(
+pub fn control_words(control: Control) -> String {
+    match control {
+        Control::Force(force) => format!(
             "contact under a force of {}",
             format_quantity(force, Dimension::Force)
         ),
-        Load::Indentation(indentation) => format!(
+        Control::Indentation(indentation) => format!(
             "contact at an indentation of {}",
             format_quantity(indentation, Dimension::Length)
         ),
-    }
-}
-
-/// A question that is answered twice in words: `critical state`, or that of its load.
-#[must_use]
-pub fn question_words(question: Question) -> String {
-    match question {
-        Question::Transition => "critical state".to_owned(),
-        Question::Press(load) => load_words(load),
+        Control::FloorContact => "critical state".to_owned(),
     }
 }
 

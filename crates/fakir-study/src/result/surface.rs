@@ -2,7 +2,7 @@
 
 use super::RelativeErrors;
 use crate::VERSION;
-use fakir::problem::{Boundary, Floor, Grid, Indenter, Point, SurfaceSystem};
+use fakir::problem::{Boundary, Grid, Indenter, Point, SurfaceSystem};
 use fakir::state::{Certificate, Share, SurfaceContact, SurfaceTransition};
 use serde::Serialize;
 
@@ -127,16 +127,10 @@ pub struct SurfaceTransitionSummary {
 }
 
 impl SurfacePressSummary {
-    /// A contact that took so many seconds; with the shares of tops and floor where it is known what
-    /// the floor is.
+    /// A contact that took so many seconds.
     #[must_use]
-    pub fn new(
-        system: &SurfaceSystem,
-        floor: Option<Floor>,
-        contact: &SurfaceContact,
-        wall_time: f64,
-    ) -> Self {
-        let shares = floor.map(|floor| contact.shares(system.surface(), floor));
+    pub fn new(system: &SurfaceSystem, contact: &SurfaceContact, wall_time: f64) -> Self {
+        let shares = contact.shares;
         Self {
             method: METHOD,
             force_N: contact.force,

@@ -4,9 +4,9 @@ use super::RelativeErrors;
 use super::surface::{METHOD, boundary_name, indenter_name};
 use crate::VERSION;
 use crate::surfaces::SurfaceVerification;
-use fakir::problem::{Load, Method};
+use fakir::problem::{Control, Method};
 use fakir::state::{ContactState, SurfaceContact};
-use fakir::{Difference, Question, Verification};
+use fakir::{Difference, Verification};
 use serde::Serialize;
 
 /// One of the answers: a row of `verify.csv`.
@@ -65,11 +65,11 @@ pub struct VerifySummary {
 impl VerifySummary {
     /// The answers to a question, which took so many seconds.
     #[must_use]
-    pub fn new(question: Question, verification: &Verification, wall_time: f64) -> Self {
+    pub fn new(control: Control, verification: &Verification, wall_time: f64) -> Self {
         let verdict = verification.verdict();
         let differences = |of| differences(&verification.force, &verification.indentation, of);
         Self {
-            question: question_name(question),
+            question: question_name(control),
             agree: verification.agrees(),
             verdict: verdict.name(),
             doubt: verdict.doubt().map(|doubt| doubt.to_string()),
@@ -119,11 +119,11 @@ impl AnswerRow {
     }
 }
 
-fn question_name(question: Question) -> &'static str {
-    match question {
-        Question::Transition => "transition",
-        Question::Press(Load::Indentation(_)) => "press at an indentation",
-        Question::Press(Load::Force(_)) => "press under a force",
+fn question_name(control: Control) -> &'static str {
+    match control {
+        Control::FloorContact => "transition",
+        Control::Indentation(_) => "press at an indentation",
+        Control::Force(_) => "press under a force",
     }
 }
 
@@ -196,13 +196,13 @@ pub struct SurfaceVerifySummary {
 impl SurfaceVerifySummary {
     /// The answers to a question, which took so many seconds.
     #[must_use]
-    pub fn new(question: Question, verification: &SurfaceVerification, wall_time: f64) -> Self {
+    pub fn new(control: Control, verification: &SurfaceVerification, wall_time: f64) -> Self {
         let (verdict, doubt) = verification.verdict();
         let differences = |of| differences(&verification.force, &verification.indentation, of);
         let rows = verification.answers.iter().map(|answered| &answered.answer);
         let system = &verification.answers[1].case.system;
         Self {
-            question: question_name(question),
+            question: question_name(control),
             indenter: indenter_name(system.indenter()),
             boundary: boundary_name(system.boundary()),
             agree: verification.agrees(),

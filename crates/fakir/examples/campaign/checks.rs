@@ -1,12 +1,12 @@
 //! What is asked twice of a system, and by how much the answers differ.
 
-use crate::draw::{Asked, Drawn, load};
+use crate::draw::{Asked, Drawn, control};
 use fakir::problem::{
-    Accuracy, ElementMesh, HexagonalLattice, Lens, Load, Material, Method, Pillar, PunchForm,
+    Accuracy, Control, ElementMesh, HexagonalLattice, Lens, Material, Method, Pillar, PunchForm,
     System, Texture,
 };
 use fakir::state::{ContactState, ErrorEstimate, Run, SolveError};
-use fakir::{Question, Verdict, verify};
+use fakir::{Verdict, verify};
 use std::f64::consts::FRAC_PI_3;
 
 /// Relative rounding error that is nobody's estimate: of sums, and of what was prescribed.
@@ -164,7 +164,7 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
     let force = match drawn.asked {
         Asked::ForceNear(indentation) => {
             let method = Method::Punch(PunchForm::Corrected);
-            let near = fakir::press(system, Load::Indentation(indentation), method, &run);
+            let near = fakir::press(system, Control::Indentation(indentation), method, &run);
             match findings.take(near) {
                 Some(state) => state.force,
                 None => return findings,
@@ -172,13 +172,10 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
         }
         _ => 0.0,
     };
-    let load = load(drawn.asked, force);
+    let control = control(drawn.asked, force);
     let ask = |system: &System, accuracy| {
         let method = Method::Spectral(accuracy);
-        match load {
-            None => fakir::transition(system, method, &run).map(|critical| critical.contact),
-            Some(load) => fakir::press(system, load, method, &run),
-        }
+        fakir::press(system, control, method, &run)
     };
     let Some(state) = findings.take(ask(system, Accuracy::Default)) else {
         return findings;
@@ -222,12 +219,12 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
             findings.compare(checks, &state, &copy);
         }
     }
-    units(drawn, load, &state, &mut findings);
-    if let Some(Load::Indentation(indentation)) = load
+    units(drawn, control, &state, &mut findings);
+    if let Control::Indentation(indentation) = control
         && state.force > 0.0
     {
         let press = |load| fakir::press(system, load, Method::default(), &run);
-        if let Some(back) = findings.take(press(Load::Force(state.force))) {
+        if let Some(back) = findings.take(press(Control::Force(state.force))) {
             let checks = [
                 "force and back, force",
                 "force and back, indentation",
@@ -236,7 +233,7 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
             let state = with_error_of(&state, &back);
             findings.compare(checks, &state, &back);
         }
-        let deeper = press(Load::Indentation(1.01 * indentation));
+        let deeper = press(Control::Indentation(1.01 * indentation));
         if let Some(deeper) = findings.take(deeper) {
             let slack = state.error.force * state.force + deeper.error.force * deeper.force;
             findings.pairs.push(Pair {
@@ -250,7 +247,7 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
         && state.force > 0.0
         && state.pillars_in_contact <= PILLARS_FOR_ELEMENTS;
     if asked_of_elements {
-        elements(system, load, &mut findings);
+        elements(system, control, &mut findings);
     }
     findings
 }
@@ -264,7 +261,7 @@ fn with_error_of(state: &ContactState, back: &ContactState) -> ContactState {
 }
 
 /// The same system in other units: lengths and moduli times powers of two give the same digits.
-fn units(drawn: &Drawn, load: Option<Load>, state: &ContactState, findings: &mut Findings) {
+fn units(drawn: &Drawn, control: Control, state: &ContactState, findings: &mut Findings) {
     const LENGTH: f64 = 1024.0;
     const MODULUS: f64 = 0.0625;
     let system = &drawn.system;
@@ -295,17 +292,12 @@ fn units(drawn: &Drawn, load: Option<Load>, state: &ContactState, findings: &mut
     let force = LENGTH * LENGTH * MODULUS;
     let method = Method::default();
     let run = Run::default();
-    let answer = match load {
-        None => fakir::transition(&larger, method, &run).map(|critical| critical.contact),
-        Some(Load::Indentation(indentation)) => fakir::press(
-            &larger,
-            Load::Indentation(indentation * LENGTH),
-            method,
-            &run,
-        ),
-        Some(Load::Force(f)) => fakir::press(&larger, Load::Force(f * force), method, &run),
+    let larger_control = match control {
+        Control::Indentation(indentation) => Control::Indentation(indentation * LENGTH),
+        Control::Force(f) => Control::Force(f * force),
+        Control::FloorContact => Control::FloorContact,
     };
-    if let Some(other) = findings.take(answer) {
+    if let Some(other) = findings.take(fakir::press(&larger, larger_control, method, &run)) {
         for (check, one, other) in [
             ("other units, force", state.force * force, other.force),
             (
@@ -325,9 +317,8 @@ fn units(drawn: &Drawn, load: Option<Load>, state: &ContactState, findings: &mut
     }
 }
 
-fn elements(system: &System, load: Option<Load>, findings: &mut Findings) {
-    let question = load.map_or(Question::Transition, Question::Press);
-    match verify(system, question, ElementMesh::default(), &Run::default()) {
+fn elements(system: &System, control: Control, findings: &mut Findings) {
+    match verify(system, control, ElementMesh::default(), &Run::default()) {
         Ok(verification) => {
             findings.verdict = Some(verification.verdict());
             if matches!(verification.verdict(), Verdict::CannotTell(_)) {

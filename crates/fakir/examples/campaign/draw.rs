@@ -1,7 +1,7 @@
 //! Random systems and questions, over all that is allowed.
 
 use fakir::problem::{
-    HexagonalLattice, Lens, Load, Material, Pillar, PillarCompliance, Point, System, Texture,
+    Control, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -205,11 +205,11 @@ fn expected_pillars(system: &System, asked: Asked) -> f64 {
     PI * contact.min(0.6 * lens).powi(2) / lattice.cell_area()
 }
 
-/// The load of a question about a force that is meant.
-pub(crate) fn load(asked: Asked, force: f64) -> Option<Load> {
+/// What is prescribed, with the force that is meant.
+pub(crate) fn control(asked: Asked, force: f64) -> Control {
     match asked {
-        Asked::Transition => None,
-        Asked::Indentation(indentation) => Some(Load::Indentation(indentation)),
-        Asked::ForceNear(_) => Some(Load::Force(force)),
+        Asked::Transition => Control::FloorContact,
+        Asked::Indentation(indentation) => Control::Indentation(indentation),
+        Asked::ForceNear(_) => Control::Force(force),
     }
 }

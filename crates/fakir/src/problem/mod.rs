@@ -13,10 +13,10 @@
 //! Coordinates: the lens axis is the origin, x is the second-neighbour
 //! direction of the lattice.
 
+pub(crate) mod control;
 pub(crate) mod grid;
 pub(crate) mod height_map;
 pub(crate) mod lattice;
-pub(crate) mod load;
 pub(crate) mod method;
 pub mod pattern;
 pub(crate) mod point;
@@ -25,10 +25,10 @@ pub(crate) mod scaled;
 pub(crate) mod surface;
 pub(crate) mod system;
 
+pub use control::Control;
 pub use grid::{Cells, Grid, InvalidGrid, Segment};
 pub use height_map::{HeightMap, InvalidHeightMap, PillarColumns};
 pub use lattice::{HexagonalLattice, LatticeSymmetry, MAXIMUM_SURFACE_FRACTION};
-pub use load::Load;
 pub use method::{Accuracy, ElementMesh, MeshLayout, Method, PunchForm};
 pub use point::Point;
 pub use quantity::{InvalidQuantity, Quantity, Requirement};

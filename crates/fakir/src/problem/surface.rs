@@ -45,8 +45,8 @@ pub enum Boundary {
     Periodic,
 }
 
-/// Which part of a surface is the floor, for the [shares](crate::state::SurfaceContact::shares) of the load
-/// and the [transition](SurfaceSystem::transition).
+/// Which part of a surface is the floor, for the [shares](crate::state::SurfaceContact::shares) of the load and
+/// the [transition](SurfaceSystem::transition).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Floor {
     /// The cells that belong to no pillar.
@@ -69,7 +69,7 @@ impl Floor {
 /// An indenter above a surface: the complete problem, validated.
 ///
 /// ```
-/// use fakir::problem::Load;
+/// use fakir::problem::Control;
 /// use fakir::state::Run;
 /// use fakir::problem::{Boundary, Grid, HeightMap, Indenter, SurfaceSystem};
 /// use fakir::problem::{Lens, Material};
@@ -79,7 +79,7 @@ impl Floor {
 /// let lens = Indenter::Lens(Lens { radius: 1.0e-3, material: rubber });
 /// let flat = HeightMap::from_height(Grid::centred(64, 64, 1.0e-6)?, |_| 0.0)?;
 /// let system = SurfaceSystem::new(lens, rubber, flat, Boundary::FreeSpace)?;
-/// let contact = system.press(Load::Indentation(0.5e-6), &Run::default())?;
+/// let contact = system.press(Control::Indentation(0.5e-6), &Run::default())?;
 /// let hertz = 4.0 / 3.0 * system.reduced_modulus() * 1.0e-3f64.sqrt() * 0.5e-6f64.powf(1.5);
 /// assert!((contact.force / hertz - 1.0).abs() < 2e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -92,6 +92,7 @@ pub struct SurfaceSystem {
     pub(crate) boundary: Boundary,
     round_tops: Option<f64>,
     continued: bool,
+    floor: Option<Floor>,
 }
 
 impl SurfaceSystem {
@@ -117,6 +118,7 @@ impl SurfaceSystem {
             boundary,
             round_tops: None,
             continued: false,
+            floor: None,
         })
     }
 
@@ -148,6 +150,16 @@ impl SurfaceSystem {
         }
     }
 
+    /// The same system, told which part of the surface is the floor: what the load is shared with and what is
+    /// reached at the [transition](Self::transition).
+    #[must_use]
+    pub fn with_floor(self, floor: Floor) -> Self {
+        Self {
+            floor: Some(floor),
+            ..self
+        }
+    }
+
     /// What is pressed onto the surface.
     #[must_use]
     pub fn indenter(&self) -> &Indenter {
@@ -170,6 +182,12 @@ impl SurfaceSystem {
     #[must_use]
     pub fn boundary(&self) -> Boundary {
         self.boundary
+    }
+
+    /// Which part of it is the floor, if that was told.
+    #[must_use]
+    pub fn floor(&self) -> Option<Floor> {
+        self.floor
     }
 
     pub(crate) fn round_tops(&self) -> Option<f64> {

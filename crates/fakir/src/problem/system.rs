@@ -232,6 +232,23 @@ impl System {
         2.0 / PI * self.contact_compliance()
     }
 
+    /// Indentation at which the lens touches the first pillar: its height above its lowest point, over the
+    /// nearest pillar edge, m. Zero with the lens axis on a pillar top, infinite if no pillar is under the lens.
+    #[must_use]
+    pub fn first_touch(&self) -> f64 {
+        let lattice = self.lattice();
+        let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
+        let [x, y] = lattice.centre(i, j);
+        let edge = x.hypot(y) - 0.5 * self.pillar().diameter;
+        self.lens.sag(edge.max(0.0))
+    }
+
+    /// Whether the lens reaches the floor before any pillar.
+    #[must_use]
+    pub fn touches_floor_first(&self) -> bool {
+        self.first_touch() >= self.pillar().height
+    }
+
     /// The same system with another pitch, offset or offset direction.
     ///
     /// # Errors

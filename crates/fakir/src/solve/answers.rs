@@ -1,6 +1,5 @@
 //! Answers of the methods that resolve pillars, assembled from their solutions.
 
-use super::control::Target;
 use super::elements::pillars;
 use super::elements::pillars::ElementSolution;
 use super::estimate::{estimate, unknowns_only};
@@ -17,12 +16,12 @@ use crate::halfspace::disc::basis::degree_with;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::workers::CancelToken;
 use crate::problem::scaled::Problem;
-use crate::problem::{Accuracy, ElementMesh, Load, Method, Point, PunchForm, System};
+use crate::problem::{Accuracy, Control, ElementMesh, Method, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::{
-    ContactState, CriticalState, ErrorEstimate, Fields, PillarState, PillarStatus, Progress,
-    Regime, Run, SolveError, Stage, Termination,
+    ContactState, ErrorEstimate, Fields, PillarState, PillarStatus, Progress, Run, SolveError,
+    Stage, Termination,
 };
 use crate::theory::homogenised;
 use std::sync::Arc;
@@ -59,92 +58,73 @@ impl From<PillarMethod> for Method {
     }
 }
 
-/// The contact under a load that has been checked.
+/// The contact under what is prescribed, which has been checked.
 pub(crate) fn press(
     system: &System,
-    load: Load,
+    control: Control,
     method: PillarMethod,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let problem = Problem::new(system);
-    let target = match load {
-        Load::Indentation(indentation) => Target::Indentation(indentation / problem.length),
-        Load::Force(force) => Target::Force(force / problem.force()),
+    let target = match control {
+        Control::Indentation(indentation) => Control::Indentation(indentation / problem.length),
+        Control::Force(force) => Control::Force(force / problem.force()),
+        Control::FloorContact => Control::FloorContact,
     };
     let first_touch = problem.lens.sag(problem.nearest_edge());
     match target {
-        Target::Indentation(indentation) if indentation <= first_touch => {
-            return Ok(without_contact(system, &problem, method, indentation));
+        Control::Indentation(indentation) if indentation <= first_touch => {
+            Ok(without_contact(system, &problem, method, indentation))
         }
-        Target::Force(force) if force <= 0.0 => {
+        Control::Force(force) if force <= 0.0 => {
             // A lens that cannot reach any pillar comes down to the floor.
             let level = if first_touch.is_finite() {
                 first_touch
             } else {
                 problem.height
             };
-            return Ok(without_contact(system, &problem, method, level));
+            Ok(without_contact(system, &problem, method, level))
         }
-        _ => {}
+        Control::FloorContact if problem.touches_floor_first() => {
+            let contact = without_contact(system, &problem, method, problem.height);
+            Ok(ContactState {
+                smallest_floor_gap: 0.0,
+                smallest_gap_position: [0.0, 0.0],
+                ..contact
+            })
+        }
+        Control::FloorContact => {
+            let contact = solve(system, &problem, target, method, run)?;
+            Ok(ContactState {
+                smallest_floor_gap: 0.0, // but for rounding
+                ..contact
+            })
+        }
+        _ => solve(system, &problem, target, method, run),
     }
-    Ok(solve(system, &problem, target, method, run)?.0)
 }
 
-/// The critical state.
-pub(crate) fn transition(
-    system: &System,
-    method: PillarMethod,
-    run: &Run<'_>,
-) -> Result<CriticalState, SolveError> {
-    let problem = Problem::new(system);
-    if problem.touches_floor_first() {
-        let mut contact = without_contact(system, &problem, method, problem.height);
-        contact.smallest_floor_gap = 0.0;
-        contact.smallest_gap_position = [0.0, 0.0];
-        return Ok(CriticalState {
-            regime: Regime::BottomFirst,
-            contact,
-            floor_contact: [0.0, 0.0],
-        });
-    }
-    let (mut contact, alone) = solve(system, &problem, Target::Floor, method, run)?;
-    contact.smallest_floor_gap = 0.0;
-    let [x, y] = contact.smallest_gap_position;
-    let floor_contact = if alone {
-        [x.hypot(y), 0.0]
-    } else {
-        system.lattice().symmetry().fold([x, y])
-    };
-    Ok(CriticalState {
-        regime: Regime::TopFirst,
-        contact,
-        floor_contact,
-    })
-}
-
-/// Solves for a target; says too whether the contact is round, with one pillar under the axis.
+/// Solves where pillars are touched.
 fn solve(
     system: &System,
     problem: &Problem,
-    target: Target,
+    target: Control,
     method: PillarMethod,
     run: &Run<'_>,
-) -> Result<(ContactState, bool), SolveError> {
+) -> Result<ContactState, SolveError> {
     if let PillarMethod::Spectral(_) = method
         && let Some(patch) = find_patch(problem, target)
     {
-        let state = patch_state(system, problem, method, &patch);
-        let alone = is_under_axis(problem, state.pillars[0].centre);
-        return Ok((state, alone));
+        return Ok(patch_state(system, problem, method, &patch));
     }
     let guess = homogenised_radius(system, problem, target);
-    let state = match method {
+    match method {
         PillarMethod::Spectral(accuracy) => {
             let degrees = degrees(accuracy, problem);
             let form = PunchForm::Corrected;
             let mut punch = solve_punch(problem, target, guess, form, Purpose::Start, run)?;
             // Under a prescribed force a state is assembled at the cost of the solution.
-            let listener = run.interim.filter(|_| !matches!(target, Target::Force(_)));
+            let listener = run.interim.filter(|_| !matches!(target, Control::Force(_)));
             if let Some(listener) = listener
                 && punch.newton.touched() > MANY_TO_WAIT_FOR
             {
@@ -158,29 +138,27 @@ fn solve(
                 let mut state = assemble(system, problem, target, method, &mut solution, UNKNOWN)?;
                 listener(&state);
                 state.error = refined(&mut solution, target, run)?;
-                state
+                Ok(state)
             } else {
                 let error = refined(&mut solution, target, run)?;
-                assemble(system, problem, target, method, &mut solution, error)?
+                assemble(system, problem, target, method, &mut solution, error)
             }
         }
         PillarMethod::Punch(form) => {
             let purpose = Purpose::Answer;
             let mut solution = solve_punch(problem, target, guess, form, purpose, run)?;
             let error = punch_error(form, target, &solution);
-            assemble(system, problem, target, method, &mut solution, error)?
+            assemble(system, problem, target, method, &mut solution, error)
         }
         PillarMethod::Love(mesh) => {
             let solution = pillars::solve(problem, target, guess, mesh, run)?;
-            elements(system, problem, target, method, &solution)
+            Ok(elements(system, problem, target, method, &solution))
         }
-    };
-    let alone = state.pillars.len() == 1 && is_under_axis(problem, state.pillars[0].centre);
-    Ok((state, alone))
+    }
 }
 
 /// What a punch lattice leaves out.
-fn punch_error(form: PunchForm, target: Target, solution: &Solution<'_>) -> ErrorEstimate {
+fn punch_error(form: PunchForm, target: Control, solution: &Solution<'_>) -> ErrorEstimate {
     let error = match form {
         PunchForm::Plain => PUNCH_ERROR[0],
         PunchForm::Corrected => PUNCH_ERROR[1],
@@ -196,29 +174,24 @@ const MANY_PILLARS: f64 = 40.0;
 const MANY_TO_WAIT_FOR: usize = 1000;
 
 /// Contact radius of the homogenised lattice, where it can be trusted.
-fn homogenised_radius(system: &System, problem: &Problem, target: Target) -> Option<f64> {
+fn homogenised_radius(system: &System, problem: &Problem, target: Control) -> Option<f64> {
     let rough = rough_contact_radius(problem, target);
     if Window::expected_len(&problem.lattice, rough) < MANY_PILLARS {
         return None;
     }
-    let load = match target {
-        Target::Floor => None,
-        Target::Force(force) => Some(Load::Force(force * problem.force())),
-        Target::Indentation(indentation) => Some(Load::Indentation(indentation * problem.length)),
+    let control = match target {
+        Control::Indentation(indentation) => Control::Indentation(indentation * problem.length),
+        Control::Force(force) => Control::Force(force * problem.force()),
+        Control::FloorContact => Control::FloorContact,
     };
-    let radius = homogenised::rough_contact_radius(system, load)? / problem.length;
+    let radius = homogenised::rough_contact_radius(system, control)? / problem.length;
     Some(radius).filter(|radius| *radius > 0.0)
-}
-
-/// Whether a pillar stands under the lens axis.
-fn is_under_axis(problem: &Problem, centre: Point) -> bool {
-    centre[0].hypot(centre[1]) < 1e-9 * problem.length
 }
 
 /// Error estimate of the spectral method, from other nodes and a higher degree.
 fn refined(
     solution: &mut Solution<'_>,
-    target: Target,
+    target: Control,
     run: &Run<'_>,
 ) -> Result<ErrorEstimate, SolveError> {
     let termination = solution.outcome.termination;
@@ -281,7 +254,7 @@ fn floor_gap(
 }
 
 /// The contact as a circle inside the pillar top under the lens axis, if it is one.
-fn find_patch(problem: &Problem, target: Target) -> Option<Patch> {
+fn find_patch(problem: &Problem, target: Control) -> Option<Patch> {
     let lattice = &problem.lattice;
     let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
     let [x, y] = lattice.centre(i, j);
@@ -292,9 +265,9 @@ fn find_patch(problem: &Problem, target: Target) -> Option<Patch> {
     let solver = PatchSolver::new(problem.column_compliance_ratio);
     let sag = |r: f64| problem.lens.sag(r);
     let patch = match target {
-        Target::Indentation(value) => solver.find(largest, sag, |patch| patch.indentation, value),
-        Target::Force(value) => solver.find(largest, sag, |patch| patch.force, value),
-        Target::Floor => {
+        Control::Indentation(value) => solver.find(largest, sag, |patch| patch.indentation, value),
+        Control::Force(value) => solver.find(largest, sag, |patch| patch.force, value),
+        Control::FloorContact => {
             // The pressure moves the floor away from the lens, which has to come down by its height at least.
             if solver.with_radius(largest, sag).indentation < problem.height {
                 return None;
@@ -402,7 +375,7 @@ fn patch_state(
 fn assemble(
     system: &System,
     problem: &Problem,
-    target: Target,
+    target: Control,
     method: PillarMethod,
     solution: &mut Solution<'_>,
     error: ErrorEstimate,
@@ -414,8 +387,8 @@ fn assemble(
     } = solution;
     let indentation = outcome.indentation;
     let lowest = match target {
-        Target::Floor => outcome.floor,
-        Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(),
+        Control::FloorContact => outcome.floor,
+        Control::Force(_) | Control::Indentation(_) => newton.lowest_gap(),
     };
     newton.run.check_cancelled()?;
     let mut touched = touched_pillars(problem, newton);
@@ -477,7 +450,7 @@ fn assemble(
 fn elements(
     system: &System,
     problem: &Problem,
-    target: Target,
+    target: Control,
     method: PillarMethod,
     solution: &ElementSolution<'_>,
 ) -> ContactState {
@@ -528,9 +501,9 @@ const PILLARS_MISMATCH: f64 = 100.0 * MISMATCH_TOLERANCE;
 
 /// The force on all pillars. What is prescribed is met within the solver's tolerance; the pillars
 /// share what is missing, so that they bear it to the last digit.
-fn share_force(touched: &mut [TouchedPillar], target: Target, problem: &Problem) -> f64 {
+fn share_force(touched: &mut [TouchedPillar], target: Control, problem: &Problem) -> f64 {
     let sum: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
-    let Target::Force(force) = target else {
+    let Control::Force(force) = target else {
         return sum;
     };
     let prescribed = force * problem.force();

@@ -1,24 +1,14 @@
-//! What fixes the indentation, and the indentation that meets it with the frozen contact.
+//! The indentation that meets what is prescribed with the frozen contact. Here loads are in units of the solvers.
 
 use super::floor::FloorPoint;
 use super::frozen::FrozenContact;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::numerics::convergence::within;
+use crate::problem::Control;
 
-/// What fixes the indentation, in units of the solvers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Target {
-    /// The indentation itself.
-    Indentation(f64),
-    /// The force.
-    Force(f64),
-    /// First contact with the floor.
-    Floor,
-}
-
-impl Target {
-    /// The indentation at which the frozen contact meets the target, with the floor point that decides it, if one does.
-    /// `lowest` is the lowest point of the floor, where that is the target. `None` if no indentation does.
+impl Control {
+    /// The indentation at which the frozen contact meets what is prescribed, with the floor point that decides it, if one does.
+    /// `lowest` is the lowest point of the floor, where that is what is to be reached. `None` if no indentation does.
     pub(crate) fn close<O: Coupling>(
         self,
         contact: &FrozenContact<'_, O>,
@@ -31,7 +21,7 @@ impl Target {
                 let missing = force - contact.force();
                 (stiffness > 0.0).then(|| (contact.indentation() + missing / stiffness, None))
             }
-            Self::Floor => lowest.map(|point| (point.indentation, lowest)),
+            Self::FloorContact => lowest.map(|point| (point.indentation, lowest)),
         }
     }
 
@@ -40,7 +30,7 @@ impl Target {
     pub(crate) fn is_borne(self, force: f64, tolerance: f64) -> bool {
         match self {
             Self::Force(prescribed) => within((force - prescribed).abs(), tolerance * prescribed),
-            Self::Indentation(_) | Self::Floor => true,
+            Self::Indentation(_) | Self::FloorContact => true,
         }
     }
 }

@@ -10,7 +10,6 @@
 //!   order, on partially touched ones as their own solution has them;
 //! * at the floor point, the modes of partially touched pillars beyond that degree.
 
-use super::control::Target;
 use super::frozen::Response;
 use super::newton::{Newton, Outcome};
 use super::rules::tops::COSTLY_PILLARS;
@@ -21,6 +20,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::vector::widest;
+use crate::problem::Control;
 use crate::problem::Point;
 use crate::problem::scaled::Problem;
 use crate::state::{ErrorEstimate, PillarStatus, SolveError, Termination};
@@ -60,7 +60,7 @@ struct Adjoint {
 pub(crate) fn estimate(
     newton: &mut Newton<'_>,
     outcome: &Outcome,
-    target: Target,
+    target: Control,
 ) -> Result<ErrorEstimate, SolveError> {
     let force = newton.force();
     if force <= 0.0 || outcome.indentation <= 0.0 {
@@ -121,7 +121,7 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
 fn adjoints(
     newton: &mut Newton<'_>,
     outcome: &Outcome,
-    target: Target,
+    target: Control,
 ) -> Result<[Adjoint; 2], SolveError> {
     newton.solve_unit(ADJOINT_TOLERANCE)?;
     let stiffness = newton.contact.stiffness();
@@ -152,9 +152,9 @@ fn adjoints(
             .collect(),
     };
     Ok(match target {
-        Target::Force(_) => [combine(0.0, 0.0), combine(-1.0 / stiffness, 0.0)],
-        Target::Floor => [combine(1.0, stiffness * factor), combine(0.0, factor)],
-        Target::Indentation(_) => [combine(1.0, 0.0), combine(0.0, 0.0)],
+        Control::Force(_) => [combine(0.0, 0.0), combine(-1.0 / stiffness, 0.0)],
+        Control::FloorContact => [combine(1.0, stiffness * factor), combine(0.0, factor)],
+        Control::Indentation(_) => [combine(1.0, 0.0), combine(0.0, 0.0)],
     })
 }
 
@@ -427,7 +427,7 @@ fn add_columns(matrix: &[f64], coefficients: &[f64], sum: &mut [f64]) {
 
 /// The error estimate of a solution: none for what was prescribed, all where it is no solution.
 pub(crate) fn unknowns_only(
-    target: Target,
+    target: Control,
     termination: Termination,
     [force, indentation]: [f64; 2],
 ) -> ErrorEstimate {
@@ -439,11 +439,11 @@ pub(crate) fn unknowns_only(
     }
     ErrorEstimate {
         force: match target {
-            Target::Force(_) => 0.0,
+            Control::Force(_) => 0.0,
             _ => force,
         },
         indentation: match target {
-            Target::Indentation(_) => 0.0,
+            Control::Indentation(_) => 0.0,
             _ => indentation,
         },
     }

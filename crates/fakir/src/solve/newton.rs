@@ -1,11 +1,10 @@
 //! Semismooth Newton method for all pillars of a window, with exact solutions on each.
 //!
 //! A step [freezes](super::frozen) the states of the pillars, solves for the response of all, closes the indentation by
-//! what is [prescribed](Target), and lets the [rule](super::rules::tops) say from the loads which states come next. It ends when none
+//! what is [prescribed](Control), and lets the [rule](super::rules::tops) say from the loads which states come next. It ends when none
 //! changes. The derivative of a pillar's solution is the `P` of its frozen state, so that this is Newton's method on
 //! the solutions of all pillars.
 
-use super::control::Target;
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
 use super::frozen::{FrozenContact, Response, Source};
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
@@ -18,6 +17,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::numerics::convergence::{Judgement, judge, within};
 use crate::numerics::vector::add_scaled;
+use crate::problem::Control;
 use crate::problem::Point;
 use crate::problem::scaled::Problem;
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
@@ -188,7 +188,7 @@ impl<'a> Newton<'a> {
     /// most pillars.
     pub(crate) fn solve(
         &mut self,
-        target: Target,
+        target: Control,
         purpose: Purpose,
     ) -> Result<Outcome, SolveError> {
         let mut tolerances = Tolerances::new(purpose, self.contact.indentation());
@@ -238,7 +238,7 @@ impl<'a> Newton<'a> {
     /// Whether and how the iteration ends after a step.
     fn ending(
         &mut self,
-        target: Target,
+        target: Control,
         purpose: Purpose,
         exact: bool,
         change: &Change,
@@ -266,11 +266,11 @@ impl<'a> Newton<'a> {
     /// Responses with the present states.
     fn respond(
         &mut self,
-        target: Target,
+        target: Control,
         tolerance: f64,
         unit_tolerance: f64,
     ) -> Result<Judgement, SolveError> {
-        if let Target::Indentation(indentation) = target {
+        if let Control::Indentation(indentation) = target {
             self.contact.move_to(indentation);
         } else {
             let solved = self
@@ -284,10 +284,10 @@ impl<'a> Newton<'a> {
     }
 
     /// The indentation that meets the target with the present responses.
-    fn close(&mut self, target: Target) -> Option<(f64, Option<FloorPoint>)> {
+    fn close(&mut self, target: Control) -> Option<(f64, Option<FloorPoint>)> {
         let lowest = match target {
-            Target::Floor => self.search_floor(true),
-            Target::Indentation(_) | Target::Force(_) => None,
+            Control::FloorContact => self.search_floor(true),
+            Control::Indentation(_) | Control::Force(_) => None,
         };
         target.close(&self.contact, lowest)
     }
@@ -493,7 +493,11 @@ pub(crate) mod tests {
         newton
     }
 
-    const TARGETS: [Target; 3] = [Target::Indentation(0.3), Target::Force(0.3), Target::Floor];
+    const TARGETS: [Control; 3] = [
+        Control::Indentation(0.3),
+        Control::Force(0.3),
+        Control::FloorContact,
+    ];
 
     /// One number of the data that is none, on any pillar, touched or not, in any mode.
     #[test]
@@ -533,7 +537,7 @@ pub(crate) mod tests {
         let force = |indentation: f64, by: &dyn Fn(usize) -> f64| {
             let mut newton = newton(&problem, &run);
             raise(&mut newton, by);
-            let target = Target::Indentation(indentation);
+            let target = Control::Indentation(indentation);
             let outcome = newton.solve(target, Purpose::Answer).unwrap();
             assert_eq!(outcome.termination, Termination::Converged);
             newton.force()
@@ -585,7 +589,7 @@ pub(crate) mod tests {
         for target in TARGETS {
             assert_eq!(solve(&problem(), target), converged);
         }
-        for target in [Target::Indentation(f64::NAN), Target::Force(f64::NAN)] {
+        for target in [Control::Indentation(f64::NAN), Control::Force(f64::NAN)] {
             assert_ne!(solve(&problem(), target), converged);
         }
         let soft = Problem {
@@ -599,6 +603,6 @@ pub(crate) mod tests {
         for target in TARGETS {
             assert_ne!(solve(&soft, target), converged);
         }
-        assert_ne!(solve(&tall, Target::Floor), converged);
+        assert_ne!(solve(&tall, Control::FloorContact), converged);
     }
 }

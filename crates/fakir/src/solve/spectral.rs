@@ -1,7 +1,6 @@
 //! The spectral method and the punch lattice: windows, starts and growth around
 //! [`Newton`](super::newton::Newton).
 
-use super::control::Target;
 use super::newton::{Degrees, Newton, Outcome, Purpose};
 use super::rules::unilateral::PillarTop;
 use crate::halfspace::coupling::lattice;
@@ -9,6 +8,7 @@ use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::nodes::Resolution;
+use crate::problem::Control;
 use crate::problem::scaled::{Problem, SMALL_LENS};
 use crate::problem::{Accuracy, PunchForm};
 use crate::state::{Run, SolveError, Stage};
@@ -61,7 +61,7 @@ const CENTRES: Resolution = Resolution::of_nodes(0);
 /// Solves the punch lattice, in which pillars are touched or not as a whole.
 pub(crate) fn solve_punch<'a>(
     problem: &'a Problem,
-    target: Target,
+    target: Control,
     contact_radius: Option<f64>,
     form: PunchForm,
     purpose: Purpose,
@@ -102,7 +102,7 @@ pub(crate) fn solve_punch<'a>(
 /// Solves in full, starting from the corrected punch lattice.
 pub(crate) fn solve_spectral<'a>(
     problem: &'a Problem,
-    target: Target,
+    target: Control,
     punch: Solution<'a>,
     mut degrees: Degrees,
     run: &'a Run<'a>,
@@ -140,13 +140,13 @@ pub(crate) fn solve_spectral<'a>(
 }
 
 /// A radius near that of the contact, by the roughest of means.
-pub(crate) fn rough_contact_radius(problem: &Problem, target: Target) -> f64 {
+pub(crate) fn rough_contact_radius(problem: &Problem, target: Control) -> f64 {
     let lens = problem.lens.radius;
     let pitch = problem.lattice.pitch;
     match target {
         // Half the area in which the undeformed lens enters pillar tops, as in Hertz's contact.
-        Target::Indentation(indentation) => (indentation.min(lens) * lens).sqrt(),
-        Target::Force(force) => {
+        Control::Indentation(indentation) => (indentation.min(lens) * lens).sqrt(),
+        Control::Force(force) => {
             // Of Hertz, and of the lens on independent pillars, the larger.
             let hertz = (0.75 * lens * force).cbrt();
             let cell = problem.lattice.cell_area();
@@ -155,7 +155,7 @@ pub(crate) fn rough_contact_radius(problem: &Problem, target: Target) -> f64 {
             hertz.max(springs)
         }
         // The paper's a_c = e sqrt(1 + (k phi)^2), which is e sqrt(1 + (R h/e^2)^2).
-        Target::Floor => pitch.hypot(lens * problem.height / pitch),
+        Control::FloorContact => pitch.hypot(lens * problem.height / pitch),
     }
 }
 

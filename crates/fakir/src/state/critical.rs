@@ -1,6 +1,7 @@
 //! The critical state, in which the lens just reaches the floor.
 
 use super::contact::{ContactState, relative};
+use super::surface::SurfaceContact;
 use crate::problem::{Method, Point, PunchForm, System};
 
 /// What the lens meets first.
@@ -23,20 +24,49 @@ impl Regime {
     }
 }
 
-/// The state in which the lens just reaches the floor between the pillars.
+/// The state in which what is pressed just reaches the floor, with a contact of either kind.
 #[derive(Debug, Clone)]
-pub struct CriticalState {
-    /// Whether there was a top contact before.
+pub struct Critical<C> {
+    /// Whether there was contact elsewhere before.
     pub regime: Regime,
     /// The contact at the transition: critical force `F_c`, critical indentation `zeta_c`,
-    /// top contact radius, pillars.
-    pub contact: ContactState,
-    /// Where the floor is touched, m from the lens axis, folded into one symmetry copy by
-    /// [`LatticeSymmetry::fold`](crate::problem::lattice::LatticeSymmetry::fold).
+    /// top contact radius, pillars or cells.
+    pub contact: C,
+    /// Where the floor is touched, m from the lens axis. On a lattice folded into one symmetry copy by
+    /// [`LatticeSymmetry::fold`](crate::problem::lattice::LatticeSymmetry::fold); on a surface the centre of the
+    /// cell.
     pub floor_contact: Point,
 }
 
+/// The critical state of a lens on a lattice of pillars.
+pub type CriticalState = Critical<ContactState>;
+
+/// The critical state on any surface.
+pub type SurfaceTransition = Critical<SurfaceContact>;
+
 impl CriticalState {
+    /// The critical state with this contact, solved for [`Control::FloorContact`](crate::problem::Control).
+    pub(crate) fn new(contact: ContactState) -> Self {
+        let system = &contact.system;
+        let on_axis = |[x, y]: Point| x.hypot(y) < 1e-9 * system.pillar().diameter;
+        // With one pillar, under the axis, the floor is touched all around it.
+        let round = contact.pillars.len() == 1 && on_axis(contact.pillars[0].centre);
+        let [x, y] = contact.smallest_gap_position;
+        Self {
+            regime: if system.touches_floor_first() {
+                Regime::BottomFirst
+            } else {
+                Regime::TopFirst
+            },
+            floor_contact: if round {
+                [x.hypot(y), 0.0]
+            } else {
+                system.lattice().symmetry().fold([x, y])
+            },
+            contact,
+        }
+    }
+
     /// Critical contact radius `a_c`: the larger of the top contact radius and the distance
     /// `r_c` of the floor contact from the lens axis, m.
     #[must_use]

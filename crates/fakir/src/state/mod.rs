@@ -15,13 +15,15 @@ pub(crate) mod error;
 pub(crate) mod fields;
 pub(crate) mod run;
 mod samples;
+mod shared;
 pub(crate) mod surface;
 
 pub use crate::numerics::workers::{CancelToken, Threads};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
-pub use critical::{CriticalState, Normalized, Regime};
+pub use critical::{Critical, CriticalState, Normalized, Regime, SurfaceTransition};
 pub use error::SolveError;
 pub use fields::Fields;
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
-pub use surface::{Certificate, Share, Shares, SurfaceContact, SurfaceTransition};
+pub use shared::Contact;
+pub use surface::{Certificate, Share, Shares, SurfaceContact};

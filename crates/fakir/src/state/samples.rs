@@ -468,7 +468,7 @@ impl Convolution {
 mod tests {
     use super::BYTES_PER_POINT;
     use super::SolveError;
-    use crate::problem::{Load, Method, PillarCompliance, Point};
+    use crate::problem::{Control, Method, PillarCompliance, Point};
     use crate::state::Run;
     use crate::theory::reference;
 
@@ -484,7 +484,7 @@ mod tests {
             let lattice = reference::lattice(surface_fraction).offset_by(offset);
             let compliance = PillarCompliance::Column;
             let system = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance);
-            let load = Load::Indentation(4e-6);
+            let load = Control::Indentation(4e-6);
             let run = Run::default();
             let state = crate::press(&system, load, Method::default(), &run).unwrap();
             assert!(state.pillars_in_contact > touched);

@@ -2,9 +2,8 @@
 
 use super::checked::check_number;
 use super::contact::{ErrorEstimate, Termination, Warning};
-use super::critical::Regime;
 use super::error::SolveError;
-use crate::problem::{Floor, Grid, HeightMap, Point};
+use crate::problem::{Grid, Point};
 
 /// The contact of an indenter with a surface. Fields have one value for every cell of the grid.
 #[derive(Debug, Clone)]
@@ -27,6 +26,10 @@ pub struct SurfaceContact {
     pub displacement: Vec<f64>,
     /// Gap between the two deformed surfaces, m. Infinite beyond the equator of the lens.
     pub gap: Vec<f64>,
+    /// What tops and floor bear, where it is known which part of the surface is the [floor](crate::problem::Floor).
+    pub shares: Option<Shares>,
+    /// Smallest gap to the floor, m, with the centre of its cell, m; likewise.
+    pub nearest_floor: Option<(f64, Point)>,
     /// How well the contact conditions are met.
     pub certificate: Certificate,
     /// Estimated relative errors from the size of the cells, zero of what was prescribed; none where the surface has too few
@@ -52,6 +55,9 @@ impl SurfaceContact {
         if let Some(error) = &mut self.error {
             check_number("error estimate of the force", &mut error.force)?;
             check_number("error estimate of the indentation", &mut error.indentation)?;
+        }
+        if let Some((gap, _)) = &mut self.nearest_floor {
+            check_number("floor gap", gap)?;
         }
         let certificate = &mut self.certificate;
         check_number("energy error", &mut certificate.energy_bound)?;
@@ -96,29 +102,6 @@ impl SurfaceContact {
     pub fn mean_pressure(&self) -> f64 {
         self.force / (self.grid.cell_count() as f64 * self.grid.cell_area())
     }
-
-    /// What the floor bears, and the rest of the surface.
-    ///
-    /// # Panics
-    /// If the surface is another one, of another number of cells.
-    #[must_use]
-    pub fn shares(&self, surface: &HeightMap, floor: Floor) -> Shares {
-        assert_eq!(surface.heights().len(), self.pressure.len());
-        let mut shares = Shares::default();
-        let area = self.grid.cell_area();
-        for (cell, pressure) in self.pressure.iter().enumerate() {
-            if *pressure > 0.0 {
-                let share = if floor.contains(surface, cell) {
-                    &mut shares.floor
-                } else {
-                    &mut shares.tops
-                };
-                share.force += area * pressure;
-                share.area += area;
-            }
-        }
-        shares
-    }
 }
 
 /// How the load is shared.
@@ -137,17 +120,6 @@ pub struct Share {
     pub force: f64,
     /// Area in contact, m^2.
     pub area: f64,
-}
-
-/// The state in which the indenter just reaches the floor of a surface.
-#[derive(Debug, Clone)]
-pub struct SurfaceTransition {
-    /// Whether there was contact elsewhere before.
-    pub regime: Regime,
-    /// The contact.
-    pub contact: SurfaceContact,
-    /// Centre of the floor cell that is touched, m.
-    pub floor_contact: Point,
 }
 
 /// How well pressures meet the contact conditions. Pressures are never negative.

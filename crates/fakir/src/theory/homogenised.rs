@@ -25,11 +25,9 @@ use super::lattice_potential::{hollow_potential, site_potential};
 use super::spring_layer::{LayerModes, UnitContact};
 use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::roots;
-use crate::problem::{Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
+use crate::problem::{Control, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
 use crate::state::contact::contact_warnings;
-use crate::state::{
-    ContactState, CriticalState, ErrorEstimate, Regime, Run, SolveError, Termination,
-};
+use crate::state::{ContactState, ErrorEstimate, Run, SolveError, Termination};
 use std::f64::consts::PI;
 
 /// Beyond this fraction of the lens radius a contact is refused.
@@ -77,6 +75,14 @@ impl HomogenisedLattice {
             critical_central_force,
             critical_central_pressure: critical_central_force / cell,
         })
+    }
+
+    /// Indentation (m), force (N) or, where the floor is to be reached, central pressure (Pa).
+    fn wanted(&self, control: Control) -> f64 {
+        match control {
+            Control::Indentation(value) | Control::Force(value) => value,
+            Control::FloorContact => self.critical_central_pressure,
+        }
     }
 }
 
@@ -130,55 +136,33 @@ pub fn central_force_amplification(system: &System) -> f64 {
     1.0 / (1.0 - lift / own)
 }
 
-/// The critical state of the homogenised lattice. Pillars are not resolved: their list is
-/// empty, and their number is that of lattice cells in the contact circle. The floor is
-/// touched at the hollow site nearest to the lens axis.
+/// The contact of the homogenised lattice under what is prescribed, which has been checked. Pillars are not
+/// resolved: their list is empty, and their number is that of lattice cells in the contact circle. The floor is
+/// nearest at the hollow site nearest to the lens axis.
 ///
-/// Where the lens meets the floor before any pillar, the answer is exact: no force.
-pub(crate) fn critical(system: &System, run: &Run<'_>) -> Result<CriticalState, SolveError> {
-    run.check_cancelled()?;
-    if nearest_edge_sag(system) >= system.pillar().height {
-        return Ok(CriticalState {
-            regime: Regime::BottomFirst,
-            contact: ContactState::untouched(system, Method::Homogenised, system.pillar().height),
-            floor_contact: [0.0, 0.0],
-        });
-    }
-    let lattice = HomogenisedLattice::new(system)?;
-    let target = Target::CentralPressure(lattice.critical_central_pressure);
-    let mut contact = solve(system, &lattice, target)?;
-    contact.smallest_floor_gap = 0.0; // by the choice of target, but for rounding
-    Ok(CriticalState {
-        regime: Regime::TopFirst,
-        floor_contact: contact.smallest_gap_position,
-        contact,
-    })
-}
-
-/// The contact of the homogenised lattice under a load that has been checked; pillars as in [`critical`].
-pub(crate) fn pressed(
+/// Where the lens meets the floor before any pillar, the critical state is exact: no force.
+pub(crate) fn press(
     system: &System,
-    load: Load,
+    control: Control,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let target = match load {
-        Load::Indentation(zeta) => Target::Indentation(zeta),
-        Load::Force(force) => Target::Force(force),
-    };
     run.check_cancelled()?;
-    let first_touch = nearest_edge_sag(system);
-    let bottom_first = first_touch >= system.pillar().height;
-    match target {
-        Target::Indentation(zeta) if zeta <= 0.0 || (bottom_first && zeta <= first_touch) => {
-            return Ok(ContactState::untouched(system, Method::Homogenised, zeta));
+    let first_touch = system.first_touch();
+    let bottom_first = system.touches_floor_first();
+    let without_contact = match control {
+        Control::Indentation(zeta) => {
+            (zeta <= 0.0 || (bottom_first && zeta <= first_touch)).then_some(zeta)
         }
-        Target::Force(force) if force <= 0.0 => {
-            return Ok(ContactState::untouched(system, Method::Homogenised, 0.0));
-        }
-        _ => {}
+        Control::Force(force) => (force <= 0.0).then_some(0.0),
+        Control::FloorContact => bottom_first.then(|| system.pillar().height),
+    };
+    if let Some(zeta) = without_contact {
+        return Ok(ContactState::untouched(system, Method::Homogenised, zeta));
     }
-    let mut contact = solve(system, &HomogenisedLattice::new(system)?, target)?;
-    if bottom_first {
+    let mut contact = solve(system, &HomogenisedLattice::new(system)?, control)?;
+    if control == Control::FloorContact {
+        contact.smallest_floor_gap = 0.0; // by what is prescribed, but for rounding
+    } else if bottom_first {
         // No pillar carries a force before the lens has come down to the nearest one.
         let under_axis = system.pillar().height - first_touch.max(contact.indentation);
         if under_axis < contact.smallest_floor_gap {
@@ -189,26 +173,12 @@ pub(crate) fn pressed(
     Ok(contact)
 }
 
-/// Contact radius under a load, or at the transition, to three digits, m: a first guess for other
-/// methods. None where the model does not apply.
-pub(crate) fn rough_contact_radius(system: &System, load: Option<Load>) -> Option<f64> {
+/// Contact radius under what is prescribed, to three digits, m: a first guess for other methods. None where the
+/// model does not apply.
+pub(crate) fn rough_contact_radius(system: &System, control: Control) -> Option<f64> {
     let lattice = HomogenisedLattice::new(system).ok()?;
-    let target = match load {
-        Some(Load::Indentation(zeta)) => Target::Indentation(zeta),
-        Some(Load::Force(force)) => Target::Force(force),
-        None => Target::CentralPressure(lattice.critical_central_pressure),
-    };
-    let modes = LayerModes::rough();
-    let (contact, _) = contact_at(system, lattice.layer_compliance, modes, target).ok()?;
+    let (contact, _) = contact_at(system, &lattice, LayerModes::rough(), control).ok()?;
     Some(contact.radius)
-}
-
-/// What decides the contact radius.
-#[derive(Debug, Clone, Copy)]
-enum Target {
-    Indentation(f64),
-    Force(f64),
-    CentralPressure(f64),
 }
 
 /// A contact of the layer model, in SI units.
@@ -237,13 +207,14 @@ impl LayerContact {
         }
     }
 
-    /// By how much it is beyond the target.
-    fn excess(&self, target: Target) -> Result<f64, SolveError> {
-        let (wanted, reached) = match target {
-            Target::Indentation(zeta) => (zeta, self.indentation),
-            Target::Force(force) => (force, self.force),
-            Target::CentralPressure(pressure) => (pressure, self.central_pressure),
+    /// By how much it is beyond what is prescribed.
+    fn excess(&self, lattice: &HomogenisedLattice, control: Control) -> Result<f64, SolveError> {
+        let reached = match control {
+            Control::Indentation(_) => self.indentation,
+            Control::Force(_) => self.force,
+            Control::FloorContact => self.central_pressure,
         };
+        let wanted = lattice.wanted(control);
         match judge(wanted, reached) {
             Judgement::Good | Judgement::TooLarge => Ok(reached - wanted),
             Judgement::Undefined => Err(SolveError::NotFinite { what: "load" }),
@@ -251,39 +222,39 @@ impl LayerContact {
     }
 }
 
-/// The contact that just reaches `target`, and the number of contacts that were looked at.
+/// The contact that just reaches what is prescribed, and the number of contacts that were looked at.
 ///
 /// Indentation, force and central pressure all grow with the contact radius.
 fn contact_at(
     system: &System,
-    layer_compliance: f64,
+    lattice: &HomogenisedLattice,
     modes: &LayerModes,
-    target: Target,
+    control: Control,
 ) -> Result<(LayerContact, usize), SolveError> {
     let lens_radius = system.lens().radius;
     let largest = LARGEST_CONTACT * lens_radius;
-    let at = |radius: f64| LayerContact::new(system, layer_compliance, modes, radius);
+    let at = |radius: f64| LayerContact::new(system, lattice.layer_compliance, modes, radius);
     let exceeds = SolveError::ContactExceedsLens {
         contact_radius: largest,
         lens_radius,
     };
-    let wanted = match target {
-        Target::Indentation(value) | Target::Force(value) | Target::CentralPressure(value) => value,
-    };
-    let ends = [(0.0, -wanted), (largest, at(largest).excess(target)?)];
+    let ends = [
+        (0.0, -lattice.wanted(control)),
+        (largest, at(largest).excess(lattice, control)?),
+    ];
     let ends = ends.map(|(position, value)| roots::Point { position, value });
-    let root = roots::find(ends, 0.0, |radius| at(radius).excess(target))?.ok_or(exceeds)?;
+    let excess = |radius| at(radius).excess(lattice, control);
+    let root = roots::find(ends, 0.0, excess)?.ok_or(exceeds)?;
     Ok((at(root.above.position), root.evaluations))
 }
 
 fn solve(
     system: &System,
     lattice: &HomogenisedLattice,
-    target: Target,
+    control: Control,
 ) -> Result<ContactState, SolveError> {
-    let beta = lattice.layer_compliance;
-    let (contact, iterations) = contact_at(system, beta, LayerModes::fine(), target)?;
-    let (coarse, _) = contact_at(system, beta, LayerModes::coarse(), target)?;
+    let (contact, iterations) = contact_at(system, lattice, LayerModes::fine(), control)?;
+    let (coarse, _) = contact_at(system, lattice, LayerModes::coarse(), control)?;
     let error = ErrorEstimate {
         force: relative_difference(coarse.force, contact.force),
         indentation: relative_difference(coarse.indentation, contact.indentation),
@@ -317,16 +288,6 @@ fn relative_difference(coarse: f64, fine: f64) -> f64 {
     larger((coarse / fine - 1.0).abs(), ROUNDING)
 }
 
-/// Height of the undeformed lens above its lowest point, over the nearest pillar edge, m; 0
-/// with the lens axis on a pillar top.
-fn nearest_edge_sag(system: &System) -> f64 {
-    let lattice = system.lattice();
-    let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
-    let [x, y] = lattice.centre(i, j);
-    let edge = x.hypot(y) - 0.5 * system.pillar().diameter;
-    system.lens().sag(edge.max(0.0))
-}
-
 /// The hollow site nearest to the lens axis: one of the six around the nearest pillar, at
 /// `e/sqrt3` in the directions of multiples of 60 degrees from x. Folded.
 fn nearest_hollow(system: &System) -> Point {
@@ -354,12 +315,13 @@ mod tests {
     use super::*;
     use crate::numerics::workers::CancelToken;
     use crate::problem::{HexagonalLattice, Lens, Material, PillarCompliance, Texture};
+    use crate::state::{CriticalState, Regime};
 
     fn transition(system: &System, run: &Run<'_>) -> Result<CriticalState, SolveError> {
         crate::transition(system, Method::Homogenised, run)
     }
 
-    fn press(system: &System, load: Load, run: &Run<'_>) -> Result<ContactState, SolveError> {
+    fn press(system: &System, load: Control, run: &Run<'_>) -> Result<ContactState, SolveError> {
         crate::press(system, load, Method::Homogenised, run)
     }
 
@@ -412,28 +374,28 @@ mod tests {
         let state = critical(&system).contact;
         let h = system.pillar().height;
         let pressed = |load| press(&system, load, &Run::default()).unwrap();
-        let by_indentation = pressed(Load::Indentation(state.indentation));
-        let by_force = pressed(Load::Force(state.force));
+        let by_indentation = pressed(Control::Indentation(state.indentation));
+        let by_force = pressed(Control::Force(state.force));
         for same in [&by_indentation, &by_force] {
             assert!((same.force / state.force - 1.0).abs() < 1e-12);
             assert!((same.indentation / state.indentation - 1.0).abs() < 1e-12);
             assert!((same.contact_radius / state.contact_radius - 1.0).abs() < 1e-12);
             assert!(same.smallest_floor_gap.abs() < 1e-12 * h);
         }
-        let before = pressed(Load::Force(0.9 * state.force));
+        let before = pressed(Control::Force(0.9 * state.force));
         assert!(!before.beyond_transition() && before.smallest_floor_gap < h);
-        assert!(pressed(Load::Force(1.1 * state.force)).beyond_transition());
+        assert!(pressed(Control::Force(1.1 * state.force)).beyond_transition());
     }
 
     #[test]
     fn unloaded_lens_touches_nothing() {
         let system = intermediate(0.1);
-        for load in [Load::Indentation(0.0), Load::Force(0.0)] {
+        for load in [Control::Indentation(0.0), Control::Force(0.0)] {
             let state = press(&system, load, &Run::default()).unwrap();
             assert_eq!(state.pillars_in_contact, 0);
             assert!((state.smallest_floor_gap - system.pillar().height).abs() < 1e-20);
         }
-        let tiny = press(&system, Load::Indentation(4e-26), &Run::default()).unwrap();
+        let tiny = press(&system, Control::Indentation(4e-26), &Run::default()).unwrap();
         assert!(tiny.force > 0.0 && tiny.pillars_in_contact == 1 && tiny.converged());
     }
 
@@ -445,11 +407,15 @@ mod tests {
             layer_compliance: f64::NAN,
             ..lattice
         };
+        let undefined = HomogenisedLattice {
+            critical_central_pressure: f64::NAN,
+            ..lattice
+        };
         for (lattice, target) in [
-            (soft, Target::Indentation(1e-6)),
-            (soft, Target::Force(1e-4)),
-            (lattice, Target::Indentation(f64::NAN)),
-            (lattice, Target::CentralPressure(f64::NAN)),
+            (soft, Control::Indentation(1e-6)),
+            (soft, Control::Force(1e-4)),
+            (lattice, Control::Indentation(f64::NAN)),
+            (undefined, Control::FloorContact),
         ] {
             let error = solve(&system, &lattice, target).unwrap_err();
             assert!(matches!(error, SolveError::NotFinite { .. }), "{error}");
@@ -515,9 +481,9 @@ mod tests {
         assert!((state.contact.indentation - h).abs() < 1e-20);
         assert!(state.contact.pillars.is_empty() && state.contact.pillars_in_contact == 0);
         let pressed = |load| press(&system, load, &Run::default()).unwrap();
-        assert!(!pressed(Load::Indentation(0.9 * h)).beyond_transition());
-        assert!(pressed(Load::Indentation(1.1 * h)).beyond_transition());
-        assert!(pressed(Load::Force(1e-9)).beyond_transition());
+        assert!(!pressed(Control::Indentation(0.9 * h)).beyond_transition());
+        assert!(pressed(Control::Indentation(1.1 * h)).beyond_transition());
+        assert!(pressed(Control::Force(1e-9)).beyond_transition());
         // phi = 0.002 there has a top contact first.
         let denser = offset_by(&intermediate(0.002), 0.75f64.sqrt());
         assert_eq!(critical(&denser).regime, Regime::TopFirst);
@@ -547,15 +513,15 @@ mod tests {
         let run = Run::default();
         let system = intermediate(0.1);
         for load in [
-            Load::Indentation(-1e-9),
-            Load::Indentation(f64::NAN),
-            Load::Force(-1.0),
-            Load::Force(f64::INFINITY),
+            Control::Indentation(-1e-9),
+            Control::Indentation(f64::NAN),
+            Control::Force(-1.0),
+            Control::Force(f64::INFINITY),
         ] {
             let refused = press(&system, load, &run).unwrap_err();
             assert!(matches!(refused, SolveError::InvalidQuantity(_)));
         }
-        let refused = press(&system, Load::Force(1e3), &run).unwrap_err();
+        let refused = press(&system, Control::Force(1e3), &run).unwrap_err();
         assert!(matches!(refused, SolveError::ContactExceedsLens { .. }));
         let dense = paper(0.6, RIGID, PillarCompliance::None);
         let refused = transition(&dense, &run).unwrap_err();
@@ -579,7 +545,7 @@ mod tests {
         // Between a Hertz and a Winkler contact: zeta R/a^2 from 1/2 to 1.
         for (ratio, warned) in [(0.1, false), (0.3, true)] {
             let zeta = ratio * ratio * radius;
-            let state = press(&system, Load::Indentation(zeta), &Run::default()).unwrap();
+            let state = press(&system, Control::Indentation(zeta), &Run::default()).unwrap();
             assert_eq!(!state.warnings.is_empty(), warned);
         }
     }

@@ -2,7 +2,8 @@
 
 use super::{Indenter, assert_within, error, grid};
 use fakir::halfspace::elements::{FreeSpaceConvolution, displacement_at};
-use fakir::problem::{Cells, Load};
+use fakir::problem::Cells;
+use fakir::solve::elements::solver::Prescribed;
 use std::f64::consts::PI;
 
 /// A paraboloid of radius 1 at this indentation: `a = sqrt(zeta)`, `F = 4/3 zeta^(3/2)` with
@@ -23,14 +24,14 @@ pub(super) fn paraboloid(across: usize) -> Indenter<FreeSpaceConvolution<'static
 
 /// Relative error of the force under a paraboloid.
 pub(super) fn hertz_error(across: usize) -> f64 {
-    let contact = paraboloid(across).press(Load::Indentation(INDENTATION));
+    let contact = paraboloid(across).press(Prescribed::Indentation(INDENTATION));
     error(contact.force, hertz_force())
 }
 
 #[test]
 fn paraboloid_at_an_indentation_as_hertz() {
     let mut indenter = paraboloid(120);
-    let contact = indenter.press(Load::Indentation(INDENTATION));
+    let contact = indenter.press(Prescribed::Indentation(INDENTATION));
     assert_within(contact.force, hertz_force(), 5e-4, "force");
     let radius = (indenter.contact_area(&contact) / PI).sqrt();
     // Cells at the edge are in contact or not.
@@ -41,7 +42,7 @@ fn paraboloid_at_an_indentation_as_hertz() {
 #[test]
 fn paraboloid_under_a_force_as_hertz() {
     let mut indenter = paraboloid(120);
-    let contact = indenter.press(Load::Force(hertz_force()));
+    let contact = indenter.press(Prescribed::Force(hertz_force()));
     assert_within(contact.force, hertz_force(), 1e-12, "force");
     assert_within(contact.indentation, INDENTATION, 5e-4, "indentation");
     let radius = (indenter.contact_area(&contact) / PI).sqrt();
@@ -76,7 +77,7 @@ fn far_away_a_contact_is_a_point_force() {
     // Boussinesq, w = c F/(pi r); the next term is c M/(4 pi r^3) with the second moment
     // M = ∫ p r^2 dA = 2/5 F a^2 of Hertz's pressure.
     let mut indenter = paraboloid(60);
-    let contact = indenter.press(Load::Indentation(INDENTATION));
+    let contact = indenter.press(Prescribed::Indentation(INDENTATION));
     for (direction, radii) in [(0.0, 3.0_f64), (0.3, 10.0), (2.0, 100.0), (4.0, 1e4)] {
         let distance = radii * CONTACT_RADIUS;
         let point = [

@@ -6,10 +6,10 @@ use super::order::{extrapolated, order};
 use super::{Indenter, assert_within, error, grid};
 use fakir::halfspace::elements::LatticeOfGrids;
 use fakir::problem::{
-    Accuracy, Cells, ElementMesh, Load, MeshLayout, Method, PillarCompliance, System,
+    Accuracy, Cells, Control, ElementMesh, MeshLayout, Method, PillarCompliance, System,
 };
 use fakir::solve::elements::solver;
-use fakir::solve::elements::solver::Settings;
+use fakir::solve::elements::solver::{Prescribed, Settings};
 use fakir::state::{CancelToken, ContactState, CriticalState, Run, Termination};
 use std::f64::consts::PI;
 
@@ -23,7 +23,7 @@ fn elements(cells_per_diameter: usize, layout: MeshLayout, matched: bool) -> Met
     })
 }
 
-fn press(system: &System, load: Load, method: Method) -> ContactState {
+fn press(system: &System, load: Control, method: Method) -> ContactState {
     let state = fakir::press(system, load, method, &Run::default()).expect("a valid system");
     assert!(state.converged(), "{method:?}");
     state
@@ -45,7 +45,7 @@ fn disc(across: usize) -> Cells {
 /// is `F = 2 zeta` (Johnson, Contact Mechanics, eq. 3.36).
 fn flat_punch_error(across: usize) -> f64 {
     let mut punch = Indenter::free(disc(across), |_| 0.0);
-    error(punch.press(Load::Indentation(1.0)).force, 2.0)
+    error(punch.press(Prescribed::Indentation(1.0)).force, 2.0)
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn check_against_spectral(
 #[test]
 fn seven_pillars_agree_with_the_spectral_method() {
     let system = intermediate(0.01);
-    let load = Load::Indentation(2.0e-6);
+    let load = Control::Indentation(2.0e-6);
     let exact = press(&system, load, SPECTRAL);
     assert_eq!(exact.pillars_in_contact, 7);
     assert_eq!(exact.pillars_partially_in_contact, 0);
@@ -210,7 +210,7 @@ fn intermediate(surface_fraction: f64) -> System {
 #[test]
 fn layouts_agree() {
     let system = intermediate(0.03);
-    let load = Load::Indentation(3.5e-6);
+    let load = Control::Indentation(3.5e-6);
     for (across, matched) in [(16, false), (24, false), (16, true), (24, true)] {
         let [pillars, pattern] = [MeshLayout::Pillars, MeshLayout::Pattern]
             .map(|layout| press(&system, load, elements(across, layout, matched)));
@@ -240,7 +240,7 @@ fn level_punches(across: usize, distance: f64, count: usize) -> f64 {
         &mut operator,
         &vec![0.0; count * cells.len()],
         grid.cell_area(),
-        Load::Indentation(1.0),
+        Prescribed::Indentation(1.0),
         None,
         &Settings {
             tolerance: 1e-12,
@@ -274,7 +274,7 @@ fn two_level_punches_far_apart() {
 fn two_pillars_agree_with_the_spectral_method() {
     let lattice = paper_lattice(0.01, 0.75_f64.sqrt());
     let system = paper_system(lattice, INTERMEDIATE, PillarCompliance::None);
-    let load = Load::Indentation(0.4e-6);
+    let load = Control::Indentation(0.4e-6);
     let exact = press(&system, load, SPECTRAL);
     assert_eq!(
         (exact.pillars_in_contact, exact.pillars_partially_in_contact),

@@ -3,8 +3,8 @@
 
 use super::{Indenter, dot, grid};
 use fakir::halfspace::elements::{FreeSpaceConvolution, Operator, PeriodicConvolution};
-use fakir::problem::{Cells, Load};
-use fakir::solve::elements::solver::ElementContact;
+use fakir::problem::Cells;
+use fakir::solve::elements::solver::{ElementContact, Prescribed};
 use std::f64::consts::PI;
 
 const ACROSS: usize = 64;
@@ -67,10 +67,10 @@ fn fraction(contact: &ElementContact) -> f64 {
 
 /// Energy at the load over the area of a cell: `p·(u/2 + s)`, and `- zeta Σp` under an
 /// indentation.
-fn energy(contact: &ElementContact, separation: &[f64], load: Load) -> f64 {
+fn energy(contact: &ElementContact, separation: &[f64], load: Prescribed) -> f64 {
     let at = match load {
-        Load::Indentation(indentation) => indentation,
-        Load::Force(_) => 0.0,
+        Prescribed::Indentation(indentation) => indentation,
+        Prescribed::Force(_) => 0.0,
     };
     contact
         .pressure
@@ -92,7 +92,7 @@ fn elastic_energy(contact: &ElementContact, separation: &[f64]) -> f64 {
 }
 
 /// The certificate of rough solutions against the energy of a much better one.
-fn check_certificate<O: Operator>(indenter: &mut Indenter<O>, load: Load) {
+fn check_certificate<O: Operator>(indenter: &mut Indenter<O>, load: Prescribed) {
     let best = indenter.press_from(load, 1e-12, None);
     for tolerance in [0.3, 1e-2, 1e-4, 1e-7] {
         let contact = indenter.press_from(load, tolerance, None);
@@ -110,7 +110,7 @@ fn check_certificate<O: Operator>(indenter: &mut Indenter<O>, load: Load) {
 }
 
 /// The same solution from nothing, from noise, and from other solutions.
-fn check_starts<O: Operator>(indenter: &mut Indenter<O>, load: Load, others: &[Vec<f64>]) {
+fn check_starts<O: Operator>(indenter: &mut Indenter<O>, load: Prescribed, others: &[Vec<f64>]) {
     let cold = indenter.press(load);
     let noise: Vec<f64> = Numbers(99)
         .take(cold.pressure.len())
@@ -136,8 +136,8 @@ fn check_all_loads<O: Operator>(indenter: &mut Indenter<O>, forces: &[f64]) {
     let mut states = Vec::new();
     let mut fractions = Vec::new();
     for &force in forces {
-        let contact = indenter.press(Load::Force(force));
-        let same = indenter.press(Load::Indentation(contact.indentation));
+        let contact = indenter.press(Prescribed::Force(force));
+        let same = indenter.press(Prescribed::Indentation(contact.indentation));
         assert!((same.force / contact.force - 1.0).abs() < 1e-6);
         let expected = (contact.force - force).abs();
         assert!(expected < 1e-12 * force);
@@ -148,7 +148,10 @@ fn check_all_loads<O: Operator>(indenter: &mut Indenter<O>, forces: &[f64]) {
             contact.products,
             same.products
         );
-        for load in [Load::Force(force), Load::Indentation(contact.indentation)] {
+        for load in [
+            Prescribed::Force(force),
+            Prescribed::Indentation(contact.indentation),
+        ] {
             check_certificate(indenter, load);
         }
         states.push(contact);
@@ -162,8 +165,8 @@ fn check_all_loads<O: Operator>(indenter: &mut Indenter<O>, forces: &[f64]) {
     let heaviest = states[states.len() - 1].pressure.clone();
     let middle = states.len() / 2;
     for load in [
-        Load::Force(forces[middle]),
-        Load::Indentation(states[middle].indentation),
+        Prescribed::Force(forces[middle]),
+        Prescribed::Indentation(states[middle].indentation),
     ] {
         check_starts(indenter, load, &[lightest.clone(), heaviest.clone()]);
     }

@@ -3,7 +3,8 @@
 
 use super::{Indenter, assert_within, grid};
 use fakir::halfspace::elements::PeriodicConvolution;
-use fakir::problem::{Cells, Load};
+use fakir::problem::Cells;
+use fakir::solve::elements::solver::Prescribed;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Amplitude of the waves, whose length is 1: `E* = 1` throughout.
@@ -27,7 +28,7 @@ fn one_dimensional_wave_as_westergaard() {
     let area = indenter.cells.grid().cell_count() as f64 * indenter.area();
     for half_width in [0.02, 0.1, 0.25, 0.4, 0.47] {
         let edge = (PI * half_width).sin();
-        let contact = indenter.press(Load::Force(full * edge * edge * area));
+        let contact = indenter.press(Prescribed::Force(full * edge * edge * area));
         let width = indenter.contact_area(&contact) / area;
         let cells = 512.0 * (width - 2.0 * half_width).abs();
         assert!(cells <= 2.0, "{width} instead of {}", 2.0 * half_width);
@@ -72,7 +73,7 @@ fn contact_fraction(across: usize, mean_pressure: f64) -> f64 {
     let mut indenter = crossed(across);
     let area = indenter.cells.len() as f64 * indenter.area();
     let full = SQRT_2 * PI * AMPLITUDE;
-    let contact = indenter.press(Load::Force(mean_pressure * full * area));
+    let contact = indenter.press(Prescribed::Force(mean_pressure * full * area));
     indenter.contact_area(&contact) / area
 }
 
@@ -141,7 +142,7 @@ fn crossed_waves_in_full_contact() {
     let mut indenter = crossed(64);
     let area = indenter.cells.len() as f64 * indenter.area();
     let full = SQRT_2 * PI * AMPLITUDE;
-    let contact = indenter.press_from(Load::Force(1.2 * full * area), 1e-13, None);
+    let contact = indenter.press_from(Prescribed::Force(1.2 * full * area), 1e-13, None);
     for ((pressure, separation), gap) in contact
         .pressure
         .iter()

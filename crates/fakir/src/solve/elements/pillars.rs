@@ -13,7 +13,7 @@
 //! Units are those of [`Problem`]: lengths in pillar radii, pressures in `E*`.
 
 use super::closing::Closing;
-use super::solver::{ElementContact, Settings};
+use super::solver::{ElementContact, Prescribed, Settings};
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::exterior::FieldJet;
 use crate::halfspace::elements::{
@@ -22,8 +22,7 @@ use crate::halfspace::elements::{
 use crate::numerics::convergence::{Judgement, larger, within};
 use crate::numerics::workers::CancelToken;
 use crate::problem::scaled::Problem;
-use crate::problem::{Cells, ElementMesh, Grid, Load, MeshLayout, Point};
-use crate::solve::control::Target;
+use crate::problem::{Cells, Control, ElementMesh, Grid, MeshLayout, Point};
 use crate::solve::elements::solver;
 use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch};
 use crate::solve::spectral::{LARGEST_CONTACT, rough_contact_radius};
@@ -132,7 +131,7 @@ fn capacity(cells: Cells) -> f64 {
         ..Settings::default()
     };
     let mut operator = Dense::new(cells, 1.0);
-    let load = Load::Indentation(1.0);
+    let load = Prescribed::Indentation(1.0);
     solver::solve(
         &mut operator,
         &level,
@@ -206,7 +205,7 @@ impl<'a> Level<'a> {
         Ok(next)
     }
 
-    fn press(&mut self, load: Load) -> Result<ElementContact, SolveError> {
+    fn press(&mut self, load: Prescribed) -> Result<ElementContact, SolveError> {
         self.run.check_cancelled()?;
         let settings = Settings {
             tolerance: TOLERANCE,
@@ -597,7 +596,7 @@ impl ElementSolution<'_> {
 /// Solves for a target level by level, up to the mesh.
 pub(crate) fn solve<'a>(
     problem: &'a Problem,
-    target: Target,
+    target: Control,
     contact_radius: Option<f64>,
     mesh: ElementMesh,
     run: &'a Run<'a>,
@@ -679,13 +678,13 @@ struct Search {
 impl Level<'_> {
     fn find(
         &mut self,
-        target: Target,
+        target: Control,
         search: &mut Search,
     ) -> Result<(ElementContact, Option<FloorPoint>), SolveError> {
         let load = match target {
-            Target::Indentation(indentation) => Load::Indentation(indentation),
-            Target::Force(force) => Load::Force(force),
-            Target::Floor => return self.close_floor(search),
+            Control::Indentation(indentation) => Prescribed::Indentation(indentation),
+            Control::Force(force) => Prescribed::Force(force),
+            Control::FloorContact => return self.close_floor(search),
         };
         let contact = self.press(load)?;
         let floor = self.lowest(&contact)?;
@@ -702,7 +701,7 @@ impl Level<'_> {
         let mut closing = Closing::new(search.indentation, 0.0, search.slope);
         for _ in 0..SEARCH_LIMIT {
             let indentation = closing.indentation();
-            let mut contact = self.press(Load::Indentation(indentation))?;
+            let mut contact = self.press(Prescribed::Indentation(indentation))?;
             check_contact(self.problem, self.reach(&contact))?;
             let floor = self.lowest(&contact)?;
             let gap = floor.map_or(f64::INFINITY, |point| point.indentation - indentation);
@@ -717,7 +716,7 @@ impl Level<'_> {
                 }
             }
         }
-        let mut contact = self.press(Load::Indentation(search.indentation))?;
+        let mut contact = self.press(Prescribed::Indentation(search.indentation))?;
         contact.termination = Termination::IterationLimit;
         let floor = self.lowest(&contact)?;
         Ok((contact, floor))

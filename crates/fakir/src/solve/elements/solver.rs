@@ -31,8 +31,16 @@
 use crate::halfspace::elements::Operator;
 use crate::numerics::convergence::{Judgement, judge, larger, largest, smaller, within};
 use crate::numerics::workers::CancelToken;
-use crate::problem::Load;
 use crate::state::{Certificate, Termination};
+
+/// What is prescribed to the elements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Prescribed {
+    /// Indentation, m.
+    Indentation(f64),
+    /// Normal force, N.
+    Force(f64),
+}
 
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,7 +103,7 @@ pub fn solve<O: Operator + ?Sized>(
     operator: &mut O,
     separation: &[f64],
     area: f64,
-    load: Load,
+    load: Prescribed,
     start: Option<&[f64]>,
     settings: &Settings,
     cancel: &CancelToken,
@@ -110,7 +118,7 @@ struct Iteration<'a, O: ?Sized> {
     operator: &'a mut O,
     separation: &'a [f64],
     area: f64,
-    load: Load,
+    load: Prescribed,
     /// Sum of the pressures under a prescribed force, Pa.
     total: f64,
     pressure: Vec<f64>,
@@ -138,7 +146,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         operator: &'a mut O,
         separation: &'a [f64],
         area: f64,
-        load: Load,
+        load: Prescribed,
         start: Option<&[f64]>,
     ) -> Self {
         let count = separation.len();
@@ -148,8 +156,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             *value = larger(*value, 0.0);
         }
         let total = match load {
-            Load::Force(force) => force / area,
-            Load::Indentation(_) => 0.0,
+            Prescribed::Force(force) => force / area,
+            Prescribed::Indentation(_) => 0.0,
         };
         let mut iteration = Self {
             operator,
@@ -181,7 +189,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
     /// Under a prescribed force, scales the pressures to carry it; the nearest elements begin to
     /// where there are none.
     fn carry_the_force(&mut self) {
-        let Load::Force(_) = self.load else {
+        let Prescribed::Force(_) = self.load else {
             return;
         };
         let sum: f64 = self.pressure.iter().sum();
@@ -274,16 +282,16 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             work += p * u;
         }
         self.indentation = match self.load {
-            Load::Indentation(indentation) => indentation,
-            Load::Force(_) if sum > 0.0 => weighted / sum,
-            Load::Force(_) => lowest,
+            Prescribed::Indentation(indentation) => indentation,
+            Prescribed::Force(_) if sum > 0.0 => weighted / sum,
+            Prescribed::Force(_) => lowest,
         };
         let depth = larger(self.indentation - lowest, 0.0);
         // A Σ p (v - m) over the elastic energy A/2 Σ p u, and the work over the distance by
         // which a prescribed indentation is missed.
         let missed = match self.load {
-            Load::Indentation(_) => depth,
-            Load::Force(_) => 0.0,
+            Prescribed::Indentation(_) => depth,
+            Prescribed::Force(_) => 0.0,
         };
         let bound = larger(weighted - sum * (self.indentation - depth - missed), 0.0);
         self.certificate = Certificate {
@@ -324,8 +332,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
     /// elements of what has this sum; otherwise zero.
     fn mean_of_free(&self, sum: f64) -> f64 {
         match self.load {
-            Load::Force(_) => sum / self.free_count as f64,
-            Load::Indentation(_) => 0.0,
+            Prescribed::Force(_) => sum / self.free_count as f64,
+            Prescribed::Indentation(_) => 0.0,
         }
     }
 
@@ -382,8 +390,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
     /// Energy over the area of an element, at the prescribed indentation or force.
     fn energy(&self) -> f64 {
         let indentation = match self.load {
-            Load::Indentation(indentation) => indentation,
-            Load::Force(_) => 0.0,
+            Prescribed::Indentation(indentation) => indentation,
+            Prescribed::Force(_) => 0.0,
         };
         self.pressure
             .iter()
@@ -550,7 +558,7 @@ mod tests {
         (Dense::new(cells, 1.0), separation, grid.cell_area())
     }
 
-    fn press(load: Load, start: Option<&[f64]>) -> ElementContact {
+    fn press(load: Prescribed, start: Option<&[f64]>) -> ElementContact {
         let (mut operator, separation, area) = sphere();
         solve(
             &mut operator,
@@ -567,7 +575,7 @@ mod tests {
     fn sphere_as_hertz() {
         // Johnson, Contact Mechanics, section 4.2: a^2 = R zeta, F = 4/3 E* sqrt(R) zeta^(3/2).
         let indentation = 0.01;
-        let contact = press(Load::Indentation(indentation), None);
+        let contact = press(Prescribed::Indentation(indentation), None);
         assert_eq!(contact.termination, Termination::Converged);
         let hertz = 4.0 / 3.0 * f64::powf(indentation, 1.5);
         assert!(
@@ -584,8 +592,8 @@ mod tests {
 
     #[test]
     fn force_and_indentation_belong_together() {
-        let first = press(Load::Indentation(0.007), None);
-        let second = press(Load::Force(first.force), None);
+        let first = press(Prescribed::Indentation(0.007), None);
+        let second = press(Prescribed::Force(first.force), None);
         assert_eq!(second.termination, Termination::Converged);
         assert!((second.force / first.force - 1.0).abs() < 1e-12);
         assert!((second.indentation / first.indentation - 1.0).abs() < 1e-7);
@@ -597,9 +605,9 @@ mod tests {
 
     #[test]
     fn any_start_leads_to_the_same_pressures() {
-        let cold = press(Load::Indentation(0.01), None);
+        let cold = press(Prescribed::Indentation(0.01), None);
         let wild: Vec<f64> = (0..961).map(|k| f64::from(k % 7) - 2.0).collect();
-        let warm = press(Load::Indentation(0.01), Some(&wild));
+        let warm = press(Prescribed::Indentation(0.01), Some(&wild));
         assert_eq!(warm.termination, Termination::Converged);
         assert!((warm.force / cold.force - 1.0).abs() < 1e-7);
     }
@@ -623,7 +631,7 @@ mod tests {
                 tolerance,
                 ..Settings::default()
             };
-            let load = Load::Indentation(0.01);
+            let load = Prescribed::Indentation(0.01);
             let cancel = CancelToken::default();
             solve(
                 &mut operator,
@@ -653,7 +661,7 @@ mod tests {
 
     #[test]
     fn nothing_is_touched_without_indentation() {
-        let contact = press(Load::Indentation(0.0), None);
+        let contact = press(Prescribed::Indentation(0.0), None);
         assert_eq!(contact.termination, Termination::Converged);
         assert!(contact.pressure.iter().all(|p| p.abs() < f64::MIN_POSITIVE));
     }
@@ -678,7 +686,7 @@ mod tests {
 
     #[test]
     fn undefined_numbers_never_converge() {
-        for load in [Load::Indentation(0.01), Load::Force(1e-3)] {
+        for load in [Prescribed::Indentation(0.01), Prescribed::Force(1e-3)] {
             for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 let solve =
                     |operator: &mut dyn Operator, separation: &[f64], start: Option<&[f64]>| {
@@ -712,7 +720,10 @@ mod tests {
                 assert_ne!(ended, Termination::Converged, "{load:?} {odd}");
             }
         }
-        for load in [Load::Indentation(f64::NAN), Load::Force(f64::NAN)] {
+        for load in [
+            Prescribed::Indentation(f64::NAN),
+            Prescribed::Force(f64::NAN),
+        ] {
             assert_eq!(press(load, None).termination, Termination::NotFinite);
         }
     }
@@ -726,7 +737,7 @@ mod tests {
             &mut operator,
             &separation,
             area,
-            Load::Indentation(0.01),
+            Prescribed::Indentation(0.01),
             None,
             &Settings::default(),
             &cancel,
@@ -741,7 +752,7 @@ mod tests {
             product_limit: 3,
             ..Settings::default()
         };
-        let load = Load::Force(1e-3);
+        let load = Prescribed::Force(1e-3);
         let cancel = CancelToken::default();
         let contact = solve(
             &mut operator,

@@ -28,77 +28,73 @@
 //! do so unsteadily. Measured heights are averaged on the larger cells, so that it contains the
 //! effect of the smallest wavelengths.
 
+use super::solver::Prescribed;
 use super::surface_level::{Level, Pressed, check_fields};
 use crate::numerics::convergence::larger;
-use crate::problem::{Boundary, Floor, HeightMap, Load, SurfaceSystem};
+use crate::problem::{Boundary, Control, HeightMap, SurfaceSystem};
 use crate::state::{ErrorEstimate, Regime, Run, SolveError, SurfaceContact, SurfaceTransition};
 
 impl SurfaceSystem {
-    /// The contact under a load.
+    /// The contact under what is prescribed.
+    ///
+    /// Under [`Control::FloorContact`] it is the state just before the floor bears pressure, with the floor touched and
+    /// not loaded. It is found with the floor taken away: the gap to where it was falls steadily with the
+    /// indentation, as no free part of the surface is moved by more than the parts in contact.
     ///
     /// # Errors
     /// A load that cannot be, a contact too large for the lens, the period or the memory
-    /// allowed, or interruption: see [`SolveError`]. A solution that did not converge is not an
+    /// allowed, [`SolveError::NoFloor`] if a floor is to be reached and no cell is one, or interruption: see
+    /// [`SolveError`]. A solution that did not converge is not an
     /// error: it says so in [`SurfaceContact::termination`].
-    pub fn press(&self, load: Load, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
-        let load = self.checked(load)?;
+    pub fn press(&self, control: Control, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
+        let control = self.checked(control)?;
+        let removed_floor = match control {
+            Control::FloorContact => Some(self.floor().ok_or(SolveError::NoFloor)?),
+            Control::Indentation(_) | Control::Force(_) => None,
+        };
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
         check_fields(&self.surface, run)?;
         for surface in self.levels() {
-            let mut level = Level::new(self, surface, None, run);
+            let mut level = Level::new(self, surface, removed_floor, run);
+            if removed_floor.is_some() && !level.has_floor() {
+                // Large cells may miss a small floor; the last level are the cells themselves.
+                continue;
+            }
             if let Some((last, pressed)) = &solved {
                 level.start_from(last, pressed.indentation);
             }
-            let pressed = level.press(load)?;
+            let pressed = match control {
+                Control::Indentation(value) => level.press(Prescribed::Indentation(value))?,
+                Control::Force(force) => level.press(Prescribed::Force(force))?,
+                Control::FloorContact => level.close_floor()?,
+            };
             history.push([pressed.force, pressed.indentation]);
             solved = Some((level, pressed));
         }
-        let (level, pressed) = solved.expect("there is at least one level");
-        let [force, indentation] = match load {
-            Load::Indentation(_) => [true, false],
-            Load::Force(_) => [false, true],
-        };
-        let error = estimate(&history).map(|estimate| ErrorEstimate {
-            force: if force { estimate.force } else { 0.0 },
-            indentation: if indentation {
-                estimate.indentation
-            } else {
-                0.0
+        let (level, pressed) = solved.ok_or(SolveError::NoFloor)?;
+        let error = estimate(&history).map(|estimate| match control {
+            Control::Indentation(_) => ErrorEstimate {
+                indentation: 0.0,
+                ..estimate
             },
+            Control::Force(_) => ErrorEstimate {
+                force: 0.0,
+                ..estimate
+            },
+            Control::FloorContact => estimate,
         });
         level.finish(&pressed, error)?.checked()
     }
 
-    /// The critical state: the first indentation at which the floor bears pressure. The state is
-    /// that just before, with the floor touched and not loaded.
-    ///
-    /// It is found with the floor taken away: the gap to where it was falls steadily with the
-    /// indentation, as no free part of the surface is moved by more than the parts in contact.
+    /// The critical state: the first indentation at which the [floor](Self::floor) bears pressure.
+    /// It is [`press`](Self::press) with [`Control::FloorContact`], and where the floor is touched.
     ///
     /// # Errors
-    /// As [`press`](Self::press); and [`SolveError::NoFloor`] if no cell is floor.
-    pub fn transition(&self, floor: Floor, run: &Run<'_>) -> Result<SurfaceTransition, SolveError> {
-        let mut solved: Option<(Level<'_>, Pressed, usize)> = None;
-        let mut history = Vec::new();
-        check_fields(&self.surface, run)?;
-        for surface in self.levels() {
-            let mut level = Level::new(self, surface, Some(floor), run);
-            if !level.has_floor() {
-                // Large cells may miss a small floor; the last level are the cells themselves.
-                continue;
-            }
-            if let Some((last, pressed, _)) = &solved {
-                level.start_from(last, pressed.indentation);
-            }
-            let (pressed, cell) = level.close_floor()?;
-            history.push([pressed.force, pressed.indentation]);
-            solved = Some((level, pressed, cell));
-        }
-        let (level, pressed, cell) = solved.ok_or(SolveError::NoFloor)?;
-        let columns = self.surface.grid().columns();
-        let floor_contact = self.surface.grid().centre(cell % columns, cell / columns);
-        let contact = level.finish(&pressed, estimate(&history))?.checked()?;
+    /// As [`press`](Self::press).
+    pub fn transition(&self, run: &Run<'_>) -> Result<SurfaceTransition, SolveError> {
+        let contact = self.press(Control::FloorContact, run)?;
+        let (_, floor_contact) = contact.nearest_floor.ok_or(SolveError::NoFloor)?;
         Ok(SurfaceTransition {
             regime: if contact.force > 0.0 {
                 Regime::TopFirst
@@ -132,9 +128,9 @@ impl SurfaceSystem {
     }
 
     /// The load, relative to the size of a cell.
-    fn checked(&self, load: Load) -> Result<Load, SolveError> {
+    fn checked(&self, control: Control) -> Result<Control, SolveError> {
         let [width, height] = self.surface.grid().cell();
-        Ok(load.checked(0.5 * width.min(height), self.reduced_modulus())?)
+        Ok(control.checked(0.5 * width.min(height), self.reduced_modulus())?)
     }
 }
 
@@ -183,7 +179,7 @@ mod tests {
         let grid = Grid::centred(32, 32, 1.25e-6).unwrap();
         let flat = HeightMap::from_height(grid, |_| 0.0).unwrap();
         let system = SurfaceSystem::new(lens, material, flat, Boundary::FreeSpace).unwrap();
-        let load = Load::Indentation(0.1e-6);
+        let load = Control::Indentation(0.1e-6);
         system.press(load, &Run::default()).unwrap()
     }
 

@@ -2,18 +2,18 @@
 
 use super::closing::Closing;
 use super::pillars::missing_compliances;
-use super::solver::Settings;
+use super::solver::{Prescribed, Settings};
 use crate::halfspace::elements::{
     Columns, FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
 };
 use crate::numerics::convergence::Judgement;
-use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Load, SurfaceSystem};
+use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Point, SurfaceSystem};
 use crate::solve::elements::solver;
 use crate::solve::spectral::LARGEST_CONTACT;
 use crate::state::contact::DOUBTFUL_CONTACT;
 use crate::state::{
-    Certificate, ErrorEstimate, Progress, Run, SolveError, Stage, SurfaceContact, Termination,
-    Warning,
+    Certificate, ErrorEstimate, Progress, Run, Shares, SolveError, Stage, SurfaceContact,
+    Termination, Warning,
 };
 use std::f64::consts::PI;
 
@@ -74,6 +74,8 @@ pub(super) struct Pressed {
     pub(super) force: f64,
     certificate: Certificate,
     termination: Termination,
+    /// The cell where the floor was reached, if that was sought.
+    floor_cell: Option<usize>,
 }
 
 /// The surface on cells of one size.
@@ -152,18 +154,18 @@ impl<'a> Level<'a> {
         }
     }
 
-    pub(super) fn press(&mut self, load: Load) -> Result<Pressed, SolveError> {
+    pub(super) fn press(&mut self, load: Prescribed) -> Result<Pressed, SolveError> {
         match load {
-            Load::Indentation(indentation) => {
+            Prescribed::Indentation(indentation) => {
                 self.check_periodic_indentation(indentation)?;
                 self.choose_candidates(indentation)?;
                 self.solve(load)
             }
-            Load::Force(force) if force > 0.0 => self.press_with_force(force),
-            Load::Force(_) => {
+            Prescribed::Force(force) if force > 0.0 => self.press_with_force(force),
+            Prescribed::Force(_) => {
                 self.pressure.fill(0.0);
                 self.choose_candidates(0.0)?;
-                self.solve(Load::Indentation(0.0))
+                self.solve(Prescribed::Indentation(0.0))
             }
         }
     }
@@ -178,7 +180,7 @@ impl<'a> Level<'a> {
         };
         loop {
             self.choose_candidates(bound)?;
-            let pressed = self.solve(Load::Force(force))?;
+            let pressed = self.solve(Prescribed::Force(force))?;
             let count = self.candidates.as_ref().map_or(0, |c| c.cells.len());
             let farthest = self.farthest_allowed();
             let all = self.separation.iter().filter(|s| **s <= farthest).count();
@@ -322,7 +324,7 @@ impl<'a> Level<'a> {
     }
 
     /// Solves on the candidates, from the pressures known.
-    fn solve(&mut self, load: Load) -> Result<Pressed, SolveError> {
+    fn solve(&mut self, load: Prescribed) -> Result<Pressed, SolveError> {
         self.check_cancelled()?;
         let Candidates {
             cells,
@@ -366,6 +368,7 @@ impl<'a> Level<'a> {
             force: contact.force,
             certificate: contact.certificate,
             termination: contact.termination,
+            floor_cell: None,
         })
     }
 
@@ -411,9 +414,8 @@ impl<'a> Level<'a> {
             .fold(0.0, f64::max)
     }
 
-    /// Raises the indentation until the gap to the floor that was taken away is closed; with the
-    /// cell where it is.
-    pub(super) fn close_floor(&mut self) -> Result<(Pressed, usize), SolveError> {
+    /// Raises the indentation until the gap to the floor that was taken away is closed.
+    pub(super) fn close_floor(&mut self) -> Result<Pressed, SolveError> {
         let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
         let lowest = self
             .separation
@@ -433,31 +435,29 @@ impl<'a> Level<'a> {
         for _ in 0..SEARCH_LIMIT {
             let indentation = closing.indentation();
             self.choose_candidates(MARGIN * indentation)?;
-            let mut pressed = self.solve(Load::Indentation(indentation))?;
+            let mut pressed = self.solve(Prescribed::Indentation(indentation))?;
             let (gap, cell) = self.floor_gap(indentation)?;
+            pressed.floor_cell = Some(cell);
             let judged = closing.take(gap, FLOOR_TOLERANCE * indentation);
             self.floor_slope = closing.slope();
             match judged {
-                Judgement::Good => return Ok((pressed, cell)),
+                Judgement::Good => return Ok(pressed),
                 Judgement::TooLarge => {}
                 Judgement::Undefined => {
                     pressed.termination = Termination::NotFinite;
-                    return Ok((pressed, cell));
+                    return Ok(pressed);
                 }
             }
         }
         let indentation = closing.indentation();
         self.choose_candidates(indentation)?;
-        let pressed = self.solve(Load::Indentation(indentation))?;
+        let pressed = self.solve(Prescribed::Indentation(indentation))?;
         let (_, cell) = self.floor_gap(indentation)?;
-        let termination = Termination::IterationLimit;
-        Ok((
-            Pressed {
-                termination,
-                ..pressed
-            },
-            cell,
-        ))
+        Ok(Pressed {
+            termination: Termination::IterationLimit,
+            floor_cell: Some(cell),
+            ..pressed
+        })
     }
 
     /// The smallest gap to the floor, and its cell.
@@ -500,6 +500,32 @@ impl<'a> Level<'a> {
         })
     }
 
+    /// What the floor bears, and the rest of the surface.
+    fn shares(&self, floor: Floor) -> Shares {
+        let mut shares = Shares::default();
+        let area = self.surface.grid().cell_area();
+        for cell in self.loaded() {
+            let share = if floor.contains(&self.surface, cell) {
+                &mut shares.floor
+            } else {
+                &mut shares.tops
+            };
+            share.force += area * self.pressure[cell];
+            share.area += area;
+        }
+        shares
+    }
+
+    /// The smallest gap to the floor, and where it is.
+    fn nearest_floor(&self, floor: Floor, pressed: &Pressed, gap: &[f64]) -> Option<(f64, Point)> {
+        let floor_cells = (0..gap.len()).filter(|cell| floor.contains(&self.surface, *cell));
+        let nearest = floor_cells.min_by(|a, b| gap[*a].total_cmp(&gap[*b]));
+        let cell = pressed.floor_cell.or(nearest)?;
+        let columns = self.surface.grid().columns();
+        let centre = self.surface.grid().centre(cell % columns, cell / columns);
+        gap[cell].is_finite().then_some((gap[cell], centre))
+    }
+
     /// The fields on the whole grid.
     pub(super) fn finish(
         mut self,
@@ -511,12 +537,13 @@ impl<'a> Level<'a> {
         let displacement = self.displacement()?;
         self.check_border(&displacement, pressed.indentation)?;
         let warnings = self.warnings(&displacement, pressed.indentation);
-        let gap = self
+        let gap: Vec<f64> = self
             .separation
             .iter()
             .zip(&displacement)
             .map(|(separation, displacement)| separation + displacement - pressed.indentation)
             .collect();
+        let floor = self.system.floor();
         let grid = *self.surface.grid();
         Ok(SurfaceContact {
             grid,
@@ -527,6 +554,8 @@ impl<'a> Level<'a> {
                 Indenter::Lens(_) => Some(self.contact_radius()),
                 Indenter::Flat(_) => None,
             },
+            shares: floor.map(|floor| self.shares(floor)),
+            nearest_floor: floor.and_then(|floor| self.nearest_floor(floor, pressed, &gap)),
             warnings,
             displacement,
             gap,

@@ -1,22 +1,24 @@
-//! Under which load a contact is asked for.
+//! What fixes the indentation of a contact.
 
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
-/// What is prescribed.
+/// What is prescribed, and with it how far the lens comes down.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Load {
+pub enum Control {
     /// Indentation `zeta`, m: zero, or at least 1e-20 of a pillar radius.
     Indentation(f64),
     /// Normal force `F`, N: zero, or at least 1e-30 of `E*` times a pillar radius squared.
     Force(f64),
+    /// That the lens just reaches the floor: the critical state.
+    FloorContact,
 }
 
 /// Smallest contact radius that has a meaning, over the size of what is touched: of a pillar a
 /// metre wide it is the size of an atom, 1e-10 m, and of all others less.
 const SMALLEST_CONTACT: f64 = 1e-10;
 
-impl Load {
-    /// The load, if it can be: a finite number, zero or large enough for a contact of
+impl Control {
+    /// What is prescribed, if it can be. A load is a finite number, zero or large enough for a contact of
     /// [`SMALLEST_CONTACT`] under a lens as small as what is touched. By Hertz's solution that
     /// takes an indentation of `length SMALLEST_CONTACT^2` and a force of about
     /// `modulus length^2 SMALLEST_CONTACT^3`. `length` is half the width of what is touched (m),
@@ -34,6 +36,7 @@ impl Load {
                 Requirement::ZeroOrForce(smallest).check(Quantity::Force, value)?;
                 Ok(Self::Force(value + 0.0))
             }
+            Self::FloorContact => Ok(self),
         }
     }
 }
