@@ -1,7 +1,6 @@
 //! The critical state, in which the lens just reaches the floor.
 
 use super::contact::{ContactState, relative};
-use super::surface::SurfaceContact;
 use crate::problem::{Method, Point, PunchForm, System};
 
 /// What the lens meets first.
@@ -40,9 +39,6 @@ pub struct Critical<C> {
 
 /// The critical state of a lens on a lattice of pillars.
 pub type CriticalState = Critical<ContactState>;
-
-/// The critical state on any surface.
-pub type SurfaceTransition = Critical<SurfaceContact>;
 
 impl CriticalState {
     /// The critical state with this contact, solved for [`Control::FloorContact`](crate::problem::Control).

@@ -20,10 +20,10 @@ pub(crate) mod surface;
 
 pub use crate::numerics::workers::{CancelToken, Threads};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
-pub use critical::{Critical, CriticalState, Normalized, Regime, SurfaceTransition};
+pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use error::SolveError;
 pub use fields::Fields;
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use shared::Contact;
-pub use surface::{Certificate, Share, Shares, SurfaceContact};
+pub use surface::{Certificate, Share, Shares, SurfaceContact, SurfaceTransition};

@@ -2,6 +2,7 @@
 
 use super::checked::check_number;
 use super::contact::{ErrorEstimate, Termination, Warning};
+use super::critical::Critical;
 use super::error::SolveError;
 use crate::problem::{Grid, Point};
 
@@ -103,6 +104,9 @@ impl SurfaceContact {
         self.force / (self.grid.cell_count() as f64 * self.grid.cell_area())
     }
 }
+
+/// The critical state on any surface.
+pub type SurfaceTransition = Critical<SurfaceContact>;
 
 /// How the load is shared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
