@@ -3,12 +3,12 @@
 //!
 //! The answer is sought as a root of `g(x) = ln(answer(x)/wanted)` over `ln x`: bracketed by
 //! strides that double, from where the homogenised lattice (a thousand times cheaper) has its
-//! root, or from the value in the case file; then closed in on by the ITP method (I. F. D.
-//! Oliveira, R. H. C. Takahashi, ACM Trans. Math. Softw. 47, 5 (2021)), which never needs more
-//! steps than bisection by more than one and takes a few. Where the lens would sink in too far to
+//! root, or from the value in the case file; then closed in on by the [bracketing method](fakir::numerics::roots)
+//! that all searches share, which tells a root from a jump. Where the lens would sink in too far to
 //! be solved the answer counts as too large; where it meets the floor first, as zero.
 
 use fakir::numerics::convergence::within;
+use fakir::numerics::roots::{self, Change, Point, Root};
 use fakir::problem::{MAXIMUM_SURFACE_FRACTION, Method, System};
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir_case::unit::Dimension;
@@ -422,6 +422,14 @@ impl Trial {
         within(self.excess.abs(), TOLERANCE)
     }
 
+    /// For the search of roots: what meets the wanted value is a root.
+    fn point(&self) -> Point {
+        Point {
+            position: self.position,
+            value: if self.is_met() { 0.0 } else { self.excess },
+        }
+    }
+
     fn limit(&self) -> Limit {
         match &self.outcome {
             Err(error) => Limit::Solver(error.clone()),
@@ -575,39 +583,38 @@ impl Search<'_> {
         Ok(Err(trials))
     }
 
-    /// Closes in on the wanted value between two trials: by halves as long as one side has no
-    /// value, then by the ITP method.
-    fn close_in(&self, [mut low, mut high]: [Trial; 2]) -> Result<Ending, DesignError> {
-        let mut steps = None;
-        loop {
-            for trial in [&low, &high] {
-                if let (true, Ok(candidate)) = (trial.is_met(), &trial.outcome) {
-                    return Ok(Ending::Found(candidate.clone()));
-                }
-            }
-            let width = high.position - low.position;
-            let open = !(low.excess.is_finite() && high.excess.is_finite());
-            if width < if open { EDGE } else { JUMP } {
-                return Self::edge(&low, &high);
-            }
-            let position = if open {
-                0.5 * (low.position + high.position)
-            } else {
-                steps
-                    .get_or_insert_with(|| Itp::new(width))
-                    .next(&low, &high)
-            };
-            let trial = self.trial(position)?;
-            if trial.excess.signum() == low.excess.signum() {
-                low = trial;
-            } else {
-                high = trial;
-            }
+    /// Closes in on the wanted value between two trials. Where contacts end, a rough search is enough; between
+    /// two values it goes on.
+    fn close_in(&self, mut sides: [Trial; 2]) -> Result<Ending, DesignError> {
+        let mut root = self.narrow(&mut sides, EDGE)?;
+        if sides.iter().all(|trial| trial.excess.is_finite()) {
+            root = self.narrow(&mut sides, JUMP)?;
         }
+        if let Some(Change::Crossing(point)) = root.map(|root| root.change(TOLERANCE))
+            && let Some(met) = sides.iter().find(|side| side.position == point.position)
+            && let Ok(candidate) = &met.outcome
+        {
+            return Ok(Ending::Found(candidate.clone()));
+        }
+        Self::edge(&sides)
+    }
+
+    /// Moves two trials on either side of the wanted value together, until their values differ by this part of them or
+    /// one of them meets it.
+    fn narrow(&self, sides: &mut [Trial; 2], width: f64) -> Result<Option<Root>, DesignError> {
+        let ends = [sides[0].point(), sides[1].point()];
+        let size = ends[0].position.abs().max(ends[1].position.abs());
+        roots::find(ends, width / size, |position| {
+            let trial = self.trial(position)?;
+            let point = trial.point();
+            let side = usize::from((point.value > 0.0) == (sides[1].excess > 0.0));
+            sides[side] = trial;
+            Ok(point.value)
+        })
     }
 
     /// The outcome where a bracket has become narrow and the wanted value is not in it.
-    fn edge(low: &Trial, high: &Trial) -> Result<Ending, DesignError> {
+    fn edge([low, high]: &[Trial; 2]) -> Result<Ending, DesignError> {
         match (low.outcome.clone(), high.outcome.clone()) {
             (Ok(a), Ok(b)) if low.excess.is_finite() && high.excess.is_finite() => {
                 Ok(Ending::Jump(Box::new([a, b])))
@@ -681,45 +688,6 @@ impl Search<'_> {
             (Some(a), Some(b)) if b > a => (high.excess - low.excess) / (b - a),
             _ => f64::NAN,
         })
-    }
-}
-
-/// Interpolate, truncate, project: positions within a bracket of a root.
-struct Itp {
-    /// How far from the middle of the bracket half its width may end up, in units of [`JUMP`],
-    /// so that bisection is never outdone by more than a step.
-    slack: f64,
-    /// `kappa_1` of the method, with `kappa_2 = 2`.
-    truncation: f64,
-}
-
-impl Itp {
-    fn new(width: f64) -> Self {
-        Self {
-            slack: 2f64.powf((width / JUMP).log2().ceil().max(0.0) + 1.0),
-            truncation: 0.2 / width,
-        }
-    }
-
-    fn next(&mut self, low: &Trial, high: &Trial) -> f64 {
-        let width = high.position - low.position;
-        let middle = 0.5 * (low.position + high.position);
-        let interpolated =
-            (high.excess * low.position - low.excess * high.position) / (high.excess - low.excess);
-        let towards = (middle - interpolated).signum();
-        let truncation = self.truncation * width * width;
-        let truncated = if truncation <= (middle - interpolated).abs() {
-            interpolated + towards * truncation
-        } else {
-            middle
-        };
-        let allowed = (0.5 * JUMP * self.slack - 0.5 * width).max(0.0);
-        self.slack *= 0.5;
-        if (truncated - middle).abs() <= allowed {
-            truncated
-        } else {
-            middle - towards * allowed
-        }
     }
 }
 

@@ -42,11 +42,13 @@ pub use parameter::Parameter;
 pub use report::FitSummary;
 
 use fakir::numerics::convergence::{larger, within};
+use fakir::numerics::roots::{self, Point};
 use fakir::state::{Run, SolveError, Termination};
 use fakir_case::{CaseError, CaseFile};
 use least_squares::Linear;
 use model::{Derivatives, Model, State};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use std::convert::Infallible;
 
 /// What is known besides the case and the data.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -1021,19 +1023,20 @@ fn own_variance(terms: &[(f64, f64)], freedom: f64) -> f64 {
             .sum::<f64>()
     };
     let squares: f64 = terms.iter().map(|(square, _)| square).sum();
-    let (mut low, mut high) = (0.0, squares / freedom);
-    if sum(low) <= freedom {
+    let largest = squares / freedom;
+    let end = |position: f64| Point {
+        position,
+        value: sum(position) - freedom,
+    };
+    if end(0.0).value <= 0.0 {
         return 0.0;
     }
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if sum(middle) > freedom {
-            low = middle;
-        } else {
-            high = middle;
-        }
+    let ends = [end(0.0), end(largest)];
+    match roots::find(ends, 0.0, |own| Ok::<_, Infallible>(end(own).value)) {
+        Ok(Some(root)) => root.closest().position,
+        // Without any other variance the sum is `freedom` at the end, but for rounding.
+        Ok(None) => largest,
     }
-    high
 }
 
 /// Half width of a 95 % interval in standard errors: of Student's distribution with so many degrees
