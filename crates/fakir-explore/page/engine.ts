@@ -1,5 +1,7 @@
 // Questions to the server: of each kind the newest counts, and answers come line by line.
 
+import type { Dimension } from "./numbers.js";
+
 export type Value = number | string;
 export type Values = Record<string, Value>;
 
@@ -16,10 +18,11 @@ export interface Progress {
   readonly touched: number;
 }
 
+/** Estimated relative errors; null where an error is not estimated yet. */
 export interface ErrorEstimate {
-  readonly force: number;
-  readonly indentation: number;
-  readonly contact_radius: number;
+  readonly force: number | null;
+  readonly indentation: number | null;
+  readonly contact_radius: number | null;
 }
 
 export interface TransitionSummary {
@@ -117,6 +120,8 @@ export interface Line {
   readonly preview?: Preview;
   readonly critical?: TransitionSummary;
   readonly state?: ContactState;
+  /** The summary of the state that came last, now with its errors. */
+  readonly summary?: PressSummary;
   readonly case?: Texts;
   readonly section?: Section | null;
   readonly formulas?: {
@@ -131,9 +136,39 @@ export interface Line {
   readonly path?: readonly [number, number, number];
 }
 
+/** What the key table of the program says about a key of a case. */
+export interface Key {
+  readonly key: string;
+  /** The table of the case file that it is in. */
+  readonly table: string;
+  readonly label: string;
+  /** What follows `_` is lowered. */
+  readonly symbol: string | null;
+  readonly meaning: string;
+  /** What it measures; null if it takes a word. */
+  readonly dimension: Dimension | null;
+  /** The least and the greatest value allowed, as far as that does not depend on other keys. */
+  readonly least: number | null;
+  readonly greatest: number | null;
+  /** The first and the last of its usual values. */
+  readonly usual: readonly [number, number] | null;
+  readonly whole: boolean;
+  /** The words that it can have; none if it takes a number. */
+  readonly words: readonly string[];
+  /** Its value where it is left out; null if it must be given. */
+  readonly default: Value | null;
+  /** The key that it takes the place of. */
+  readonly alternative: string | null;
+  /** The key that must have one of these words for this key to be given. */
+  readonly goes_with: { readonly key: string; readonly words: readonly string[] } | null;
+}
+
 export interface Start {
   readonly version: string;
   readonly case: Values;
+  /** The paper's intermediate case. */
+  readonly paper: Values;
+  readonly keys: readonly Key[];
   readonly colours: readonly (readonly [number, number, number])[];
   readonly farthest_load: number;
 }

@@ -49,9 +49,10 @@ function estimated(estimate: Estimate): readonly Readout[] {
 function solved(summary: TransitionSummary): readonly Readout[] {
   const error = summary.relative_error_estimate;
   const model = summary.method === "homogenised";
-  const digits = (value: number): number => (model ? 4 : digitsFor(value));
-  const words = (value: number): string => {
+  const digits = (value: number | null): number => (model ? 4 : digitsFor(value));
+  const words = (value: number | null): string => {
     if (model) return "error of the model";
+    if (value === null) return "error not estimated";
     return value > 0 ? `error ${significant(value, 1)}` : "exact";
   };
   const reduced = summary.normalized;
@@ -131,10 +132,11 @@ export function drawLoad(state: State): void {
   slider.setAttribute("aria-valuetext", words);
   if (state.solved === null) return;
   const { summary } = state.solved.is;
-  const force = engineeringText(summary.force_N, "force", 4);
-  const indentation = engineeringText(summary.indentation_m, "length", 4);
-  const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
-  const radius = engineeringText(summary.contact_radius_m, "length", Math.min(4, digits));
+  const error = summary.relative_error_estimate;
+  const digits = (value: number | null): number => Math.min(4, digitsFor(value));
+  const force = engineeringText(summary.force_N, "force", digits(error.force));
+  const indentation = engineeringText(summary.indentation_m, "length", digits(error.indentation));
+  const radius = engineeringText(summary.contact_radius_m, "length", digits(error.contact_radius));
   write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
 }
 

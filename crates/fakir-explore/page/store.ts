@@ -22,12 +22,8 @@ import type {
 } from "./engine.js";
 import { largestForceOf, sceneOf, sceneOfPreview, type Scene } from "./scene.js";
 
-/** Farthest load on the slider, critical loads. */
-export const FARTHEST = 1.3;
-
 export const FRACTION = "texture.surface_fraction";
 export const PITCH = "texture.pitch";
-export const METHOD = "method.name";
 
 /** What the user has chosen. */
 export interface Chosen {
@@ -107,7 +103,8 @@ export interface State {
   readonly asking: { readonly [kind in Kind]: Asking | null };
   /** How long the last picture took, ms. */
   readonly lastTime: number;
-  /** The newest question that is overdue or was refused: whatever is of an older one is grey. */
+  /** The newest question of which something is shown, or that is overdue or was refused: whatever is of an older
+   * one is grey. */
   readonly reference: Question | null;
 
   /** What the map shows. */
@@ -141,7 +138,7 @@ export class Store {
   readonly #listeners: (() => void)[] = [];
 
   constructor(start: Start, first: Chosen, asked: number) {
-    const chosen = { ...first, load: within(first.load) };
+    const chosen = { ...first, load: within(first.load, start) };
     this.#state = {
       start,
       chosen,
@@ -187,7 +184,7 @@ export class Store {
   /** Chooses something else; what is not named stays. `asked` is when the user did so, ms. */
   choose(choice: Partial<Chosen>, asked: number, typed: string | null = null): void {
     const before = this.#state.chosen;
-    const chosen = { ...before, ...choice, load: within(choice.load ?? before.load) };
+    const chosen = { ...before, ...choice, load: within(choice.load ?? before.load, this.#state.start) };
     if (choice.case === undefined && choice.load === undefined) {
       this.#change({ chosen });
       return;
@@ -199,12 +196,8 @@ export class Store {
   /** Gives a key of the case another value; `typed` if it is to stay as the user wrote it. */
   setValue(key: string, value: Value, typed: boolean, asked: number): void {
     const values = { ...this.#state.chosen.case };
-    if (key === FRACTION) delete values[PITCH];
-    if (key === PITCH) delete values[FRACTION];
-    if (key === METHOD) {
-      for (const other of Object.keys(values)) {
-        if (other.startsWith("method.")) delete values[other];
-      }
+    for (const other of this.#state.start.keys) {
+      if (other.alternative === key || other.goes_with?.key === key) delete values[other.key];
     }
     values[key] = value;
     this.choose({ case: values }, asked, typed ? key : null);
@@ -241,7 +234,10 @@ export class Store {
       phase: () => phaseLine(this.#state, asking.question, line),
       curves: () => curvesLine(this.#state, asking.question, line),
     }[kind]();
-    this.#change(taken);
+    // What is still shown of an older case or load turns grey in the same moment.
+    const isShown = Object.keys(taken).some((part) => part !== "progress");
+    const reference = newer(this.#state.reference, asking.question);
+    this.#change(isShown ? { ...taken, reference } : taken);
   }
 
   /** The answer to a question has ended: `whole` if it was not called off, or with a refusal. */
@@ -321,8 +317,8 @@ function newQuestion(number: number, chosen: Chosen, asked: number): Question {
 }
 
 /** A load on the slider; the critical one in place of none. */
-function within(load: number): number {
-  return Number.isFinite(load) ? Math.min(FARTHEST, Math.max(0, load)) : 1;
+function within(load: number, { farthest_load: farthest }: Start): number {
+  return Number.isFinite(load) ? Math.min(farthest, Math.max(0, load)) : 1;
 }
 
 function newer(a: Question | null, b: Question): Question {
@@ -370,6 +366,11 @@ function contactLine(
       lastTime: now - since,
       refusal: null,
     };
+  }
+  if (line.summary) {
+    const { solved } = state;
+    if (solved?.of.number !== of.number) return {};
+    return { solved: { of, is: { ...solved.is, summary: line.summary } } };
   }
   if (line.critical) return { critical: { of, is: line.critical }, estimate: null };
   if (line.case) return { texts: { of, is: line.case } };

@@ -3,7 +3,7 @@
 
 use crate::jobs::{Failure, Worker};
 use crate::lines;
-use crate::request::{self, LoadPoint, at_fraction, expected_pillars};
+use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars};
 use fakir::problem::{Accuracy, Load, Method, Point, System};
 use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
@@ -29,7 +29,7 @@ const FRACTIONS: [f64; 2] = [3e-4, 0.25];
 
 /// Where on the way to the critical state and beyond the loading path is computed.
 const PATH_FRACTIONS: [f64; 16] = [
-    0.5, 0.1, 0.02, 0.25, 0.75, 1.25, 0.05, 0.9, 0.35, 0.6, 0.15, 1.1, 0.005, 1.4, 0.001, 0.8,
+    0.5, 0.1, 0.02, 0.25, 0.75, 1.25, 0.05, 0.9, 0.35, 0.6, 0.15, 1.1, 0.005, FARTHEST, 0.001, 0.8,
 ];
 
 /// A contact, and how it was come by.
@@ -133,6 +133,7 @@ struct State {
     approximate: bool,
     /// Of the way to the critical state.
     fraction: f64,
+    /// Of a state that is drawn before its errors are estimated they are `null`; a [`SummaryLine`] follows.
     summary: PressSummary,
     normalized: [f64; 3],
     pitch_m: f64,
@@ -146,6 +147,12 @@ struct State {
     /// Where the floor is touched, or would be, with its symmetric copies.
     floor_contacts_m: Vec<Point>,
     warnings: Vec<String>,
+}
+
+/// The summary of a state that was drawn before the errors of its force and indentation were estimated: now they are.
+#[derive(Serialize)]
+struct SummaryLine {
+    summary: PressSummary,
 }
 
 #[derive(Serialize)]
@@ -212,7 +219,10 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
     let Some((state, wall_time)) = solved.state() else {
         return Err(Failure::Cancelled);
     };
-    if !shown.load(Ordering::Relaxed) {
+    if shown.load(Ordering::Relaxed) {
+        let summary = PressSummary::new(state, wall_time);
+        worker.send(&SummaryLine { summary });
+    } else {
         show(state, wall_time);
     }
     worker.send(&CaseLine {

@@ -31,6 +31,8 @@ function solved(summary) {
     const words = (value) => {
         if (model)
             return "error of the model";
+        if (value === null)
+            return "error not estimated";
         return value > 0 ? `error ${significant(value, 1)}` : "exact";
     };
     const reduced = summary.normalized;
@@ -110,10 +112,11 @@ export function drawLoad(state) {
     if (state.solved === null)
         return;
     const { summary } = state.solved.is;
-    const force = engineeringText(summary.force_N, "force", 4);
-    const indentation = engineeringText(summary.indentation_m, "length", 4);
-    const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
-    const radius = engineeringText(summary.contact_radius_m, "length", Math.min(4, digits));
+    const error = summary.relative_error_estimate;
+    const digits = (value) => Math.min(4, digitsFor(value));
+    const force = engineeringText(summary.force_N, "force", digits(error.force));
+    const indentation = engineeringText(summary.indentation_m, "length", digits(error.indentation));
+    const radius = engineeringText(summary.contact_radius_m, "length", digits(error.contact_radius));
     write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
 }
 function loadWords(fraction) {
