@@ -122,6 +122,18 @@ impl Key {
         self.row().usual.or(allowed)
     }
 
+    /// Whether its numbers are above zero and need not be whole, as those of sizes and moduli are.
+    #[must_use]
+    pub fn is_positive(self) -> bool {
+        matches!(self.bounds(), (Bound::Excluded(least), _) if least >= 0.0)
+    }
+
+    /// Its name as a column of a table, with the unit of its numbers: `"texture.pitch_m"`.
+    #[must_use]
+    pub fn column(self) -> String {
+        format!("{self}{}", self.dimension().suffix())
+    }
+
     /// Whether its numbers are whole.
     #[must_use]
     pub fn is_whole(self) -> bool {
@@ -193,7 +205,8 @@ impl Key {
     }
 
     /// What its numbers measure; that of plain numbers if it takes something else.
-    pub(crate) fn dimension(self) -> Dimension {
+    #[must_use]
+    pub fn dimension(self) -> Dimension {
         match self.kind() {
             Kind::Number(dimension) => dimension,
             Kind::Word | Kind::Text => Dimension::Number,

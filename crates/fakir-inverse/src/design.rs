@@ -9,11 +9,12 @@
 
 use fakir::numerics::convergence::within;
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::{MAXIMUM_SURFACE_FRACTION, Method, System};
+use fakir::problem::Method;
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir_case::unit::Dimension;
-use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
+use fakir_case::{Case, CaseError, CaseFile, Key};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, with_unit};
+use std::ops::Bound;
 
 /// What is wanted of the critical state.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,10 +134,7 @@ impl Answer {
     /// What kind of number the value is.
     #[must_use]
     pub fn dimension(&self) -> Dimension {
-        match self.free.kind() {
-            Kind::Number(dimension) => dimension,
-            Kind::Word | Kind::Text => Dimension::Number,
-        }
+        self.free.dimension()
     }
 
     fn value(&self, candidate: &Candidate) -> String {
@@ -237,19 +235,17 @@ pub enum DesignError {
     },
 }
 
-/// Keys that can be sought.
-pub const FREE: [Key; 7] = [
-    Key::Pitch,
-    Key::SurfaceFraction,
-    Key::PillarHeight,
-    Key::PillarDiameter,
-    Key::LensRadius,
-    Key::LensYoungModulus,
-    Key::SubstrateYoungModulus,
-];
+/// Keys that can be sought: all sizes and moduli of a case with a texture.
+#[must_use]
+pub fn free_keys() -> Vec<Key> {
+    let keys = Key::ALL.into_iter();
+    keys.filter(|key| key.is_positive() && !key.is_of_surface())
+        .collect()
+}
 
 fn free_names() -> String {
-    FREE.map(Key::path).join(", ")
+    let names: Vec<&str> = free_keys().into_iter().map(Key::path).collect();
+    names.join(", ")
 }
 
 /// Relative difference from what is wanted at which a search ends.
@@ -282,7 +278,7 @@ pub fn design(
     wanted: Wanted,
     run: &Run<'_>,
 ) -> Result<Design, DesignError> {
-    if !FREE.contains(&free) {
+    if !free_keys().contains(&free) {
         return Err(DesignError::NotFree(free));
     }
     let target = wanted.value();
@@ -295,7 +291,7 @@ pub fn design(
         free,
         wanted,
         run,
-        range: range(free, &with(file, free, first)?.system, file),
+        range: range(free, first, &with(file, free, first)?),
         method: Some(Method::Homogenised),
     };
     let estimate = match search.find(first, STRIDES[1]) {
@@ -338,62 +334,48 @@ pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseEr
 }
 
 /// Where to begin: the value in the case file, or one in proportion to the others.
-fn first_value(file: &CaseFile, free: Key) -> Result<f64, CaseError> {
-    let of_case = |case: &Case| {
-        let system = &case.system;
-        match free {
-            Key::Pitch => system.lattice().pitch,
-            Key::SurfaceFraction => system.texture().surface_fraction(),
-            Key::PillarHeight => system.pillar().height,
-            Key::PillarDiameter => system.pillar().diameter,
-            Key::LensRadius => system.lens().radius,
-            Key::LensYoungModulus => system.lens().material.young_modulus,
-            _ => system.substrate().young_modulus,
-        }
-    };
+fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
     match file.case() {
-        Ok(case) => Ok(of_case(&case)),
+        Ok(case) => case.number(free),
         // It may be just the free key that is missing.
-        Err(error) => GUESSES
-            .iter()
-            .find_map(|guess| with(file, free, *guess).ok())
-            .map(|case| of_case(&case))
-            .ok_or(error),
+        Err(error) => {
+            let guess = GUESSES
+                .iter()
+                .find(|guess| with(file, free, **guess).is_ok());
+            Some(*guess.ok_or(error)?)
+        }
     }
+    .ok_or(DesignError::NotFree(free))
 }
 
 /// Values, in SI units, one of which is within reach of any quantity of a texture.
 const GUESSES: [f64; 9] = [1e6, 0.1, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7];
 
-/// Values between which a free quantity is sought.
-fn range(free: Key, system: &System, file: &CaseFile) -> [f64; 2] {
-    // Far beyond what is made or solved.
-    const WIDE: f64 = 1e6;
-    let lens = system.lens();
-    let (pillar, pitch) = (system.pillar(), system.lattice().pitch);
-    let around = |value: f64| [value / WIDE, value * WIDE];
+/// Values between which a free quantity is sought: all that are allowed, as far as a factor of a million from the first.
+fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
+    const FARTHEST: f64 = 1e6;
+    /// Relative distance from an end of the range that is not allowed itself.
+    const MARGIN: f64 = 1e-3;
+    let (least, greatest) = case.allowed(free);
+    let least = match least {
+        Bound::Included(least) => least,
+        Bound::Excluded(least) if least > 0.0 => least * (1.0 + MARGIN),
+        Bound::Excluded(_) | Bound::Unbounded => first / FARTHEST,
+    };
+    let greatest = match greatest {
+        Bound::Included(greatest) => greatest,
+        Bound::Excluded(greatest) => greatest * (1.0 - MARGIN),
+        Bound::Unbounded => first * FARTHEST,
+    };
+    // Pillars as wide as the lens, or as far apart, are no texture.
+    let widest = case.system.lens().radius;
     match free {
-        Key::Pitch => [pillar.diameter, lens.radius],
+        Key::Pitch | Key::PillarDiameter => [least, greatest.min(widest)],
         Key::SurfaceFraction => {
-            let widest = pillar.diameter / lens.radius;
-            [
-                MAXIMUM_SURFACE_FRACTION * widest * widest,
-                MAXIMUM_SURFACE_FRACTION,
-            ]
+            let part = case.system.pillar().diameter / widest;
+            [greatest * part * part, greatest]
         }
-        Key::PillarHeight => [pillar.height.min(lens.radius) / WIDE, lens.radius * 0.999],
-        Key::PillarDiameter => {
-            // With a pitch pillars can grow until they touch, with a surface fraction they
-            // take the pitch with them.
-            let doubled = with(file, free, 0.5 * pillar.diameter);
-            let pitch_is_held =
-                doubled.is_ok_and(|case| (case.system.lattice().pitch / pitch - 1.0).abs() < 0.1);
-            let largest = if pitch_is_held { pitch } else { lens.radius };
-            [pillar.diameter / WIDE, largest]
-        }
-        Key::LensRadius => [pillar.height * 1.001, lens.radius * WIDE],
-        Key::LensYoungModulus => around(lens.material.young_modulus),
-        _ => around(system.substrate().young_modulus),
+        _ => [least, greatest],
     }
 }
 
@@ -701,11 +683,6 @@ mod tests {
         file
     }
 
-    fn value_of(case: &Case, key: Key) -> f64 {
-        let file = CaseFile::parse("again", &case.to_toml()).unwrap();
-        file.given(key).unwrap().unwrap()
-    }
-
     /// Takes the critical force of a case, forgets one quantity, finds it again.
     #[test]
     fn every_free_quantity_is_found_again() {
@@ -717,7 +694,7 @@ mod tests {
                 file.set_number(Key::Pitch, case.system.lattice().pitch);
                 file
             };
-            for free in FREE {
+            for free in free_keys() {
                 let file = match free {
                     Key::SurfaceFraction => paper(surface_fraction),
                     _ => by_pitch.clone(),
@@ -748,7 +725,10 @@ mod tests {
                     .unwrap()
                     .case()
                     .unwrap();
-                assert_eq!(value_of(&written, free).to_bits(), found.value.to_bits());
+                assert_eq!(
+                    written.number(free).map(f64::to_bits),
+                    Some(found.value.to_bits())
+                );
                 let again = fakir::transition(&written.system, written.method, &run).unwrap();
                 assert!((again.contact.force / critical.contact.force - 1.0).abs() < 1e-6);
             }
@@ -818,6 +798,39 @@ mod tests {
         for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(!trial(odd).is_met());
         }
+    }
+
+    /// The keys are those that can be sought, taken from the key table; ranges are what it allows.
+    #[test]
+    fn ranges_are_those_of_the_key_table() {
+        let file = paper(0.1);
+        let case = file.case().unwrap();
+        let names: Vec<&str> = free_keys().into_iter().map(Key::path).collect();
+        assert_eq!(
+            names,
+            [
+                "lens.radius",
+                "lens.young_modulus",
+                "substrate.young_modulus",
+                "texture.surface_fraction",
+                "texture.pitch",
+                "texture.pillar.diameter",
+                "texture.pillar.height"
+            ]
+        );
+        for free in free_keys() {
+            let first = case.number(free).unwrap();
+            let [least, greatest] = range(free, first, &case);
+            assert!(least < first && first < greatest, "{free}");
+            for end in [least, greatest] {
+                assert!(with(&file, free, end).is_ok(), "{free} = {end}");
+            }
+        }
+        // The pitch of the case is the farthest that its pillars can grow.
+        let mut held = file.clone();
+        held.set_number(Key::Pitch, 18e-6);
+        let [_, widest] = range(Key::PillarDiameter, 6e-6, &held.case().unwrap());
+        assert!((widest / 18e-6 - 1.0).abs() < 1e-15);
     }
 
     #[test]

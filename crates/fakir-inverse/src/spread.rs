@@ -313,12 +313,8 @@ impl Spread {
             values: Values::Counts((0..).map(Some).take(self.samples.len()).collect()),
         }];
         for (number, tolerance) in sampling.tolerances.iter().enumerate() {
-            let suffix = match tolerance.key.kind() {
-                Kind::Number(dimension) => dimension.suffix(),
-                Kind::Word | Kind::Text => "",
-            };
             columns.push(numbers(
-                format!("{}{suffix}", tolerance.key.path()),
+                tolerance.key.column(),
                 samples()
                     .map(|sample| Some(sample.values[number]))
                     .collect(),
@@ -333,8 +329,8 @@ impl Spread {
             numbers(name.to_owned(), values.collect())
         };
         columns.extend([
-            drawn("texture.offset", |sample| sample.offset),
-            drawn("texture.offset_angle_rad", |sample| sample.offset_angle),
+            drawn(&Key::Offset.column(), |sample| sample.offset),
+            drawn(&Key::OffsetAngle.column(), |sample| sample.offset_angle),
             found("critical_force_N", |critical| critical.force),
             found("critical_indentation_m", |critical| critical.indentation),
             found("critical_contact_radius_m", |critical| {

@@ -35,9 +35,13 @@ impl Variable {
     /// `"load.indentation_m"` or `"load.force_N"`, apart from indentation and force as results.
     #[must_use]
     pub fn column(self) -> String {
-        let table = if self.is_load() { "load." } else { "" };
-        let suffix = self.dimension().map_or("", Dimension::suffix);
-        format!("{table}{}{suffix}", self.path())
+        match (self, self.dimension()) {
+            (Self::Key(key), _) => key.column(),
+            (load, dimension) => {
+                let suffix = dimension.map_or("", Dimension::suffix);
+                format!("load.{}{suffix}", load.path())
+            }
+        }
     }
 
     /// What its values measure; `None` if they are words.

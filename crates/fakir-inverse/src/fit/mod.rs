@@ -438,7 +438,7 @@ impl<'a> Search<'a> {
             let values = rows.iter().filter_map(|row| quantity.of(row));
             values.fold(0.0, |largest: f64, value| largest.max(value.value.abs()))
         };
-        let unknowns = model.start();
+        let unknowns = model.start()?;
         let mut search = Self {
             model,
             states: model.states(&unknowns)?,
@@ -791,7 +791,7 @@ impl<'a> Search<'a> {
         };
         let freedom = self.data.len().saturating_sub(self.unknowns.len());
         let quantile = quantile(self.has_scatter().then_some(freedom));
-        let start = self.model.start();
+        let start = self.model.start()?;
         let estimates = (0..self.unknowns.len())
             .map(|number| {
                 let deviation = covariance[number][number].max(0.0).sqrt();

@@ -2,12 +2,12 @@
 //! parameters.
 
 use super::measurements::{Measurement, Measurements, Position};
-use super::parameter::{Parameter, value_of};
+use super::parameter::Parameter;
 use super::{FitError, FitOptions};
 use fakir::numerics::convergence::within;
 use fakir::problem::{Load, Method};
 use fakir::state::{ContactState, Run, SolveError};
-use fakir_case::{Case, CaseFile};
+use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
 
 /// Relative step of derivatives: the error of a difference is its square, and kinks of the curve,
@@ -105,15 +105,15 @@ impl<'a> Model<'a> {
             model.start.contact_point = model.likely_contact_point()?;
         }
         let range = model.position_range();
-        model.units = free
-            .iter()
-            .map(|parameter| match parameter {
-                Parameter::Key(key) if parameter.is_positive() => value_of(*key, &case.system),
+        let units = free.iter().map(|parameter| {
+            Ok(match parameter {
+                Parameter::Key(_) if parameter.is_positive() => model.start_of(*parameter)?,
                 Parameter::Key(_) => 1.0,
                 Parameter::ContactPoint => range,
                 Parameter::MachineCompliance => range / model.largest_force(),
             })
-            .collect();
+        });
+        model.units = units.collect::<Result<_, FitError>>()?;
         Ok(model)
     }
 
@@ -153,19 +153,28 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// The value of a parameter where the fit begins, in SI units.
+    fn start_of(&self, parameter: Parameter) -> Result<f64, FitError> {
+        match parameter {
+            Parameter::Key(key) => {
+                let number = self.start.case.number(key);
+                number.ok_or(FitError::NotFree(parameter))
+            }
+            Parameter::ContactPoint => Ok(self.start.contact_point),
+            Parameter::MachineCompliance => Ok(self.start.machine_compliance),
+        }
+    }
+
     /// The unknowns where the fit begins.
-    pub(super) fn start(&self) -> Vec<f64> {
+    pub(super) fn start(&self) -> Result<Vec<f64>, FitError> {
         let unknowns = self.free.iter().zip(&self.units).map(|(parameter, unit)| {
-            let value = match parameter {
-                Parameter::Key(_) if parameter.is_positive() => return 0.0,
-                Parameter::Key(key) => value_of(*key, &self.start.case.system),
-                Parameter::ContactPoint => self.start.contact_point,
-                Parameter::MachineCompliance => self.start.machine_compliance,
-            };
-            // On a pillar every direction looks the same: begin beside it.
-            let on_a_pillar =
-                *parameter == Parameter::Key(fakir_case::Key::Offset) && value.abs() < 0.05;
-            if on_a_pillar { 0.25 } else { value / unit }
+            if parameter.is_positive() {
+                return Ok(0.0);
+            }
+            let value = self.start_of(*parameter)?;
+            // With the lens axis on a pillar every direction looks the same: begin beside it.
+            let is_on_pillar = *parameter == Parameter::Key(Key::Offset) && value.abs() < 0.05;
+            Ok(if is_on_pillar { 0.25 } else { value / unit })
         });
         unknowns.collect()
     }
@@ -174,7 +183,7 @@ impl<'a> Model<'a> {
     pub(super) fn value(&self, number: usize, unknown: f64) -> f64 {
         let (parameter, unit) = (self.free[number], self.units[number]);
         match parameter {
-            Parameter::Key(fakir_case::Key::Offset) => unknown.abs(), // by symmetry
+            Parameter::Key(Key::Offset) => unknown.abs(), // by symmetry
             _ if parameter.is_positive() => unit * unknown.exp(),
             _ => unit * unknown,
         }
