@@ -10,6 +10,7 @@ mod contact;
 mod critical;
 mod pillars;
 mod surface;
+mod sweep;
 mod theory;
 mod verify;
 
@@ -19,6 +20,7 @@ pub use contact::PressSummary;
 pub use critical::TransitionSummary;
 pub use pillars::pillars;
 pub use surface::{SurfacePressSummary, SurfaceTransitionSummary, indenter_name};
+pub use sweep::SweepSummary;
 pub use theory::{
     CoefficientRow, Constants, CurveRow, FormulaRow, SumRow, TheorySummary, constants,
 };
