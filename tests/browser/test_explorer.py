@@ -138,9 +138,9 @@ def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
                 requestAnimationFrame(frame);
             };
             requestAnimationFrame(frame);
-            const work = document.getElementById("work");
-            new MutationObserver(() => window.told.push(work.textContent))
-                .observe(work, { childList: true, characterData: true, subtree: true });
+            const status = document.getElementById("status");
+            new MutationObserver(() => window.told.push(status.textContent))
+                .observe(status, { childList: true, characterData: true, subtree: true });
             const method = document.getElementById("method-accuracy");
             method.value = "accurate";
             method.dispatchEvent(new Event("change"));

@@ -126,7 +126,7 @@ def test_everything_is_grey_until_the_new_case_is_solved(filled):
     grey(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
     assert page.results() == before
     assert page.page.get_attribute("#section", "aria-busy") == "true"
-    assert page.text("work") == "solving …"
+    assert page.text("status") == "solving …"
     # What cannot be right yet is not to be copied.
     assert page.page.is_disabled("[data-copy=command]")
     held.release()
@@ -201,7 +201,7 @@ def test_after_an_error_all_that_is_shown_is_grey(filled):
     before = page.results()
     page.enter("texture.pillar.height", "5 mm")
     grey(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
-    plain(page, ["#work", "#problem", "#texture-pillar-height-note"])
+    plain(page, ["#status", "#problem", "#texture-pillar-height-note"])
     page.enter("texture.pillar.height", "2.2 um")
     plain(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
     assert page.results() == before

@@ -12,11 +12,11 @@ use std::ops::Bound::{self, Excluded, Included};
 /// A system and the method to solve it with: what a case file describes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
-    /// What is pressed.
+    /// The lens and the surface with its pillars.
     pub system: System,
-    /// How it is solved.
+    /// The method that solves it.
     pub method: Method,
-    /// Which of pitch and surface fraction was given. The same one is written back.
+    /// Whether the pitch or the surface fraction was given, and its value. The same one is written back.
     pub(crate) spacing: Spacing,
 }
 
@@ -137,7 +137,7 @@ impl Case {
     }
 }
 
-/// A case file of the keys that have a value, each with what it means.
+/// The text of a case file with all keys for which `value` gives a value. Behind each stands what it means.
 pub(crate) fn write_toml(value: impl Fn(Key) -> Option<String>) -> String {
     format!("{HEADER}{}", write_tables(value))
 }

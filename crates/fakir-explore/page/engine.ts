@@ -61,11 +61,11 @@ export type Point = readonly [number, number];
 
 /** A state, with what is needed to draw it. */
 export interface ContactState {
-  /** By the punch lattice, within a per cent or two. */
+  /** Whether this is the state by the punch lattice, within a per cent or two of the solution that follows. */
   readonly approximate: boolean;
   readonly fraction: number;
   readonly summary: PressSummary;
-  /** F gamma_int/(h d), a/e, zeta/h */
+  /** The reduced variables F gamma_int/(h d), a/e and zeta/h. */
   readonly normalized: readonly [number, number, number];
   readonly pitch_m: number;
   readonly diameter_m: number;
@@ -77,7 +77,7 @@ export interface ContactState {
   readonly warnings: readonly string[];
 }
 
-/** What is shown until a state is solved for. */
+/** An estimate by the homogenised lattice, which is shown until the contact is solved. */
 export interface Preview {
   readonly fraction: number;
   readonly critical_force_N: number;
@@ -113,7 +113,7 @@ export interface Texts {
   readonly python: string;
 }
 
-/** A line of an answer: one of these. */
+/** A line of an answer. It has exactly one of these. */
 export interface Line {
   readonly progress?: Progress;
   readonly refused?: Refusal;
@@ -173,12 +173,12 @@ export interface Start {
   readonly farthest_load: number;
 }
 
-/** What is computed once nothing else is asked. */
+/** Questions that are asked once all others are answered. */
 export type Background = "curves" | "phase";
 
 export type Kind = "contact" | Background;
 
-/** What goes with the refusal of a request, or the reason why none came. */
+/** A request was refused, or the server did not answer. */
 export class Refused extends Error {
   constructor(readonly refusal: Refusal) {
     super(refusal.message);
@@ -195,7 +195,7 @@ export class Server {
   private readonly running = new Map<Kind | "export", AbortController>();
   private sequence = 0;
 
-  /** What the page begins with. */
+  /** Fetches what the page begins with. */
   async start(): Promise<Start> {
     return (await (await fetch("start.json")).json()) as Start;
   }
@@ -206,7 +206,7 @@ export class Server {
     this.running.delete(kind);
   }
 
-  /** Asks; `listen` is told every line as it comes. False if a newer question took its place. */
+  /** Asks a question. `listen` is called with every line as it comes. False if a newer question took its place. */
   async ask(kind: Kind, question: object, listen: (line: Line) => void): Promise<boolean> {
     const controller = this.begin(kind);
     try {

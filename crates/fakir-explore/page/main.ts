@@ -3,7 +3,7 @@
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
-import { drawCurves, drawCurvesWork, drawPhase } from "./diagrams.js";
+import { drawCurves, drawCurvesStatus, drawPhase } from "./diagrams.js";
 import { Server, type Start, type Texts, type Values } from "./engine.js";
 import { drawColourBar, drawMap, wordsAt, type MapContents } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
@@ -31,10 +31,10 @@ const SPACING = [FRACTION, PITCH];
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;
 
-/** The address follows what is chosen after so long, ms. */
+/** What is chosen goes into the address when it has not changed for this long, ms. */
 const REMEMBER = 250;
 
-/** A result that has come to rest for so long, ms, is read out. */
+/** A result is read out when it has not changed for this long, ms. */
 const REST = 800;
 
 /** The paper's case with one of its substrates, without the distance of the pillars. */
@@ -119,7 +119,7 @@ function show(store: Store): void {
   screen.add((state) => [state.curves, state.critical], drawCurves, curves);
   screen.add(
     ({ asking, answered, question }) => [asking.curves, answered, question.name],
-    drawCurvesWork,
+    drawCurvesStatus,
   );
   screen.add((state) => [state.texts, isOlder(state, state.texts, "load")], showTexts);
 
@@ -141,7 +141,7 @@ function show(store: Store): void {
     ({ start }) => (byId("version").textContent = `fakir ${start.version}`),
   );
 
-  // At once, so that nobody takes what is still shown for the answer.
+  // The page is marked as busy at once, so that nobody takes what is still shown for the answer.
   const begin = (): void => {
     if (isBusy(store.state)) document.body.dataset["busy"] = "yes";
   };

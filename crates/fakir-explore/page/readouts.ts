@@ -35,7 +35,7 @@ export function drawCritical(state: State): void {
   }
 }
 
-/** In the digits that an estimate has. */
+/** The readouts of an estimate, in the digits that it is good for. */
 function estimated(estimate: Estimate): readonly Readout[] {
   const [digits, remark] = [3, "estimate, being solved"];
   const { force_N: force, contact_radius_m: radius, indentation_m: indentation } = estimate;
@@ -96,13 +96,13 @@ export function drawFacts(state: State): void {
     byId("pillars").textContent =
       `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
   }
-  byId("work").textContent = workWords(state);
+  byId("status").textContent = statusWords(state);
   const warnings = byId("warnings");
   warnings.textContent = solved?.is.warnings.join("; ") ?? "";
   warnings.hidden = warnings.textContent === "";
 }
 
-function workWords(state: State): string {
+function statusWords(state: State): string {
   const { progress, refusal, solved } = state;
   if (progress !== null) {
     const { stage, step, touched } = progress.is;

@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// With more pillars than this there is something to see before they are solved for.
+/// With more pillars than this an estimate is shown until the contact is solved.
 const PREVIEW_PILLARS: f64 = 800.0;
 
 /// More pillars than this are not solved for in the background.
@@ -27,13 +27,14 @@ const CURVE_POINTS: usize = 33;
 /// Surface fractions of the curves, as in the paper.
 const FRACTIONS: [f64; 2] = [3e-4, 0.25];
 
-/// Where on the way to the critical state and beyond the loading path is computed.
+/// The loads at which the loading path is computed, as parts of the way to the critical state and beyond it.
 const PATH_FRACTIONS: [f64; 16] = [
     0.5, 0.1, 0.02, 0.25, 0.75, 1.25, 0.05, 0.9, 0.35, 0.6, 0.15, 1.1, 0.005, FARTHEST, 0.001, 0.8,
 ];
 
-/// A contact, and how it was come by.
+/// A critical state, a contact under another load, or both.
 pub(crate) struct Solved {
+    /// The critical state, and the time it took, s.
     pub(crate) critical: Option<(CriticalState, f64)>,
     /// Another state than the critical one, and the time it took, s.
     pub(crate) pressed: Option<(ContactState, f64)>,
@@ -131,7 +132,7 @@ struct StateLine {
 struct State {
     /// By the punch lattice, until it is solved for in full.
     approximate: bool,
-    /// Of the way to the critical state.
+    /// The part of the way to the critical state.
     fraction: f64,
     /// Of a state that is drawn before its errors are estimated they are `null`; a [`SummaryLine`] follows.
     summary: PressSummary,
@@ -425,7 +426,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
     });
     let run = worker.run();
     let mut points = Vec::new();
-    // Below, a single pillar is touched, and no lattice of them.
+    // At smaller surface fractions a single pillar is touched, to which the homogenised lattice does not apply.
     let many = |system: &&System| system.texture().surface_fraction() >= limit;
     for system in smooth.iter().step_by(2).filter(many) {
         worker.give_way()?;
@@ -451,7 +452,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
             }
             Ok(_) => {}
             Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),
-            // Of this surface fraction there is no answer; of others there may be.
+            // There is no answer at this surface fraction, but there may be at others.
             Err(_) => {}
         }
     }

@@ -58,7 +58,7 @@ impl Wanted {
 pub struct Candidate {
     /// Value of the free key, in SI units.
     pub value: f64,
-    /// The case with it.
+    /// The case with this value.
     pub case: Case,
     /// Its critical state.
     pub critical: CriticalState,
@@ -103,7 +103,7 @@ pub enum Limit {
 pub struct Answer {
     /// The key that was sought.
     pub free: Key,
-    /// What was wanted.
+    /// The critical force or contact radius that was wanted.
     pub wanted: Wanted,
     /// What came of it.
     pub design: Design,
@@ -254,7 +254,7 @@ pub const TOLERANCE: f64 = 1e-9;
 /// Relative width of a bracket within which an answer that is still not met is a jump.
 const JUMP: f64 = 1e-12;
 
-/// Relative width of a bracket that is narrow enough to say where a range ends.
+/// Relative width of a bracket that is narrow enough to say beyond which value there is no contact.
 const EDGE: f64 = 1e-3;
 
 /// Where the homogenised lattice has this many pillars in contact, it is within a few per cent, and
@@ -262,7 +262,7 @@ const EDGE: f64 = 1e-3;
 const MANY_PILLARS: usize = 1000;
 const CLEAR: f64 = std::f64::consts::LN_2;
 
-/// First strides in `ln x`: from an estimate, and from a guess.
+/// First strides in `ln x`: from an estimate of the value, and from a mere guess.
 const STRIDES: [f64; 2] = [0.02, 0.4];
 
 /// Finds the value of `free` that gives what is wanted; everything else is as in the case file,
@@ -385,14 +385,14 @@ struct Search<'a> {
     wanted: Wanted,
     run: &'a Run<'a>,
     range: [f64; 2],
-    /// Instead of that of the case.
+    /// The method that solves the trials instead of that of the case.
     method: Option<Method>,
 }
 
 /// The critical state at one value.
 #[derive(Clone)]
 struct Trial {
-    /// `ln x`
+    /// The logarithm of the value, `ln x`.
     position: f64,
     outcome: Result<Candidate, SolveError>,
     /// `ln(answer/wanted)`: infinite where there is none.
@@ -660,7 +660,7 @@ impl Search<'_> {
         }
     }
 
-    /// `d ln(answer)/d ln(x)`
+    /// The sensitivity `d ln(answer)/d ln(x)` by a central difference.
     fn sensitivity(&self, found: &Candidate) -> Result<f64, DesignError> {
         const STEP: f64 = 1e-3;
         let middle = found.value.ln();

@@ -205,7 +205,7 @@ pub(crate) fn press(
     })
 }
 
-/// The one of both that is given.
+/// The load: an indentation (m) or a force (N), exactly one of which must be given.
 pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Load> {
     match (indentation, force) {
         (Some(indentation), None) => Ok(Load::Indentation(indentation)),

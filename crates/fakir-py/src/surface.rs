@@ -19,12 +19,12 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// What is pressed onto what.
+/// A surface and the lens or plate that is pressed onto it.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Surface {
     system: SurfaceSystem,
     floor: Option<Floor>,
-    /// The case file it is from, if it is.
+    /// The case file that it was read from, if it was.
     file: Option<CaseFile>,
 }
 
@@ -75,7 +75,7 @@ impl Surface {
         Self::of(file, &overrides, memory_limit)
     }
 
-    /// Reads the text of one; `name` is what errors call it.
+    /// Reads the text of a case file; `name` is what errors call it.
     #[staticmethod]
     fn parse(
         name: &str,

@@ -13,13 +13,13 @@ use fakir::state::{
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
 
-/// More states than anybody wants; a step in the wrong unit asks for this many.
+/// The most states of a loading. More are asked for only by a step in the wrong unit.
 const MOST_STATES: f64 = 1e4;
 
 /// The indentations of a loading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadingPath {
-    /// Between two states, m; greater than 0.
+    /// The indentation between two states, m; greater than 0.
     pub step: f64,
     /// The last indentation, m, if the loading is to end before the critical state, or past it.
     pub until: Option<f64>,
@@ -57,7 +57,7 @@ pub enum ApproachError {
          indentation (until)"
     )]
     NoEnd,
-    /// A step that makes more states than anybody wants.
+    /// A step so short that the loading would have too many states.
     #[error(
         "a step of {} makes {states:.0} states up to an indentation of {}: at most {MOST_STATES} are \
          computed", rounded_length(*step), rounded_length(*end)
@@ -67,7 +67,7 @@ pub enum ApproachError {
         step: f64,
         /// The last indentation, m.
         end: f64,
-        /// So many.
+        /// The number of states that it makes.
         states: f64,
     },
 }
@@ -80,11 +80,11 @@ fn rounded_length(value: f64) -> String {
 /// A loading.
 #[derive(Debug, Clone)]
 pub struct Approach {
-    /// As JSON object and table.
+    /// The loading as a JSON object and as a table.
     pub summary: ApproachSummary,
     /// The critical state, also if the loading ends before it.
     pub critical: CriticalState,
-    /// How long that took, s.
+    /// How long the critical state took, s.
     pub critical_time: f64,
     /// What to be careful about, with the indentations.
     pub warnings: Vec<String>,
@@ -137,11 +137,11 @@ pub fn approach(
 /// A loading on a general surface.
 #[derive(Debug, Clone)]
 pub struct SurfaceApproach {
-    /// As JSON object and table.
+    /// The loading as a JSON object and as a table.
     pub summary: SurfaceApproachSummary,
     /// The critical state, also if the loading ends before it; none of a surface without a floor.
     pub critical: Option<SurfaceTransition>,
-    /// How long that took, s.
+    /// How long the critical state took, s.
     pub critical_time: f64,
     /// What to be careful about, with the indentations.
     pub warnings: Vec<String>,

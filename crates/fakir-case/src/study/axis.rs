@@ -70,7 +70,7 @@ impl Variable {
         }
     }
 
-    /// A number of it in TOML.
+    /// A value of the variable as it is written in TOML.
     pub(crate) fn written(self, value: f64) -> String {
         match self {
             Self::Key(key) => key.written_number(value),
@@ -109,7 +109,7 @@ impl Variable {
     }
 }
 
-/// Why a name is that of no variable.
+/// Why no variable has a name.
 pub(crate) enum Unnamed {
     Unknown(Option<&'static str>),
     Ambiguous(Vec<Variable>),
@@ -158,7 +158,7 @@ pub(crate) enum Values {
 pub(crate) struct Range {
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// 2 or more.
+    /// How many numbers there are, at least 2.
     pub(crate) points: usize,
     pub(crate) spacing: PointSpacing,
 }

@@ -18,7 +18,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Cases that failed, of which the reason is printed.
+/// The number of failed cases whose reasons are printed.
 const REASONS: usize = 5;
 
 pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
@@ -100,7 +100,7 @@ pub(crate) fn warn(damaged: &[DamagedLine], complete: bool) {
     }
 }
 
-/// 1 if a case failed.
+/// The exit status: 1 if a case failed.
 fn status(summary: &Summary) -> ExitCode {
     ExitCode::from(u8::from(summary.failed().next().is_some()))
 }
@@ -117,7 +117,7 @@ fn read(arguments: &Sweep) -> Result<Study, Failure> {
     Ok(file.study()?)
 }
 
-/// Cases done, how fast, and how long it will take.
+/// A progress bar: how many cases are done, how fast, and how long the rest will take.
 pub(crate) struct Bar {
     bar: ProgressBar,
     start: Instant,
@@ -159,7 +159,7 @@ impl Bar {
         }
     }
 
-    /// Work that has no number of cases.
+    /// Shows a part of a computation that has no number of cases.
     pub(crate) fn part(&mut self, name: &'static str) {
         if !self.watched || self.bar.message() == name {
             return;

@@ -2,7 +2,7 @@
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
-import { drawCurves, drawCurvesWork, drawPhase } from "./diagrams.js";
+import { drawCurves, drawCurvesStatus, drawPhase } from "./diagrams.js";
 import { Server } from "./engine.js";
 import { drawColourBar, drawMap, wordsAt } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
@@ -18,9 +18,9 @@ const SUBSTRATES = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
 const SPACING = [FRACTION, PITCH];
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;
-/** The address follows what is chosen after so long, ms. */
+/** What is chosen goes into the address when it has not changed for this long, ms. */
 const REMEMBER = 250;
-/** A result that has come to rest for so long, ms, is read out. */
+/** A result is read out when it has not changed for this long, ms. */
 const REST = 800;
 /** The paper's case with one of its substrates, without the distance of the pillars. */
 function preset(start, name) {
@@ -77,7 +77,7 @@ function show(store) {
     ], drawPhase, [phase]);
     const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
     screen.add((state) => [state.curves, state.critical], drawCurves, curves);
-    screen.add(({ asking, answered, question }) => [asking.curves, answered, question.name], drawCurvesWork);
+    screen.add(({ asking, answered, question }) => [asking.curves, answered, question.name], drawCurvesStatus);
     screen.add((state) => [state.texts, isOlder(state, state.texts, "load")], showTexts);
     screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
     const facts = [byId("regime"), byId("pillars")];
@@ -90,7 +90,7 @@ function show(store) {
     screen.add((state) => [state.notices], drawNotices);
     screen.add((state) => [state.announcement], (state) => (byId("announcement").textContent = state.announcement));
     screen.add(() => [], ({ start }) => (byId("version").textContent = `fakir ${start.version}`));
-    // At once, so that nobody takes what is still shown for the answer.
+    // The page is marked as busy at once, so that nobody takes what is still shown for the answer.
     const begin = () => {
         if (isBusy(store.state))
             document.body.dataset["busy"] = "yes";

@@ -14,7 +14,7 @@ export function drawCritical(state) {
         write(byId(`${id}-remark`), remark);
     }
 }
-/** In the digits that an estimate has. */
+/** The readouts of an estimate, in the digits that it is good for. */
 function estimated(estimate) {
     const [digits, remark] = [3, "estimate, being solved"];
     const { force_N: force, contact_radius_m: radius, indentation_m: indentation } = estimate;
@@ -75,12 +75,12 @@ export function drawFacts(state) {
         byId("pillars").textContent =
             `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
     }
-    byId("work").textContent = workWords(state);
+    byId("status").textContent = statusWords(state);
     const warnings = byId("warnings");
     warnings.textContent = solved?.is.warnings.join("; ") ?? "";
     warnings.hidden = warnings.textContent === "";
 }
-function workWords(state) {
+function statusWords(state) {
     const { progress, refusal, solved } = state;
     if (progress !== null) {
         const { stage, step, touched } = progress.is;

@@ -49,7 +49,7 @@ export class Store {
             listener();
     }
     // --- What the user does ---------------------------------------------------------------------
-    /** Chooses something else; what is not named stays. `asked` is when the user did so, ms. */
+    /** Changes what the user has chosen; what `choice` does not name stays. `asked` is the time of the change, ms. */
     choose(choice, asked, typed = null) {
         const before = this.#state.chosen;
         const chosen = { ...before, ...choice, load: within(choice.load ?? before.load, this.#state.start) };
@@ -70,7 +70,7 @@ export class Store {
         values[key] = value;
         this.choose({ case: values }, asked, typed ? key : null);
     }
-    /** Tells something beside a button, or no longer. */
+    /** Shows a message beside a button, or removes it. */
     tell(about, words) {
         const notices = { ...this.#state.notices };
         if (words === null)
@@ -88,7 +88,7 @@ export class Store {
         const asking = { ...this.#state.asking, [kind]: { question, since: now } };
         this.#change(kind === "contact" ? { asking, sent: question.number, progress: null } : { asking });
     }
-    /** A line of the answer to a question; of one that was called off nothing is taken. */
+    /** Takes a line of the answer to a question. Lines of a question that was called off are dropped. */
     receive(kind, number, line, now) {
         const asking = this.#state.asking[kind];
         if (asking === null || asking.question.number !== number)
@@ -164,12 +164,12 @@ export function isCritical(fraction) {
 export function isBeyond(fraction) {
     return fraction > 1 + 1e-9;
 }
-// --- Steps ----------------------------------------------------------------------------------------
+// --- From one state to the next ----------------------------------------------------------------------------------------
 function newQuestion(number, chosen, asked) {
     const { case: values, load } = chosen;
     return { number, case: values, name: JSON.stringify(values), load, asked };
 }
-/** A load on the slider; the critical one in place of none. */
+/** The load nearest to `load` that the slider can have; the critical one if `load` is no number. */
 function within(load, { farthest_load: farthest }) {
     return Number.isFinite(load) ? Math.min(farthest, Math.max(0, load)) : 1;
 }
@@ -195,7 +195,7 @@ function contactLine(state, { question: of, since }, line, now) {
     }
     if (line.state?.approximate) {
         const picture = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
-        // Of a case whose critical state is being solved for the last estimate is the best so far.
+        // While the critical state itself is being solved, this state is the best estimate of it.
         const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
         return { picture, estimate: known ? null : estimate, refusal: null };
     }

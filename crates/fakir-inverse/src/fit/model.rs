@@ -17,35 +17,35 @@ const DIFFERENCE: f64 = 1e-2;
 /// Relative error at which reading, force and indentation agree.
 const BALANCE: f64 = 1e-9;
 
-/// Steps in which they must.
+/// The most steps in which they must agree.
 const MOST_STEPS: usize = 40;
 
 /// A state in place of a measured one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct State {
-    /// m
+    /// Indentation, m.
     pub(super) indentation: f64,
-    /// N
+    /// Force, N.
     pub(super) force: f64,
-    /// m
+    /// Contact radius, m.
     pub(super) contact_radius: f64,
     /// Contact radius of the homogenised lattice, m: it has no jumps, and so a derivative.
     pub(super) smooth_radius: f64,
-    /// m
+    /// Smallest gap between lens and floor, m.
     pub(super) smallest_floor_gap: f64,
     pub(super) converged: bool,
 }
 
-/// How force and contact radius in a row change.
+/// Derivatives of force and contact radius in a row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Derivatives {
-    /// With each unknown.
+    /// By each unknown.
     pub(super) force: Vec<f64>,
     pub(super) contact_radius: Vec<f64>,
-    /// With the position, N/m and 1.
+    /// By the position: of the force in N/m, of the contact radius without unit.
     pub(super) force_by_position: f64,
     pub(super) radius_by_position: f64,
-    /// With the force where that is the load, m/N.
+    /// Of the contact radius by the force where the force is the load, m/N.
     pub(super) radius_by_force: f64,
 }
 
@@ -53,9 +53,9 @@ pub(super) struct Derivatives {
 #[derive(Debug, Clone)]
 pub(super) struct Settings {
     pub(super) case: Case,
-    /// m
+    /// Contact point, m.
     pub(super) contact_point: f64,
-    /// m/N
+    /// Machine compliance, m/N.
     pub(super) machine_compliance: f64,
 }
 
@@ -92,7 +92,7 @@ impl<'a> Model<'a> {
                 machine_compliance: options.machine_compliance,
             },
             units: Vec::new(),
-            // Rows are shared between threads, so each has to make do with one.
+            // Threads share the rows, and every row is computed by one thread.
             single: Run {
                 pool: None,
                 progress: None,
@@ -179,7 +179,7 @@ impl<'a> Model<'a> {
         unknowns.collect()
     }
 
-    /// The value of a parameter, SI.
+    /// The value of a parameter, in SI units.
     pub(super) fn value(&self, number: usize, unknown: f64) -> f64 {
         let (parameter, unit) = (self.free[number], self.units[number]);
         match parameter {
@@ -229,13 +229,13 @@ impl<'a> Model<'a> {
 
     fn for_each_row<T: Send>(
         &self,
-        one: impl Fn(usize, &Measurement) -> Result<T, FitError> + Sync,
+        answer: impl Fn(usize, &Measurement) -> Result<T, FitError> + Sync,
     ) -> Result<Vec<T>, FitError> {
         let rows = self.data.rows();
-        let one = |(number, row): (usize, &Measurement)| one(number, row);
+        let answer = |(number, row): (usize, &Measurement)| answer(number, row);
         match self.pool {
-            Some(pool) => pool.install(|| rows.par_iter().enumerate().map(one).collect()),
-            None => rows.iter().enumerate().map(one).collect(),
+            Some(pool) => pool.install(|| rows.par_iter().enumerate().map(answer).collect()),
+            None => rows.iter().enumerate().map(answer).collect(),
         }
     }
 
@@ -369,7 +369,7 @@ impl<'a> Model<'a> {
                 (Some(_), Position::Displacement) => settings.machine_compliance,
                 _ => 0.0,
             };
-            // Of the indentation by the position.
+            // The derivative of the indentation by the position.
             let follow = match row.position {
                 Some(_) => 1.0 / (1.0 + compliance * along[0]),
                 None => {
