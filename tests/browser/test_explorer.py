@@ -91,6 +91,8 @@ def test_the_controls_are_those_of_the_key_table(explore):
         usual = next(key["usual"] for key in start["keys"] if key["key"] == "lens.radius")
         value = float(number) * {"m": 1, "mm": 1e-3, "µm": 1e-6}[unit]
         assert abs(value / usual[end] - 1) < 1e-9
+    # A single pillar, which elements solve at once.
+    page = explore("#" + "&".join(paper(0.001)))
     page.page.select_option("#method-name", "love")
     page.rest()
     assert page.page.input_value("#method-cells_per_diameter") == "16"
