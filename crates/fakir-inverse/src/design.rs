@@ -572,8 +572,8 @@ impl Search<'_> {
         if sides.iter().all(|trial| trial.excess.is_finite()) {
             root = self.narrow(&mut sides, JUMP)?;
         }
-        if let Some(Change::Crossing(point)) = root.map(|root| root.change(TOLERANCE))
-            && let Some(met) = sides.iter().find(|side| side.position == point.position)
+        if let Some(Change::Crossing(_)) = root.map(|root| root.change(TOLERANCE))
+            && let Some(met) = sides.iter().find(|side| side.is_met())
             && let Ok(candidate) = &met.outcome
         {
             return Ok(Ending::Found(candidate.clone()));
