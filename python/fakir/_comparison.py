@@ -18,7 +18,7 @@ class Comparison:
     """Critical states by method; what does not apply says why in its ``remark``."""
 
     rows: list[dict[str, Any]]
-    """One for every method, with the names of ``fakir compare --json``."""
+    """A row for every method, with the names of ``fakir compare --json``."""
     states: dict[str, CriticalState]
     """The critical states of the methods that solve something."""
 
@@ -35,7 +35,7 @@ class Comparison:
         return copy.deepcopy(self._summary)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A table."""
+        """The comparison as a table, one row for every method."""
         import pandas
 
         return pandas.DataFrame(self.rows).set_index("method")
@@ -60,6 +60,6 @@ class Comparison:
 
 
 def compare(case: _fakir.Case, options: _fakir.Options) -> Comparison:
-    """Asks every method."""
+    """Asks every method for the critical state."""
     summary, states = _fakir.compare(case, options)
     return Comparison(json.loads(summary), {name: CriticalState(state) for name, state in states})

@@ -25,9 +25,9 @@ class Candidate(NamedTuple):
     """A value of the free quantity, and what it gives."""
 
     value: float
-    """Of the free key, in SI units."""
+    """The value of the free key, in SI units."""
     system: System
-    """The system with it."""
+    """The system with this value."""
     critical: CriticalState
     """Its critical state."""
 
@@ -40,7 +40,7 @@ class Design:
     value: float
     """Its value, in SI units."""
     system: System
-    """The system with it."""
+    """The system with this value."""
     critical: CriticalState
     """Its critical state."""
     sensitivity: float

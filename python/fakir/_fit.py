@@ -30,15 +30,15 @@ class Estimate(NamedTuple):
     """A fitted parameter, in SI units."""
 
     value: float
-    """Without meaning by itself if the data do not determine it."""
+    """The fitted value. It has no meaning by itself if the data do not determine it."""
     standard_error: float | None
-    """``None`` if the data do not determine the parameter."""
+    """The standard error; ``None`` if the data do not determine the parameter."""
     interval: tuple[float, float] | None
     """Ends of the 95 % confidence interval; ``None`` if the data do not determine the parameter."""
     start: float
     """Where the fit began."""
     unit: str
-    """``"Pa"``, ``"m"``, ``"m/N"``, ``"rad"``, or ``""``."""
+    """The unit: ``"Pa"``, ``"m"``, ``"m/N"``, ``"rad"``, or ``""`` for plain numbers."""
 
     @property
     def determined(self) -> bool:
@@ -133,7 +133,7 @@ class Fit:
         return pandas.DataFrame(self.columns())
 
     def to_dict(self) -> dict[str, Any]:
-        """As ``fakir fit --json`` prints it."""
+        """The object that ``fakir fit --json`` prints."""
         return dict(json.loads(self._fitted.json()))
 
     def _rows(self) -> list[Row]:

@@ -31,7 +31,7 @@ def text_table(title: str, rows: Iterable[Row]) -> str:
 
 
 def html_table(title: str, rows: Iterable[Row]) -> str:
-    """The same for a notebook."""
+    """A list of names and values in HTML, for a notebook."""
     cells = "".join(
         f"<tr><th style='text-align:left'>{escape(name)}</th>"
         f"<td style='text-align:left'>{escape(value)}</td></tr>"

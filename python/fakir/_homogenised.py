@@ -18,7 +18,7 @@ class HomogenisedLattice(NamedTuple):
     critical_central_force: float
     """Force on the central pillar when the floor is reached, N."""
     critical_central_pressure: float
-    """The mean pressure that goes with it, Pa."""
+    """That force over the area of a lattice cell, Pa."""
     critical: CriticalState
     """The critical state of the model."""
 

@@ -41,6 +41,6 @@ def warn_of_threads(threads: int, depth: int = 2) -> None:
 
 
 def warn(texts: Iterable[str], depth: int = 2) -> None:
-    """Warns the caller of the package, so many calls up."""
+    """Warns the caller of the package, who is this many calls up."""
     for text in texts:
         warnings.warn(text, FakirWarning, stacklevel=depth + 2)

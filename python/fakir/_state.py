@@ -47,9 +47,9 @@ class ErrorEstimate(NamedTuple):
     force: float
     indentation: float
     contact_radius: float | None = None
-    """Of the larger one of a critical state; None under a plate."""
+    """Relative error of the contact radius, of a critical state the larger one; None under a plate."""
     top_contact_radius: float | None = None
-    """Of a critical state alone."""
+    """Relative error of the radius of the contact on the pillar tops; only critical states have it."""
 
 
 class Normalized(NamedTuple):
@@ -72,14 +72,14 @@ class ContactState:
 
     @property
     def system(self) -> System:
-        """What was solved."""
+        """The system that was solved."""
         from ._system import System
 
         return System._of(self._state.case)
 
     @property
     def method(self) -> str:
-        """How it was solved."""
+        """The method that solved it."""
         return str(self._summary["method"])
 
     @property
@@ -140,7 +140,7 @@ class ContactState:
 
     @property
     def iterations(self) -> int:
-        """Steps taken."""
+        """Steps of the solver."""
         return int(self._summary["iterations"])
 
     @property
@@ -342,12 +342,12 @@ class CriticalState:
 
     @property
     def system(self) -> System:
-        """What was solved."""
+        """The system that was solved."""
         return self.state.system
 
     @property
     def method(self) -> str:
-        """How it was solved."""
+        """The method that solved it."""
         return str(self._summary["method"])
 
     @property
@@ -413,7 +413,7 @@ class CriticalState:
 
     @property
     def iterations(self) -> int:
-        """Steps taken."""
+        """Steps of the solver."""
         return self.state.iterations
 
     @property

@@ -31,13 +31,13 @@ SweepProgress: TypeAlias = Callable[[int, int, int, int], object]
 """Called with the cases done, those of them found in the journal, those failed, and all."""
 
 BATCH_SECONDS = 1.0
-"""What a batch of cases should take: long against the way there, short against the sweep."""
+"""How long a batch of cases should take, s: long against its way to a worker, short against the sweep."""
 
 GROWTH = 4
-"""A batch has at most so many times the cases of any before it: the cost is a guess at first."""
+"""A batch has at most this many times as many cases as any before it, as costs are only guessed at first."""
 
 ATTEMPTS = 3
-"""How often a batch is tried again whose worker was lost."""
+"""How often a batch is sent again when its worker was lost."""
 
 LOST = {"KilledWorker", "CommClosedError", "TimeoutError"}
 """Exceptions of Dask that say that the worker was lost, not that the batch is wrong."""
@@ -265,7 +265,7 @@ class _Shipping:
                 self.executor.shutdown(wait=False, cancel_futures=True)
 
     def ship(self) -> None:
-        """Keeps every worker busy, with one batch more to go on with."""
+        """Sends batches until every worker has one and one more is waiting."""
         while len(self.pending) < 2 * self.workers and (self.lost or self.waiting):
             batch = self.lost.pop() if self.lost else self.next_batch()
             try:
@@ -279,7 +279,7 @@ class _Shipping:
             self.pending[future] = batch
 
     def next_batch(self) -> _Batch:
-        """So many cases as take about `BATCH_SECONDS`."""
+        """The next cases that together take about `BATCH_SECONDS`."""
         wanted = 1
         if self.seconds_per_case is not None:
             left = sum(len(group) for group in self.waiting)
@@ -295,7 +295,7 @@ class _Shipping:
         return _Batch(groups)
 
     def collect(self, done: set[Future[_Result]]) -> None:
-        """Answers into the ledger, lost batches to be shipped again."""
+        """Puts answers into the ledger, and lost batches back into the queue."""
         broken: BrokenExecutor | None = None
         wrong: BaseException | None = None
         lines: list[str] = []
@@ -321,7 +321,7 @@ class _Shipping:
             else:
                 lines += answers
                 self.learn(len(answers), seconds)
-        # What is there is safe before anything is raised.
+        # Answers that are there go into the ledger before anything is raised.
         if lines:
             self.ledger.append(lines)
         if wrong is not None:
@@ -330,7 +330,7 @@ class _Shipping:
             self.broke(broken)
 
     def learn(self, cases: int, seconds: float) -> None:
-        """Keeps in mind what a case takes: the last batches count most."""
+        """Updates the estimate of what a case takes. The last batches count most."""
         cost = seconds / cases
         known = self.seconds_per_case
         self.seconds_per_case = cost if known is None else 0.5 * (known + cost)
@@ -338,7 +338,7 @@ class _Shipping:
 
     def broke(self, error: BrokenExecutor) -> None:
         """The executor cannot be used any more: begins again with a new one, if it can be made."""
-        # All that it had will fail; some of it may have ended before.
+        # All batches that it had will fail, but some of them may have ended before.
         rest = set(self.pending)
         wait(rest, timeout=5.0)
         finished = {future for future in rest if future.done()}
@@ -369,7 +369,7 @@ class _Shipping:
         self.executor = self.make()
 
     def kept_words(self) -> str:
-        """What is safe."""
+        """Says how many cases are done and kept."""
         done = self.ledger.done
         if self.kept:
             return f"{done} of {self.cases} cases are in the journal: go on with resume=True"
@@ -379,7 +379,7 @@ class _Shipping:
         )
 
     def tell(self, last: bool = False) -> None:
-        """Progress, at most 20 times a second."""
+        """Tells the progress, at most 20 times a second."""
         now = time.monotonic()
         if self.progress is not None and (last or now - self.told > 0.05):
             self.told = now

@@ -61,6 +61,45 @@ def test_sliders_change_the_result(explore):
     assert "surface_fraction" not in page.text("case-file").split("[texture]")[1].split("#")[0]
 
 
+def test_the_controls_are_those_of_the_key_table(explore):
+    """Labels, symbols, help, units, ranges and words are those that the program says."""
+    page = explore("#" + "&".join(paper(0.01)))
+    start = page.page.evaluate("async () => (await fetch('start.json')).json()")
+    units = {"length": "m", "pressure": "Pa", "angle": "rad", "number": ""}
+    for key in start["keys"]:
+        name = key["key"].replace(".", "-")
+        control = page.page.locator(f"#{name}")
+        # Where there is only one word there is nothing to choose.
+        assert control.count() == (len(key["words"]) != 1), name
+        if control.count() == 0:
+            continue
+        label = page.page.locator(f"label[for='{name}']")
+        symbol = (key["symbol"] or "").replace("_", "")
+        assert label.text_content() == f"{key['label']} {symbol}".strip().replace("'", "’")
+        assert label.get_attribute("title") == key["meaning"]
+        assert page.text(f"{name}-help") == key["meaning"]
+        assert f"{name}-help" in control.get_attribute("aria-describedby")
+        if key["words"]:
+            assert control.locator("option").all_text_contents() == key["words"]
+            continue
+        assert key["dimension"] in units
+        # Only those of the method that is chosen are shown.
+        assert control.is_visible() == (key["goes_with"] is None), name
+    for place, end in [(0, 0), (1000, 1)]:
+        page.slide("lens-radius-slider", place)
+        number, unit = page.page.input_value("#lens-radius").split()
+        usual = next(key["usual"] for key in start["keys"] if key["key"] == "lens.radius")
+        value = float(number) * {"m": 1, "mm": 1e-3, "µm": 1e-6}[unit]
+        assert abs(value / usual[end] - 1) < 1e-9
+    # A single pillar, which elements solve at once.
+    page = explore("#" + "&".join(paper(0.001)))
+    page.page.select_option("#method-name", "love")
+    page.rest()
+    assert page.page.input_value("#method-cells_per_diameter") == "16"
+    page.slide("method-cells_per_diameter-slider", 0)
+    assert "cells_per_diameter = 8 " in page.text("case-file")
+
+
 def test_the_load_goes_from_first_touch_past_the_critical_state(explore):
     page = explore("#" + "&".join(paper(0.03)))
     critical = page.results()
@@ -101,9 +140,9 @@ def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
                 requestAnimationFrame(frame);
             };
             requestAnimationFrame(frame);
-            const work = document.getElementById("work");
-            new MutationObserver(() => window.told.push(work.textContent))
-                .observe(work, { childList: true, characterData: true, subtree: true });
+            const status = document.getElementById("status");
+            new MutationObserver(() => window.told.push(status.textContent))
+                .observe(status, { childList: true, characterData: true, subtree: true });
             const method = document.getElementById("method-accuracy");
             method.value = "accurate";
             method.dispatchEvent(new Event("change"));

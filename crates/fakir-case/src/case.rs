@@ -2,19 +2,21 @@
 
 use crate::key::{Key, Setting};
 use crate::parts::Parts;
+use crate::row::Range;
 use fakir::problem::{
     HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
 };
 use std::fmt::Write;
+use std::ops::Bound::{self, Excluded, Included};
 
 /// A system and the method to solve it with: what a case file describes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
-    /// What is pressed.
+    /// The lens and the surface with its pillars.
     pub system: System,
-    /// How it is solved.
+    /// The method that solves it.
     pub method: Method,
-    /// Which of pitch and surface fraction was given. The same one is written back.
+    /// Whether the pitch or the surface fraction was given, and its value. The same one is written back.
     pub(crate) spacing: Spacing,
 }
 
@@ -92,6 +94,41 @@ impl Case {
         (!is_absent).then(|| key.get(&mut parts))
     }
 
+    /// The number of a key of the texture, in SI units. Pitch and surface fraction both have one, whichever was given.
+    /// `None` if the key takes no number, or belongs to a general surface.
+    #[must_use]
+    pub fn number(&self, key: Key) -> Option<f64> {
+        match key.get(&mut Parts::of(self)) {
+            Setting::Number(value) if !key.is_of_surface() => Some(value),
+            _ => None,
+        }
+    }
+
+    /// The least and the greatest number that a key can have while all other keys keep their values, in SI units.
+    #[must_use]
+    pub fn allowed(&self, key: Key) -> (Bound<f64>, Bound<f64>) {
+        let (mut least, mut greatest) = key.bounds();
+        let number = |other: Key| self.number(other);
+        match key.range() {
+            Some(Range::AtLeast(other)) => least = number(other).map_or(least, Included),
+            Some(Range::Below(other)) => greatest = number(other).map_or(greatest, Excluded),
+            _ => {}
+        }
+        // What is allowed for another key that is given may depend on this one.
+        for other in Key::ALL {
+            match (other.range(), self.setting(other)) {
+                (Some(Range::AtLeast(limit)), Some(Setting::Number(value))) if limit == key => {
+                    greatest = Included(value);
+                }
+                (Some(Range::Below(limit)), Some(Setting::Number(value))) if limit == key => {
+                    least = Excluded(value);
+                }
+                _ => {}
+            }
+        }
+        (least, greatest)
+    }
+
     /// The value of a key as [`to_toml`](Self::to_toml) writes it, such as `"2.2 mm"` with its
     /// quotes; `None` if the case does without it.
     #[must_use]
@@ -100,7 +137,7 @@ impl Case {
     }
 }
 
-/// A case file of the keys that have a value, each with what it means.
+/// The text of a case file with all keys for which `value` gives a value. Behind each stands what it means.
 pub(crate) fn write_toml(value: impl Fn(Key) -> Option<String>) -> String {
     format!("{HEADER}{}", write_tables(value))
 }
@@ -127,3 +164,38 @@ const HEADER: &str = "\
 # A lens pressed onto a surface with pillars: a case for fakir.
 # Quantities have a unit (m mm um nm, GPa MPa kPa Pa, deg rad); bare numbers are in SI units.
 ";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CaseFile;
+    use std::ops::Bound::Unbounded;
+
+    /// What a key allows depends on the keys that are given: a pitch holds pillars apart, a surface fraction lets them grow.
+    #[test]
+    fn what_a_key_allows_depends_on_the_other_keys() {
+        let by_fraction = Case::example();
+        let pitch = by_fraction.number(Key::Pitch).unwrap();
+        let mut file = CaseFile::parse("case", &by_fraction.to_toml()).unwrap();
+        file.set_number(Key::Pitch, pitch);
+        let by_pitch = file.case().unwrap();
+        let fraction = by_pitch.number(Key::SurfaceFraction).unwrap();
+        assert!((fraction - 0.1).abs() < 1e-15);
+        assert_eq!(by_pitch.number(Key::MethodName), None);
+        assert_eq!(by_pitch.number(Key::GridWidth), None);
+
+        let above_zero = (Excluded(0.0), Unbounded);
+        assert_eq!(by_fraction.allowed(Key::PillarDiameter), above_zero);
+        let at_most_touching = (Excluded(0.0), Included(pitch));
+        assert_eq!(by_pitch.allowed(Key::PillarDiameter), at_most_touching);
+        assert_eq!(by_pitch.allowed(Key::Pitch), (Included(6e-6), Unbounded));
+        assert_eq!(
+            by_pitch.allowed(Key::LensRadius),
+            (Excluded(2.2e-6), Unbounded)
+        );
+        assert_eq!(
+            by_pitch.allowed(Key::PillarHeight),
+            (Excluded(0.0), Excluded(2.2e-3))
+        );
+    }
+}

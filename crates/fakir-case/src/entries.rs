@@ -40,7 +40,7 @@ impl Entry {
     }
 }
 
-/// What a document sets.
+/// All keys that a document sets.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Entries {
     pub(crate) keys: BTreeMap<Key, Entry>,
@@ -126,7 +126,7 @@ impl Entries {
 /// The tables that a study file has and a case file has not.
 pub(crate) const STUDY_TABLES: [&str; 2] = ["study", "axes"];
 
-/// The text as TOML.
+/// Parses a text as TOML.
 pub(crate) fn document(source: &Source) -> Result<Spanned<DeTable<'_>>, CaseError> {
     let (document, errors) = DeTable::parse_recoverable(source.text());
     match first(errors) {

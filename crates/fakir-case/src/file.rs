@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 pub struct CaseFile {
     pub(crate) source: Source,
     pub(crate) entries: Entries,
-    /// Files named in it are sought there.
+    /// The folder in which files named in the case file are sought.
     pub(crate) folder: PathBuf,
 }
 

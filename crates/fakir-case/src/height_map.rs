@@ -58,7 +58,7 @@ pub enum HeightMapError {
     Read {
         /// The file.
         file: String,
-        /// Why not.
+        /// Why the system could not read it.
         source: io::Error,
     },
     /// It is no NumPy file, or a damaged one.
@@ -116,7 +116,7 @@ pub enum HeightMapError {
         line: usize,
         /// Which number of the line, counted from 1.
         column: usize,
-        /// What is there.
+        /// The word that is no number.
         text: String,
     },
     /// The rows of a text differ in length.
@@ -165,7 +165,7 @@ pub enum HeightMapError {
     TooLarge {
         /// The file, and the array of an archive.
         file: String,
-        /// How many: `4 by 3 points`, or `8 points or more`.
+        /// The number of points in words: `4 by 3 points`, or `8 points or more`.
         points: String,
         /// Memory that they and the fields on them take, bytes.
         bytes: f64,
@@ -225,7 +225,7 @@ struct Table {
 struct Source<'a> {
     /// What errors call it.
     file: &'a str,
-    /// Bytes.
+    /// The most memory that the map may take, bytes.
     memory_limit: usize,
 }
 
@@ -496,7 +496,7 @@ struct EsriHeader {
 }
 
 impl EsriHeader {
-    /// Takes a line of the header; whether it is one.
+    /// Reads a line of the header. False if the line is none.
     fn take<'w>(&mut self, mut words: impl Iterator<Item = &'w str>) -> bool {
         let (Some(key), Some(value), None) = (words.next(), words.next(), words.next()) else {
             return false;
@@ -505,7 +505,7 @@ impl EsriHeader {
             "ncols" => self.columns = value.parse().ok(),
             "nrows" => self.rows = value.parse().ok(),
             "nodata_value" => self.no_data = value.parse().ok(),
-            // Place and size in the plane are the caller's to give.
+            // The caller says where the map is and how large it is.
             "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" | "cellsize" | "dx" | "dy" => {}
             _ => return false,
         }

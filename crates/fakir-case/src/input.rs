@@ -16,7 +16,7 @@ pub const LARGEST_STUDY: u64 = 16_000_000;
 /// Largest table of measured values, bytes.
 pub const LARGEST_TABLE: u64 = 16_000_000;
 
-/// All of a file of at most so many bytes.
+/// Reads a whole file, which may have at most `most` bytes.
 ///
 /// # Errors
 /// If the file cannot be read, or has more ([`ErrorKind::FileTooLarge`]).
@@ -24,7 +24,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     read_all(File::open(path)?, most)
 }
 
-/// All of a source of at most so many bytes.
+/// Reads a whole source, which may have at most `most` bytes.
 ///
 /// # Errors
 /// As [`read`].

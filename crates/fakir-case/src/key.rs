@@ -98,6 +98,48 @@ impl Key {
         self.row().summary
     }
 
+    /// What a control of it is called: `"surface fraction"`.
+    #[must_use]
+    pub fn label(self) -> String {
+        let label = self.row().label.unwrap_or_else(|| self.name());
+        label.replace('_', " ")
+    }
+
+    /// Its symbol in the paper, if it has one there; what follows `_` is lowered.
+    #[must_use]
+    pub fn symbol(self) -> Option<&'static str> {
+        self.row().symbol
+    }
+
+    /// The first and the last of its usual numbers, in SI units: all that are allowed, or those among them with
+    /// which textures are made. `None` if it takes no numbers, or there is nothing usual about them.
+    #[must_use]
+    pub fn usual(self) -> Option<[f64; 2]> {
+        let allowed = match self.bounds() {
+            (Bound::Included(least), Bound::Included(greatest)) => Some([least, greatest]),
+            _ => None,
+        };
+        self.row().usual.or(allowed)
+    }
+
+    /// Whether its numbers are above zero and need not be whole, as those of sizes and moduli are.
+    #[must_use]
+    pub fn is_positive(self) -> bool {
+        matches!(self.bounds(), (Bound::Excluded(least), _) if least >= 0.0)
+    }
+
+    /// Its name as a column of a table, with the unit of its numbers: `"texture.pitch_m"`.
+    #[must_use]
+    pub fn column(self) -> String {
+        format!("{self}{}", self.dimension().suffix())
+    }
+
+    /// Whether its numbers are whole.
+    #[must_use]
+    pub fn is_whole(self) -> bool {
+        matches!(self.range(), Some(Range::Whole(..)))
+    }
+
     /// The words that it can have; none if it takes something else.
     #[must_use]
     pub fn words(self) -> Vec<&'static str> {
@@ -163,7 +205,8 @@ impl Key {
     }
 
     /// What its numbers measure; that of plain numbers if it takes something else.
-    pub(crate) fn dimension(self) -> Dimension {
+    #[must_use]
+    pub fn dimension(self) -> Dimension {
         match self.kind() {
             Kind::Number(dimension) => dimension,
             Kind::Word | Kind::Text => Dimension::Number,
@@ -329,6 +372,9 @@ mod tests {
             }
             if let Some(Setting::Number(value)) = key.default() {
                 assert!(key.range().unwrap().allows(value), "{key}");
+            }
+            for usual in key.usual().into_iter().flatten() {
+                assert!(key.range().unwrap().allows(usual), "{key}");
             }
             for word in key.words() {
                 let Field::Word(place) = key.row().field else {

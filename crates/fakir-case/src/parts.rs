@@ -157,9 +157,10 @@ impl Parts {
         };
         parts.texture.lattice = *case.system.lattice();
         parts.texture.pillar = *case.system.pillar();
-        if let Spacing::SurfaceFraction(fraction) = case.spacing {
-            parts.texture.surface_fraction = fraction;
-        }
+        parts.texture.surface_fraction = match case.spacing {
+            Spacing::SurfaceFraction(fraction) => fraction,
+            Spacing::Pitch(_) => case.system.texture().surface_fraction(),
+        };
         let method = &mut parts.method;
         match case.method {
             Method::Spectral(accuracy) => {

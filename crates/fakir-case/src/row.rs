@@ -13,6 +13,12 @@ use std::ops::Bound;
 pub(crate) struct Row {
     /// What it means, in a few words.
     pub(crate) summary: &'static str,
+    /// What a control of it is called, where that is not its name.
+    pub(crate) label: Option<&'static str>,
+    /// Its symbol in the paper.
+    pub(crate) symbol: Option<&'static str>,
+    /// The usual numbers, from the first to the second, in SI units.
+    pub(crate) usual: Option<[f64; 2]>,
     /// What kind of value it has, which values are allowed, and where the value belongs.
     pub(crate) field: Field,
     /// Whether it must be given.
@@ -162,6 +168,9 @@ impl Row {
     const fn new(summary: &'static str, field: Field) -> Self {
         Self {
             summary,
+            label: None,
+            symbol: None,
+            usual: None,
             field,
             presence: Presence::Required,
             goes_with: None,
@@ -203,6 +212,24 @@ impl Row {
 
     pub(super) const fn positive(self) -> Self {
         self.range(Range::Positive)
+    }
+
+    /// A control of it is called so.
+    pub(super) const fn label(mut self, label: &'static str) -> Self {
+        self.label = Some(label);
+        self
+    }
+
+    /// Its symbol in the paper; what follows `_` is lowered.
+    pub(super) const fn symbol(mut self, symbol: &'static str) -> Self {
+        self.symbol = Some(symbol);
+        self
+    }
+
+    /// The usual numbers, in SI units, where the allowed ones go much further.
+    pub(super) const fn usual(mut self, first: f64, last: f64) -> Self {
+        self.usual = Some([first, last]);
+        self
     }
 
     /// It may be left out; it then has the value of [`Parts::default`].

@@ -32,9 +32,9 @@ pub struct SurfaceCase {
 /// Where a surface is from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SurfaceOrigin {
-    /// A file of heights.
+    /// From a file of heights, of this path.
     HeightMap(PathBuf),
-    /// Pillars.
+    /// Drawn from the description of its pillars.
     Pattern(Pattern),
 }
 
@@ -243,7 +243,7 @@ impl CaseFile {
         .accepted(format!(
             "make it coarser: cells {:.1} times as large fit, if few of them are touched; or raise \
              the limit",
-            // Rounded up, so that cells of the size that is told do fit.
+            // The factor is rounded up, so that cells of the size that the error names fit the memory.
             ((bytes / limit).sqrt() * 10.0).ceil() / 10.0
         ))
     }

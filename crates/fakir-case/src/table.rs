@@ -6,6 +6,7 @@
 use crate::row::{Presence, Range, Row, angle, length, number, pressure, text, word};
 use fakir::problem::Quantity;
 use fakir::problem::pattern::PatternQuantity as Q;
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Bound::{Excluded, Included};
 
 /// Makes the enum of keys, the list of them, and their rows.
@@ -55,18 +56,23 @@ keys! {
     Bodies {
         LensRadius = "lens.radius" is
             length("radius of curvature", |p| &mut p.lens.radius)
+                .symbol("R").usual(1e-5, 1e-1)
                 .positive().with(Key::Indenter, &["lens"]).of(Quantity::LensRadius);
         LensYoungModulus = "lens.young_modulus" is
             pressure("Young's modulus", |p| &mut p.lens.material.young_modulus)
+                .label("Young's modulus").symbol("E_l").usual(1e3, 1e11)
                 .positive().of(Quantity::LensYoungModulus);
         LensPoissonRatio = "lens.poisson_ratio" is
             number("Poisson's ratio, 0 to 0.5", |p| &mut p.lens.material.poisson_ratio)
+                .label("Poisson's ratio").symbol("ν_l")
                 .range(POISSON).of(Quantity::LensPoissonRatio);
         SubstrateYoungModulus = "substrate.young_modulus" is
             pressure("Young's modulus, of the pillars too", |p| &mut p.substrate.young_modulus)
+                .label("Young's modulus").symbol("E_s").usual(1e3, 1e11)
                 .positive().of(Quantity::SubstrateYoungModulus).of_pattern(Q::YoungModulus);
         SubstratePoissonRatio = "substrate.poisson_ratio" is
             number("Poisson's ratio, 0 to 0.5", |p| &mut p.substrate.poisson_ratio)
+                .label("Poisson's ratio").symbol("ν_s")
                 .range(POISSON).of(Quantity::SubstratePoissonRatio);
     }
     Texture {
@@ -75,21 +81,27 @@ keys! {
                 .optional();
         SurfaceFraction = "texture.surface_fraction" is
             number("part of the surface that is pillar top; or give pitch instead", |p| &mut p.texture.surface_fraction)
+                .symbol("φ").usual(3e-4, 0.3)
                 .range(Range::SurfaceFraction).or(Key::Pitch).of(Quantity::SurfaceFraction);
         Pitch = "texture.pitch" is
             length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.texture.lattice.pitch)
+                .symbol("e").usual(1e-6, 1e-3)
                 .range(Range::AtLeast(Key::PillarDiameter)).or(Key::SurfaceFraction).of(Quantity::Pitch);
         Offset = "texture.offset" is
             number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.texture.lattice.offset)
+                .symbol("dx/e").usual(0.0, 1.0)
                 .range(Range::Between(Included(0.0), Included(1000.0))).optional().of(Quantity::Offset);
         OffsetAngle = "texture.offset_angle" is
             angle("direction of the offset; x points to a second neighbour", |p| &mut p.texture.lattice.offset_angle)
+                .usual(0.0, FRAC_PI_2)
                 .optional().of(Quantity::OffsetAngle);
         PillarDiameter = "texture.pillar.diameter" is
             length("diameter of a pillar", |p| &mut p.texture.pillar.diameter)
+                .symbol("d").usual(1e-7, 1e-4)
                 .positive().of(Quantity::PillarDiameter);
         PillarHeight = "texture.pillar.height" is
             length("height of a pillar", |p| &mut p.texture.pillar.height)
+                .symbol("h").usual(1e-8, 1e-4)
                 .range(Range::Below(Key::LensRadius)).of(Quantity::PillarHeight);
         PillarCompliance = "texture.pillar.compliance" is
             word("column: pillars shorten under load; or none", |p| &mut p.texture.pillar.compliance)
@@ -206,6 +218,7 @@ keys! {
     Texture {
         MethodName = "method.name" is
             word("spectral (exact), love (elements), punch or homogenised", |p| &mut p.method.name)
+                .label("method")
                 .optional();
         Accuracy = "method.accuracy" is
             word("of the spectral method: default or accurate", |p| &mut p.method.accuracy)
@@ -215,6 +228,7 @@ keys! {
                 .optional().with(Key::MethodName, &["punch"]);
         CellsPerDiameter = "method.cells_per_diameter" is
             number("of the method love: squares across a pillar, 8 or more", |p| &mut p.method.cells_per_diameter)
+                .usual(8.0, 32.0)
                 .range(Range::Whole(8, 1024)).optional().with(Key::MethodName, &["love"]);
         Mesh = "method.mesh" is
             word("of the method love: a grid on all pillars, or one over the pattern", |p| &mut p.method.mesh)

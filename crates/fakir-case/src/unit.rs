@@ -10,13 +10,13 @@ use std::fmt;
 /// What a quantity measures, and with it the units it can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
-    /// m
+    /// A length, in m.
     Length,
-    /// Pa
+    /// A pressure or a modulus, in Pa.
     Pressure,
-    /// N
+    /// A force, in N.
     Force,
-    /// rad
+    /// An angle, in rad.
     Angle,
     /// A plain number, without a unit.
     Number,
@@ -261,7 +261,7 @@ fn scaled(number: &str, scale: Scale) -> f64 {
         Scale::PowerOfTen(power) => power,
     };
     let (digits, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
-    // No exponent to be found in "inf" and the like, nor a sensible one beyond i32.
+    // Words such as "inf" have no exponent, and one beyond an i32 makes no sense.
     let Ok(exponent) = exponent.parse::<i32>() else {
         return value;
     };

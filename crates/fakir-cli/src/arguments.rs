@@ -6,7 +6,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::Control;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Key, Kind};
-use fakir_inverse::design::{FREE, Wanted};
+use fakir_inverse::design::{Wanted, free_keys};
 use fakir_inverse::fit::{FitOptions, Measurements, Parameter};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::approach::LoadingPath;
@@ -534,14 +534,14 @@ fn fitted(text: &str) -> Result<Parameter, String> {
 
 /// A key that can be sought, by its path or by its last name.
 fn free_key(text: &str) -> Result<Key, String> {
-    let named: Vec<Key> = FREE
+    let named: Vec<Key> = free_keys()
         .into_iter()
         .filter(|key| key.path() == text || key.name() == text)
         .collect();
     match named[..] {
         [key] => Ok(key),
         _ => {
-            let keys = if named.is_empty() { &FREE[..] } else { &named };
+            let keys = if named.is_empty() { free_keys() } else { named };
             let paths: Vec<_> = keys.iter().map(|key| key.path()).collect();
             Err(format!("give one of {}", paths.join(", ")))
         }

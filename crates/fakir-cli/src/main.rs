@@ -210,10 +210,10 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
     Ok(file.case()?)
 }
 
-/// What errors call it.
+/// The name of standard input in errors.
 const STANDARD_INPUT: &str = "standard input";
 
-/// All of it, of at most so many bytes.
+/// Reads all of standard input, which may have at most `most` bytes.
 fn standard_input(most: u64) -> Result<Vec<u8>, Failure> {
     input::read_all(std::io::stdin(), most)
         .map_err(|error| Failure::file("cannot read", STANDARD_INPUT.as_ref(), error))

@@ -9,7 +9,7 @@ use std::io::IsTerminal;
 use std::sync::Once;
 use std::time::{Duration, Instant};
 
-/// Work shorter than this shows no progress.
+/// Computations that are shorter than this show no progress.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(1);
 
 pub(crate) struct Session {
@@ -44,7 +44,7 @@ impl Session {
         })
     }
 
-    /// What the library is to be called with.
+    /// The options with which the library is called.
     pub(crate) fn run(&self) -> Run<'_> {
         Run {
             cancel: self.cancel.clone(),
@@ -55,12 +55,12 @@ impl Session {
         }
     }
 
-    /// Says which part of a longer piece of work comes next.
+    /// Shows which part of a longer computation comes next.
     pub(crate) fn part(&self, name: &str) {
         self.bar.set_prefix(format!("{name}: "));
     }
 
-    /// A bar for so many pieces of work, shown where anybody watches.
+    /// A progress bar for a computation of `total` steps. It is shown if standard error is a terminal.
     pub(crate) fn count(&self, name: &'static str, total: usize) -> ProgressBar {
         let bar = ProgressBar::hidden();
         if self.watched {

@@ -63,7 +63,7 @@ fn what_makes_no_sense_is_status_2() {
                 "--critical-force",
                 "1mN",
             ],
-            "give one of texture.pitch",
+            "give one of lens.radius",
         ),
         (
             &["design", &case, "--free", "pitch", "--critical-force=-1mN"],

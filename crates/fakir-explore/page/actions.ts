@@ -4,7 +4,7 @@ import type { Server, Texts } from "./engine.js";
 import { byId } from "./screen.js";
 import { knownCritical, type Notice, type Store } from "./store.js";
 
-/** How long it is told that something was copied, ms. */
+/** How long the message stays that something was copied, ms. */
 const NOTICE = 1200;
 
 /** Saves a file of what is chosen, or says why there is none. */
@@ -30,7 +30,7 @@ export async function save(store: Store, server: Server, name: string): Promise<
   }
 }
 
-/** Copies a text, and tells so for a moment. */
+/** Copies a text, and says so for a moment. */
 export async function copy(store: Store, about: Notice, text: string): Promise<void> {
   let words = "copied";
   try {
@@ -43,7 +43,7 @@ export async function copy(store: Store, about: Notice, text: string): Promise<v
   window.setTimeout(() => store.tell(about, null), NOTICE);
 }
 
-/** What is told beside the buttons, or on them. */
+/** Writes the messages beside the buttons, or on them. */
 export function drawNotices({ notices }: Store["state"]): void {
   byId("export-note").textContent = notices.export ?? "";
   byId("copy-link").textContent = notices.link ?? "copy link";

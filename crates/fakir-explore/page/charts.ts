@@ -31,7 +31,7 @@ export interface Axes {
   readonly yLabel: string;
   /** What numbers on y measure; plain ones get powers of ten. */
   readonly yDimension: Dimension;
-  /** Without numbers on x, where the chart below has them. */
+  /** Whether the numbers on x are left out, because the chart below has them. */
   readonly bare?: boolean;
 }
 
@@ -112,7 +112,7 @@ export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): v
   svg.replaceChildren(clipping, grid, inside, path(box, "frame"), lettering);
 }
 
-/** Number with a power of ten where it would be long. */
+/** A number in words, as a power of ten where it would be long. */
 function number(value: number): string {
   const power = Math.round(Math.log10(value));
   const isPower = Math.abs(value / 10 ** power - 1) < 1e-9;

@@ -160,11 +160,11 @@ function pointOf(critical: NonNullable<State["critical"]>["is"]): CurvePoint {
   };
 }
 
-/** What is being done for the curves, or why there are none. */
-export function drawCurvesWork({ asking, answered, question }: State): void {
+/** Says what is being computed for the curves, or why there are none. */
+export function drawCurvesStatus({ asking, answered, question }: State): void {
   const refused = [answered.curves, answered.phase]
     .filter((each) => each?.of.name === question.name)
     .map((each) => each?.is ?? "");
-  byId("curves-work").textContent =
+  byId("curves-status").textContent =
     asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
 }

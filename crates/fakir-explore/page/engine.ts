@@ -1,5 +1,7 @@
 // Questions to the server: of each kind the newest counts, and answers come line by line.
 
+import type { Dimension } from "./numbers.js";
+
 export type Value = number | string;
 export type Values = Record<string, Value>;
 
@@ -16,10 +18,11 @@ export interface Progress {
   readonly touched: number;
 }
 
+/** Estimated relative errors; null where an error is not estimated yet. */
 export interface ErrorEstimate {
-  readonly force: number;
-  readonly indentation: number;
-  readonly contact_radius: number;
+  readonly force: number | null;
+  readonly indentation: number | null;
+  readonly contact_radius: number | null;
 }
 
 export interface TransitionSummary {
@@ -58,11 +61,11 @@ export type Point = readonly [number, number];
 
 /** A state, with what is needed to draw it. */
 export interface ContactState {
-  /** By the punch lattice, within a per cent or two. */
+  /** Whether this is the state by the punch lattice, within a per cent or two of the solution that follows. */
   readonly approximate: boolean;
   readonly fraction: number;
   readonly summary: PressSummary;
-  /** F gamma_int/(h d), a/e, zeta/h */
+  /** The reduced variables F gamma_int/(h d), a/e and zeta/h. */
   readonly normalized: readonly [number, number, number];
   readonly pitch_m: number;
   readonly diameter_m: number;
@@ -74,7 +77,7 @@ export interface ContactState {
   readonly warnings: readonly string[];
 }
 
-/** What is shown until a state is solved for. */
+/** An estimate by the homogenised lattice, which is shown until the contact is solved. */
 export interface Preview {
   readonly fraction: number;
   readonly critical_force_N: number;
@@ -110,13 +113,15 @@ export interface Texts {
   readonly python: string;
 }
 
-/** A line of an answer: one of these. */
+/** A line of an answer. It has exactly one of these. */
 export interface Line {
   readonly progress?: Progress;
   readonly refused?: Refusal;
   readonly preview?: Preview;
   readonly critical?: TransitionSummary;
   readonly state?: ContactState;
+  /** The summary of the state that came last, now with its errors. */
+  readonly summary?: PressSummary;
   readonly case?: Texts;
   readonly section?: Section | null;
   readonly formulas?: {
@@ -131,19 +136,49 @@ export interface Line {
   readonly path?: readonly [number, number, number];
 }
 
+/** What the key table of the program says about a key of a case. */
+export interface Key {
+  readonly key: string;
+  /** The table of the case file that it is in. */
+  readonly table: string;
+  readonly label: string;
+  /** What follows `_` is lowered. */
+  readonly symbol: string | null;
+  readonly meaning: string;
+  /** What it measures; null if it takes a word. */
+  readonly dimension: Dimension | null;
+  /** The least and the greatest value allowed, as far as that does not depend on other keys. */
+  readonly least: number | null;
+  readonly greatest: number | null;
+  /** The first and the last of its usual values. */
+  readonly usual: readonly [number, number] | null;
+  readonly whole: boolean;
+  /** The words that it can have; none if it takes a number. */
+  readonly words: readonly string[];
+  /** Its value where it is left out; null if it must be given. */
+  readonly default: Value | null;
+  /** The key that it takes the place of. */
+  readonly alternative: string | null;
+  /** The key that must have one of these words for this key to be given. */
+  readonly goes_with: { readonly key: string; readonly words: readonly string[] } | null;
+}
+
 export interface Start {
   readonly version: string;
   readonly case: Values;
+  /** The paper's intermediate case. */
+  readonly paper: Values;
+  readonly keys: readonly Key[];
   readonly colours: readonly (readonly [number, number, number])[];
   readonly farthest_load: number;
 }
 
-/** What is computed once nothing else is asked. */
+/** Questions that are asked once all others are answered. */
 export type Background = "curves" | "phase";
 
 export type Kind = "contact" | Background;
 
-/** What goes with the refusal of a request, or the reason why none came. */
+/** A request was refused, or the server did not answer. */
 export class Refused extends Error {
   constructor(readonly refusal: Refusal) {
     super(refusal.message);
@@ -160,7 +195,7 @@ export class Server {
   private readonly running = new Map<Kind | "export", AbortController>();
   private sequence = 0;
 
-  /** What the page begins with. */
+  /** Fetches what the page begins with. */
   async start(): Promise<Start> {
     return (await (await fetch("start.json")).json()) as Start;
   }
@@ -171,7 +206,7 @@ export class Server {
     this.running.delete(kind);
   }
 
-  /** Asks; `listen` is told every line as it comes. False if a newer question took its place. */
+  /** Asks a question. `listen` is called with every line as it comes. False if a newer question took its place. */
   async ask(kind: Kind, question: object, listen: (line: Line) => void): Promise<boolean> {
     const controller = this.begin(kind);
     try {

@@ -3,8 +3,8 @@
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
-import { drawCurves, drawCurvesWork, drawPhase } from "./diagrams.js";
-import { Server, type Texts, type Values } from "./engine.js";
+import { drawCurves, drawCurvesStatus, drawPhase } from "./diagrams.js";
+import { Server, type Start, type Texts, type Values } from "./engine.js";
 import { drawColourBar, drawMap, wordsAt, type MapContents } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
 import { announcement, drawCritical, drawFacts, drawLoad } from "./readouts.js";
@@ -22,33 +22,26 @@ import {
 } from "./store.js";
 import { onScheme } from "./theme.js";
 
-/** The paper's lens and pillars, and its three substrates. */
-const PAPER: Values = {
-  "lens.radius": 2.2e-3,
-  "lens.young_modulus": 2e6,
-  "lens.poisson_ratio": 0.5,
-  "substrate.poisson_ratio": 0.5,
-  "texture.offset": 0,
-  "texture.offset_angle": 0,
-  "texture.pillar.diameter": 6e-6,
-  "texture.pillar.height": 2.2e-6,
-  "texture.pillar.compliance": "column",
-  "method.name": "spectral",
-  "method.accuracy": "default",
-};
+/** Young's moduli of the paper's three substrates, Pa. */
 const SUBSTRATES: Record<string, number> = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
+
+/** The two ways of saying how far apart pillars are. */
+const SPACING = [FRACTION, PITCH];
 
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;
 
-/** The address follows what is chosen after so long, ms. */
+/** What is chosen goes into the address when it has not changed for this long, ms. */
 const REMEMBER = 250;
 
-/** A result that has come to rest for so long, ms, is read out. */
+/** A result is read out when it has not changed for this long, ms. */
 const REST = 800;
 
-function preset(name: string): Values {
-  return { ...PAPER, "substrate.young_modulus": SUBSTRATES[name] ?? 2e6 };
+/** The paper's case with one of its substrates, without the distance of the pillars. */
+function preset(start: Start, name: string): Values {
+  const values: Values = { ...start.paper, "substrate.young_modulus": SUBSTRATES[name] ?? 2e6 };
+  for (const key of SPACING) delete values[key];
+  return values;
 }
 
 function buttons(data: string): NodeListOf<HTMLButtonElement> {
@@ -58,7 +51,12 @@ function buttons(data: string): NodeListOf<HTMLButtonElement> {
 // --- Showing ------------------------------------------------------------------------------------
 
 function show(store: Store): void {
-  const controls = new Controls(byId("fields"), (...change) => store.setValue(...change));
+  const { start } = store.state;
+  const controls = new Controls(byId("fields"), start.keys, (...change) =>
+    store.setValue(...change),
+  );
+  byId<HTMLInputElement>("load").max = String(start.farthest_load);
+  byId("load").parentElement?.style.setProperty("--farthest", String(start.farthest_load));
   const screen = new Screen(store, (state) => {
     if (!isBusy(state)) document.body.dataset["busy"] = "no";
   });
@@ -68,7 +66,7 @@ function show(store: Store): void {
     ({ chosen, typed }) => {
       controls.show(chosen.case, typed);
       for (const button of buttons("preset")) {
-        const wanted = Object.entries(preset(button.dataset["preset"] ?? ""));
+        const wanted = Object.entries(preset(start, button.dataset["preset"] ?? ""));
         const same = wanted.every(([key, value]) => chosen.case[key] === value);
         button.setAttribute("aria-pressed", String(same));
       }
@@ -121,7 +119,7 @@ function show(store: Store): void {
   screen.add((state) => [state.curves, state.critical], drawCurves, curves);
   screen.add(
     ({ asking, answered, question }) => [asking.curves, answered, question.name],
-    drawCurvesWork,
+    drawCurvesStatus,
   );
   screen.add((state) => [state.texts, isOlder(state, state.texts, "load")], showTexts);
 
@@ -143,7 +141,7 @@ function show(store: Store): void {
     ({ start }) => (byId("version").textContent = `fakir ${start.version}`),
   );
 
-  // At once, so that nobody takes what is still shown for the answer.
+  // The page is marked as busy at once, so that nobody takes what is still shown for the answer.
   const begin = (): void => {
     if (isBusy(store.state)) document.body.dataset["busy"] = "yes";
   };
@@ -212,10 +210,12 @@ function listen(store: Store, server: Server): void {
   );
   for (const button of buttons("preset")) {
     button.addEventListener("click", () => {
-      const spacing = Object.entries(store.state.chosen.case).filter(
-        ([key]) => key === FRACTION || key === PITCH,
-      );
-      const values = { ...preset(button.dataset["preset"] ?? ""), ...Object.fromEntries(spacing) };
+      const { start, chosen } = store.state;
+      const values = preset(start, button.dataset["preset"] ?? "");
+      for (const key of SPACING) {
+        const value = chosen.case[key];
+        if (value !== undefined) values[key] = value;
+      }
       store.choose({ case: values }, performance.now());
     });
   }

@@ -12,7 +12,7 @@ export interface MapContents {
   readonly force: number;
 }
 
-/** A canvas, in metres from the lens axis. */
+/** A canvas whose coordinates are metres from the lens axis. */
 interface Sheet extends MapContents {
   readonly context: CanvasRenderingContext2D;
   readonly halfWidth: number;
@@ -25,7 +25,7 @@ interface Sheet extends MapContents {
 /** Lengths of the scale bar are one of these times a power of ten. */
 const ROUND = [1, 2, 5];
 
-/** Half of what is seen, m. */
+/** Half the width of the map, m. */
 function halfWidth({ scene, radius }: MapContents): number {
   const floor = touchesFloor(scene)
     ? Math.max(0, ...scene.floor_contacts_m.map(([x, y]) => Math.hypot(x, y)))

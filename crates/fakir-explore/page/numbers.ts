@@ -39,14 +39,16 @@ export interface Quantity {
   readonly unit: string;
 }
 
-/** Digits of a value with this relative error that mean something, two to six. */
-export function digitsFor(error: number): number {
+/** Digits of a value with this relative error that mean something, two to six; three if the error is not
+ * estimated yet. */
+export function digitsFor(error: number | null): number {
+  if (error === null) return 3;
   if (!(error > 0)) return 6;
   return Math.min(6, Math.max(2, Math.ceil(-Math.log10(error))));
 }
 
 /** Digits of a contact radius with this relative error: at most five. */
-export function radiusDigits(error: number): number {
+export function radiusDigits(error: number | null): number {
   return Math.min(5, digitsFor(error));
 }
 

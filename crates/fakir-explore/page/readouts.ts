@@ -35,7 +35,7 @@ export function drawCritical(state: State): void {
   }
 }
 
-/** In the digits that an estimate has. */
+/** The readouts of an estimate, in the digits that it is good for. */
 function estimated(estimate: Estimate): readonly Readout[] {
   const [digits, remark] = [3, "estimate, being solved"];
   const { force_N: force, contact_radius_m: radius, indentation_m: indentation } = estimate;
@@ -49,9 +49,10 @@ function estimated(estimate: Estimate): readonly Readout[] {
 function solved(summary: TransitionSummary): readonly Readout[] {
   const error = summary.relative_error_estimate;
   const model = summary.method === "homogenised";
-  const digits = (value: number): number => (model ? 4 : digitsFor(value));
-  const words = (value: number): string => {
+  const digits = (value: number | null): number => (model ? 4 : digitsFor(value));
+  const words = (value: number | null): string => {
     if (model) return "error of the model";
+    if (value === null) return "error not estimated";
     return value > 0 ? `error ${significant(value, 1)}` : "exact";
   };
   const reduced = summary.normalized;
@@ -95,13 +96,13 @@ export function drawFacts(state: State): void {
     byId("pillars").textContent =
       `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
   }
-  byId("work").textContent = workWords(state);
+  byId("status").textContent = statusWords(state);
   const warnings = byId("warnings");
   warnings.textContent = solved?.is.warnings.join("; ") ?? "";
   warnings.hidden = warnings.textContent === "";
 }
 
-function workWords(state: State): string {
+function statusWords(state: State): string {
   const { progress, refusal, solved } = state;
   if (progress !== null) {
     const { stage, step, touched } = progress.is;
@@ -131,10 +132,11 @@ export function drawLoad(state: State): void {
   slider.setAttribute("aria-valuetext", words);
   if (state.solved === null) return;
   const { summary } = state.solved.is;
-  const force = engineeringText(summary.force_N, "force", 4);
-  const indentation = engineeringText(summary.indentation_m, "length", 4);
-  const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
-  const radius = engineeringText(summary.contact_radius_m, "length", Math.min(4, digits));
+  const error = summary.relative_error_estimate;
+  const digits = (value: number | null): number => Math.min(4, digitsFor(value));
+  const force = engineeringText(summary.force_N, "force", digits(error.force));
+  const indentation = engineeringText(summary.indentation_m, "length", digits(error.indentation));
+  const radius = engineeringText(summary.contact_radius_m, "length", digits(error.contact_radius));
   write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
 }
 

@@ -7,11 +7,11 @@ import { isBusy, knownCritical, type Question, type Store } from "./store.js";
  * shown, so that the picture moves while a slider does. */
 const GRACE = [120, 700] as const;
 
-/** What is computed in the background waits so long, ms, for the next change. */
+/** Questions of the background are asked when nothing has changed for this long, ms. */
 const CALM = 200;
 
-/** So long, ms, after a change whatever is shown of the case or load before turns grey. What is
- * answered sooner does not, so that the page does not flicker while a slider moves. */
+/** If nothing of the new case or load is shown this long, ms, after a change, all that is older turns grey. With the first
+ * new part it turns grey at once, so that parts of two cases never look alike. */
 const OVERDUE = 200;
 
 const BACKGROUND: readonly Background[] = ["phase", "curves"];
@@ -49,7 +49,7 @@ export function answerQuestions(store: Store, server: Server): void {
     );
   }
 
-  /** Nearly what will be solved for is enough of a question, if there is a newer one. */
+  /** Calls off a question that has an estimated picture, if there is a newer question. */
   function callOffSketched(): void {
     const { asking, picture, question } = store.state;
     const under = asking.contact?.question;

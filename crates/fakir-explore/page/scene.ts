@@ -11,7 +11,7 @@ export interface Scene {
   readonly contact_radius_m: number;
   readonly pillars: readonly number[];
   readonly forces_N: readonly number[];
-  /** A letter for every pillar; without, none is known to be in contact in part. */
+  /** A letter for every pillar, `f`ully or `p`artially in contact; empty if that is not known. */
   readonly statuses: string;
   readonly floor_contacts_m: readonly Point[];
   readonly words: string;
@@ -48,7 +48,7 @@ export function sceneOf(state: ContactState): Scene {
   };
 }
 
-/** What forces are drawn from where pillars are not resolved. */
+/** The numbers from which forces on pillars are estimated where pillars are not resolved. */
 type Smooth = Pick<
   Preview,
   "fraction" | "pitch_m" | "diameter_m" | "offset_m" | "force_N" | "contact_radius_m"

@@ -5,14 +5,14 @@ import { isOlder, type Of, type State, type Store } from "./store.js";
 interface View {
   readonly parts: (state: State) => readonly unknown[];
   readonly draw: (state: State) => void;
-  /** What it was drawn from; null if it has to be drawn anew. */
+  /** The parts of the state that it was drawn from; null if it has to be drawn anew. */
   drawn: readonly unknown[] | null;
 }
 
 export class Screen {
   readonly #views: View[] = [];
   #frameAwaited = false;
-  /** What is to be done once that which was drawn is on the screen. */
+  /** Functions to be called once the screen shows what was drawn. */
   #afterwards: (() => void)[] = [];
 
   constructor(
@@ -23,7 +23,7 @@ export class Screen {
     store.listen(() => this.#changed());
   }
 
-  /** Draws whenever one of `parts` is another one, or one of the elements has another size. */
+  /** Calls `draw` whenever one of `parts` has changed, or one of the elements has another size. */
   add(
     parts: (state: State) => readonly unknown[],
     draw: (state: State) => void,
@@ -56,18 +56,18 @@ export class Screen {
     );
   }
 
-  /** Draws everything anew, as in other colours. */
+  /** Draws everything anew, for example in other colours. */
   redraw(): void {
     for (const view of this.#views) view.drawn = null;
     this.#changed();
   }
 
-  /** Calls back when what is being drawn has been shown: after the next frame. */
+  /** Calls `act` after the next frame, when the screen shows what was drawn. */
   whenShown(act: () => void): void {
     this.#afterwards.push(act);
   }
 
-  /** What has changed is drawn at once; what changes again before the next frame, in that frame. */
+  /** Draws a change at once. Further changes before the next frame are drawn in that frame. */
   #changed(): void {
     if (this.#frameAwaited) return;
     this.#frameAwaited = true;

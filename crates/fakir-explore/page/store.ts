@@ -22,19 +22,15 @@ import type {
 } from "./engine.js";
 import { largestForceOf, sceneOf, sceneOfPreview, type Scene } from "./scene.js";
 
-/** Farthest load on the slider, critical loads. */
-export const FARTHEST = 1.3;
-
 export const FRACTION = "texture.surface_fraction";
 export const PITCH = "texture.pitch";
-export const METHOD = "method.name";
 
 /** What the user has chosen. */
 export interface Chosen {
   readonly case: Values;
-  /** Of the way from first touch to the critical state. */
+  /** The load, as a part of the way from first touch to the critical state; more than 1 is beyond it. */
   readonly load: number;
-  /** Heights over widths in the section; null for what fills the view. */
+  /** How much heights are exaggerated in the section; null for as much as fills the view. */
   readonly exaggeration: number | null;
 }
 
@@ -44,17 +40,17 @@ export interface Question {
   /** The case in one text: two questions are about the same case if this is the same. */
   readonly name: string;
   readonly load: number;
-  /** When the change was made that this is about, ms. */
+  /** When the user made the change that led to this question, ms. */
   readonly asked: number;
 }
 
-/** Something known, and the question that it answers. */
+/** Something that the server answered, and the question that it answers. */
 export interface Of<T> {
   readonly of: Question;
   readonly is: T;
 }
 
-/** Where a map comes from: from better and better methods, one after the other. */
+/** The method that a map comes from: the homogenised lattice, then the punch lattice, then that of the case. */
 export type Stage = "estimate" | "pillars" | "exact";
 
 export interface Picture {
@@ -62,7 +58,7 @@ export interface Picture {
   readonly scene: Scene;
 }
 
-/** A critical state before it is solved for. */
+/** An estimate of the critical state, which is shown until it is solved. */
 export interface Estimate {
   readonly force_N: number;
   readonly contact_radius_m: number;
@@ -71,7 +67,7 @@ export interface Estimate {
 
 export interface Phase {
   readonly transition: readonly Point[];
-  /** Fraction of the way, a/e and F gamma_int/(h d). */
+  /** The states of the loading path: the load as a part of the way to the critical state, a/e and F gamma_int/(h d). */
   readonly path: readonly (readonly [number, number, number])[];
   /** The critical state of the same case. */
   readonly critical: TransitionSummary;
@@ -81,7 +77,7 @@ export interface Curves {
   readonly small: readonly CurvePoint[];
   readonly large: readonly CurvePoint[];
   readonly homogenised: readonly CurvePoint[];
-  /** By surface fraction. */
+  /** The solved critical states, sorted by surface fraction. */
   readonly exact: readonly CurvePoint[];
 }
 
@@ -103,20 +99,21 @@ export interface State {
   readonly question: Question;
   /** Number of the newest question that was sent. */
   readonly sent: number;
-  /** What is under way, of each kind. */
+  /** The question of each kind that the server is answering. */
   readonly asking: { readonly [kind in Kind]: Asking | null };
   /** How long the last picture took, ms. */
   readonly lastTime: number;
-  /** The newest question that is overdue or was refused: whatever is of an older one is grey. */
+  /** The newest question of which something is shown, or that is overdue or was refused: whatever is of an older
+   * one is grey. */
   readonly reference: Question | null;
 
-  /** What the map shows. */
+  /** The contact map that is shown. */
   readonly picture: Of<Picture> | null;
-  /** The last state that was solved for. */
+  /** The last contact that was solved. */
   readonly solved: Of<ContactState> | null;
-  /** The last critical state that was solved for. */
+  /** The last critical state that was solved. */
   readonly critical: Of<TransitionSummary> | null;
-  /** A critical state that is still to be solved for. */
+  /** An estimate of a critical state that is not solved yet. */
   readonly estimate: Of<Estimate> | null;
   /** The largest force that the colours of a case have to show, N. */
   readonly largestForce: Of<number> | null;
@@ -130,9 +127,9 @@ export interface State {
   /** Questions of the background that were answered, or refused with these words. */
   readonly answered: { readonly [kind in Background]: Of<string> | null };
 
-  /** What is told for a moment beside a button. */
+  /** Short messages beside buttons, which go after a moment. */
   readonly notices: { readonly [about in Notice]?: string };
-  /** What is read out. */
+  /** The text that screen readers read out. */
   readonly announcement: string;
 }
 
@@ -141,7 +138,7 @@ export class Store {
   readonly #listeners: (() => void)[] = [];
 
   constructor(start: Start, first: Chosen, asked: number) {
-    const chosen = { ...first, load: within(first.load) };
+    const chosen = { ...first, load: within(first.load, start) };
     this.#state = {
       start,
       chosen,
@@ -184,10 +181,10 @@ export class Store {
 
   // --- What the user does ---------------------------------------------------------------------
 
-  /** Chooses something else; what is not named stays. `asked` is when the user did so, ms. */
+  /** Changes what the user has chosen; what `choice` does not name stays. `asked` is the time of the change, ms. */
   choose(choice: Partial<Chosen>, asked: number, typed: string | null = null): void {
     const before = this.#state.chosen;
-    const chosen = { ...before, ...choice, load: within(choice.load ?? before.load) };
+    const chosen = { ...before, ...choice, load: within(choice.load ?? before.load, this.#state.start) };
     if (choice.case === undefined && choice.load === undefined) {
       this.#change({ chosen });
       return;
@@ -199,18 +196,14 @@ export class Store {
   /** Gives a key of the case another value; `typed` if it is to stay as the user wrote it. */
   setValue(key: string, value: Value, typed: boolean, asked: number): void {
     const values = { ...this.#state.chosen.case };
-    if (key === FRACTION) delete values[PITCH];
-    if (key === PITCH) delete values[FRACTION];
-    if (key === METHOD) {
-      for (const other of Object.keys(values)) {
-        if (other.startsWith("method.")) delete values[other];
-      }
+    for (const other of this.#state.start.keys) {
+      if (other.alternative === key || other.goes_with?.key === key) delete values[other.key];
     }
     values[key] = value;
     this.choose({ case: values }, asked, typed ? key : null);
   }
 
-  /** Tells something beside a button, or no longer. */
+  /** Shows a message beside a button, or removes it. */
   tell(about: Notice, words: string | null): void {
     const notices = { ...this.#state.notices };
     if (words === null) delete notices[about];
@@ -232,7 +225,7 @@ export class Store {
     );
   }
 
-  /** A line of the answer to a question; of one that was called off nothing is taken. */
+  /** Takes a line of the answer to a question. Lines of a question that was called off are dropped. */
   receive(kind: Kind, number: number, line: Line, now: number): void {
     const asking = this.#state.asking[kind];
     if (asking === null || asking.question.number !== number) return;
@@ -241,7 +234,10 @@ export class Store {
       phase: () => phaseLine(this.#state, asking.question, line),
       curves: () => curvesLine(this.#state, asking.question, line),
     }[kind]();
-    this.#change(taken);
+    // What is still shown of an older case or load turns grey in the same moment.
+    const isShown = Object.keys(taken).some((part) => part !== "progress");
+    const reference = newer(this.#state.reference, asking.question);
+    this.#change(isShown ? { ...taken, reference } : taken);
   }
 
   /** The answer to a question has ended: `whole` if it was not called off, or with a refusal. */
@@ -313,16 +309,16 @@ export function isBeyond(fraction: number): boolean {
   return fraction > 1 + 1e-9;
 }
 
-// --- Steps ----------------------------------------------------------------------------------------
+// --- From one state to the next ----------------------------------------------------------------------------------------
 
 function newQuestion(number: number, chosen: Chosen, asked: number): Question {
   const { case: values, load } = chosen;
   return { number, case: values, name: JSON.stringify(values), load, asked };
 }
 
-/** A load on the slider; the critical one in place of none. */
-function within(load: number): number {
-  return Number.isFinite(load) ? Math.min(FARTHEST, Math.max(0, load)) : 1;
+/** The load nearest to `load` that the slider can have; the critical one if `load` is no number. */
+function within(load: number, { farthest_load: farthest }: Start): number {
+  return Number.isFinite(load) ? Math.min(farthest, Math.max(0, load)) : 1;
 }
 
 function newer(a: Question | null, b: Question): Question {
@@ -352,7 +348,7 @@ function contactLine(
   }
   if (line.state?.approximate) {
     const picture: Of<Picture> = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
-    // Of a case whose critical state is being solved for the last estimate is the best so far.
+    // While the critical state itself is being solved, this state is the best estimate of it.
     const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
     return { picture, estimate: known ? null : estimate, refusal: null };
   }
@@ -370,6 +366,11 @@ function contactLine(
       lastTime: now - since,
       refusal: null,
     };
+  }
+  if (line.summary) {
+    const { solved } = state;
+    if (solved?.of.number !== of.number) return {};
+    return { solved: { of, is: { ...solved.is, summary: line.summary } } };
   }
   if (line.critical) return { critical: { of, is: line.critical }, estimate: null };
   if (line.case) return { texts: { of, is: line.case } };

@@ -3,7 +3,7 @@
 
 use crate::jobs::{Failure, Worker};
 use crate::lines;
-use crate::request::{self, LoadPoint, at_fraction, expected_pillars};
+use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars};
 use fakir::problem::{Accuracy, Control, Method, Point, System};
 use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// With more pillars than this there is something to see before they are solved for.
+/// With more pillars than this an estimate is shown until the contact is solved.
 const PREVIEW_PILLARS: f64 = 800.0;
 
 /// More pillars than this are not solved for in the background.
@@ -27,13 +27,14 @@ const CURVE_POINTS: usize = 33;
 /// Surface fractions of the curves, as in the paper.
 const FRACTIONS: [f64; 2] = [3e-4, 0.25];
 
-/// Where on the way to the critical state and beyond the loading path is computed.
+/// The loads at which the loading path is computed, as parts of the way to the critical state and beyond it.
 const PATH_FRACTIONS: [f64; 16] = [
-    0.5, 0.1, 0.02, 0.25, 0.75, 1.25, 0.05, 0.9, 0.35, 0.6, 0.15, 1.1, 0.005, 1.4, 0.001, 0.8,
+    0.5, 0.1, 0.02, 0.25, 0.75, 1.25, 0.05, 0.9, 0.35, 0.6, 0.15, 1.1, 0.005, FARTHEST, 0.001, 0.8,
 ];
 
-/// A contact, and how it was come by.
+/// A critical state, a contact under another load, or both.
 pub(crate) struct Solved {
+    /// The critical state, and the time it took, s.
     pub(crate) critical: Option<(CriticalState, f64)>,
     /// Another state than the critical one, and the time it took, s.
     pub(crate) pressed: Option<(ContactState, f64)>,
@@ -131,8 +132,9 @@ struct StateLine {
 struct State {
     /// By the punch lattice, until it is solved for in full.
     approximate: bool,
-    /// Of the way to the critical state.
+    /// The part of the way to the critical state.
     fraction: f64,
+    /// Of a state that is drawn before its errors are estimated they are `null`; a [`SummaryLine`] follows.
     summary: PressSummary,
     normalized: [f64; 3],
     pitch_m: f64,
@@ -146,6 +148,12 @@ struct State {
     /// Where the floor is touched, or would be, with its symmetric copies.
     floor_contacts_m: Vec<Point>,
     warnings: Vec<String>,
+}
+
+/// The summary of a state that was drawn before the errors of its force and indentation were estimated: now they are.
+#[derive(Serialize)]
+struct SummaryLine {
+    summary: PressSummary,
 }
 
 #[derive(Serialize)]
@@ -212,7 +220,10 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
     let Some((state, wall_time)) = solved.state() else {
         return Err(Failure::Cancelled);
     };
-    if !shown.load(Ordering::Relaxed) {
+    if shown.load(Ordering::Relaxed) {
+        let summary = PressSummary::new(state, wall_time);
+        worker.send(&SummaryLine { summary });
+    } else {
         show(state, wall_time);
     }
     worker.send(&CaseLine {
@@ -415,7 +426,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
     });
     let run = worker.run();
     let mut points = Vec::new();
-    // Below, a single pillar is touched, and no lattice of them.
+    // At smaller surface fractions a single pillar is touched, to which the homogenised lattice does not apply.
     let many = |system: &&System| system.texture().surface_fraction() >= limit;
     for system in smooth.iter().step_by(2).filter(many) {
         worker.give_way()?;
@@ -441,7 +452,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
             }
             Ok(_) => {}
             Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),
-            // Of this surface fraction there is no answer; of others there may be.
+            // There is no answer at this surface fraction, but there may be at others.
             Err(_) => {}
         }
     }

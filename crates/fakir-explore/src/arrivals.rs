@@ -10,10 +10,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::oneshot::{Receiver, Sender, channel};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-/// Connections of the page at a time.
+/// The most connections of the page at a time.
 const CONNECTIONS: usize = 128;
 
-/// Arrivals at a time.
+/// The most arrivals at a time.
 const ARRIVALS: usize = 64;
 
 /// All connections.
@@ -53,7 +53,7 @@ impl Connections {
         if waiting.arrivals.len() >= ARRIVALS
             && let Some((_, oldest)) = waiting.arrivals.pop_front()
         {
-            let _ = oldest.send(()); // if it has not ended by itself
+            let _ = oldest.send(()); // it may have ended by itself
         }
         let number = waiting.next;
         waiting.next += 1;
@@ -69,7 +69,7 @@ impl Connections {
 }
 
 impl Connection {
-    /// A request of the page has come: it stays. False if there are too many already.
+    /// Keeps the connection, as a request of the page has come from it. False if there are too many connections already.
     pub(crate) fn stay(&self) -> bool {
         self.leave();
         let mut place = self.place.lock().unwrap_or_else(PoisonError::into_inner);
@@ -79,7 +79,7 @@ impl Connection {
         place.is_some()
     }
 
-    /// It is an arrival no more.
+    /// Takes the connection out of the list of arrivals.
     pub(crate) fn leave(&self) {
         let waiting = self.connections.waiting.lock();
         let mut waiting = waiting.unwrap_or_else(PoisonError::into_inner);

@@ -44,7 +44,7 @@ impl fmt::Debug for Token {
     }
 }
 
-/// What is asked of every request.
+/// What every request must show.
 #[derive(Debug, Clone)]
 pub(crate) struct Guard {
     token: Token,
@@ -62,11 +62,11 @@ impl Guard {
     pub(crate) fn check(&self, path: &str, headers: &HeaderMap) -> Result<(), Refusal> {
         let forbidden = |message: &str| Err(Refusal::new(StatusCode::FORBIDDEN, message));
         let is_host = |host: &str| self.hosts.iter().any(|own| own == host);
-        if !one(headers, &header::HOST).is_some_and(is_host) {
+        if !single_value(headers, &header::HOST).is_some_and(is_host) {
             return forbidden("the Host is not this server");
         }
         if headers.contains_key(header::ORIGIN) {
-            let own = one(headers, &header::ORIGIN)
+            let own = single_value(headers, &header::ORIGIN)
                 .and_then(|origin| origin.strip_prefix("http://"))
                 .is_some_and(is_host);
             if !own {
@@ -74,7 +74,7 @@ impl Guard {
             }
         }
         let given = if path.starts_with("/api/") {
-            one(headers, &HeaderName::from_static(TOKEN)).unwrap_or_default()
+            single_value(headers, &HeaderName::from_static(TOKEN)).unwrap_or_default()
         } else {
             path.split('/').nth(1).unwrap_or_default()
         };
@@ -88,7 +88,7 @@ impl Guard {
 }
 
 /// The value of a header that is there once.
-fn one<'h>(headers: &'h HeaderMap, name: &HeaderName) -> Option<&'h str> {
+fn single_value<'h>(headers: &'h HeaderMap, name: &HeaderName) -> Option<&'h str> {
     let mut values = headers.get_all(name).iter();
     let first = values.next()?;
     match values.next() {

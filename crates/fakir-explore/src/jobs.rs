@@ -22,10 +22,10 @@ use std::time::{Duration, Instant};
 use tokio::sync::Semaphore;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
-/// Contacts and files at a time; each has a thread, and all share the pool.
+/// The most contacts and files that are computed at a time; each has a thread, and all share the pool.
 const SLOTS: usize = 4;
 
-/// Curves and loading paths at a time: of two pages.
+/// The most curves and loading paths that are computed at a time: enough for two pages.
 const BACKGROUND_SLOTS: usize = 4;
 
 /// Computations that may wait for a slot.
@@ -34,7 +34,7 @@ const QUEUE: usize = 32;
 /// A computation that takes longer is given up.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The same for all points of a curve.
+/// The same limit for all points of a curve together.
 const BACKGROUND_PATIENCE: Duration = Duration::from_secs(600);
 
 /// No progress is reported before, or more often than, this.
@@ -59,7 +59,7 @@ impl Kind {
     }
 }
 
-/// Of all pages.
+/// The computations of all pages.
 #[derive(Debug)]
 pub(crate) struct Jobs {
     newest: Mutex<HashMap<(String, Kind), (u64, CancelToken)>>,
@@ -304,7 +304,7 @@ impl IntoResponse for File {
     }
 }
 
-/// What a computation has: how to run, and whom to tell.
+/// What a computation needs to know: how it is run, and where its answer goes.
 pub(crate) struct Worker {
     job: Job,
     kind: Kind,

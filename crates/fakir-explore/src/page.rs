@@ -74,7 +74,8 @@ fn whole(kind: &'static str, text: impl Into<Body>) -> Response {
     response
 }
 
-/// What the page begins with: the case, and what only the program knows.
+/// What the page begins with: the case, the paper's intermediate case, what the table of keys says about each of them, and
+/// limits.
 pub(crate) fn start(case: &Case) -> String {
     let colours: Vec<[u8; 3]> = (0..=255u32)
         .map(|k| {
@@ -86,6 +87,7 @@ pub(crate) fn start(case: &Case) -> String {
     json!({
         "version": fakir_study::VERSION,
         "case": of_case(case),
+        "paper": of_case(&Case::example()),
         "keys": keys(),
         "colours": colours,
         "most_pillars": MOST_PILLARS,
@@ -94,8 +96,8 @@ pub(crate) fn start(case: &Case) -> String {
     .to_string()
 }
 
-/// What the table of keys says about each key that the page shows: its kind, words, bounds and
-/// default, and the word of another key that it goes with.
+/// What the table of keys says about each key that the page shows: its name and symbol, its kind, words, bounds and
+/// default, and the word of another key that it goes with. The controls of the page are made of it.
 fn keys() -> Vec<Value> {
     let of_page = Key::ALL.into_iter().filter(|key| !key.is_of_surface());
     let bound = |bound| match bound {
@@ -107,6 +109,9 @@ fn keys() -> Vec<Value> {
             let (lower, upper) = key.bounds();
             json!({
                 "key": key.path(),
+                "table": key.table(),
+                "label": key.label(),
+                "symbol": key.symbol(),
                 "meaning": key.summary(),
                 "dimension": match key.kind() {
                     Kind::Number(dimension) => Some(dimension.noun()),
@@ -114,6 +119,8 @@ fn keys() -> Vec<Value> {
                 },
                 "least": bound(lower),
                 "greatest": bound(upper),
+                "usual": key.usual(),
+                "whole": key.is_whole(),
                 "words": key.words(),
                 "default": key.default(),
                 "alternative": key.alternative().map(Key::path),
@@ -144,7 +151,17 @@ mod tests {
             (&ratio["least"], &ratio["greatest"]),
             (&json!(0.0), &json!(0.5))
         );
-        assert_eq!(key("lens.radius")["dimension"], "length");
+        let radius = key("lens.radius");
+        assert_eq!(radius["dimension"], "length");
+        assert_eq!(
+            (&radius["label"], &radius["symbol"]),
+            (&json!("radius"), &json!("R"))
+        );
+        assert_eq!(radius["usual"], json!([1e-5, 0.1]));
+        assert_eq!(ratio["usual"], json!([0.0, 0.5]));
+        assert_eq!(key("texture.surface_fraction")["label"], "surface fraction");
+        assert_eq!(key("method.cells_per_diameter")["whole"], true);
+        assert_eq!(start["paper"]["substrate.young_modulus"], 2e6);
         assert_eq!(key("lens.radius")["goes_with"], Value::Null);
         let form = key("method.form");
         assert_eq!(form["words"], json!(["corrected", "plain"]));

@@ -59,7 +59,7 @@ impl Refusal {
         &self.message
     }
 
-    /// The answer to a computation that failed; nothing of one that was called off.
+    /// The answer to a computation that failed; `None` if it was called off.
     pub(crate) fn of(error: &SolveError) -> Option<Self> {
         let refusal = Self::impossible(error.to_string());
         match error {

@@ -1,11 +1,13 @@
 //! What is asked: a case by its keys, and where on the way to the critical state.
 
 use crate::refusal::Refusal;
+use fakir::numerics::roots::{self, Point};
 use fakir::problem::{HexagonalLattice, System};
 use fakir::theory::homogenised;
 use fakir_case::{Case, CaseFile, Key, Setting};
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::f64::consts::PI;
 
 /// The longest text that a value can have, bytes.
@@ -194,19 +196,22 @@ pub(crate) fn expected_pillars(system: &System) -> f64 {
     }
 }
 
-/// The largest surface fraction with at most so many pillars, by bisection.
+/// The largest surface fraction at which at most so many pillars are expected to be touched.
 pub(crate) fn largest_fraction(system: &System, pillars: f64) -> f64 {
-    let (mut low, mut high) = (1e-6_f64, system.texture().surface_fraction());
-    for _ in 0..60 {
-        let middle = (low * high).sqrt();
-        let fits = at_fraction(system, middle).is_some_and(|s| expected_pillars(&s) <= pillars);
-        if fits {
-            low = middle;
-        } else {
-            high = middle;
-        }
+    /// At this surface fraction pillars are so far apart that no lens touches too many of them.
+    const LEAST: f64 = 1e-6;
+    let excess = |fraction: f64| {
+        at_fraction(system, fraction).map_or(f64::INFINITY, |system| {
+            (expected_pillars(&system) / pillars).ln()
+        })
+    };
+    let ends = [LEAST, system.texture().surface_fraction()].map(|position| Point {
+        position,
+        value: excess(position),
+    });
+    match roots::find(ends, 0.0, |fraction| Ok::<_, Infallible>(excess(fraction))) {
+        Ok(root) => root.map_or(LEAST, |root| root.below.position),
     }
-    low
 }
 
 /// The same system at another surface fraction.
@@ -259,6 +264,15 @@ mod tests {
             "{told}"
         );
         assert!(told.contains("with all else as it is, up to 0."), "{told}");
+    }
+
+    /// At the largest surface fraction just as many pillars are expected as are allowed.
+    #[test]
+    fn the_largest_surface_fraction_has_the_most_pillars() {
+        let system = at_fraction(&Case::example().system, 0.6).unwrap();
+        let fraction = largest_fraction(&system, MOST_PILLARS);
+        let pillars = expected_pillars(&at_fraction(&system, fraction).unwrap());
+        assert!((pillars / MOST_PILLARS - 1.0).abs() < 1e-12, "{pillars}");
     }
 
     #[test]

@@ -34,13 +34,13 @@ const LARGEST_HEAD: usize = 32 * 1024;
 /// Whoever takes longer to send a request is not waited for.
 const REQUEST_PATIENCE: Duration = Duration::from_secs(10);
 
-/// How often it is looked at whether to stop.
+/// How often the server looks whether it is to stop.
 const STOP_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Ports looked at for a free one.
+/// How many of the next ports are tried to find a free one.
 const NEXT_PORTS: u16 = 100;
 
-/// How to explore.
+/// What the explorer starts with, and what it may use.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// The case to begin with.
@@ -74,7 +74,7 @@ pub enum ExploreError {
     Listen {
         /// The port asked for; 0 for any.
         port: u16,
-        /// Why.
+        /// Why the system refused it.
         error: io::Error,
     },
     /// The system has no random numbers.
@@ -178,13 +178,13 @@ impl Explorer {
             let stream = match accepted {
                 Ok((stream, _)) => stream,
                 Err(error) => {
-                    // Such as too many open files: others may be closed soon.
+                    // This happens with too many open files, and passes when some are closed.
                     tracing::warn!("a connection could not be accepted: {error}");
                     tokio::time::sleep(STOP_INTERVAL).await;
                     continue;
                 }
             };
-            // Small answers are not to wait for each other.
+            // Every line of an answer is sent at once.
             let _ = stream.set_nodelay(true);
             let (connection, closed) = connections.arrive();
             let router = router.clone().layer(Extension(connection.clone()));
@@ -197,7 +197,7 @@ impl Explorer {
                     .serve_connection(TokioIo::new(stream), service);
                 let ended = tokio::select! {
                     ended = served => ended,
-                    // Once it is the page's nobody tells it to close.
+                    // Only arrivals are closed for others: a connection of the page never is.
                     Ok(()) = closed => {
                         tracing::debug!("a connection that sent no request was closed for others");
                         return;
@@ -243,7 +243,7 @@ fn router(shared: Shared) -> Router {
         .with_state(shared)
 }
 
-/// Lets requests of the page pass; of others remains a line in the log, and their connection is
+/// Lets requests of the page pass. Any other request is refused with a line in the log, and its connection is
 /// closed.
 async fn guarded(
     State(shared): State<Shared>,

@@ -127,6 +127,13 @@ fn answers_are_those_of_the_library() {
     let state = answer.line("state");
     let forces: Vec<f64> = critical.contact.pillars.iter().map(|p| p.force).collect();
     assert_eq!(state["pillar_forces_N"], json!(forces));
+    // The state is drawn before its errors are estimated; then these come too.
+    let errors = |summary: &Value| summary["relative_error_estimate"]["force"].clone();
+    assert_eq!(errors(&state["summary"]), Value::Null);
+    assert_eq!(
+        errors(&answer.line("summary")),
+        json!(critical.contact.error.force)
+    );
     assert_eq!(
         state["pillar_statuses"].as_str().unwrap().len(),
         forces.len()

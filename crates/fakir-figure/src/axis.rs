@@ -5,7 +5,7 @@ use crate::text::Text;
 /// How values are spread along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// Evenly.
+    /// Equal differences take equal lengths.
     Linear,
     /// Equal ratios take equal lengths; values that are not positive are not shown.
     Logarithmic,
@@ -123,7 +123,7 @@ pub(crate) struct Span {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tick {
     pub(crate) value: f64,
-    /// None for a minor tick.
+    /// The number beside the tick; `None` for a minor tick.
     pub(crate) label: Option<Text>,
     pub(crate) major: bool,
 }
@@ -181,7 +181,7 @@ impl Span {
                 Scale::Logarithmic => self.logarithmic_ticks(count),
             })
             .collect();
-        // Two labels tell the scale; one is better than none.
+        // Two labels are needed to read the scale. If there is no room for two, one is better than none.
         let with_labels = |fewest: usize| {
             candidates.iter().find(|ticks| {
                 let labels = ticks.iter().filter(|tick| tick.label.is_some()).count();

@@ -12,7 +12,7 @@ use crate::text::Text;
 /// Margin around the page and between frames with common axes, points.
 pub(crate) const MARGIN: f64 = 4.0;
 const BETWEEN: f64 = 7.0;
-/// Beyond the frame at the right, for half of the last number.
+/// Room at the right of the frame, for the half of the last number that is outside it, points.
 const RIGHT: f64 = 8.0;
 
 /// A region behind the data.
@@ -27,9 +27,9 @@ pub(crate) struct Shade {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Note {
     pub(crate) text: Text,
-    /// In the values of the axes.
+    /// Its place, in the values of the axes.
     pub(crate) at: [f64; 2],
-    /// From there, points to the right and down.
+    /// The shift of the text from its place, points to the right and down.
     pub(crate) shift: [f64; 2],
     pub(crate) anchor: Anchor,
     pub(crate) rim: bool,
@@ -95,7 +95,7 @@ impl Chart {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Grid {
     pub(crate) name: &'static str,
-    /// Of the page, points.
+    /// Width of the page, points.
     pub(crate) width: f64,
     pub(crate) columns: usize,
     pub(crate) charts: Vec<Chart>,
@@ -105,7 +105,7 @@ pub(crate) struct Grid {
     pub(crate) common_x: bool,
     /// Whether the charts of a row have one y axis.
     pub(crate) common_y: bool,
-    /// Above the columns.
+    /// Titles above the columns.
     pub(crate) titles: Vec<Text>,
     /// Whether charts are marked (a), (b), ...
     pub(crate) tagged: bool,

@@ -18,13 +18,13 @@ const TICK_WIDTH: f64 = 0.5;
 const MAJOR_TICK: f64 = 3.6;
 const MINOR_TICK: f64 = 2.0;
 
-/// From the frame to the numbers at its left and right.
+/// Distance from the frame to the numbers at its left and right, points.
 const NUMBER_GAP: f64 = 3.0;
-/// From the frame to the baseline of the numbers below it.
+/// Distance from the frame to the baseline of the numbers below it, points.
 const NUMBER_DROP: f64 = 9.2;
-/// From the numbers to the name of the axis.
+/// Distance from the numbers to the name of the axis, points.
 const NAME_GAP: f64 = 4.0;
-/// From the frame to the baseline of the name below it, and to the end of that.
+/// Distances from the frame to the baseline of the name below it, and to the lower end of the name, points.
 const NAME_DROP: f64 = 20.5;
 const NAME_END: f64 = 24.0;
 

@@ -190,7 +190,7 @@ impl ColourBar {
         TICK_SIZE * widths.map(Text::width).fold(0.0, f64::max)
     }
 
-    /// Width of all of it.
+    /// Width of the bar with its lettering, points.
     pub(crate) fn width(&self, height: f64) -> f64 {
         BAR_WIDTH
             + NUMBER_GAP
@@ -298,7 +298,7 @@ pub(crate) fn key(entries: &[(KeySign, &str)], [right, middle]: Place, items: &m
     }
 }
 
-/// Of the circle around the contact.
+/// The stroke of the circle around the contact.
 pub(crate) fn edge_stroke() -> Stroke {
     Stroke {
         colour: RED,
@@ -307,7 +307,7 @@ pub(crate) fn edge_stroke() -> Stroke {
     }
 }
 
-/// Of marks on maps: in no map of this crate, and dark enough for a white ground.
+/// The colour of marks on maps. No colour map of this crate has it, and it is dark enough on white.
 pub(crate) const RED: Colour = Colour([200, 30, 30]);
 
 /// The images of a point under the symmetries of the lattice, each once.

@@ -3,10 +3,10 @@
 use crate::scene::{Colour, Pixels};
 use png::{BitDepth, ColorType, Compression, Encoder, PixelDimensions, Unit};
 
-/// What goes with a picture: keyword and text.
+/// A remark in a picture: its keyword and its text.
 pub(crate) type Remark<'a> = (&'static str, &'a str);
 
-/// An image as it is.
+/// Pixels as a PNG file, without a resolution or remarks.
 pub(crate) fn pixels(pixels: &Pixels) -> Vec<u8> {
     encode(pixels, None, &[])
 }

@@ -38,7 +38,7 @@ fn solid(Colour([r, g, b]): Colour) -> Paint<'static> {
 struct Painter<'a> {
     pixmap: &'a mut Pixmap,
     transform: Transform,
-    /// What may be painted on.
+    /// The part of the page that may be painted on; `None` for all of it.
     mask: Option<Mask>,
 }
 
@@ -173,7 +173,7 @@ impl Painter<'_> {
     }
 }
 
-/// `None` for what has no extent.
+/// A path for `tiny-skia`; `None` if it has no extent.
 fn outline(path: &Path) -> Option<tiny_skia::Path> {
     let mut builder = PathBuilder::new();
     for piece in &path.pieces {

@@ -19,7 +19,7 @@ impl Colour {
         Self([level; 3])
     }
 
-    /// Mixed with white: 0 stays, 1 is white.
+    /// The colour mixed with white: a share of 0 leaves it as it is, 1 makes it white.
     pub(crate) fn lighter(self, share: f64) -> Self {
         Self(self.0.map(|v| {
             let v = f64::from(v);

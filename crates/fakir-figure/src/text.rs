@@ -42,7 +42,7 @@ enum Level {
 }
 
 impl Run {
-    /// Relative to the text.
+    /// Its size, relative to that of the text.
     pub(crate) fn size(&self) -> f64 {
         match self.level {
             Level::Base => 1.0,

@@ -3,17 +3,18 @@
 //!
 //! The answer is sought as a root of `g(x) = ln(answer(x)/wanted)` over `ln x`: bracketed by
 //! strides that double, from where the homogenised lattice (a thousand times cheaper) has its
-//! root, or from the value in the case file; then closed in on by the ITP method (I. F. D.
-//! Oliveira, R. H. C. Takahashi, ACM Trans. Math. Softw. 47, 5 (2021)), which never needs more
-//! steps than bisection by more than one and takes a few. Where the lens would sink in too far to
+//! root, or from the value in the case file; then closed in on by the [bracketing method](fakir::numerics::roots)
+//! that all searches share, which tells a root from a jump. Where the lens would sink in too far to
 //! be solved the answer counts as too large; where it meets the floor first, as zero.
 
 use fakir::numerics::convergence::within;
-use fakir::problem::{MAXIMUM_SURFACE_FRACTION, Method, System};
+use fakir::numerics::roots::{self, Change, Point, Root};
+use fakir::problem::Method;
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir_case::unit::Dimension;
-use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
+use fakir_case::{Case, CaseError, CaseFile, Key};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, with_unit};
+use std::ops::Bound;
 
 /// What is wanted of the critical state.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +58,7 @@ impl Wanted {
 pub struct Candidate {
     /// Value of the free key, in SI units.
     pub value: f64,
-    /// The case with it.
+    /// The case with this value.
     pub case: Case,
     /// Its critical state.
     pub critical: CriticalState,
@@ -102,7 +103,7 @@ pub enum Limit {
 pub struct Answer {
     /// The key that was sought.
     pub free: Key,
-    /// What was wanted.
+    /// The critical force or contact radius that was wanted.
     pub wanted: Wanted,
     /// What came of it.
     pub design: Design,
@@ -133,10 +134,7 @@ impl Answer {
     /// What kind of number the value is.
     #[must_use]
     pub fn dimension(&self) -> Dimension {
-        match self.free.kind() {
-            Kind::Number(dimension) => dimension,
-            Kind::Word | Kind::Text => Dimension::Number,
-        }
+        self.free.dimension()
     }
 
     fn value(&self, candidate: &Candidate) -> String {
@@ -237,19 +235,17 @@ pub enum DesignError {
     },
 }
 
-/// Keys that can be sought.
-pub const FREE: [Key; 7] = [
-    Key::Pitch,
-    Key::SurfaceFraction,
-    Key::PillarHeight,
-    Key::PillarDiameter,
-    Key::LensRadius,
-    Key::LensYoungModulus,
-    Key::SubstrateYoungModulus,
-];
+/// Keys that can be sought: all sizes and moduli of a case with a texture.
+#[must_use]
+pub fn free_keys() -> Vec<Key> {
+    let keys = Key::ALL.into_iter();
+    keys.filter(|key| key.is_positive() && !key.is_of_surface())
+        .collect()
+}
 
 fn free_names() -> String {
-    FREE.map(Key::path).join(", ")
+    let names: Vec<&str> = free_keys().into_iter().map(Key::path).collect();
+    names.join(", ")
 }
 
 /// Relative difference from what is wanted at which a search ends.
@@ -258,7 +254,7 @@ pub const TOLERANCE: f64 = 1e-9;
 /// Relative width of a bracket within which an answer that is still not met is a jump.
 const JUMP: f64 = 1e-12;
 
-/// Relative width of a bracket that is narrow enough to say where a range ends.
+/// Relative width of a bracket that is narrow enough to say beyond which value there is no contact.
 const EDGE: f64 = 1e-3;
 
 /// Where the homogenised lattice has this many pillars in contact, it is within a few per cent, and
@@ -266,7 +262,7 @@ const EDGE: f64 = 1e-3;
 const MANY_PILLARS: usize = 1000;
 const CLEAR: f64 = std::f64::consts::LN_2;
 
-/// First strides in `ln x`: from an estimate, and from a guess.
+/// First strides in `ln x`: from an estimate of the value, and from a mere guess.
 const STRIDES: [f64; 2] = [0.02, 0.4];
 
 /// Finds the value of `free` that gives what is wanted; everything else is as in the case file,
@@ -282,7 +278,7 @@ pub fn design(
     wanted: Wanted,
     run: &Run<'_>,
 ) -> Result<Design, DesignError> {
-    if !FREE.contains(&free) {
+    if !free_keys().contains(&free) {
         return Err(DesignError::NotFree(free));
     }
     let target = wanted.value();
@@ -295,7 +291,7 @@ pub fn design(
         free,
         wanted,
         run,
-        range: range(free, &with(file, free, first)?.system, file),
+        range: range(free, first, &with(file, free, first)?),
         method: Some(Method::Homogenised),
     };
     let estimate = match search.find(first, STRIDES[1]) {
@@ -338,62 +334,48 @@ pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseEr
 }
 
 /// Where to begin: the value in the case file, or one in proportion to the others.
-fn first_value(file: &CaseFile, free: Key) -> Result<f64, CaseError> {
-    let of_case = |case: &Case| {
-        let system = &case.system;
-        match free {
-            Key::Pitch => system.lattice().pitch,
-            Key::SurfaceFraction => system.texture().surface_fraction(),
-            Key::PillarHeight => system.pillar().height,
-            Key::PillarDiameter => system.pillar().diameter,
-            Key::LensRadius => system.lens().radius,
-            Key::LensYoungModulus => system.lens().material.young_modulus,
-            _ => system.substrate().young_modulus,
-        }
-    };
+fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
     match file.case() {
-        Ok(case) => Ok(of_case(&case)),
+        Ok(case) => case.number(free),
         // It may be just the free key that is missing.
-        Err(error) => GUESSES
-            .iter()
-            .find_map(|guess| with(file, free, *guess).ok())
-            .map(|case| of_case(&case))
-            .ok_or(error),
+        Err(error) => {
+            let guess = GUESSES
+                .iter()
+                .find(|guess| with(file, free, **guess).is_ok());
+            Some(*guess.ok_or(error)?)
+        }
     }
+    .ok_or(DesignError::NotFree(free))
 }
 
 /// Values, in SI units, one of which is within reach of any quantity of a texture.
 const GUESSES: [f64; 9] = [1e6, 0.1, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7];
 
-/// Values between which a free quantity is sought.
-fn range(free: Key, system: &System, file: &CaseFile) -> [f64; 2] {
-    // Far beyond what is made or solved.
-    const WIDE: f64 = 1e6;
-    let lens = system.lens();
-    let (pillar, pitch) = (system.pillar(), system.lattice().pitch);
-    let around = |value: f64| [value / WIDE, value * WIDE];
+/// Values between which a free quantity is sought: all that are allowed, as far as a factor of a million from the first.
+fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
+    const FARTHEST: f64 = 1e6;
+    /// Relative distance from an end of the range that is not allowed itself.
+    const MARGIN: f64 = 1e-3;
+    let (least, greatest) = case.allowed(free);
+    let least = match least {
+        Bound::Included(least) => least,
+        Bound::Excluded(least) if least > 0.0 => least * (1.0 + MARGIN),
+        Bound::Excluded(_) | Bound::Unbounded => first / FARTHEST,
+    };
+    let greatest = match greatest {
+        Bound::Included(greatest) => greatest,
+        Bound::Excluded(greatest) => greatest * (1.0 - MARGIN),
+        Bound::Unbounded => first * FARTHEST,
+    };
+    // Pillars as wide as the lens, or as far apart, are no texture.
+    let widest = case.system.lens().radius;
     match free {
-        Key::Pitch => [pillar.diameter, lens.radius],
+        Key::Pitch | Key::PillarDiameter => [least, greatest.min(widest)],
         Key::SurfaceFraction => {
-            let widest = pillar.diameter / lens.radius;
-            [
-                MAXIMUM_SURFACE_FRACTION * widest * widest,
-                MAXIMUM_SURFACE_FRACTION,
-            ]
+            let part = case.system.pillar().diameter / widest;
+            [greatest * part * part, greatest]
         }
-        Key::PillarHeight => [pillar.height.min(lens.radius) / WIDE, lens.radius * 0.999],
-        Key::PillarDiameter => {
-            // With a pitch pillars can grow until they touch, with a surface fraction they
-            // take the pitch with them.
-            let doubled = with(file, free, 0.5 * pillar.diameter);
-            let pitch_is_held =
-                doubled.is_ok_and(|case| (case.system.lattice().pitch / pitch - 1.0).abs() < 0.1);
-            let largest = if pitch_is_held { pitch } else { lens.radius };
-            [pillar.diameter / WIDE, largest]
-        }
-        Key::LensRadius => [pillar.height * 1.001, lens.radius * WIDE],
-        Key::LensYoungModulus => around(lens.material.young_modulus),
-        _ => around(system.substrate().young_modulus),
+        _ => [least, greatest],
     }
 }
 
@@ -403,14 +385,14 @@ struct Search<'a> {
     wanted: Wanted,
     run: &'a Run<'a>,
     range: [f64; 2],
-    /// Instead of that of the case.
+    /// The method that solves the trials instead of that of the case.
     method: Option<Method>,
 }
 
 /// The critical state at one value.
 #[derive(Clone)]
 struct Trial {
-    /// `ln x`
+    /// The logarithm of the value, `ln x`.
     position: f64,
     outcome: Result<Candidate, SolveError>,
     /// `ln(answer/wanted)`: infinite where there is none.
@@ -420,6 +402,14 @@ struct Trial {
 impl Trial {
     fn is_met(&self) -> bool {
         within(self.excess.abs(), TOLERANCE)
+    }
+
+    /// For the search of roots: what meets the wanted value is a root.
+    fn point(&self) -> Point {
+        Point {
+            position: self.position,
+            value: if self.is_met() { 0.0 } else { self.excess },
+        }
     }
 
     fn limit(&self) -> Limit {
@@ -575,39 +565,38 @@ impl Search<'_> {
         Ok(Err(trials))
     }
 
-    /// Closes in on the wanted value between two trials: by halves as long as one side has no
-    /// value, then by the ITP method.
-    fn close_in(&self, [mut low, mut high]: [Trial; 2]) -> Result<Ending, DesignError> {
-        let mut steps = None;
-        loop {
-            for trial in [&low, &high] {
-                if let (true, Ok(candidate)) = (trial.is_met(), &trial.outcome) {
-                    return Ok(Ending::Found(candidate.clone()));
-                }
-            }
-            let width = high.position - low.position;
-            let open = !(low.excess.is_finite() && high.excess.is_finite());
-            if width < if open { EDGE } else { JUMP } {
-                return Self::edge(&low, &high);
-            }
-            let position = if open {
-                0.5 * (low.position + high.position)
-            } else {
-                steps
-                    .get_or_insert_with(|| Itp::new(width))
-                    .next(&low, &high)
-            };
-            let trial = self.trial(position)?;
-            if trial.excess.signum() == low.excess.signum() {
-                low = trial;
-            } else {
-                high = trial;
-            }
+    /// Closes in on the wanted value between two trials. Where contacts end, a rough search is enough; between
+    /// two values it goes on.
+    fn close_in(&self, mut sides: [Trial; 2]) -> Result<Ending, DesignError> {
+        let mut root = self.narrow(&mut sides, EDGE)?;
+        if sides.iter().all(|trial| trial.excess.is_finite()) {
+            root = self.narrow(&mut sides, JUMP)?;
         }
+        if let Some(Change::Crossing(_)) = root.map(|root| root.change(TOLERANCE))
+            && let Some(met) = sides.iter().find(|side| side.is_met())
+            && let Ok(candidate) = &met.outcome
+        {
+            return Ok(Ending::Found(candidate.clone()));
+        }
+        Self::edge(&sides)
+    }
+
+    /// Moves two trials on either side of the wanted value together, until their values differ by this part of them or
+    /// one of them meets it.
+    fn narrow(&self, sides: &mut [Trial; 2], width: f64) -> Result<Option<Root>, DesignError> {
+        let ends = [sides[0].point(), sides[1].point()];
+        let size = ends[0].position.abs().max(ends[1].position.abs());
+        roots::find(ends, width / size, |position| {
+            let trial = self.trial(position)?;
+            let point = trial.point();
+            let side = usize::from((point.value > 0.0) == (sides[1].excess > 0.0));
+            sides[side] = trial;
+            Ok(point.value)
+        })
     }
 
     /// The outcome where a bracket has become narrow and the wanted value is not in it.
-    fn edge(low: &Trial, high: &Trial) -> Result<Ending, DesignError> {
+    fn edge([low, high]: &[Trial; 2]) -> Result<Ending, DesignError> {
         match (low.outcome.clone(), high.outcome.clone()) {
             (Ok(a), Ok(b)) if low.excess.is_finite() && high.excess.is_finite() => {
                 Ok(Ending::Jump(Box::new([a, b])))
@@ -671,7 +660,7 @@ impl Search<'_> {
         }
     }
 
-    /// `d ln(answer)/d ln(x)`
+    /// The sensitivity `d ln(answer)/d ln(x)` by a central difference.
     fn sensitivity(&self, found: &Candidate) -> Result<f64, DesignError> {
         const STEP: f64 = 1e-3;
         let middle = found.value.ln();
@@ -681,45 +670,6 @@ impl Search<'_> {
             (Some(a), Some(b)) if b > a => (high.excess - low.excess) / (b - a),
             _ => f64::NAN,
         })
-    }
-}
-
-/// Interpolate, truncate, project: positions within a bracket of a root.
-struct Itp {
-    /// How far from the middle of the bracket half its width may end up, in units of [`JUMP`],
-    /// so that bisection is never outdone by more than a step.
-    slack: f64,
-    /// `kappa_1` of the method, with `kappa_2 = 2`.
-    truncation: f64,
-}
-
-impl Itp {
-    fn new(width: f64) -> Self {
-        Self {
-            slack: 2f64.powf((width / JUMP).log2().ceil().max(0.0) + 1.0),
-            truncation: 0.2 / width,
-        }
-    }
-
-    fn next(&mut self, low: &Trial, high: &Trial) -> f64 {
-        let width = high.position - low.position;
-        let middle = 0.5 * (low.position + high.position);
-        let interpolated =
-            (high.excess * low.position - low.excess * high.position) / (high.excess - low.excess);
-        let towards = (middle - interpolated).signum();
-        let truncation = self.truncation * width * width;
-        let truncated = if truncation <= (middle - interpolated).abs() {
-            interpolated + towards * truncation
-        } else {
-            middle
-        };
-        let allowed = (0.5 * JUMP * self.slack - 0.5 * width).max(0.0);
-        self.slack *= 0.5;
-        if (truncated - middle).abs() <= allowed {
-            truncated
-        } else {
-            middle - towards * allowed
-        }
     }
 }
 
@@ -733,11 +683,6 @@ mod tests {
         file
     }
 
-    fn value_of(case: &Case, key: Key) -> f64 {
-        let file = CaseFile::parse("again", &case.to_toml()).unwrap();
-        file.given(key).unwrap().unwrap()
-    }
-
     /// Takes the critical force of a case, forgets one quantity, finds it again.
     #[test]
     fn every_free_quantity_is_found_again() {
@@ -749,7 +694,7 @@ mod tests {
                 file.set_number(Key::Pitch, case.system.lattice().pitch);
                 file
             };
-            for free in FREE {
+            for free in free_keys() {
                 let file = match free {
                     Key::SurfaceFraction => paper(surface_fraction),
                     _ => by_pitch.clone(),
@@ -780,7 +725,10 @@ mod tests {
                     .unwrap()
                     .case()
                     .unwrap();
-                assert_eq!(value_of(&written, free).to_bits(), found.value.to_bits());
+                assert_eq!(
+                    written.number(free).map(f64::to_bits),
+                    Some(found.value.to_bits())
+                );
                 let again = fakir::transition(&written.system, written.method, &run).unwrap();
                 assert!((again.contact.force / critical.contact.force - 1.0).abs() < 1e-6);
             }
@@ -850,6 +798,39 @@ mod tests {
         for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(!trial(odd).is_met());
         }
+    }
+
+    /// The keys are those that can be sought, taken from the key table; ranges are what it allows.
+    #[test]
+    fn ranges_are_those_of_the_key_table() {
+        let file = paper(0.1);
+        let case = file.case().unwrap();
+        let names: Vec<&str> = free_keys().into_iter().map(Key::path).collect();
+        assert_eq!(
+            names,
+            [
+                "lens.radius",
+                "lens.young_modulus",
+                "substrate.young_modulus",
+                "texture.surface_fraction",
+                "texture.pitch",
+                "texture.pillar.diameter",
+                "texture.pillar.height"
+            ]
+        );
+        for free in free_keys() {
+            let first = case.number(free).unwrap();
+            let [least, greatest] = range(free, first, &case);
+            assert!(least < first && first < greatest, "{free}");
+            for end in [least, greatest] {
+                assert!(with(&file, free, end).is_ok(), "{free} = {end}");
+            }
+        }
+        // The pitch of the case is the farthest that its pillars can grow.
+        let mut held = file.clone();
+        held.set_number(Key::Pitch, 18e-6);
+        let [_, widest] = range(Key::PillarDiameter, 6e-6, &held.case().unwrap());
+        assert!((widest / 18e-6 - 1.0).abs() < 1e-15);
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub struct DesignSummary {
 }
 
 impl DesignSummary {
-    /// What came of it by a method, in so many seconds.
+    /// The summary of an answer and a spread, one of which may be missing. `wall_time` is how long both took, s.
     #[must_use]
     pub fn new(
         method: Method,
@@ -47,7 +47,7 @@ struct AnswerObject {
     /// The value, its unit in its name.
     #[serde(flatten)]
     value: Map<String, Value>,
-    /// `d ln(wanted)/d ln(value)`
+    /// The relative change of what is wanted over that of the value, `d ln(wanted)/d ln(value)`.
     sensitivity: Option<f64>,
     statement: String,
     critical_state: TransitionSummary,

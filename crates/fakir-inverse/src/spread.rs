@@ -13,9 +13,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// A quantity that varies, normally distributed about its value in the case file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Which.
+    /// The key of the quantity.
     pub key: Key,
-    /// How much.
+    /// Its standard deviation.
     pub deviation: Deviation,
 }
 
@@ -52,7 +52,7 @@ impl Landing {
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
-    /// What varies.
+    /// The quantities that vary.
     pub tolerances: Vec<Tolerance>,
     /// Where the lens lands.
     pub landing: Landing,
@@ -105,10 +105,10 @@ pub enum SpreadError {
     /// A key that is no number of the case.
     #[error("{} has no tolerance: it must be a number that the case file gives", .0.path())]
     NotVariable(Key),
-    /// A key twice.
+    /// A key that is given twice.
     #[error("{} has two tolerances", .0.path())]
     Twice(Key),
-    /// A deviation that cannot be.
+    /// A deviation that is not greater than zero.
     #[error("the standard deviation of {} must be a number greater than 0", .0.path())]
     NotPositive(Key),
     /// A deviation so large that hardly any sample can be.
@@ -117,7 +117,7 @@ pub enum SpreadError {
         /// What is wrong with the samples.
         problem: String,
     },
-    /// Too few samples.
+    /// Fewer than two samples.
     #[error("a spread takes at least 2 samples")]
     TooFew,
 }
@@ -143,13 +143,13 @@ pub fn spread(
     let case = file.case()?;
     let varied = varied(file, &sampling.tolerances)?;
     let count = AtomicUsize::new(0);
-    // Samples are shared between threads, so each has to make do with one.
+    // Threads share the samples, and every sample is computed by one thread.
     let single = Run {
         pool: None,
         progress: None,
         ..run.clone()
     };
-    let one = |number: usize| -> Result<Sample, SpreadError> {
+    let draw_sample = |number: usize| -> Result<Sample, SpreadError> {
         let sample = Draw {
             file,
             lattice: *case.system.lattice(),
@@ -161,8 +161,13 @@ pub fn spread(
         Ok(sample)
     };
     let samples: Result<Vec<_>, SpreadError> = match run.pool {
-        Some(pool) => pool.install(|| (0..sampling.samples).into_par_iter().map(one).collect()),
-        None => (0..sampling.samples).map(one).collect(),
+        Some(pool) => pool.install(|| {
+            (0..sampling.samples)
+                .into_par_iter()
+                .map(draw_sample)
+                .collect()
+        }),
+        None => (0..sampling.samples).map(draw_sample).collect(),
     };
     Ok(Spread { samples: samples? })
 }
@@ -313,12 +318,8 @@ impl Spread {
             values: Values::Counts((0..).map(Some).take(self.samples.len()).collect()),
         }];
         for (number, tolerance) in sampling.tolerances.iter().enumerate() {
-            let suffix = match tolerance.key.kind() {
-                Kind::Number(dimension) => dimension.suffix(),
-                Kind::Word | Kind::Text => "",
-            };
             columns.push(numbers(
-                format!("{}{suffix}", tolerance.key.path()),
+                tolerance.key.column(),
                 samples()
                     .map(|sample| Some(sample.values[number]))
                     .collect(),
@@ -333,8 +334,8 @@ impl Spread {
             numbers(name.to_owned(), values.collect())
         };
         columns.extend([
-            drawn("texture.offset", |sample| sample.offset),
-            drawn("texture.offset_angle_rad", |sample| sample.offset_angle),
+            drawn(&Key::Offset.column(), |sample| sample.offset),
+            drawn(&Key::OffsetAngle.column(), |sample| sample.offset_angle),
             found("critical_force_N", |critical| critical.force),
             found("critical_indentation_m", |critical| critical.indentation),
             found("critical_contact_radius_m", |critical| {

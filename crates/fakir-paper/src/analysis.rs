@@ -7,19 +7,19 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// A quantity of the critical state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// `F_c`
+    /// The critical force `F_c`, N.
     Force,
-    /// `a_c`
+    /// The critical contact radius `a_c`, m.
     ContactRadius,
-    /// `zeta_c`
+    /// The critical indentation `zeta_c`, m.
     Indentation,
 }
 
 impl Quantity {
-    /// All three.
+    /// All three quantities.
     pub const ALL: [Self; 3] = [Self::Force, Self::ContactRadius, Self::Indentation];
 
-    /// In SI units.
+    /// The quantity of a critical state, in SI units.
     #[must_use]
     pub fn of(self, critical: &Critical) -> f64 {
         match self {
@@ -71,7 +71,7 @@ pub struct PowerLaw {
     /// Half the width of its 95 % confidence interval (Student's t). The points are not noisy: it
     /// says how far the curve is from a power law.
     pub uncertainty: f64,
-    /// In SI units.
+    /// The prefactor, in SI units.
     pub prefactor: f64,
     /// Surface fractions of the first and the last point.
     pub range: [f64; 2],

@@ -17,18 +17,18 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// It does.
+    /// It agrees.
     Agrees,
-    /// It does within limits that the paper does not state.
+    /// It agrees within limits that the paper does not state.
     Partly,
-    /// It does not.
+    /// It does not agree.
     Differs,
-    /// The paper left it open.
+    /// The paper left the question open.
     Beyond,
 }
 
 impl Verdict {
-    /// For a reader.
+    /// The verdict in words.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -86,7 +86,7 @@ fn named(stem: &str, unit: &str, values: [f64; 3]) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// Three significant digits.
+/// A number in three significant digits.
 fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -102,7 +102,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// Digits and minus as superscripts.
+/// A number with its digits and its minus as superscripts.
 fn raised(number: &str) -> String {
     let digits = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     number

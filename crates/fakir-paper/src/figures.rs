@@ -26,7 +26,7 @@ pub enum DrawingError {
     /// A system that cannot be.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// No contact.
+    /// A contact that could not be computed.
     #[error(transparent)]
     Solve(#[from] SolveError),
     /// A figure that cannot be drawn.
@@ -37,7 +37,7 @@ pub enum DrawingError {
 /// What the figures are drawn from.
 #[derive(Clone, Copy)]
 pub struct Material<'a> {
-    /// The sweep.
+    /// The critical states of the sweep.
     pub grid: &'a Grid,
     /// Single states.
     pub states: &'a States,
@@ -98,7 +98,7 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
              {}: dashed the edge of the contact, crosses the floor contact in all its symmetric \
              places. Beside it, pressure at the centre of every pillar against its distance from the \
              axis, with a semi-ellipse as in a Hertz contact.",
-            of(&dense.contact)
+            fraction_label(&dense.contact)
         );
         Ok(vec![Plate::new(
             map,
@@ -113,7 +113,7 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
             "Pressure inside the top of the central pillar and of one at the rim of the contact, \
              intermediate substrate, {}. At the edge of a covered pillar top the pressure is \
              infinite; the maps are cut off.",
-            of(&dense.contact)
+            fraction_label(&dense.contact)
         );
         Ok(vec![Plate::new(
             figure,
@@ -128,7 +128,7 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
             let caption = format!(
                 "Gap between lens and floor in the critical state, intermediate substrate, {}; \
                  pillars in grey. The lens touches the floor at the marked places.",
-                of(contact)
+                fraction_label(contact)
             );
             let figure = floor_gap_map(contact, single)?;
             Ok(vec![Plate::new(
@@ -162,7 +162,7 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
                 let caption = format!(
                     "The contact as seen in a reflection microscope {words}, intermediate \
                      substrate, {}: contact spots are dark.",
-                    of(state)
+                    fraction_label(state)
                 );
                 let figure = top_view(state, view, single)?;
                 Ok(vec![Plate::new(figure, name, "View from above", &caption)])
@@ -179,8 +179,8 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
     Ok(plates.into_iter().flatten().collect())
 }
 
-/// `φ = 0.1`
-fn of(state: &ContactState) -> String {
+/// The surface fraction of a state as a label: `φ = 0.1`.
+fn fraction_label(state: &ContactState) -> String {
     format!("φ = {:.3}", state.system.texture().surface_fraction())
 }
 
@@ -407,7 +407,7 @@ fn section(
         "Section through lens and substrate along x before and at the critical state, {} substrate, \
          {}. The vertical scale is exaggerated as stated.",
         substrate.name(),
-        of(&critical.contact)
+        fraction_label(&critical.contact)
     );
     Ok(Plate::new(
         profiles(&states, run)?,

@@ -8,11 +8,11 @@ use fakir_study::{Answer, Critical, Row};
 /// A substrate of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Substrate {
-    /// 1000 MPa
+    /// The rigid substrate, of 1000 MPa.
     Rigid,
-    /// 2 MPa, as the lens
+    /// The intermediate substrate, of 2 MPa as the lens.
     Intermediate,
-    /// 0.002 MPa
+    /// The soft substrate, of 0.002 MPa.
     Soft,
 }
 
@@ -58,7 +58,7 @@ pub struct Fractions {
     pub from: f64,
     /// The largest.
     pub to: f64,
-    /// How many, equally spaced on a logarithmic scale.
+    /// The number of surface fractions, equally spaced on a logarithmic scale.
     pub points: usize,
 }
 
@@ -121,9 +121,9 @@ pub struct Grid {
 /// Critical states along the surface fraction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// On which substrate.
+    /// The substrate.
     pub substrate: Substrate,
-    /// Which of [`OFFSETS`].
+    /// The index of its offset in [`OFFSETS`].
     pub offset: usize,
     /// By rising surface fraction; those without an answer are left out.
     pub states: Vec<Critical>,

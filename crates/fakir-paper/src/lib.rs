@@ -41,7 +41,7 @@ use std::path::Path;
 /// Why the paper could not be reproduced.
 #[derive(Debug, thiserror::Error)]
 pub enum PaperError {
-    /// The sweep.
+    /// The sweep failed.
     #[error(transparent)]
     Study(#[from] StudyError),
     /// A case that cannot be.
@@ -91,13 +91,13 @@ pub struct Scope {
 /// How far it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress {
-    /// The sweep.
+    /// How far the sweep is.
     Sweep(fakir_study::Progress),
-    /// The sweep of dense textures.
+    /// How far the sweep of dense textures is.
     Dense(fakir_study::Progress),
-    /// Single states, with the part that is done.
+    /// Single states are computed; with the part of them that is done.
     States(f64),
-    /// The figures.
+    /// The figures are drawn.
     Figures,
 }
 
@@ -106,9 +106,9 @@ pub enum Progress {
 pub struct Reproduction {
     /// The claims.
     pub claims: Vec<Claim>,
-    /// Cases of the sweeps.
+    /// The number of cases of all sweeps.
     pub cases: usize,
-    /// Those without an answer.
+    /// The number of cases without an answer.
     pub failed: usize,
     /// Lines of journals that were left out, and their cases computed again.
     pub damaged: Vec<DamagedLine>,

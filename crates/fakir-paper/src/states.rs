@@ -12,7 +12,7 @@ pub enum StateError {
     /// A system that cannot be.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// No contact.
+    /// A contact that could not be computed.
     #[error(transparent)]
     Solve(#[from] SolveError),
 }
@@ -33,14 +33,14 @@ pub struct Approach {
 pub struct Loading {
     /// Surface fraction.
     pub surface_fraction: f64,
-    /// By rising indentation.
+    /// The states, by rising indentation.
     pub states: Vec<ContactState>,
 }
 
 /// What the figures show.
 #[derive(Debug, Clone)]
 pub struct States {
-    /// For every substrate, at [`SECTION`].
+    /// An approach on every substrate, at the surface fraction [`SECTION`].
     pub approaches: Vec<(Substrate, Approach)>,
     /// The intermediate substrate at [`DENSE`], in the critical state.
     pub dense: CriticalState,

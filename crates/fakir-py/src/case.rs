@@ -66,7 +66,7 @@ impl Case {
                 None => {}
             }
         }
-        // The one that was given, and the other that follows from it.
+        // One of both was given, and the other follows from it.
         let system = &self.case.system;
         values.set_item(Key::Pitch.path(), system.lattice().pitch)?;
         let fraction = system.texture().surface_fraction();

@@ -119,7 +119,7 @@ pub(crate) struct Ledger {
 /// Columns of a table with their values.
 pub(crate) type PyColumns<'py> = Vec<(String, Bound<'py, PyAny>)>;
 
-/// Those of a sweep, and the whole as CSV.
+/// The columns of a sweep, and the whole table as CSV.
 type Finished<'py> = (PyColumns<'py>, String);
 
 #[pymethods]
@@ -160,13 +160,13 @@ impl Ledger {
         Ok(self.open()?.get()?.remaining())
     }
 
-    /// Answers that are there.
+    /// How many cases have an answer.
     #[getter]
     fn done(&self) -> PyResult<usize> {
         Ok(self.open()?.get()?.rows().len())
     }
 
-    /// Of them those found in the journal.
+    /// How many of the answers were found in the journal.
     #[getter]
     fn found(&self) -> PyResult<usize> {
         Ok(self.open()?.get()?.found())
@@ -184,7 +184,7 @@ impl Ledger {
             .collect())
     }
 
-    /// Of them those without an answer to be relied on.
+    /// How many of the cases have no answer to be relied on.
     #[getter]
     fn failed(&self) -> PyResult<usize> {
         Ok(self.open()?.get()?.failed())
@@ -247,7 +247,7 @@ impl Ledger {
         Ok((columns(py, &table)?, table.to_csv()))
     }
 
-    /// Lets go of the folder.
+    /// Closes the ledger, so that another sweep can use its folder.
     fn close(&self) {
         if let Ok(mut ledger) = self.ledger.lock() {
             *ledger = None;

@@ -19,7 +19,7 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// What is pressed onto what.
+/// A surface and the lens or plate that is pressed onto it.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Surface {
     system: SurfaceSystem,
@@ -77,7 +77,7 @@ impl Surface {
         Self::of(file, &overrides, memory_limit)
     }
 
-    /// Reads the text of one; `name` is what errors call it.
+    /// Reads the text of a case file; `name` is what errors call it.
     #[staticmethod]
     fn parse(
         name: &str,

@@ -55,7 +55,7 @@ pub(crate) fn theory(case: &Case) -> String {
     json(&TheorySummary::new(&case.case.system))
 }
 
-/// The constants in it.
+/// The constants of the object that [`theory`] gives.
 #[pyfunction]
 pub(crate) fn constants(case: &Case) -> String {
     json(&fakir_study::result::constants(&case.case.system))
@@ -111,7 +111,7 @@ pub(crate) fn exact_lattice_sums(contact_radius: f64) -> Sums {
     sums(&LatticeSums::exact(contact_radius))
 }
 
-/// The same by the paper's fits.
+/// `G0`, `G` and `G1` at a contact radius in pitches, by the paper's fits.
 #[pyfunction]
 pub(crate) fn fitted_lattice_sums(contact_radius: f64) -> Sums {
     sums(&SumCoefficients::PAPER.sums(contact_radius))
@@ -139,13 +139,13 @@ pub(crate) fn lattice_potential(x: f64, y: f64) -> f64 {
     potential::lattice_potential([x, y])
 }
 
-/// At a lattice site, without that site.
+/// Potential of a neutralised unit lattice at a site, without the charge of that site.
 #[pyfunction]
 pub(crate) fn site_potential() -> f64 {
     potential::site_potential()
 }
 
-/// At a hollow site.
+/// Potential of a neutralised unit lattice at a hollow site, between three sites.
 #[pyfunction]
 pub(crate) fn hollow_potential() -> f64 {
     potential::hollow_potential()

@@ -11,16 +11,16 @@ use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Between two looks.
+/// How often the calling thread looks for signals and progress.
 const TICK: Duration = Duration::from_millis(50);
 
 /// How a computation is run.
 #[derive(FromPyObject)]
 pub(crate) struct Options {
-    /// 0 for as many as there are processors, which are the most that are used.
+    /// The number of threads; 0 for as many as there are processors, which are the most that are used.
     #[pyo3(item)]
     threads: usize,
-    /// Bytes.
+    /// The most memory that a computation may take, bytes.
     #[pyo3(item)]
     memory_limit: Option<usize>,
     /// Called with stage, step, pillars and touched pillars.
@@ -109,7 +109,7 @@ pub(crate) fn stoppable<T: Send, E>(
     })
 }
 
-/// The answer; none if there will be none.
+/// Waits for the answer; `None` if the computation ended without one.
 fn wait<T, E>(
     receiver: &Receiver<T>,
     look: &mut impl FnMut() -> Result<(), E>,

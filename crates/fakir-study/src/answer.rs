@@ -15,7 +15,7 @@ pub struct Row {
     pub answer: Option<Answer>,
     /// Why there is no answer, or none to be relied on.
     pub problem: Option<String>,
-    /// How long it took, s. Alone of all this it is not the same every time.
+    /// How long it took, s. All other numbers are the same each time the case is solved.
     pub wall_time: f64,
 }
 
@@ -82,7 +82,7 @@ pub struct Critical {
     pub relative_error_estimate_contact_radius: f64,
     /// Whether the numbers are the solution.
     pub converged: bool,
-    /// Steps taken.
+    /// Steps of the solver.
     pub iterations: usize,
 }
 
@@ -120,7 +120,7 @@ pub struct Pressed {
     pub relative_error_estimate_contact_radius: f64,
     /// Whether the numbers are the solution.
     pub converged: bool,
-    /// Steps taken.
+    /// Steps of the solver.
     pub iterations: usize,
 }
 

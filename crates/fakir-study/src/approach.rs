@@ -10,13 +10,13 @@ use fakir::state::{
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
 
-/// More states than anybody wants; a step in the wrong unit asks for this many.
+/// The most states of a loading. More are asked for only by a step in the wrong unit.
 const MOST_STATES: f64 = 1e4;
 
 /// The indentations of a loading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadingPath {
-    /// Between two states, m; greater than 0.
+    /// The indentation between two states, m; greater than 0.
     pub step: f64,
     /// The last indentation, m, if the loading is to end before the critical state, or past it.
     pub until: Option<f64>,
@@ -54,7 +54,7 @@ pub enum ApproachError {
          indentation (until)"
     )]
     NoEnd,
-    /// A step that makes more states than anybody wants.
+    /// A step so short that the loading would have too many states.
     #[error(
         "a step of {} makes {states:.0} states up to an indentation of {}: at most {MOST_STATES} are \
          computed", rounded_length(*step), rounded_length(*end)
@@ -64,7 +64,7 @@ pub enum ApproachError {
         step: f64,
         /// The last indentation, m.
         end: f64,
-        /// So many.
+        /// The number of states that it makes.
         states: f64,
     },
 }

@@ -49,7 +49,7 @@ pub enum Kind {
 pub struct Citation {
     /// A name for it, as in BibTeX.
     pub key: String,
-    /// What it is.
+    /// Whether it is an article, a book or a program.
     pub kind: Kind,
     /// Its authors, with their initials first.
     pub authors: Vec<String>,
@@ -72,7 +72,7 @@ pub struct Citation {
 }
 
 impl Citation {
-    /// In a line: authors, title, journal or publisher, year, and the link of the DOI.
+    /// The citation in one line: authors, title, journal or publisher, year, and the link of the DOI.
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!("{}, {}", self.authors.join(", "), self.title);
@@ -137,7 +137,7 @@ impl Citation {
     }
 }
 
-/// Letters as the commands that every TeX knows.
+/// The text with letters beyond ASCII written as commands that every TeX knows.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -205,7 +205,7 @@ impl Topic {
             }
             Self::Method(Method::Love(_)) => vec!["love", "elements"],
             Self::Method(Method::Homogenised) => vec!["homogenised"],
-            Self::Method(_) => Vec::new(), // methods to come name their sources here
+            Self::Method(_) => Vec::new(), // a method that is added must name its sources here
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
             Self::Surface { periodic, random } => {

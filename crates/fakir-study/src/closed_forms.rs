@@ -28,7 +28,7 @@ pub enum Formula {
 }
 
 impl Formula {
-    /// All of them.
+    /// All formulas.
     pub const ALL: [Self; 6] = [
         Self::SmallContact,
         Self::OnePillar,
@@ -105,9 +105,9 @@ impl Formula {
 /// A formula for the critical state, evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosedForm {
-    /// Which.
+    /// The formula.
     pub formula: Formula,
-    /// What it gives.
+    /// The critical state that it gives.
     pub estimate: TransitionEstimate,
     /// Whether the system is in its range.
     pub applies: bool,

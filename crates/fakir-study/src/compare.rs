@@ -43,7 +43,7 @@ pub fn methods() -> [(Method, &'static str, &'static str); 6] {
 /// The answers of all methods.
 #[derive(Debug, Clone)]
 pub struct Comparison {
-    /// As JSON object and table.
+    /// The comparison as a JSON object and as a table.
     pub summary: CompareSummary,
     /// What to be careful about, with the names of the methods.
     pub warnings: Vec<String>,
@@ -120,7 +120,7 @@ fn set_differences(rows: &mut [MethodRow]) -> Option<&'static str> {
     Some(reference)
 }
 
-/// Wall and processor time of a piece of work.
+/// Measures the wall time and the processor time of a computation.
 struct Clock {
     start: Instant,
     processor_start: Option<f64>,

@@ -42,7 +42,7 @@ pub enum Existing {
 pub struct Summary {
     /// What was swept.
     pub study: Study,
-    /// In the order of the study.
+    /// The rows of all cases, in the order of the study.
     pub rows: Vec<Row>,
     /// How many of them were in the journal before.
     pub found: usize,
@@ -104,7 +104,7 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// A sweep that is nowhere but in memory.
+    /// Begins a sweep that is kept in memory only.
     #[must_use]
     pub fn in_memory(study: &Study) -> Self {
         Self {
@@ -434,7 +434,7 @@ fn shortened(items: &[String]) -> String {
 
 fn refuse_own_shard(folder: &Path, shards: &[PathBuf]) -> Result<(), StudyError> {
     let Ok(place) = folder.canonicalize() else {
-        return Ok(()); // it is to be made
+        return Ok(()); // the folder will be made
     };
     let is_in_there = |shard: &PathBuf| {
         let shard = shard.canonicalize();

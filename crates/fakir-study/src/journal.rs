@@ -29,10 +29,10 @@ pub(crate) const JOURNAL: &str = "journal.jsonl";
 /// The version of what is written here.
 const FORMAT: u32 = 2;
 
-/// The version of before, which had no checksums.
+/// The version of journals before lines had checksums.
 const WITHOUT_CHECKSUMS: u32 = 1;
 
-/// More bytes than any line has: the first one holds a study, which is smaller.
+/// The most bytes that a line can have. The first line holds a study, which is smaller.
 const LONGEST_LINE: u64 = 64_000_000;
 
 /// What is swept.
@@ -41,7 +41,7 @@ pub(crate) struct Header {
     pub(crate) format: u32,
     pub(crate) fakir_version: String,
     pub(crate) shard: Shard,
-    /// Bytes that a case may take.
+    /// The most memory that a case may take, bytes.
     pub(crate) memory_limit: usize,
     /// The study in its canonical form.
     pub(crate) study: String,
@@ -226,7 +226,7 @@ impl Journal {
         self.append_text(&(sealed(header) + "\n"))
     }
 
-    /// Drops what is beyond so many bytes, and goes on from there.
+    /// Cuts the file off after so many bytes, so that new lines are written from there on.
     pub(crate) fn keep_only(&mut self, bytes: u64) -> Result<(), StudyError> {
         self.file
             .set_len(bytes)
@@ -258,7 +258,7 @@ impl Journal {
     }
 }
 
-/// A whole journal as a text.
+/// The text of a whole journal.
 pub(crate) fn whole(header: &Header, rows: &[Row]) -> String {
     sealed(header) + "\n" + &lines(rows)
 }

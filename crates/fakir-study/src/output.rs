@@ -15,7 +15,7 @@ use tempfile::NamedTempFile;
 pub struct File {
     /// Its name in the folder it is saved in; with a `/`, in a folder in there.
     pub name: Cow<'static, str>,
-    /// All of it.
+    /// All its bytes.
     pub contents: Vec<u8>,
 }
 
@@ -85,12 +85,12 @@ pub enum OutputError {
         /// The folder.
         folder: PathBuf,
     },
-    /// The system took the old results away, but neither the new nor the old ones back.
+    /// The old results were moved aside, but then the system let neither the new nor the old ones take their place.
     #[error("{} could not be replaced; what was there is in {}", folder.display(), old.display())]
     Aside {
         /// The folder.
         folder: PathBuf,
-        /// Where it is.
+        /// Where the old results are.
         old: PathBuf,
     },
     /// There is a file already, which may not be replaced.
@@ -114,7 +114,7 @@ impl OutputError {
 /// Whether a file, or a folder of results, that is there already may be replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Replace {
-    /// It may.
+    /// It may be replaced.
     Allowed,
     /// It stays, and saving fails.
     Refused,

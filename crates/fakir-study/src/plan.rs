@@ -102,7 +102,7 @@ impl fmt::Display for Shard {
 pub(crate) struct Plan {
     shard: Shard,
     cases: usize,
-    /// Consecutive cases that are neighbours along the last axis; chains do not go beyond.
+    /// How many consecutive cases are neighbours along the last axis. A chain ends where they do.
     run: usize,
 }
 

@@ -17,7 +17,7 @@ use std::path::Path;
 /// The file that holds the provenance of a folder of results.
 pub const FILE_NAME: &str = "provenance.json";
 
-/// More bytes than it has: a study, written as a text in JSON, and some more.
+/// The most bytes that the file can have. It holds a study, which is longer as a text in JSON.
 const LARGEST_PROVENANCE: u64 = 3 * LARGEST_STUDY;
 
 /// Where a result is from.
@@ -115,7 +115,7 @@ impl Provenance {
         File::new(FILE_NAME, listed.to_json())
     }
 
-    /// All of it but the citations in a few lines of text, to be written into figures.
+    /// The provenance without the citations in a few lines of text, to be written into figures.
     #[must_use]
     pub fn stamp(&self) -> String {
         let Self {

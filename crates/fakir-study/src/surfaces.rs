@@ -8,12 +8,12 @@ use fakir::{Difference, Doubt, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
 
-/// An answer, and the case that was solved for it.
+/// An answer, and the case that was solved to find it.
 #[derive(Debug, Clone)]
 pub struct Answered<T> {
     /// The case, on the grid that was wide enough.
     pub case: SurfaceCase,
-    /// What was asked.
+    /// The answer.
     pub answer: T,
     /// A sentence that says so, if the grid is wider than that of the file.
     pub widened: Option<String>,

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-/// How long the calling thread looks away from its token and its listener, at most.
+/// How often the calling thread looks whether the sweep is cancelled, and tells the progress.
 const TICK: Duration = Duration::from_millis(50);
 
 /// How a sweep is run; what it answers does not depend on it.
@@ -30,7 +30,7 @@ pub struct Options<'a> {
     pub memory_limit: Option<usize>,
     /// The part of the sweep to compute.
     pub shard: Shard,
-    /// Told how far it is, on the calling thread, many times a second.
+    /// A function that is told many times a second how far the sweep is, on the calling thread.
     pub on_progress: Option<&'a mut dyn FnMut(Progress)>,
 }
 
@@ -73,7 +73,7 @@ pub fn solve(
     memory_limit: Option<usize>,
     cancel: &CancelToken,
 ) -> Result<Vec<Row>, StudyError> {
-    let work = Work {
+    let shared = SharedSweep {
         study,
         chains: Vec::new(),
         known: BTreeSet::new(),
@@ -83,7 +83,7 @@ pub fn solve(
     };
     let mut rows = Vec::with_capacity(cases.len());
     for index in cases {
-        let row = work.row(*index).ok_or(StudyError::Interrupted {
+        let row = shared.row(*index).ok_or(StudyError::Interrupted {
             done: rows.len(),
             cases: cases.len(),
         })?;
@@ -109,19 +109,19 @@ pub(crate) fn complete(
         work: 0.0,
     };
     let known = rows.keys().copied().collect();
-    let work = Work::new(study, &plan, known, options.memory_limit);
-    let total = work.cost();
+    let shared = SharedSweep::new(study, &plan, known, options.memory_limit);
+    let total = shared.cost();
     let mut outcome = Ok(());
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
         for _ in 0..Threads::asked(options.threads)
             .number()
-            .min(work.chains.len())
+            .min(shared.chains.len())
         {
-            let (work, sender) = (&work, sender.clone());
-            scope.spawn(move || work.run(&sender));
+            let (shared, sender) = (&shared, sender.clone());
+            scope.spawn(move || shared.run(&sender));
         }
-        drop(sender); // the threads have theirs; when all are done the channel is closed
+        drop(sender); // every thread has a sender of its own; the channel is closed when all threads are done
         loop {
             let (new, costs): (Vec<Row>, Vec<f64>) = match receiver.recv_timeout(TICK) {
                 Ok(row) => std::iter::once(row).chain(receiver.try_iter()).unzip(),
@@ -132,7 +132,7 @@ pub(crate) fn complete(
                 outcome = keep(&new);
             }
             if options.cancel.is_cancelled() || outcome.is_err() {
-                work.stop.cancel();
+                shared.stop.cancel();
             }
             progress.done += new.len();
             progress.failed += failed(&new);
@@ -158,8 +158,8 @@ fn failed<'a>(rows: impl IntoIterator<Item = &'a Row>) -> usize {
     rows.filter(|row| row.problem.is_some()).count()
 }
 
-/// What the threads share.
-struct Work<'a> {
+/// What all threads of a sweep share.
+struct SharedSweep<'a> {
     study: &'a Study,
     chains: Vec<Costed>,
     /// Cases that have a row already.
@@ -170,7 +170,7 @@ struct Work<'a> {
     memory_limit: Option<usize>,
 }
 
-impl<'a> Work<'a> {
+impl<'a> SharedSweep<'a> {
     fn new(
         study: &'a Study,
         plan: &Plan,
@@ -189,7 +189,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// What all of it takes, in the unit of chains.
+    /// What all chains take together, in the unit of their costs.
     fn cost(&self) -> f64 {
         let cost = |chain: &Costed| {
             let cases = chain.cases.clone();

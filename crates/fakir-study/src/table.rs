@@ -19,16 +19,16 @@ use std::sync::Arc;
 /// A table of results, without times: the same study gives the same table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// All of the same length.
+    /// The columns, all of the same length.
     pub columns: Vec<Column>,
 }
 
 /// A column of a [`Table`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// With the unit at its end, as in `critical_force_N`.
+    /// Its name, which ends in the unit, as in `critical_force_N`.
     pub name: String,
-    /// One for every row.
+    /// A value for every row.
     pub values: Values,
 }
 
@@ -106,7 +106,7 @@ impl Table {
         String::from_utf8(bytes).expect("cells are texts")
     }
 
-    /// As a CSV file; none of a table without rows.
+    /// The table as a CSV file; `None` for a table without rows.
     #[must_use]
     pub fn some_csv(&self, name: &'static str) -> Option<File> {
         (self.rows() > 0).then(|| File::new(name, self.to_csv()))

@@ -35,9 +35,13 @@ impl Variable {
     /// `"load.indentation_m"` or `"load.force_N"`, apart from indentation and force as results.
     #[must_use]
     pub fn column(self) -> String {
-        let table = if self.is_load() { "load." } else { "" };
-        let suffix = self.dimension().map_or("", Dimension::suffix);
-        format!("{table}{}{suffix}", self.path())
+        match (self, self.dimension()) {
+            (Self::Key(key), _) => key.column(),
+            (load, dimension) => {
+                let suffix = dimension.map_or("", Dimension::suffix);
+                format!("load.{}{suffix}", load.path())
+            }
+        }
     }
 
     /// What its values measure; `None` if they are words.
@@ -66,7 +70,7 @@ impl Variable {
         }
     }
 
-    /// A number of it in TOML.
+    /// A value of the variable as it is written in TOML.
     pub(crate) fn written(self, value: f64) -> String {
         match self {
             Self::Key(key) => key.written_number(value),
@@ -105,7 +109,7 @@ impl Variable {
     }
 }
 
-/// Why a name is that of no variable.
+/// Why no variable has a name.
 pub(crate) enum Unnamed {
     Unknown(Option<&'static str>),
     Ambiguous(Vec<Variable>),
@@ -154,7 +158,7 @@ pub(crate) enum Values {
 pub(crate) struct Range {
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// 2 or more.
+    /// How many numbers there are, at least 2.
     pub(crate) points: usize,
     pub(crate) spacing: PointSpacing,
 }

@@ -107,7 +107,7 @@ struct FixedLoad {
 struct Varied {
     axis: Axis,
     name: Place,
-    /// Of every item of a list, or of a range as a whole.
+    /// Where every item of its list stands, or its range as a whole.
     items: Vec<Place>,
 }
 
@@ -474,7 +474,7 @@ impl Study {
         self.file.combine
     }
 
-    /// What is varied.
+    /// The axes, each of which varies one key or the load.
     pub fn axes(&self) -> impl ExactSizeIterator<Item = &Axis> {
         self.file.varied.iter().map(|varied| &varied.axis)
     }

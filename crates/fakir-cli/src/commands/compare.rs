@@ -33,7 +33,7 @@ pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {
     })
 }
 
-/// Of a closed form: two digits are shown.
+/// The relative error that is assumed of a closed form, so that two digits of it are shown.
 const MODEL_ERROR: f64 = 0.1;
 
 fn text(case: &Case, summary: &CompareSummary) -> String {

@@ -21,7 +21,7 @@ use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::{json, warnings};
 use std::time::Instant;
 
-/// What came of it.
+/// The report of a design, and whether it found what was wanted.
 pub(crate) struct Designed {
     pub(crate) report: Report,
     /// Whether there is a value that gives what is wanted.

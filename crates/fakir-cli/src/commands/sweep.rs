@@ -9,18 +9,16 @@ use fakir::state::CancelToken;
 use fakir_case::input::LARGEST_STUDY;
 use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};
-use fakir_study::result::json;
+use fakir_study::result::{SweepSummary, json};
 use fakir_study::{DamagedLine, Ledger, Options, Progress, Row, StudyError, Summary, Table};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
-use serde::Serialize;
-use serde_json::Value;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Cases that failed, of which the reason is printed.
+/// The number of failed cases whose reasons are printed.
 const REASONS: usize = 5;
 
 pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
@@ -69,7 +67,10 @@ pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
                 }
             }
         }
-        (folder, true) => print_json(&summary, folder.as_deref(), wall_time)?,
+        (folder, true) => {
+            let summary = SweepSummary::new(&summary, folder.as_deref(), wall_time);
+            output::print(&json(&summary))?;
+        }
         (Some(folder), false) => output::print(&text(&summary, folder, wall_time))?,
     }
     Ok(status(&summary))
@@ -79,11 +80,11 @@ pub(crate) fn merge(arguments: &Merge) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
     let summary = fakir_study::merge(folder, &arguments.shards, arguments.existing())?;
     warn(&summary.damaged, true);
-    if arguments.json {
-        print_json(&summary, Some(folder), None)?;
+    output::print(&if arguments.json {
+        json(&SweepSummary::new(&summary, Some(folder), None))
     } else {
-        output::print(&text(&summary, folder, None))?;
-    }
+        text(&summary, folder, None)
+    })?;
     Ok(status(&summary))
 }
 
@@ -99,7 +100,7 @@ pub(crate) fn warn(damaged: &[DamagedLine], complete: bool) {
     }
 }
 
-/// 1 if a case failed.
+/// The exit status: 1 if a case failed.
 fn status(summary: &Summary) -> ExitCode {
     ExitCode::from(u8::from(summary.failed().next().is_some()))
 }
@@ -116,7 +117,7 @@ fn read(arguments: &Sweep) -> Result<Study, Failure> {
     Ok(file.study()?)
 }
 
-/// Cases done, how fast, and how long it will take.
+/// A progress bar: how many cases are done, how fast, and how long the rest will take.
 pub(crate) struct Bar {
     bar: ProgressBar,
     start: Instant,
@@ -158,7 +159,7 @@ impl Bar {
         }
     }
 
-    /// Work that has no number of cases.
+    /// Shows a part of a computation that has no number of cases.
     pub(crate) fn part(&mut self, name: &'static str) {
         if !self.watched || self.bar.message() == name {
             return;
@@ -243,56 +244,4 @@ fn text(summary: &Summary, folder: &Path, wall_time: Option<f64>) -> String {
         table("table.parquet")
     );
     text
-}
-
-/// `fakir sweep --json` and `fakir merge --json`.
-#[derive(Serialize)]
-struct SweepJson<'a> {
-    question: &'static str,
-    cases: usize,
-    cases_of_study: usize,
-    from_journal: usize,
-    failed: usize,
-    problems: Vec<ProblemJson<'a>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    folder: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rows: Option<Value>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    wall_time_s: Option<f64>,
-    fakir_version: &'static str,
-}
-
-#[derive(Serialize)]
-struct ProblemJson<'a> {
-    case: usize,
-    settings: String,
-    problem: &'a str,
-}
-
-fn print_json(
-    summary: &Summary,
-    folder: Option<&Path>,
-    wall_time: Option<f64>,
-) -> Result<(), Failure> {
-    let study = &summary.study;
-    let problems = summary.failed().map(|row| ProblemJson {
-        case: row.index,
-        settings: study.settings(row.index),
-        problem: row.problem.as_deref().unwrap_or_default(),
-    });
-    output::print(&json(&SweepJson {
-        question: study.asked().name(),
-        cases: summary.rows.len(),
-        cases_of_study: study.cases(),
-        from_journal: summary.found,
-        failed: summary.failed().count(),
-        problems: problems.collect(),
-        folder: folder.map(|folder| folder.display().to_string()),
-        rows: folder
-            .is_none()
-            .then(|| Table::new(study, &summary.rows).to_json()),
-        wall_time_s: wall_time,
-        fakir_version: fakir_study::VERSION,
-    }))
 }

@@ -121,7 +121,7 @@ impl QuantityList {
         self.quantity(name, value, Dimension::Length, LENGTH_DIGITS, remark)
     }
 
-    /// A row that is none of the above or below.
+    /// Adds a row of any other kind.
     pub(crate) fn row(&mut self, name: &str, value: String, unit: &str, remark: &str) -> &mut Self {
         self.0
             .push([name.to_owned(), value, unit.to_owned(), remark.to_owned()]);
@@ -136,7 +136,7 @@ impl QuantityList {
         };
         let remark = |name: &str, value, error: f64| {
             let estimate = match state.method {
-                Method::Homogenised => String::new(), // not that of the model
+                Method::Homogenised => String::new(), // the estimate says nothing of the error of the model
                 _ => error_remark(error),
             };
             format!("{name} = {}{estimate}", significant(value, known(error)))
@@ -182,7 +182,7 @@ impl QuantityList {
         self
     }
 
-    /// How the solution went.
+    /// Adds the number of steps, whether they converged, and the time that they took.
     pub(crate) fn solution(&mut self, state: &ContactState, wall_time: f64) -> &mut Self {
         let outcome = match state.method {
             Method::Homogenised | Method::Love(_) => "iterations",

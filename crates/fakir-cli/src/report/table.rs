@@ -84,7 +84,7 @@ impl<T: 'static> Column<T> {
         }
     }
 
-    /// Words.
+    /// A column of words.
     pub(crate) fn text(name: &str, cell: fn(&T) -> String) -> Self {
         Self {
             heading: name.to_owned(),

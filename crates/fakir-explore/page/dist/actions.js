@@ -1,7 +1,7 @@
 // What buttons do besides asking for another picture: saving files and copying texts.
 import { byId } from "./screen.js";
 import { knownCritical } from "./store.js";
-/** How long it is told that something was copied, ms. */
+/** How long the message stays that something was copied, ms. */
 const NOTICE = 1200;
 /** Saves a file of what is chosen, or says why there is none. */
 export async function save(store, server, name) {
@@ -27,7 +27,7 @@ export async function save(store, server, name) {
         store.tell("export", error instanceof Error ? error.message : String(error));
     }
 }
-/** Copies a text, and tells so for a moment. */
+/** Copies a text, and says so for a moment. */
 export async function copy(store, about, text) {
     let words = "copied";
     try {
@@ -40,7 +40,7 @@ export async function copy(store, about, text) {
     store.announce(words);
     window.setTimeout(() => store.tell(about, null), NOTICE);
 }
-/** What is told beside the buttons, or on them. */
+/** Writes the messages beside the buttons, or on them. */
 export function drawNotices({ notices }) {
     byId("export-note").textContent = notices.export ?? "";
     byId("copy-link").textContent = notices.link ?? "copy link";

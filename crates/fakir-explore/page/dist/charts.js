@@ -78,7 +78,7 @@ export function drawChart(svg, axes, contents) {
     clipping.append(path(box, ""));
     svg.replaceChildren(clipping, grid, inside, path(box, "frame"), lettering);
 }
-/** Number with a power of ten where it would be long. */
+/** A number in words, as a power of ten where it would be long. */
 function number(value) {
     const power = Math.round(Math.log10(value));
     const isPower = Math.abs(value / 10 ** power - 1) < 1e-9;

@@ -1,113 +1,29 @@
 // The quantities of a case: a slider and a field with unit for each, and what is wrong with it.
 import { editable, engineeringText, parse } from "./numbers.js";
-import { FRACTION, METHOD, PITCH } from "./store.js";
+import { FRACTION, PITCH } from "./store.js";
 const DEGREE = Math.PI / 180;
-const MAXIMUM_FRACTION = Math.PI / (2 * Math.sqrt(3));
-function quantity(key, label, symbol, dimension, range, logarithmic = true) {
-    return { key, label, symbol, dimension, range, logarithmic };
-}
 const DIAMETER = "texture.pillar.diameter";
-const GROUPS = [
-    {
-        title: "Texture",
-        fields: [
-            quantity(FRACTION, "surface fraction", "φ", "number", [3e-4, 0.3]),
-            quantity(PITCH, "pitch", "e", "length", [1e-6, 1e-3]),
-            quantity("texture.offset", "axis off a pillar", "dx/e", "number", [0, 1], false),
-            quantity("texture.offset_angle", "in direction", "", "angle", [0, 90 * DEGREE], false),
-        ],
-    },
-    {
-        title: "Pillars",
-        fields: [
-            quantity(DIAMETER, "diameter", "d", "length", [1e-7, 1e-4]),
-            quantity("texture.pillar.height", "height", "h", "length", [1e-8, 1e-4]),
-            {
-                key: "texture.pillar.compliance",
-                label: "under load they",
-                options: [
-                    ["column", "shorten as columns"],
-                    ["none", "keep their length"],
-                ],
-            },
-        ],
-    },
-    {
-        title: "Substrate",
-        fields: [
-            quantity("substrate.young_modulus", "Young’s modulus", "E_{s}", "pressure", [1e3, 1e11]),
-            quantity("substrate.poisson_ratio", "Poisson’s ratio", "ν_{s}", "number", [0, 0.5], false),
-        ],
-    },
-    {
-        title: "Lens",
-        fields: [
-            quantity("lens.radius", "radius", "R", "length", [1e-5, 1e-1]),
-            quantity("lens.young_modulus", "Young’s modulus", "E_{l}", "pressure", [1e3, 1e11]),
-            quantity("lens.poisson_ratio", "Poisson’s ratio", "ν_{l}", "number", [0, 0.5], false),
-        ],
-    },
-    {
-        title: "Method",
-        fields: [
-            {
-                key: METHOD,
-                label: "solved by",
-                options: [
-                    ["spectral", "spectral, exact"],
-                    ["love", "Love elements"],
-                    ["punch", "punch lattice"],
-                    ["homogenised", "homogenised lattice"],
-                ],
-            },
-            {
-                key: "method.accuracy",
-                label: "accuracy",
-                method: "spectral",
-                options: [
-                    ["default", "default"],
-                    ["accurate", "accurate"],
-                ],
-            },
-            {
-                key: "method.form",
-                label: "form",
-                method: "punch",
-                options: [
-                    ["corrected", "corrected"],
-                    ["plain", "plain"],
-                ],
-            },
-            {
-                key: "method.cells_per_diameter",
-                label: "cells across a pillar",
-                method: "love",
-                options: [
-                    ["8", "8"],
-                    ["16", "16"],
-                    ["24", "24"],
-                    ["32", "32"],
-                ],
-            },
-        ],
-    },
-];
+/** The tables of a case file that stand first on the page, before all others in their order. */
+const FIRST_TABLES = ["texture", "texture.pillar"];
 /** Steps of a slider. */
 const STEPS = 1000;
 /** All fields of a case. */
 export class Controls {
     changed;
     widgets = new Map();
-    constructor(container, changed) {
+    /** The keys with a control: where there is only one word there is nothing to choose. */
+    keys;
+    constructor(container, keys, changed) {
         this.changed = changed;
-        for (const group of GROUPS) {
+        this.keys = keys.filter((key) => key.words.length !== 1);
+        for (const table of new Set([...FIRST_TABLES, ...this.keys.map((key) => key.table)])) {
             const set = document.createElement("fieldset");
             const title = document.createElement("legend");
-            title.textContent = group.title;
+            title.textContent = titleOf(table);
             set.append(title);
-            for (const field of group.fields) {
-                const widget = "options" in field ? this.choice(field) : this.field(field);
-                this.widgets.set(field.key, widget);
+            for (const key of this.keys.filter((key) => key.table === table)) {
+                const widget = isField(key) ? this.field(key) : this.choice(key);
+                this.widgets.set(key.key, widget);
                 set.append(widget.box);
             }
             container.append(set);
@@ -115,31 +31,36 @@ export class Controls {
     }
     /** Shows a case everywhere but in the field that was just `typed` into. */
     show(values, typed) {
-        const shown = { ...values };
-        const [fraction, pitch, diameter] = [shown[FRACTION], shown[PITCH], shown[DIAMETER]];
-        if (typeof diameter === "number") {
-            if (typeof fraction === "number" && fraction > 0) {
-                shown[PITCH] = rounded(diameter * Math.sqrt(MAXIMUM_FRACTION / fraction));
+        const shown = this.withSpacing(values);
+        this.widgets.get(FRACTION)?.box.classList.toggle("derived", values[FRACTION] === undefined);
+        this.widgets.get(PITCH)?.box.classList.toggle("derived", values[PITCH] === undefined);
+        const valueOf = (key) => shown[key.key] ?? key.default ?? "";
+        for (const key of this.keys) {
+            const widget = this.widgets.get(key.key);
+            if (widget === undefined)
+                continue;
+            const condition = key.goes_with;
+            const choice = this.keys.find(({ key }) => key === condition?.key);
+            if (condition !== null && choice !== undefined) {
+                widget.box.hidden = !condition.words.includes(String(valueOf(choice)));
             }
-            else if (typeof pitch === "number" && pitch > 0) {
-                shown[FRACTION] = rounded(MAXIMUM_FRACTION * (diameter / pitch) ** 2);
-            }
+            widget.show(valueOf(key), key.key === typed);
         }
-        this.widgets.get(FRACTION)?.box.classList.toggle("derived", pitch !== undefined);
-        this.widgets.get(PITCH)?.box.classList.toggle("derived", pitch === undefined);
-        for (const group of GROUPS) {
-            for (const field of group.fields) {
-                const widget = this.widgets.get(field.key);
-                if (widget === undefined)
-                    continue;
-                if ("options" in field && field.method !== undefined) {
-                    widget.box.hidden = field.method !== (shown[METHOD] ?? "spectral");
-                }
-                const value = shown[field.key] ?? initial(field);
-                if (value !== undefined)
-                    widget.show(value, field.key === typed);
-            }
+    }
+    /** A case with both surface fraction and pitch: that which is not given follows from the other. */
+    withSpacing(values) {
+        const [fraction, pitch, diameter] = [values[FRACTION], values[PITCH], values[DIAMETER]];
+        // The surface fraction at which pillars touch each other: there the pitch is their diameter.
+        const most = this.keys.find(({ key }) => key === FRACTION)?.greatest ?? 1;
+        if (typeof diameter !== "number")
+            return values;
+        if (typeof fraction === "number" && fraction > 0) {
+            return { ...values, [PITCH]: rounded(diameter * Math.sqrt(most / fraction)) };
         }
+        if (typeof pitch === "number" && pitch > 0) {
+            return { ...values, [FRACTION]: rounded(most * (diameter / pitch) ** 2) };
+        }
+        return values;
     }
     /** Shows what is wrong at its field, and nothing at others; false if it is at no field. */
     refuse(refusal) {
@@ -161,21 +82,21 @@ export class Controls {
         return found;
     }
     field(field) {
-        const { box, note, id } = frame(field.key, field.label, field.symbol);
+        const { box, note, id, describedBy } = frame(field);
         const text = document.createElement("input");
         text.id = id;
         text.type = "text";
         text.inputMode = "decimal";
         text.spellcheck = false;
         text.autocomplete = "off";
-        text.setAttribute("aria-describedby", note.id);
+        text.setAttribute("aria-describedby", describedBy);
         const slider = document.createElement("input");
         slider.id = `${id}-slider`;
         slider.type = "range";
         slider.min = "0";
         slider.max = String(STEPS);
         slider.setAttribute("aria-label", `${field.label}, slider`);
-        slider.setAttribute("aria-describedby", note.id);
+        slider.setAttribute("aria-describedby", describedBy);
         text.addEventListener("change", () => {
             const value = parse(text.value, field.dimension) ?? text.value;
             this.changed(field.key, value, true, performance.now());
@@ -210,70 +131,79 @@ export class Controls {
         };
         return { box, note, show, inputs: [text, slider] };
     }
-    choice(field) {
-        const { box, note, id } = frame(field.key, field.label, "");
+    choice(key) {
+        const { box, note, id, describedBy } = frame(key);
         const select = document.createElement("select");
         select.id = id;
-        select.setAttribute("aria-describedby", note.id);
-        for (const [value, words] of field.options)
-            select.add(new Option(words, value));
+        select.setAttribute("aria-describedby", describedBy);
+        for (const word of key.words)
+            select.add(new Option(word, word));
         select.addEventListener("change", () => {
-            const number = Number(select.value);
-            const value = Number.isNaN(number) ? select.value : number;
-            this.changed(field.key, value, false, performance.now());
+            this.changed(key.key, select.value, false, performance.now());
         });
         box.classList.add("choice");
         box.append(select, note);
         return { box, note, show: (value) => (select.value = String(value)), inputs: [select] };
     }
 }
-/** What a key is when a case does without it. */
-function initial(field) {
-    return "options" in field
-        ? field.key === "method.cells_per_diameter"
-            ? 16
-            : field.options[0]?.[0]
-        : 0;
+function isField(key) {
+    return key.dimension !== null;
 }
-function frame(key, label, symbol) {
+/** The heading of a table: `Pillar` for `texture.pillar`. */
+function titleOf(table) {
+    const name = table.slice(table.lastIndexOf(".") + 1);
+    return name.charAt(0).toUpperCase() + name.slice(1);
+}
+/** A field with its label and its help, still without what can be changed. */
+function frame({ key, label, symbol, meaning }) {
     const id = key.replaceAll(".", "-");
     const box = document.createElement("div");
     box.className = "field";
     const name = document.createElement("label");
     name.htmlFor = id;
-    name.textContent = label;
-    if (symbol !== "") {
-        const [letter = "", index] = symbol.split(/_\{|\}/);
+    name.title = meaning;
+    name.textContent = label.replace("'", "’");
+    if (symbol !== null) {
+        const [letter = "", index = ""] = symbol.split("_");
         const italic = document.createElement("i");
         italic.textContent = letter;
         name.append(" ", italic);
-        if (index !== undefined && index !== "") {
+        if (index !== "") {
             const sub = document.createElement("sub");
             sub.textContent = index;
             name.append(sub);
         }
     }
+    const help = document.createElement("span");
+    help.id = `${id}-help`;
+    help.className = "unseen";
+    help.textContent = meaning;
     const note = document.createElement("p");
     note.id = `${id}-note`;
     note.className = "note";
     note.hidden = true;
-    box.append(name);
-    return { box, note, id };
+    box.append(name, help);
+    return { box, note, id, describedBy: `${help.id} ${note.id}` };
+}
+/** Where a slider begins and ends. */
+function ends({ usual, least, greatest }) {
+    return usual ?? [least ?? 0, greatest ?? 1];
 }
 /** The value at a place of the slider, in three digits. */
 function sliderValue(field, place) {
-    const [low, high] = field.range;
+    const [low, high] = ends(field);
     const part = place / STEPS;
-    const value = field.logarithmic ? low * (high / low) ** part : low + (high - low) * part;
+    // Where zero is not among them values go over decades.
+    const value = low > 0 ? low * (high / low) ** part : low + (high - low) * part;
+    if (field.whole)
+        return Math.round(value);
     if (field.dimension === "angle")
         return Math.round(value / DEGREE) * DEGREE;
     return Number(value.toPrecision(3));
 }
 function sliderPlace(field, value) {
-    const [low, high] = field.range;
-    const part = field.logarithmic
-        ? Math.log(value / low) / Math.log(high / low)
-        : (value - low) / (high - low);
+    const [low, high] = ends(field);
+    const part = low > 0 ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
     return String(Math.round(STEPS * Math.min(1, Math.max(0, part))));
 }
 /** A value that follows from others, in the digits that are shown. */

@@ -145,11 +145,11 @@ function pointOf(critical) {
         normalized: [critical.normalized.contact_radius, critical.normalized.force],
     };
 }
-/** What is being done for the curves, or why there are none. */
-export function drawCurvesWork({ asking, answered, question }) {
+/** Says what is being computed for the curves, or why there are none. */
+export function drawCurvesStatus({ asking, answered, question }) {
     const refused = [answered.curves, answered.phase]
         .filter((each) => each?.of.name === question.name)
         .map((each) => each?.is ?? "");
-    byId("curves-work").textContent =
+    byId("curves-status").textContent =
         asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
 }

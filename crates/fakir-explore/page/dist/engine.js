@@ -1,5 +1,5 @@
 // Questions to the server: of each kind the newest counts, and answers come line by line.
-/** What goes with the refusal of a request, or the reason why none came. */
+/** A request was refused, or the server did not answer. */
 export class Refused extends Error {
     refusal;
     constructor(refusal) {
@@ -14,7 +14,7 @@ export class Server {
     session = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16).padStart(2, "0")).join("");
     running = new Map();
     sequence = 0;
-    /** What the page begins with. */
+    /** Fetches what the page begins with. */
     async start() {
         return (await (await fetch("start.json")).json());
     }
@@ -23,7 +23,7 @@ export class Server {
         this.running.get(kind)?.abort();
         this.running.delete(kind);
     }
-    /** Asks; `listen` is told every line as it comes. False if a newer question took its place. */
+    /** Asks a question. `listen` is called with every line as it comes. False if a newer question took its place. */
     async ask(kind, question, listen) {
         const controller = this.begin(kind);
         try {

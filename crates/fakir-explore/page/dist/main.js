@@ -2,7 +2,7 @@
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
-import { drawCurves, drawCurvesWork, drawPhase } from "./diagrams.js";
+import { drawCurves, drawCurvesStatus, drawPhase } from "./diagrams.js";
 import { Server } from "./engine.js";
 import { drawColourBar, drawMap, wordsAt } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
@@ -12,36 +12,32 @@ import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
 import { FRACTION, isBusy, isOlder, mapScale, PITCH, Store, } from "./store.js";
 import { onScheme } from "./theme.js";
-/** The paper's lens and pillars, and its three substrates. */
-const PAPER = {
-    "lens.radius": 2.2e-3,
-    "lens.young_modulus": 2e6,
-    "lens.poisson_ratio": 0.5,
-    "substrate.poisson_ratio": 0.5,
-    "texture.offset": 0,
-    "texture.offset_angle": 0,
-    "texture.pillar.diameter": 6e-6,
-    "texture.pillar.height": 2.2e-6,
-    "texture.pillar.compliance": "column",
-    "method.name": "spectral",
-    "method.accuracy": "default",
-};
+/** Young's moduli of the paper's three substrates, Pa. */
 const SUBSTRATES = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
+/** The two ways of saying how far apart pillars are. */
+const SPACING = [FRACTION, PITCH];
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;
-/** The address follows what is chosen after so long, ms. */
+/** What is chosen goes into the address when it has not changed for this long, ms. */
 const REMEMBER = 250;
-/** A result that has come to rest for so long, ms, is read out. */
+/** A result is read out when it has not changed for this long, ms. */
 const REST = 800;
-function preset(name) {
-    return { ...PAPER, "substrate.young_modulus": SUBSTRATES[name] ?? 2e6 };
+/** The paper's case with one of its substrates, without the distance of the pillars. */
+function preset(start, name) {
+    const values = { ...start.paper, "substrate.young_modulus": SUBSTRATES[name] ?? 2e6 };
+    for (const key of SPACING)
+        delete values[key];
+    return values;
 }
 function buttons(data) {
     return document.querySelectorAll(`[data-${data}]`);
 }
 // --- Showing ------------------------------------------------------------------------------------
 function show(store) {
-    const controls = new Controls(byId("fields"), (...change) => store.setValue(...change));
+    const { start } = store.state;
+    const controls = new Controls(byId("fields"), start.keys, (...change) => store.setValue(...change));
+    byId("load").max = String(start.farthest_load);
+    byId("load").parentElement?.style.setProperty("--farthest", String(start.farthest_load));
     const screen = new Screen(store, (state) => {
         if (!isBusy(state))
             document.body.dataset["busy"] = "no";
@@ -49,7 +45,7 @@ function show(store) {
     screen.add(({ chosen, typed }) => [chosen.case, typed], ({ chosen, typed }) => {
         controls.show(chosen.case, typed);
         for (const button of buttons("preset")) {
-            const wanted = Object.entries(preset(button.dataset["preset"] ?? ""));
+            const wanted = Object.entries(preset(start, button.dataset["preset"] ?? ""));
             const same = wanted.every(([key, value]) => chosen.case[key] === value);
             button.setAttribute("aria-pressed", String(same));
         }
@@ -81,7 +77,7 @@ function show(store) {
     ], drawPhase, [phase]);
     const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
     screen.add((state) => [state.curves, state.critical], drawCurves, curves);
-    screen.add(({ asking, answered, question }) => [asking.curves, answered, question.name], drawCurvesWork);
+    screen.add(({ asking, answered, question }) => [asking.curves, answered, question.name], drawCurvesStatus);
     screen.add((state) => [state.texts, isOlder(state, state.texts, "load")], showTexts);
     screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
     const facts = [byId("regime"), byId("pillars")];
@@ -94,7 +90,7 @@ function show(store) {
     screen.add((state) => [state.notices], drawNotices);
     screen.add((state) => [state.announcement], (state) => (byId("announcement").textContent = state.announcement));
     screen.add(() => [], ({ start }) => (byId("version").textContent = `fakir ${start.version}`));
-    // At once, so that nobody takes what is still shown for the answer.
+    // The page is marked as busy at once, so that nobody takes what is still shown for the answer.
     const begin = () => {
         if (isBusy(store.state))
             document.body.dataset["busy"] = "yes";
@@ -156,8 +152,13 @@ function listen(store, server) {
     byId("exaggeration-fit").addEventListener("click", () => store.choose({ exaggeration: null }, performance.now()));
     for (const button of buttons("preset")) {
         button.addEventListener("click", () => {
-            const spacing = Object.entries(store.state.chosen.case).filter(([key]) => key === FRACTION || key === PITCH);
-            const values = { ...preset(button.dataset["preset"] ?? ""), ...Object.fromEntries(spacing) };
+            const { start, chosen } = store.state;
+            const values = preset(start, button.dataset["preset"] ?? "");
+            for (const key of SPACING) {
+                const value = chosen.case[key];
+                if (value !== undefined)
+                    values[key] = value;
+            }
             store.choose({ case: values }, performance.now());
         });
     }

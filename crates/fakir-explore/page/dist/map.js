@@ -4,7 +4,7 @@ import { centre, HALF_SQRT_3, touchesFloor } from "./scene.js";
 import { colour, letterSize, tint } from "./theme.js";
 /** Lengths of the scale bar are one of these times a power of ten. */
 const ROUND = [1, 2, 5];
-/** Half of what is seen, m. */
+/** Half the width of the map, m. */
 function halfWidth({ scene, radius }) {
     const floor = touchesFloor(scene)
         ? Math.max(0, ...scene.floor_contacts_m.map(([x, y]) => Math.hypot(x, y)))

@@ -22,8 +22,11 @@ const UNITS = {
     number: [],
 };
 const DEGREE = Math.PI / 180;
-/** Digits of a value with this relative error that mean something, two to six. */
+/** Digits of a value with this relative error that mean something, two to six; three if the error is not
+ * estimated yet. */
 export function digitsFor(error) {
+    if (error === null)
+        return 3;
     if (!(error > 0))
         return 6;
     return Math.min(6, Math.max(2, Math.ceil(-Math.log10(error))));

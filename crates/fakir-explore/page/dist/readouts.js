@@ -14,7 +14,7 @@ export function drawCritical(state) {
         write(byId(`${id}-remark`), remark);
     }
 }
-/** In the digits that an estimate has. */
+/** The readouts of an estimate, in the digits that it is good for. */
 function estimated(estimate) {
     const [digits, remark] = [3, "estimate, being solved"];
     const { force_N: force, contact_radius_m: radius, indentation_m: indentation } = estimate;
@@ -31,6 +31,8 @@ function solved(summary) {
     const words = (value) => {
         if (model)
             return "error of the model";
+        if (value === null)
+            return "error not estimated";
         return value > 0 ? `error ${significant(value, 1)}` : "exact";
     };
     const reduced = summary.normalized;
@@ -73,12 +75,12 @@ export function drawFacts(state) {
         byId("pillars").textContent =
             `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
     }
-    byId("work").textContent = workWords(state);
+    byId("status").textContent = statusWords(state);
     const warnings = byId("warnings");
     warnings.textContent = solved?.is.warnings.join("; ") ?? "";
     warnings.hidden = warnings.textContent === "";
 }
-function workWords(state) {
+function statusWords(state) {
     const { progress, refusal, solved } = state;
     if (progress !== null) {
         const { stage, step, touched } = progress.is;
@@ -110,10 +112,11 @@ export function drawLoad(state) {
     if (state.solved === null)
         return;
     const { summary } = state.solved.is;
-    const force = engineeringText(summary.force_N, "force", 4);
-    const indentation = engineeringText(summary.indentation_m, "length", 4);
-    const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
-    const radius = engineeringText(summary.contact_radius_m, "length", Math.min(4, digits));
+    const error = summary.relative_error_estimate;
+    const digits = (value) => Math.min(4, digitsFor(value));
+    const force = engineeringText(summary.force_N, "force", digits(error.force));
+    const indentation = engineeringText(summary.indentation_m, "length", digits(error.indentation));
+    const radius = engineeringText(summary.contact_radius_m, "length", digits(error.contact_radius));
     write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
 }
 function loadWords(fraction) {

@@ -5,7 +5,7 @@ export class Screen {
     framed;
     #views = [];
     #frameAwaited = false;
-    /** What is to be done once that which was drawn is on the screen. */
+    /** Functions to be called once the screen shows what was drawn. */
     #afterwards = [];
     constructor(store, 
     /** Called in every frame in which something is drawn. */
@@ -14,7 +14,7 @@ export class Screen {
         this.framed = framed;
         store.listen(() => this.#changed());
     }
-    /** Draws whenever one of `parts` is another one, or one of the elements has another size. */
+    /** Calls `draw` whenever one of `parts` has changed, or one of the elements has another size. */
     add(parts, draw, elements = []) {
         const view = { parts, draw, drawn: null };
         this.#views.push(view);
@@ -36,17 +36,17 @@ export class Screen {
             }
         });
     }
-    /** Draws everything anew, as in other colours. */
+    /** Draws everything anew, for example in other colours. */
     redraw() {
         for (const view of this.#views)
             view.drawn = null;
         this.#changed();
     }
-    /** Calls back when what is being drawn has been shown: after the next frame. */
+    /** Calls `act` after the next frame, when the screen shows what was drawn. */
     whenShown(act) {
         this.#afterwards.push(act);
     }
-    /** What has changed is drawn at once; what changes again before the next frame, in that frame. */
+    /** Draws a change at once. Further changes before the next frame are drawn in that frame. */
     #changed() {
         if (this.#frameAwaited)
             return;

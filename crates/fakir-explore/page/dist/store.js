@@ -4,16 +4,13 @@
 // with the question that it answers, so that everything shown can be told to be of the newest
 // question or of an older one.
 import { largestForceOf, sceneOf, sceneOfPreview } from "./scene.js";
-/** Farthest load on the slider, critical loads. */
-export const FARTHEST = 1.3;
 export const FRACTION = "texture.surface_fraction";
 export const PITCH = "texture.pitch";
-export const METHOD = "method.name";
 export class Store {
     #state;
     #listeners = [];
     constructor(start, first, asked) {
-        const chosen = { ...first, load: within(first.load) };
+        const chosen = { ...first, load: within(first.load, start) };
         this.#state = {
             start,
             chosen,
@@ -52,10 +49,10 @@ export class Store {
             listener();
     }
     // --- What the user does ---------------------------------------------------------------------
-    /** Chooses something else; what is not named stays. `asked` is when the user did so, ms. */
+    /** Changes what the user has chosen; what `choice` does not name stays. `asked` is the time of the change, ms. */
     choose(choice, asked, typed = null) {
         const before = this.#state.chosen;
-        const chosen = { ...before, ...choice, load: within(choice.load ?? before.load) };
+        const chosen = { ...before, ...choice, load: within(choice.load ?? before.load, this.#state.start) };
         if (choice.case === undefined && choice.load === undefined) {
             this.#change({ chosen });
             return;
@@ -66,20 +63,14 @@ export class Store {
     /** Gives a key of the case another value; `typed` if it is to stay as the user wrote it. */
     setValue(key, value, typed, asked) {
         const values = { ...this.#state.chosen.case };
-        if (key === FRACTION)
-            delete values[PITCH];
-        if (key === PITCH)
-            delete values[FRACTION];
-        if (key === METHOD) {
-            for (const other of Object.keys(values)) {
-                if (other.startsWith("method."))
-                    delete values[other];
-            }
+        for (const other of this.#state.start.keys) {
+            if (other.alternative === key || other.goes_with?.key === key)
+                delete values[other.key];
         }
         values[key] = value;
         this.choose({ case: values }, asked, typed ? key : null);
     }
-    /** Tells something beside a button, or no longer. */
+    /** Shows a message beside a button, or removes it. */
     tell(about, words) {
         const notices = { ...this.#state.notices };
         if (words === null)
@@ -97,7 +88,7 @@ export class Store {
         const asking = { ...this.#state.asking, [kind]: { question, since: now } };
         this.#change(kind === "contact" ? { asking, sent: question.number, progress: null } : { asking });
     }
-    /** A line of the answer to a question; of one that was called off nothing is taken. */
+    /** Takes a line of the answer to a question. Lines of a question that was called off are dropped. */
     receive(kind, number, line, now) {
         const asking = this.#state.asking[kind];
         if (asking === null || asking.question.number !== number)
@@ -107,7 +98,10 @@ export class Store {
             phase: () => phaseLine(this.#state, asking.question, line),
             curves: () => curvesLine(this.#state, asking.question, line),
         }[kind]();
-        this.#change(taken);
+        // What is still shown of an older case or load turns grey in the same moment.
+        const isShown = Object.keys(taken).some((part) => part !== "progress");
+        const reference = newer(this.#state.reference, asking.question);
+        this.#change(isShown ? { ...taken, reference } : taken);
     }
     /** The answer to a question has ended: `whole` if it was not called off, or with a refusal. */
     end(kind, number, whole, refusal) {
@@ -170,14 +164,14 @@ export function isCritical(fraction) {
 export function isBeyond(fraction) {
     return fraction > 1 + 1e-9;
 }
-// --- Steps ----------------------------------------------------------------------------------------
+// --- From one state to the next ----------------------------------------------------------------------------------------
 function newQuestion(number, chosen, asked) {
     const { case: values, load } = chosen;
     return { number, case: values, name: JSON.stringify(values), load, asked };
 }
-/** A load on the slider; the critical one in place of none. */
-function within(load) {
-    return Number.isFinite(load) ? Math.min(FARTHEST, Math.max(0, load)) : 1;
+/** The load nearest to `load` that the slider can have; the critical one if `load` is no number. */
+function within(load, { farthest_load: farthest }) {
+    return Number.isFinite(load) ? Math.min(farthest, Math.max(0, load)) : 1;
 }
 function newer(a, b) {
     return a !== null && a.number > b.number ? a : b;
@@ -201,7 +195,7 @@ function contactLine(state, { question: of, since }, line, now) {
     }
     if (line.state?.approximate) {
         const picture = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
-        // Of a case whose critical state is being solved for the last estimate is the best so far.
+        // While the critical state itself is being solved, this state is the best estimate of it.
         const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
         return { picture, estimate: known ? null : estimate, refusal: null };
     }
@@ -219,6 +213,12 @@ function contactLine(state, { question: of, since }, line, now) {
             lastTime: now - since,
             refusal: null,
         };
+    }
+    if (line.summary) {
+        const { solved } = state;
+        if (solved?.of.number !== of.number)
+            return {};
+        return { solved: { of, is: { ...solved.is, summary: line.summary } } };
     }
     if (line.critical)
         return { critical: { of, is: line.critical }, estimate: null };

@@ -23,23 +23,23 @@ pub struct FittedPoint {
     pub used: bool,
 }
 
-/// What a curve is of.
+/// The quantity that a curve shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FittedQuantity {
-    /// N
+    /// Force, N.
     Force,
-    /// m
+    /// Contact radius, m.
     ContactRadius,
 }
 
-/// What a curve is over.
+/// The load over which a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FittedLoad {
     /// Reading of an instrument, m.
     Displacement,
-    /// m
+    /// Indentation, m.
     Indentation,
-    /// N
+    /// Force, N.
     Force,
 }
 

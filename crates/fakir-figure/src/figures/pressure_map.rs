@@ -153,7 +153,7 @@ fn disc(centre: [f64; 2], radius: f64, fill: Colour, stroke: Option<Stroke>) -> 
     }
 }
 
-/// Answers with where it ends.
+/// Draws the pressures at the centres over the distance from the lens axis. Answers with where the drawing ends on the page.
 fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Item>) -> f64 {
     let unit = Unit::of_pressure(largest(state.pillars.iter().map(|p| p.centre_pressure)));
     let series = profile_series(state, unit);

@@ -163,7 +163,7 @@ impl Page {
         });
     }
 
-    /// From below, to where the floor is touched.
+    /// Draws an arrow that points from below to where the floor is touched.
     fn arrow(&self, contact: Point, items: &mut Vec<Item>) {
         let [x, y] = self.place(contact);
         let tip = y + 1.2;
@@ -178,7 +178,7 @@ impl Page {
     }
 }
 
-/// Above the panel: its letter and state at the left, exaggeration at the right.
+/// Writes above the panel: its letter and state at the left, the exaggeration at the right.
 fn title(
     page: &Page,
     state: &ProfileState<'_>,

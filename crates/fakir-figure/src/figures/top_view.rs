@@ -160,7 +160,7 @@ fn step(gaps: &[f64], k: usize, stride: usize) -> f64 {
     }
 }
 
-/// Of two beams, relative to the brightest, averaged over a pixel across which the gap changes
+/// The intensity of two beams, relative to the brightest, averaged over a pixel across which the gap changes
 /// evenly by `steps` in both directions: fringes finer than pixels become grey.
 fn intensity(gap: f64, steps: [f64; 2], wavelength: f64) -> f64 {
     let wave = 2.0 * PI / wavelength;

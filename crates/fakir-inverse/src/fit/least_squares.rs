@@ -8,7 +8,7 @@ const RANK: f64 = 1e-4;
 
 /// Weighted derivatives of the model at a point, decomposed.
 pub(super) struct Linear {
-    /// Lengths of the columns.
+    /// The Euclidean lengths of the columns, by which they are divided before the decomposition.
     lengths: Vec<f64>,
     left: Mat<f64>,
     singular: Vec<f64>,
@@ -25,7 +25,7 @@ impl Linear {
         if lengths.iter().any(|length| !length.is_finite()) {
             return None;
         }
-        // Rows of zeros make it at least square.
+        // Rows of zeros are added so that there are at least as many rows as columns.
         let matrix = Mat::from_fn(rows.len().max(unknowns), unknowns, |i, j| {
             match rows.get(i) {
                 Some(row) if lengths[j] > 0.0 => row[j] / lengths[j],
@@ -98,7 +98,7 @@ impl Linear {
 
     /// Directions that the data do not see: the unknowns that take part in each.
     pub(super) fn unseen(&self) -> Vec<Vec<usize>> {
-        /// Relative part in a direction that counts.
+        /// An unknown takes part in a direction if its component is larger than this.
         const PART: f64 = 0.05;
         let alone = (0..self.unknowns()).filter(|j| self.lengths[*j] <= 0.0);
         let mut directions: Vec<Vec<usize>> = alone.map(|j| vec![j]).collect();

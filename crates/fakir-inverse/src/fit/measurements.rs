@@ -86,7 +86,7 @@ pub enum Position {
     Displacement,
     /// The indentation itself.
     Indentation,
-    /// Not at all: the force is the load.
+    /// The position was not measured, and the force is the load.
     None,
 }
 
@@ -159,8 +159,8 @@ pub struct DataError {
     pub problem: String,
 }
 
-/// Values that stand in the file in one row.
-type Cells = Vec<(Column, f64)>;
+/// The values of one row of the file, each with its column.
+type RowValues = Vec<(Column, f64)>;
 
 impl Measurements {
     /// Reads a CSV file.
@@ -265,7 +265,7 @@ impl Measurements {
         &self.rows
     }
 
-    /// That a quantity has errors in all rows or in none.
+    /// Checks that a quantity has errors in all rows or in none.
     pub(super) fn check_errors(&self) -> Result<(), DataError> {
         type Pick = fn(&Measurement) -> Option<Measured>;
         let position = match self.position {
@@ -298,8 +298,8 @@ impl Measurements {
     }
 }
 
-/// Columns, and for every row its line in the file and its cells.
-type Table = (Vec<Column>, Vec<(u64, Cells)>);
+/// Columns, and for every row its line in the file and its values.
+type Table = (Vec<Column>, Vec<(u64, RowValues)>);
 
 struct Reader<'a> {
     name: &'a str,
@@ -346,7 +346,7 @@ impl Reader<'_> {
         for record in reader.records() {
             let record = record.map_err(|error| bad(&error))?;
             let line = record.position().map_or(0, csv::Position::line);
-            let mut cells = Cells::new();
+            let mut cells = RowValues::new();
             for (column, text) in columns.iter().zip(&record) {
                 if text.is_empty() {
                     continue;
@@ -392,7 +392,7 @@ impl Reader<'_> {
     fn measurements(
         &self,
         columns: &[Column],
-        rows: Vec<(u64, Cells)>,
+        rows: Vec<(u64, RowValues)>,
     ) -> Result<Measurements, DataError> {
         let position = self.check_columns(columns)?;
         let mut measurements = Measurements {
@@ -442,7 +442,7 @@ impl Reader<'_> {
         Ok(position)
     }
 
-    fn measurement(&self, line: u64, cells: &Cells) -> Result<Measurement, DataError> {
+    fn measurement(&self, line: u64, cells: &RowValues) -> Result<Measurement, DataError> {
         let mut row = Measurement {
             line,
             position: None,

@@ -42,11 +42,13 @@ pub use parameter::Parameter;
 pub use report::FitSummary;
 
 use fakir::numerics::convergence::{larger, within};
+use fakir::numerics::roots::{self, Point};
 use fakir::state::{Run, SolveError, Termination};
 use fakir_case::{CaseError, CaseFile};
 use least_squares::Linear;
 use model::{Derivatives, Model, State};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use std::convert::Infallible;
 
 /// What is known besides the case and the data.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -74,7 +76,7 @@ pub enum FitError {
     /// Nothing to be fitted.
     #[error("nothing is free: give one or more of {}", parameter_names())]
     NothingFree,
-    /// A parameter twice.
+    /// A parameter that is given twice.
     #[error("{} is given twice", .0.name())]
     Twice(Parameter),
     /// A parameter that cannot be fitted.
@@ -125,9 +127,9 @@ pub enum FitError {
          {reading:e} m"
     )]
     NoBalance {
-        /// m/N
+        /// The machine compliance, m/N.
         compliance: f64,
-        /// m
+        /// The displacement, m.
         reading: f64,
     },
     /// Numbers that are not finite.
@@ -149,7 +151,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Both.
+    /// Both quantities.
     pub const ALL: [Self; 2] = [Self::Force, Self::ContactRadius];
 
     /// Its name in a sentence.
@@ -174,7 +176,7 @@ impl Quantity {
 /// A parameter as it was fitted, in SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// Which.
+    /// The parameter.
     pub parameter: Parameter,
     /// Where the fit began.
     pub start: f64,
@@ -189,7 +191,7 @@ pub struct Estimate {
 /// Parameters that the data do not tell apart, or one that they say nothing of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Undetermined {
-    /// Which.
+    /// The parameters.
     pub parameters: Vec<Parameter>,
     /// A sentence for a person.
     pub statement: String,
@@ -198,7 +200,7 @@ pub struct Undetermined {
 /// The error of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scatter {
-    /// Of what.
+    /// The quantity.
     pub quantity: Quantity,
     /// Values that were used.
     pub values: usize,
@@ -211,9 +213,9 @@ pub struct Scatter {
 /// A measured value, and the model in its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compared {
-    /// As measured.
+    /// The measured value.
     pub measured: f64,
-    /// As computed.
+    /// The computed value.
     pub computed: f64,
     /// The standard error with which it went into the fit: given or estimated, with that of the
     /// load and of jumps of the contact radius.
@@ -263,9 +265,9 @@ impl FittedRow {
 pub struct CurvePoint {
     /// Displacement or indentation, m; the force, N, if that is the load.
     pub load: f64,
-    /// N
+    /// The computed force, N.
     pub force: f64,
-    /// m
+    /// The computed contact radius, m.
     pub contact_radius: f64,
 }
 
@@ -296,7 +298,7 @@ pub struct Fit {
     pub file: CaseFile,
     /// Why the search stopped.
     pub termination: Termination,
-    /// Its steps.
+    /// Steps of the search.
     pub iterations: usize,
 }
 
@@ -330,30 +332,31 @@ impl Fit {
     }
 }
 
-/// Steps of a search.
+/// The most steps of a search.
 const MOST_ITERATIONS: usize = 100;
 
-/// A step that is so small a part of the standard error ends the search.
+/// The search ends with a step that is this small a part of the standard error of every parameter.
 const SMALL: f64 = 1e-3;
 
-/// The sum of squares has kinks where pillars are touched first, and a minimum may be at one. There no
-/// step lowers it by more than this ...
+/// The sum of squares has kinks where pillars are touched first, and a minimum may be at a kink. The search ends there if the
+/// last step lowered the sum of squares by no more than this, and if [`LITTLE_PROMISED`] holds too.
 const NO_GAIN: f64 = 1e-4;
 
-/// ... and derivatives that held would not lower it by more than this, less than a standard error.
+/// At a kink the next step must promise, by the derivatives, to lower the sum of squares by no more than this: that is less
+/// than a standard error.
 const LITTLE_PROMISED: f64 = 0.5;
 
-/// After so many steps the latter alone does: jumps of the contact radius move the best fit to and
-/// fro. And rows at the transition no longer come back.
+/// After so many steps [`LITTLE_PROMISED`] alone ends the search, as jumps of the contact radius may move the best fit to and
+/// fro. From then on rows that were left out as past the transition stay out.
 const PATIENCE: usize = 30;
 
-/// A step in the unknowns that is as small as the solver is exact ends it too.
+/// The search also ends with a step in the unknowns that is as small as the errors of the solver.
 const EXACT: f64 = 1e-8;
 
-/// Greatest damping; no step is left beyond.
+/// The largest damping. With more of it steps are too short to change anything.
 const MOST_DAMPING: f64 = 1e8;
 
-/// Least error of an estimate, relative to the largest value: that of the solver.
+/// The smallest error that is estimated for a quantity, relative to its largest value: that of the solver.
 const LEAST_SCATTER: f64 = 1e-9;
 
 /// Points of the computed curve.
@@ -419,7 +422,7 @@ struct Search<'a> {
     unknowns: Vec<f64>,
     states: Vec<State>,
     derivatives: Vec<Derivatives>,
-    /// Rows before the transition.
+    /// For every row, whether it is before the transition and so used.
     used: Vec<bool>,
     data: Vec<Datum>,
     errors: Vec<f64>,
@@ -436,7 +439,7 @@ impl<'a> Search<'a> {
             let values = rows.iter().filter_map(|row| quantity.of(row));
             values.fold(0.0, |largest: f64, value| largest.max(value.value.abs()))
         };
-        let unknowns = model.start();
+        let unknowns = model.start()?;
         let mut search = Self {
             model,
             states: model.states(&unknowns)?,
@@ -462,7 +465,7 @@ impl<'a> Search<'a> {
 
     /// The rows before the transition and their values; whether they are others than before.
     fn select(&mut self) -> bool {
-        // Later, a row at the transition must not go in and out for ever.
+        // After many steps a row that was left out stays out, or a row at the transition might come and go for ever.
         let stays_out = |row: usize| self.iterations > PATIENCE && !self.used[row];
         let before_transition = |state: &State| state.smallest_floor_gap >= 0.0;
         let used: Vec<bool> = self
@@ -529,8 +532,8 @@ impl<'a> Search<'a> {
     fn linearise(&mut self) -> Result<(), FitError> {
         self.derivatives = self.model.derivatives(&self.unknowns, &self.states)?;
         self.errors = self.with_errors()?;
-        // The estimated errors depend on leverages and these on them: once more is enough, for
-        // the search comes back here.
+        // The estimated errors depend on the leverages, and the leverages on the errors. One repetition is enough, as every
+        // step of the search comes here again.
         self.decompose()?;
         if self.has_scatter() {
             self.estimate_scatter()?;
@@ -666,7 +669,7 @@ impl<'a> Search<'a> {
     fn is_at_end(&self, gain: f64) -> bool {
         let covariance = self.covariance();
         let step = self.step(0.0);
-        // Without a sum of squares there is nothing to be at the end of.
+        // A sum of squares that is not finite is no minimum.
         if !within(self.chi_square(), f64::MAX) {
             return false;
         }
@@ -717,7 +720,8 @@ impl<'a> Search<'a> {
                 Ok(states) => {
                     let squares = self.trial_chi_square(&states);
                     if squares <= now {
-                        // Of what the derivatives promise; where they do not hold far, slow down.
+                        // The part that was kept of what the derivatives promised. A small part means that they do not
+                        // hold as far as the step went, and that the next step should be shorter.
                         let kept = (now - squares) / self.promised(&step);
                         self.states = states;
                         self.unknowns = trial;
@@ -732,7 +736,7 @@ impl<'a> Search<'a> {
                 Err(FitError::Solve(SolveError::Interrupted)) => {
                     return Err(SolveError::Interrupted.into());
                 }
-                // No such case, or no contact in it: too far.
+                // The step went too far: to a case that cannot be, or that has no contact.
                 Err(_) => {}
             }
             *damping *= 10.0;
@@ -789,7 +793,7 @@ impl<'a> Search<'a> {
         };
         let freedom = self.data.len().saturating_sub(self.unknowns.len());
         let quantile = quantile(self.has_scatter().then_some(freedom));
-        let start = self.model.start();
+        let start = self.model.start()?;
         let estimates = (0..self.unknowns.len())
             .map(|number| {
                 let deviation = covariance[number][number].max(0.0).sqrt();
@@ -841,7 +845,7 @@ impl<'a> Search<'a> {
         let parameter = self.model.free[number];
         let unknown = self.unknowns[number];
         let value = self.model.value(number, unknown);
-        // Of the value by the unknown.
+        // The derivative of the value by the unknown.
         let slope = if parameter.is_positive() {
             value
         } else {
@@ -876,7 +880,8 @@ impl<'a> Search<'a> {
     }
 
     fn undetermined(&self, covariance: &[Vec<f64>]) -> Vec<Undetermined> {
-        /// In logarithms, or in the ranges of the data.
+        /// The largest standard deviation of an unknown that counts as determined. Unknowns are logarithms, or parts of the
+        /// range of the data.
         const LARGEST_DEVIATION: f64 = 1.0;
         /// Correlation with another parameter that explains it.
         const TIED: f64 = 0.9;
@@ -1021,19 +1026,20 @@ fn own_variance(terms: &[(f64, f64)], freedom: f64) -> f64 {
             .sum::<f64>()
     };
     let squares: f64 = terms.iter().map(|(square, _)| square).sum();
-    let (mut low, mut high) = (0.0, squares / freedom);
-    if sum(low) <= freedom {
+    let largest = squares / freedom;
+    let end = |position: f64| Point {
+        position,
+        value: sum(position) - freedom,
+    };
+    if end(0.0).value <= 0.0 {
         return 0.0;
     }
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if sum(middle) > freedom {
-            low = middle;
-        } else {
-            high = middle;
-        }
+    let ends = [end(0.0), end(largest)];
+    match roots::find(ends, 0.0, |own| Ok::<_, Infallible>(end(own).value)) {
+        Ok(Some(root)) => root.closest().position,
+        // Without any other variance the sum is `freedom` at the end, but for rounding.
+        Ok(None) => largest,
     }
-    high
 }
 
 /// Half width of a 95 % interval in standard errors: of Student's distribution with so many degrees

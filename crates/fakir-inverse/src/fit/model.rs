@@ -2,12 +2,12 @@
 //! parameters.
 
 use super::measurements::{Measurement, Measurements, Position};
-use super::parameter::{Parameter, value_of};
+use super::parameter::Parameter;
 use super::{FitError, FitOptions};
 use fakir::numerics::convergence::within;
 use fakir::problem::{Control, Method};
 use fakir::state::{ContactState, Run, SolveError};
-use fakir_case::{Case, CaseFile};
+use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
 
 /// Relative step of derivatives: the error of a difference is its square, and kinks of the curve,
@@ -17,35 +17,35 @@ const DIFFERENCE: f64 = 1e-2;
 /// Relative error at which reading, force and indentation agree.
 const BALANCE: f64 = 1e-9;
 
-/// Steps in which they must.
+/// The most steps in which they must agree.
 const MOST_STEPS: usize = 40;
 
 /// A state in place of a measured one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct State {
-    /// m
+    /// Indentation, m.
     pub(super) indentation: f64,
-    /// N
+    /// Force, N.
     pub(super) force: f64,
-    /// m
+    /// Contact radius, m.
     pub(super) contact_radius: f64,
     /// Contact radius of the homogenised lattice, m: it has no jumps, and so a derivative.
     pub(super) smooth_radius: f64,
-    /// m
+    /// Smallest gap between lens and floor, m.
     pub(super) smallest_floor_gap: f64,
     pub(super) converged: bool,
 }
 
-/// How force and contact radius in a row change.
+/// Derivatives of force and contact radius in a row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Derivatives {
-    /// With each unknown.
+    /// By each unknown.
     pub(super) force: Vec<f64>,
     pub(super) contact_radius: Vec<f64>,
-    /// With the position, N/m and 1.
+    /// By the position: of the force in N/m, of the contact radius without unit.
     pub(super) force_by_position: f64,
     pub(super) radius_by_position: f64,
-    /// With the force where that is the load, m/N.
+    /// Of the contact radius by the force where the force is the load, m/N.
     pub(super) radius_by_force: f64,
 }
 
@@ -53,9 +53,9 @@ pub(super) struct Derivatives {
 #[derive(Debug, Clone)]
 pub(super) struct Settings {
     pub(super) case: Case,
-    /// m
+    /// Contact point, m.
     pub(super) contact_point: f64,
-    /// m/N
+    /// Machine compliance, m/N.
     pub(super) machine_compliance: f64,
 }
 
@@ -92,7 +92,7 @@ impl<'a> Model<'a> {
                 machine_compliance: options.machine_compliance,
             },
             units: Vec::new(),
-            // Rows are shared between threads, so each has to make do with one.
+            // Threads share the rows, and every row is computed by one thread.
             single: Run {
                 pool: None,
                 progress: None,
@@ -105,15 +105,15 @@ impl<'a> Model<'a> {
             model.start.contact_point = model.likely_contact_point()?;
         }
         let range = model.position_range();
-        model.units = free
-            .iter()
-            .map(|parameter| match parameter {
-                Parameter::Key(key) if parameter.is_positive() => value_of(*key, &case.system),
+        let units = free.iter().map(|parameter| {
+            Ok(match parameter {
+                Parameter::Key(_) if parameter.is_positive() => model.start_of(*parameter)?,
                 Parameter::Key(_) => 1.0,
                 Parameter::ContactPoint => range,
                 Parameter::MachineCompliance => range / model.largest_force(),
             })
-            .collect();
+        });
+        model.units = units.collect::<Result<_, FitError>>()?;
         Ok(model)
     }
 
@@ -153,28 +153,37 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// The value of a parameter where the fit begins, in SI units.
+    fn start_of(&self, parameter: Parameter) -> Result<f64, FitError> {
+        match parameter {
+            Parameter::Key(key) => {
+                let number = self.start.case.number(key);
+                number.ok_or(FitError::NotFree(parameter))
+            }
+            Parameter::ContactPoint => Ok(self.start.contact_point),
+            Parameter::MachineCompliance => Ok(self.start.machine_compliance),
+        }
+    }
+
     /// The unknowns where the fit begins.
-    pub(super) fn start(&self) -> Vec<f64> {
+    pub(super) fn start(&self) -> Result<Vec<f64>, FitError> {
         let unknowns = self.free.iter().zip(&self.units).map(|(parameter, unit)| {
-            let value = match parameter {
-                Parameter::Key(_) if parameter.is_positive() => return 0.0,
-                Parameter::Key(key) => value_of(*key, &self.start.case.system),
-                Parameter::ContactPoint => self.start.contact_point,
-                Parameter::MachineCompliance => self.start.machine_compliance,
-            };
-            // On a pillar every direction looks the same: begin beside it.
-            let on_a_pillar =
-                *parameter == Parameter::Key(fakir_case::Key::Offset) && value.abs() < 0.05;
-            if on_a_pillar { 0.25 } else { value / unit }
+            if parameter.is_positive() {
+                return Ok(0.0);
+            }
+            let value = self.start_of(*parameter)?;
+            // With the lens axis on a pillar every direction looks the same: begin beside it.
+            let is_on_pillar = *parameter == Parameter::Key(Key::Offset) && value.abs() < 0.05;
+            Ok(if is_on_pillar { 0.25 } else { value / unit })
         });
         unknowns.collect()
     }
 
-    /// The value of a parameter, SI.
+    /// The value of a parameter, in SI units.
     pub(super) fn value(&self, number: usize, unknown: f64) -> f64 {
         let (parameter, unit) = (self.free[number], self.units[number]);
         match parameter {
-            Parameter::Key(fakir_case::Key::Offset) => unknown.abs(), // by symmetry
+            Parameter::Key(Key::Offset) => unknown.abs(), // by symmetry
             _ if parameter.is_positive() => unit * unknown.exp(),
             _ => unit * unknown,
         }
@@ -220,13 +229,13 @@ impl<'a> Model<'a> {
 
     fn for_each_row<T: Send>(
         &self,
-        one: impl Fn(usize, &Measurement) -> Result<T, FitError> + Sync,
+        answer: impl Fn(usize, &Measurement) -> Result<T, FitError> + Sync,
     ) -> Result<Vec<T>, FitError> {
         let rows = self.data.rows();
-        let one = |(number, row): (usize, &Measurement)| one(number, row);
+        let answer = |(number, row): (usize, &Measurement)| answer(number, row);
         match self.pool {
-            Some(pool) => pool.install(|| rows.par_iter().enumerate().map(one).collect()),
-            None => rows.iter().enumerate().map(one).collect(),
+            Some(pool) => pool.install(|| rows.par_iter().enumerate().map(answer).collect()),
+            None => rows.iter().enumerate().map(answer).collect(),
         }
     }
 
@@ -360,7 +369,7 @@ impl<'a> Model<'a> {
                 (Some(_), Position::Displacement) => settings.machine_compliance,
                 _ => 0.0,
             };
-            // Of the indentation by the position.
+            // The derivative of the indentation by the position.
             let follow = match row.position {
                 Some(_) => 1.0 / (1.0 + compliance * along[0]),
                 None => {

@@ -1,8 +1,7 @@
 //! What can be fitted.
 
-use fakir::problem::System;
+use fakir_case::Key;
 use fakir_case::unit::Dimension;
-use fakir_case::{Key, Kind};
 
 /// A quantity that is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,10 +60,7 @@ impl Parameter {
     #[must_use]
     pub fn dimension(self) -> Option<Dimension> {
         match self {
-            Self::Key(key) => match key.kind() {
-                Kind::Number(dimension) => Some(dimension),
-                Kind::Word | Kind::Text => Some(Dimension::Number),
-            },
+            Self::Key(key) => Some(key.dimension()),
             Self::ContactPoint => Some(Dimension::Length),
             Self::MachineCompliance => None,
         }
@@ -78,7 +74,7 @@ impl Parameter {
     /// Whether its logarithm is fitted, as that of sizes and moduli.
     pub(super) fn is_positive(self) -> bool {
         match self {
-            Self::Key(key) => !matches!(key, Key::Offset | Key::OffsetAngle),
+            Self::Key(key) => key.is_positive(),
             _ => false,
         }
     }
@@ -86,19 +82,5 @@ impl Parameter {
     /// The most it may change in a step, in the units it is fitted in.
     pub(super) fn longest_step(self) -> f64 {
         if self.is_positive() { 1.0 } else { 0.25 }
-    }
-}
-
-/// The value of a key that can be fitted.
-pub(super) fn value_of(key: Key, system: &System) -> f64 {
-    match key {
-        Key::SubstrateYoungModulus => system.substrate().young_modulus,
-        Key::LensYoungModulus => system.lens().material.young_modulus,
-        Key::LensRadius => system.lens().radius,
-        Key::PillarHeight => system.pillar().height,
-        Key::PillarDiameter => system.pillar().diameter,
-        Key::Pitch => system.lattice().pitch,
-        Key::Offset => system.lattice().offset,
-        _ => system.lattice().offset_angle,
     }
 }

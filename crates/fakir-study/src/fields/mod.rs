@@ -37,11 +37,11 @@ const LARGEST_WIDTH: f64 = 0.7;
 /// Equally spaced coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis {
-    /// The first, m.
+    /// The first coordinate, m.
     pub start: f64,
-    /// From one to the next, m.
+    /// The distance from one coordinate to the next, m.
     pub spacing: f64,
-    /// How many.
+    /// How many coordinates there are.
     pub count: usize,
 }
 
@@ -71,7 +71,7 @@ impl Axis {
 struct Variable {
     /// Its name; files without units have that of the unit behind it.
     name: &'static str,
-    /// In words.
+    /// Its name in words.
     long_name: &'static str,
     /// What to know about its values.
     comment: String,
@@ -92,9 +92,9 @@ enum Values {
 pub struct FieldMap {
     x: Axis,
     y: Axis,
-    /// N
+    /// Force on the lens, N.
     force: f64,
-    /// m
+    /// Indentation, m.
     indentation: f64,
     variables: Vec<Variable>,
 }

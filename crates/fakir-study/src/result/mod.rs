@@ -10,6 +10,7 @@ mod contact;
 mod critical;
 mod pillars;
 mod surface;
+mod sweep;
 mod theory;
 mod verify;
 
@@ -19,6 +20,7 @@ pub use contact::PressSummary;
 pub use critical::TransitionSummary;
 pub use pillars::pillars;
 pub use surface::{SurfacePressSummary, SurfaceTransitionSummary, indenter_name};
+pub use sweep::SweepSummary;
 pub use theory::{
     CoefficientRow, Constants, CurveRow, FormulaRow, SumRow, TheorySummary, constants,
 };
@@ -33,7 +35,7 @@ use serde::Serialize;
 /// A result as a JSON object, with its keys in the order of the contract.
 ///
 /// # Panics
-/// Never for the results of this room and the tables beside it, which have named fields.
+/// Never: all results of this module have named fields.
 #[must_use]
 pub fn json(result: &impl Serialize) -> String {
     serde_json::to_string_pretty(result).expect("structs with named fields are JSON objects")
@@ -42,7 +44,7 @@ pub fn json(result: &impl Serialize) -> String {
 /// Rows of a result as CSV, with the names of their fields as heading.
 ///
 /// # Panics
-/// Never for the rows of this room, which are flat.
+/// Never: all rows of this module are flat.
 pub fn csv<T: Serialize>(name: &'static str, rows: impl IntoIterator<Item = T>) -> File {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
@@ -82,14 +84,14 @@ pub fn control_words(control: Control) -> String {
 /// Estimated relative errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RelativeErrors {
-    /// Of the force.
+    /// Relative error of the force.
     pub force: f64,
-    /// Of the indentation.
+    /// Relative error of the indentation.
     pub indentation: f64,
-    /// Of the contact radius, of a critical state the larger one; none under a plate.
+    /// Relative error of the contact radius, of a critical state the larger one; `None` under a plate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact_radius: Option<f64>,
-    /// Of the radius of the contact on the pillar tops of a critical state.
+    /// Relative error of the radius of the contact on the pillar tops, of a critical state.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub top_contact_radius: Option<f64>,
 }

@@ -15,7 +15,7 @@ use serde::Serialize;
 pub struct AnswerRow {
     /// Name of the method.
     pub method: &'static str,
-    /// Of the elements.
+    /// Cells across a pillar; `None` for the spectral method.
     pub cells_per_diameter: Option<usize>,
     /// What it is called for a person.
     #[serde(skip)]
@@ -40,7 +40,7 @@ pub struct AnswerRow {
     pub contact_radius_error_estimate: f64,
     /// Whether the numbers are the solution.
     pub converged: bool,
-    /// Steps taken.
+    /// Steps of the solver.
     pub iterations: usize,
 }
 
@@ -53,7 +53,7 @@ pub struct VerifySummary {
     verdict: &'static str,
     /// Why it cannot be told; none if it can.
     doubt: Option<String>,
-    /// Elements on all cells from the spectral method.
+    /// Relative difference of the elements on all cells from the spectral method.
     relative_difference: RelativeErrors,
     /// Sum of both error estimates.
     allowed_difference: RelativeErrors,
@@ -151,7 +151,7 @@ pub struct MeshRow {
     pub cells_per_diameter: usize,
     /// Cells of the grid along x.
     pub columns: usize,
-    /// The same along y.
+    /// Cells of the grid along y.
     pub rows: usize,
     /// Normal force, N.
     pub force_N: f64,
@@ -169,7 +169,7 @@ pub struct MeshRow {
     pub contact_radius_error_estimate: Option<f64>,
     /// Whether the numbers are the solution.
     pub converged: bool,
-    /// Steps taken.
+    /// Steps of the solver.
     pub iterations: usize,
 }
 
@@ -184,7 +184,7 @@ pub struct SurfaceVerifySummary {
     verdict: &'static str,
     /// Why it cannot be told; none if it can.
     doubt: Option<String>,
-    /// Half as many cells from all of them.
+    /// Relative difference of the answer on half as many cells from that on all cells.
     relative_difference: RelativeErrors,
     /// Sum of both error estimates.
     allowed_difference: RelativeErrors,

@@ -4,6 +4,8 @@
 //! last points allow it, bisection elsewhere. It needs no derivative, never leaves the bracket, and takes some ten evaluations for all
 //! digits of a smooth function.
 
+use crate::numerics::convergence::within;
+
 /// Evaluations before giving up. Bisection alone takes 52 per factor of two between the ends of the bracket.
 const LIMIT: usize = 2200;
 
@@ -27,7 +29,27 @@ pub struct Root {
     pub evaluations: usize,
 }
 
+/// What a function does between two neighbouring points where it changes its sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Change {
+    /// It is zero at this point, to within the tolerance.
+    Crossing(Point),
+    /// It jumps over zero, or is infinite on one side.
+    Jump,
+}
+
 impl Root {
+    /// Whether the function is as close to zero as `tolerance`, in its own units, or jumps over zero.
+    #[must_use]
+    pub fn change(&self, tolerance: f64) -> Change {
+        let closest = self.closest();
+        if within(closest.value.abs(), tolerance) {
+            Change::Crossing(closest)
+        } else {
+            Change::Jump
+        }
+    }
+
     /// The point where the function is closer to zero.
     #[must_use]
     pub fn closest(&self) -> Point {
@@ -41,6 +63,9 @@ impl Root {
 
 /// Narrows the bracket between two points at which a function has different signs until it is as wide as `tolerance`, relative to the
 /// position, or as neighbouring numbers are. `None` if the signs are the same, or if the function is undefined somewhere.
+///
+/// The function may jump over zero, and be infinite: [`Root::change`] says whether it did. A bracket is halved as long as the
+/// function is infinite at one of its ends.
 ///
 /// # Errors
 /// The first that the function returns.
@@ -177,6 +202,21 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A crossing at 1/3, a jump there, and a function without a value below it.
+    #[test]
+    fn crossings_are_told_from_jumps() {
+        let third = 1.0 / 3.0;
+        let crossing = solve(0.0, 1.0, |x| x - third).unwrap();
+        assert_eq!(crossing.change(1e-15), Change::Crossing(crossing.closest()));
+        let jump = solve(0.0, 1.0, |x| if x < third { -0.5 } else { 0.25 }).unwrap();
+        assert_eq!(jump.change(0.2), Change::Jump);
+        assert_eq!(jump.change(0.25), Change::Crossing(jump.above));
+        let end = solve(0.0, 1.0, |x| if x < third { f64::NEG_INFINITY } else { x }).unwrap();
+        assert_eq!(end.change(0.2), Change::Jump);
+        assert!((end.above.position - third).abs() < 1e-15);
+        assert!(end.evaluations < 60, "{}", end.evaluations);
     }
 
     #[test]
