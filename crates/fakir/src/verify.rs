@@ -18,7 +18,7 @@ pub struct Verification {
     pub elements: [ContactState; 2],
     /// Force by elements over that of the spectral method, minus 1.
     pub force: Difference,
-    /// The same of the indentation.
+    /// Indentation by elements over that of the spectral method, minus 1.
     pub indentation: Difference,
 }
 

@@ -15,7 +15,7 @@ pub(crate) struct RealPlans {
 }
 
 impl RealPlans {
-    /// Of an array of so many rows and columns.
+    /// The plans for an array of so many rows and columns.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
@@ -47,7 +47,7 @@ pub(crate) struct ComplexPlans {
 }
 
 impl ComplexPlans {
-    /// Of an array of so many rows and columns.
+    /// The plans for an array of so many rows and columns.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let mut planner = FftPlanner::new();
         Self {

@@ -149,7 +149,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     chunks.map(|(a, b)| dot_of_chunk(a, b)).sum()
 }
 
-/// In [`LANES`] partial sums.
+/// The dot product of two chunks, added up in [`LANES`] partial sums.
 fn dot_of_chunk(a: &[f64], b: &[f64]) -> f64 {
     widest(
         #[inline(always)]

@@ -50,7 +50,7 @@ impl Lens {
         self.sag_at_square(distance * distance)
     }
 
-    /// The same at the square of a distance.
+    /// [`sag`](Self::sag) from the square of the distance to the axis.
     pub(crate) fn sag_at_square(&self, squared: f64) -> f64 {
         let rest = self.radius * self.radius - squared;
         if rest < 0.0 {

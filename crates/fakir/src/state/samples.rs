@@ -88,7 +88,7 @@ impl Fields {
         Ok(samples)
     }
 
-    /// Without the pressure.
+    /// Displacement and gap at some points; the pressure is left out.
     fn displacement_and_gap(
         &self,
         points: &[Point],

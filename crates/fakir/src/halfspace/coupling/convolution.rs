@@ -100,7 +100,7 @@ impl LatticeConvolution {
         let reach = (self.shape.0 as i64 - 1, self.shape.1 as i64 - 1);
         let least = self.least();
         let radial = radial_parts(pair, reach.0.max(reach.1), workers);
-        // For every row, every pair, the columns.
+        // The columns of every pair, row after row of the lattice.
         let mut transformed = vec![Complex64::default(); self.shape.0 * entries * half];
         let transform = &self.transforms.row;
         let work = || RowWork {

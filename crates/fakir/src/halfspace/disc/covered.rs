@@ -509,7 +509,7 @@ fn solve_3(matrix: [[f64; 3]; 3], mut right: [f64; 3]) -> Option<[f64; 3]> {
 struct RayLine {
     /// Chebyshev points between 0 and 1.
     nodes: Vec<f64>,
-    /// For every sample, the weights of the nodes.
+    /// The weights of the nodes, sample after sample.
     weights: Vec<f64>,
 }
 

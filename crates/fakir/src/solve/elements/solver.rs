@@ -496,9 +496,9 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
 
 /// What came of a step.
 enum Step {
-    /// To the minimum, without meeting a bound.
+    /// It went to the minimum, and no pressure became negative on the way.
     Plain,
-    /// Projected, with lower energy.
+    /// Negative pressures were set to zero, and the energy is lower.
     Projected,
     /// The projected gradient was followed instead.
     Gradient,

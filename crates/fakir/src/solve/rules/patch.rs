@@ -148,7 +148,7 @@ mod tests {
         for odd in [f64::NAN, f64::NEG_INFINITY] {
             assert!(find(&|_| odd, 1e-4).is_none());
             assert!(find(&|patch| patch.force, odd).is_none());
-            // Of small contacts only.
+            // Only small contacts have the odd value.
             let small = |patch: &Patch| if patch.radius < 0.5 { odd } else { patch.force };
             assert!(find(&small, 1e-9).is_none());
         }

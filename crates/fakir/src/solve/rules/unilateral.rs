@@ -46,7 +46,7 @@ pub(crate) struct PillarTop {
 pub(crate) struct LocalSolver {
     pivot: PivotSolver,
     right: Vec<f64>,
-    /// Both made when the first load comes.
+    /// The rim and its cells are made when the first load needs them.
     rim: Option<Rim>,
     cells: Option<Box<RimSolver>>,
     /// Whether the solution is that of a sliver, on cells.
