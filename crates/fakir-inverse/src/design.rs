@@ -12,7 +12,7 @@ use fakir::numerics::convergence::within;
 use fakir::problem::{MAXIMUM_SURFACE_FRACTION, Method, System};
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir_case::unit::Dimension;
-use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
+use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, with_unit};
 
 /// What is wanted of the critical state.
@@ -282,6 +282,7 @@ pub fn design(
     wanted: Wanted,
     run: &Run<'_>,
 ) -> Result<Design, DesignError> {
+    file.refuse_surface_for(TextureOnly::Design)?;
     if !FREE.contains(&free) {
         return Err(DesignError::NotFree(free));
     }
