@@ -200,3 +200,125 @@ fn sides(grid: &Grid) -> [f64; 2] {
     let counts = [grid.columns(), grid.rows()];
     [0, 1].map(|axis| counts[axis] as f64 * grid.cell()[axis])
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use fakir::problem::pattern::{Arrangement, CrossSection, Pattern, PillarShape, Top};
+    use fakir::problem::{Control, Floor, Material, PillarCompliance};
+    use fakir::state::Run;
+
+    const HEIGHT: f64 = 1e-6;
+    const RUBBER: Material = Material {
+        young_modulus: 2e6,
+        poisson_ratio: 0.5,
+    };
+
+    /// Square pillars of rubber, which shorten, on four periods, under a plate.
+    fn system(plate: Option<Material>, substrate: Material) -> SurfaceSystem {
+        let pillar = PillarShape {
+            cross_section: CrossSection::Square { side: 6e-6 },
+            orientation: 0.0,
+            height: HEIGHT,
+            top: Top::Flat,
+            compliance: PillarCompliance::Column,
+        };
+        let pitch = 16e-6;
+        let arrangement = Arrangement::Square {
+            pitch,
+            offset: [0.0, 0.0],
+        };
+        let grid = Grid::centred(64, 64, 1e-6).unwrap();
+        let surface = Pattern::new(pillar, arrangement).periodic_height_map(&grid, &substrate);
+        let plate = Indenter::Flat(plate);
+        let system =
+            SurfaceSystem::new(plate, substrate, surface.unwrap(), Boundary::Periodic).unwrap();
+        system.with_floor(Floor::OffPillars)
+    }
+
+    fn section(system: &SurfaceSystem, load: Control) -> (Section, SurfaceContact) {
+        let contact = system.press(load, &Run::default()).unwrap();
+        let state = SurfaceState {
+            label: Text::default(),
+            system,
+            contact: &contact,
+            floor_contact: None,
+        };
+        (state.section().unwrap(), contact)
+    }
+
+    /// A rigid plate stays flat, at the height of the tops less the indentation, whatever the
+    /// half-space and the pillars do: their parts of the displacement are told apart.
+    #[test]
+    fn a_rigid_plate_is_flat_in_section() {
+        let system = system(None, RUBBER);
+        let (section, contact) = section(&system, Control::Force(1e-4));
+        let level = HEIGHT - contact.indentation;
+        for lens in &section.lens {
+            // The gap is solved to a part in 1e6 of the indentation or better.
+            assert!((lens - level).abs() < 1e-6 * contact.indentation, "{lens}");
+        }
+        let lowest = section.surface.iter().copied().fold(0.0, f64::min);
+        assert!(lowest < 0.0, "the floor is pulled down beside the pillars");
+    }
+
+    /// What is hardly compliant keeps its shape under an elastic plate: floor at 0, tops at their
+    /// height, sides upright.
+    #[test]
+    fn a_rigid_substrate_keeps_its_outline() {
+        let rigid = Material::new(2e15, 0.5);
+        let (section, _) = section(&system(Some(RUBBER), rigid), Control::Force(1e-4));
+        for ground in &section.surface {
+            let wrong = ground.abs().min((ground - HEIGHT).abs());
+            assert!(wrong < 1e-6 * HEIGHT, "{ground}");
+        }
+        let steps = section.surface.windows(2).zip(section.x.windows(2));
+        let steps = steps.filter(|(z, _)| (z[1] - z[0]).abs() > 0.5 * HEIGHT);
+        let mut sides = 0;
+        for (_, x) in steps {
+            assert!((x[1] - x[0]).abs() < 1e-18);
+            sides += 1;
+        }
+        assert_eq!(sides, 8, "both sides of each of four pillars");
+    }
+
+    /// Pixels larger than cells show every cell once, smaller ones the cell that they are in; beyond
+    /// a period it begins again, beyond a free surface there is nothing.
+    #[test]
+    fn pixels_show_the_cells_that_they_cover() {
+        let periodic = system(None, RUBBER);
+        let contact = periodic.press(Control::Force(1e-4), &Run::default());
+        let contact = contact.unwrap();
+        let state = |system| SurfaceState {
+            label: Text::default(),
+            system,
+            contact: &contact,
+            floor_contact: None,
+        };
+        let window = Window::new([0.0, 0.0], 100.0, [0.0, 0.0], 32e-6);
+        let [across, _] = state(&periodic).cells(&window, 16);
+        assert!(
+            across
+                .iter()
+                .enumerate()
+                .all(|(k, cells)| *cells == Some(4 * k..4 * k + 4))
+        );
+        let [across, up] = state(&periodic).cells(&window, 128);
+        assert_eq!(across, up);
+        assert!(
+            across
+                .iter()
+                .enumerate()
+                .all(|(k, cells)| *cells == Some(k / 2..k / 2 + 1))
+        );
+        let wide = Window::new([0.0, 0.0], 100.0, [0.0, 0.0], 64e-6);
+        let [across, _] = state(&periodic).cells(&wide, 128);
+        assert_eq!(across[0], Some(32..33));
+        let map = periodic.surface().clone();
+        let free = *periodic.indenter();
+        let free = SurfaceSystem::new(free, RUBBER, map, Boundary::FreeSpace).unwrap();
+        let [across, _] = state(&free).cells(&wide, 128);
+        assert_eq!((across[31].clone(), across[32].clone()), (None, Some(0..1)));
+    }
+}

@@ -11,7 +11,7 @@ use fakir::problem::Floor;
 use std::ops::Range;
 
 /// Most pixels of a map, along a side.
-const PIXELS: usize = 440;
+const PIXELS: usize = 640;
 
 /// The colours of pressures reach so large a share of the cells in contact: they are highest along
 /// edges.
@@ -184,8 +184,9 @@ fn map(
     let (centre, half_width) = state.view();
     let sheet = Sheet::new(centre, half_width, bar);
     let shown = 2.0 * half_width / state.grid().cell()[0].min(state.grid().cell()[1]);
-    // Small grids have a pixel for every cell; more would only make files larger.
-    let pixels = (shown.round() as usize).clamp(1, PIXELS);
+    // A cell is a block of whole pixels, so that it stays sharp where the picture is enlarged.
+    let cells = (shown.round() as usize).clamp(1, PIXELS);
+    let pixels = cells * (PIXELS / cells);
     let [across, up] = state.cells(&sheet.window, pixels);
     let columns = state.grid().columns();
     let mut cells = Vec::new();
