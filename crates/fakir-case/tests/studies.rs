@@ -252,7 +252,7 @@ fn surfaces_that_cannot_be_are_found_before_anything_is_computed() {
     );
     let told = refused("[axes]\n\"surface.pitch\" = [\"12 um\", \"5 um\"]", PILLARS);
     assert!(
-        told.starts_with("study.toml:2:28: surface.pitch: neighbouring pillars overlap"),
+        told.starts_with("study.toml:2:29: surface.pitch: neighbouring pillars overlap"),
         "{told}"
     );
     // At random the places of pillars are what tells.
@@ -298,7 +298,13 @@ fn maps_are_an_axis_too() {
     assert_eq!(missing.position(), Some((5, 36)));
     assert!(missing.to_string().contains("none.npy"), "{missing}");
     let no_floor = study("question = \"transition\"", "[\"low.npy\"]").unwrap_err();
-    assert_eq!(no_floor.key_path(), Some("surface.floor"));
+    assert_eq!(no_floor.key_path(), Some("surface.height_map"));
+    let told = no_floor.one_line();
+    assert!(
+        told.contains("surface.floor: this key is missing"),
+        "{told}"
+    );
+    assert!(told.contains("give the height at or below"), "{told}");
 }
 
 /// A surface that takes more memory than there is by default may be solved with more.
