@@ -218,11 +218,12 @@ def test_tables_and_other_answers_are_the_same(tmp_path):
     assert table(folder, "samples.csv") == list(spread.to_pandas())
 
 
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")) + [EXAMPLES / "fit" / "case.toml"])
+CASES = [path for path in sorted(EXAMPLES.glob("**/*.toml")) if "[axes]" not in path.read_text()]
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_every_example_of_a_case_is_read(path):
     text = path.read_text()
-    if "[axes]" in text:
-        pytest.skip("a study: fakir.sweep takes it")
     kind = fakir.love.Surface if "[surface]" in text else fakir.System
     for system in [fakir.System.from_file(path), fakir.System.from_toml(text)]:
         assert type(system) is kind
