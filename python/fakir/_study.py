@@ -11,6 +11,7 @@ import numpy as np
 from . import _fakir
 from ._quantity import WithUnit
 from ._system import Overrides, System, _settings
+from .love import Surface
 
 StudyLike: TypeAlias = str | PathLike[str] | Mapping[str, Any]
 """A study file, the text of one, or a dictionary."""
@@ -32,10 +33,12 @@ def read_study(study: StudyLike, overrides: Overrides | None) -> _fakir.Study:
 
 
 def _to_toml(tables: Mapping[str, Any]) -> str:
-    """A study file of a dictionary; a `System` in it, as ``"system"``, is the case."""
+    """A study file of a dictionary; a `System` or a `Surface` of a case file in it, as ``"system"``, is
+    the case.
+    """
     texts = []
     for name, table in tables.items():
-        if isinstance(table, System):
+        if isinstance(table, (System, Surface)):
             texts.append(table.to_toml())
             continue
         if not isinstance(table, Mapping):

@@ -150,8 +150,9 @@ def sweep(
     Parameters
     ----------
     study
-        A study file, its text, or a dictionary of its tables, in which a `System` can be the
-        case: ``{"system": system, "axes": {"surface_fraction": [0.01, 0.1]}}``.
+        A study file, its text, or a dictionary of its tables, in which a `System`, or a
+        `fakir.love.Surface` of a case file, can be the case:
+        ``{"system": system, "axes": {"surface_fraction": [0.01, 0.1]}}``.
     executor
         Where the cases are computed: any executor of ``concurrent.futures`` (threads, processes,
         ``mpi4py.futures``) or of Dask (``client.get_executor()``). A function that makes one, such as

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike, fspath
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _fakir
 from ._comparison import Comparison, compare
@@ -15,6 +15,9 @@ from ._quantity import Quantity, WithUnit, si
 from ._run import Progress, options
 from ._state import ContactState, CriticalState, critical_state, contact_state
 from ._verification import Verification, verify
+
+if TYPE_CHECKING:
+    from .love import Surface
 
 Method = Literal["spectral", "love", "punch", "homogenised"]
 Overrides = Mapping[str, Quantity]
@@ -171,17 +174,29 @@ class System:
         return system
 
     @classmethod
-    def from_file(cls, path: str | PathLike[str], set: Overrides | None = None) -> System:
+    def from_file(
+        cls, path: str | PathLike[str], set: Overrides | None = None
+    ) -> System | Surface:
         """Reads a case file; ``set`` overrides keys, as ``--set`` of the command line.
 
-        The method of the file is the one that is used where none is asked for.
+        The method of the file is the one that is used where none is asked for. A case with a general
+        ``[surface]`` gives a `fakir.love.Surface`, which answers the same questions: `press`,
+        `transition`, `approach` and `verify`.
         """
-        return cls._of(_fakir.Case.read(fspath(path), _settings(set)))
+        return cls._described(_fakir.read_case(fspath(path), _settings(set)))
 
     @classmethod
-    def from_toml(cls, text: str, set: Overrides | None = None) -> System:
+    def from_toml(cls, text: str, set: Overrides | None = None) -> System | Surface:
         """As `from_file`, from the text of a case file."""
-        return cls._of(_fakir.Case.parse("case.toml", text, _settings(set)))
+        return cls._described(_fakir.parse_case("case.toml", text, _settings(set)))
+
+    @classmethod
+    def _described(cls, found: _fakir.Case | _fakir.Surface) -> System | Surface:
+        if isinstance(found, _fakir.Case):
+            return cls._of(found)
+        from .love import Surface
+
+        return Surface._of(found)
 
     def to_toml(self) -> str:
         """The case as a commented file, which gives the same system to the bit."""

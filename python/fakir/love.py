@@ -157,6 +157,18 @@ class Surface:
         """As `from_file`, from the text of a case file."""
         return cls._of(_fakir.Surface.parse("case.toml", text, _settings(set), memory_limit))
 
+    def to_toml(self) -> str:
+        """The case as a commented file, of a surface that a case file describes; a height map is named by
+        its absolute path.
+        """
+        text = self._surface.to_toml()
+        if text is None:
+            raise ValueError(
+                "a surface made of an array has no case file: save the array (numpy.save) and name it in "
+                "one, as surface.height_map"
+            )
+        return text
+
     def _hold(self, surface: _fakir.Surface) -> None:
         self._surface = surface
         lens, plate = surface.lens, surface.plate

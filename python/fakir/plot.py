@@ -16,15 +16,18 @@ from ._fit import Fit
 from ._loading import Approach
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep
-from ._system import System
+from ._system import Lens, System
+from .love import SurfaceApproach, SurfaceContact, SurfaceTransition
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = [
+    "approach",
     "critical_curves",
     "fit",
     "floor_gap_map",
+    "gap_map",
     "lattice_sums",
     "phase_diagram",
     "pillar_pressure",
@@ -34,6 +37,8 @@ __all__ = [
 ]
 
 State: TypeAlias = ContactState | CriticalState
+OnCells: TypeAlias = SurfaceContact | SurfaceTransition
+"""A contact with a general surface, known on its cells."""
 
 MICRO = 1e6
 """Lengths are shown in µm."""
@@ -70,18 +75,22 @@ def critical_curves(
 
 
 def profiles(
-    states: State | Sequence[State], ax: Axes | Sequence[Axes] | None = None
+    states: State | OnCells | Sequence[State | OnCells], ax: Axes | Sequence[Axes] | None = None
 ) -> Sequence[Axes]:
     """Section through lens and substrate along x, through the lens axis: axes for every state.
 
     Heights are over the undeformed floor. The displacement belongs to both bodies, to each in
     proportion to its compliance; pillars also shorten under their force.
     """
-    several = [states] if isinstance(states, (ContactState, CriticalState)) else list(states)
+    single = (ContactState, CriticalState, SurfaceContact, SurfaceTransition)
+    several = [states] if isinstance(states, single) else list(states)
     given = [ax] if ax is not None and not isinstance(ax, Sequence | np.ndarray) else ax
     axes = _axes(given, len(several), 1, (6.4, 1.8 * len(several)), sharex=True)
     for axis, item in zip(axes, several):
-        _profile(axis, _contact(item))
+        if isinstance(item, (SurfaceContact, SurfaceTransition)):
+            _profile_of_cells(axis, _on_cells(item))
+        else:
+            _profile(axis, _contact(item))
     axes[-1].set_xlabel("x (µm)")
     return axes
 
@@ -99,22 +108,196 @@ def _profile(axis: Axes, state: ContactState) -> None:
     sag = x**2 / (lens.radius + np.sqrt(lens.radius**2 - x**2))
     under = texture.height + sag - state.indentation + share * displacement
     ground = under - gap
-    axis.fill_between(MICRO * x, MICRO * under, MICRO * under.max(), color="#c6ddf0", lw=0)
     floor = min(float(ground.min()), 0.0) - 0.25 * texture.height
+    _bodies(axis, x, under, ground, top, floor)
+    axis.set_xlim(-MICRO * reach, MICRO * reach)
+
+
+def _bodies(axis: Axes, x: Any, under: Any, ground: Any, top: Any, floor: float) -> None:
+    """The outlines of both bodies; heights are shown from ``floor``."""
+    axis.fill_between(MICRO * x, MICRO * under, MICRO * under.max(), color="#c6ddf0", lw=0)
     axis.fill_between(MICRO * x, MICRO * floor, MICRO * ground, color="#e2d6c4", lw=0)
     axis.plot(MICRO * x, MICRO * under, lw=0.9, color="#1f5f99")
     # Tops and floor are drawn apart: their edges are not slopes.
     for part in [top, ~top]:
         axis.plot(MICRO * x, MICRO * np.where(part, ground, np.nan), lw=0.9, color="#7a5c2e")
     axis.set_ylabel("height (µm)")
-    axis.set_xlim(-MICRO * reach, MICRO * reach)
 
 
-def pressure_map(state: State, ax: Axes | None = None) -> Axes:
-    """Mean pressure on every pillar top; partially touched ones are outlined."""
+def _profile_of_cells(axis: Axes, contact: SurfaceContact) -> None:
+    """The row of cells that is nearest to the lens axis."""
+    surface = contact.surface
+    reach = _reach(contact)
+    row = int(np.argmin(np.abs(surface.y)))
+    shown = np.abs(surface.x) <= reach
+    shown &= np.isfinite(contact.gap_map[row])
+    moved = contact.displacement_map[row]
+    top = np.zeros(surface.x.shape, dtype=bool)
+    shortening = np.zeros(surface.x.shape)
+    pillars = surface._surface.pillars()
+    if pillars is not None:
+        labels, compliance = pillars
+        width, height = surface._surface.cell
+        force = np.bincount(
+            labels[labels >= 0],
+            weights=contact.pressure_map[labels >= 0] * width * height,
+            minlength=len(compliance),
+        )
+        top = labels[row] >= 0
+        shortening[top] = (force * compliance)[labels[row][top]]
+    substrate, indenter = surface.substrate, surface.indenter
+    of_substrate = (1.0 - substrate.poisson_ratio**2) / substrate.young_modulus
+    of_indenter = 0.0
+    if indenter.young_modulus is not None and indenter.poisson_ratio is not None:
+        of_indenter = (1.0 - indenter.poisson_ratio**2) / indenter.young_modulus
+    share = of_substrate / (of_substrate + of_indenter)
+    ground = surface.heights[row] - shortening - share * (moved - shortening)
+    under = ground + contact.gap_map[row]
+    low, high = float(ground[shown].min()), float(ground[shown].max())
+    depth = high - low if high > low else float(under[shown].max()) - low
+    x = surface.x[shown]
+    _bodies(axis, x, under[shown], ground[shown], top[shown], low - 0.25 * depth)
+    axis.set_ylim(MICRO * (low - 0.25 * depth), MICRO * (high + 0.75 * depth))
+    axis.set_xlim(MICRO * x[0], MICRO * x[-1])
+
+
+def approach(
+    loading: Approach | SurfaceApproach, ax: Sequence[Axes] | None = None
+) -> Sequence[Axes]:
+    """Force and contact radius over the indentation, the critical state marked if the loading gets there.
+
+    Two axes. The part of the force that the floor bears is shown where a general surface tells it, and states
+    past the transition of a texture, which are without the floor, are dashed. Under a plate the area
+    of the contact takes the place of its radius.
+    """
+    axes = _axes(ax, 2, 1, (4.2, 5.2), sharex=True)
+    rows = loading.to_dict()["states"]
+    plate = any(row["contact_radius_m"] is None for row in rows)
+    second = "contact_area_m2" if plate else "contact_radius_m"
+    scale = MICRO**2 if plate else MICRO
+    on_cells = isinstance(loading, SurfaceApproach)
+    bare = [bool(row["beyond_transition"]) and not on_cells for row in rows]
+    at = np.array([row["indentation_m"] for row in rows])
+    for axis, name, factor in zip(axes, ["force_N", second], [MICRO, scale]):
+        values = np.array([row[name] for row in rows], dtype=float)
+        past = np.array(bare) | np.append(np.array(bare)[1:], False)
+        axis.plot(MICRO * at, factor * np.where(bare, np.nan, values), ".-", label=_words(name))
+        if any(bare):
+            axis.plot(
+                MICRO * at, factor * np.where(past, values, np.nan), "--", color="0.6", label="without the floor"
+            )
+        for row in rows:
+            if row["critical"]:
+                place = MICRO * row["indentation_m"], factor * row[name]
+                axis.plot(*place, "D", color="#c0392b", ms=4, label="critical state")
+    if on_cells and any(row["floor_force_N"] for row in rows):
+        floor = np.array([row["floor_force_N"] for row in rows], dtype=float)
+        axes[0].plot(MICRO * at, MICRO * floor, "--", label="on the floor")
+    axes[0].set_ylabel("force (µN)")
+    axes[1].set_ylabel("contact area (µm²)" if plate else "contact radius (µm)")
+    axes[1].set_xlabel("indentation (µm)")
+    _legend(axes[0])
+    return axes
+
+
+def _words(name: str) -> str:
+    return name.rsplit("_", 1)[0].replace("_", " ")
+
+
+def gap_map(state: OnCells, ax: Axes | None = None) -> Axes:
+    """Gap between the deformed bodies on the cells of a general surface; grey where they touch.
+
+    Gaps larger than on most of what is shown have the last colour.
+    """
+    contact = _on_cells(state)
+    axis = _axis(ax)
+    surface = contact.surface
+    open_gap = np.where(contact.pressure_map > 0.0, np.nan, contact.gap_map)
+    x, y = np.meshgrid(surface.x, surface.y)
+    reach = _reach(contact)
+    seen = open_gap[(np.abs(x) < reach) & (np.abs(y) < reach) & np.isfinite(open_gap)]
+    if seen.size == 0:
+        raise ValueError("there is no gap to show: all of the surface is in contact")
+    image = axis.pcolormesh(
+        MICRO * surface.x,
+        MICRO * surface.y,
+        MICRO * open_gap,
+        cmap="viridis",
+        shading="nearest",
+        vmin=0.0,
+        vmax=MICRO * float(np.quantile(seen, 0.85)),
+    )
+    axis.set_facecolor("0.47")
+    _marks(axis, state)
+    _frame(axis, contact)
+    axis.figure.colorbar(image, ax=axis, label="gap (µm)", extend="max")
+    return axis
+
+
+def _pressure_of_cells(state: OnCells, ax: Axes | None) -> Axes:
+    from matplotlib.patches import Circle
+
+    contact = _on_cells(state)
+    axis = _axis(ax)
+    surface = contact.surface
+    pressed = np.where(contact.pressure_map > 0.0, contact.pressure_map, np.nan)
+    if np.isnan(pressed).all():
+        raise ValueError("there is no pressure to show: nothing is in contact")
+    image = axis.pcolormesh(
+        MICRO * surface.x,
+        MICRO * surface.y,
+        pressed / 1e3,
+        cmap="viridis",
+        shading="nearest",
+        vmin=0.0,
+        vmax=float(np.nanquantile(pressed, 0.98)) / 1e3,
+    )
+    axis.set_facecolor("0.94")
+    if contact.contact_radius:
+        edge = MICRO * contact.contact_radius
+        axis.add_patch(Circle((0, 0), edge, fill=False, ls="--", lw=0.8, color="grey"))
+    _marks(axis, state)
+    _frame(axis, contact)
+    axis.figure.colorbar(image, ax=axis, label="pressure (kPa)", extend="max")
+    return axis
+
+
+def _marks(axis: Axes, state: OnCells) -> None:
+    if isinstance(state, SurfaceTransition):
+        x, y = state.floor_contact
+        axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b")
+
+
+def _frame(axis: Axes, contact: SurfaceContact) -> None:
+    """The contact of a lens on a free surface; all of the cells otherwise."""
+    reach = _reach(contact)
+    if np.isfinite(reach):
+        _square(axis, reach)
+    else:
+        axis.set_aspect("equal")
+        axis.set_xlabel("x (µm)")
+        axis.set_ylabel("y (µm)")
+
+
+def _reach(contact: SurfaceContact) -> float:
+    """How far from the lens axis a figure goes; infinite to show all cells."""
+    surface = contact.surface
+    if surface.periodic or not isinstance(surface.indenter, Lens):
+        return float("inf")
+    whole = 0.5 * max(float(np.ptp(surface.x)), float(np.ptp(surface.y)))
+    return min(max(1.25 * (contact.contact_radius or 0.0), 0.2 * whole), whole)
+
+
+def pressure_map(state: State | OnCells, ax: Axes | None = None) -> Axes:
+    """Mean pressure on every pillar top; partially touched ones are outlined.
+
+    On a general surface the pressure on every cell.
+    """
     from matplotlib.collections import PatchCollection
     from matplotlib.patches import Circle
 
+    if isinstance(state, (SurfaceContact, SurfaceTransition)):
+        return _pressure_of_cells(state, ax)
     contact = _contact(state)
     axis = _axis(ax)
     pillars = contact.pillars
@@ -353,6 +536,10 @@ def _curves_of_sweep(sweep: Sweep) -> dict[str, tuple[Any, list[Any]]]:
 
 def _short(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _on_cells(state: OnCells) -> SurfaceContact:
+    return state.contact if isinstance(state, SurfaceTransition) else state
 
 
 def _contact(state: State) -> ContactState:

@@ -140,8 +140,6 @@ def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
     case = EXAMPLES / "square-pillars.toml"
     overrides = {"surface.grid.cells_per_diameter": 8}
     setting = "--set=surface.grid.cells_per_diameter=8"
-    with pytest.raises(fakir.CaseError, match="fakir.love.Surface.from_file"):
-        fakir.System.from_file(case)
     surface = fakir.love.Surface.from_file(case, set=overrides)
     again = fakir.love.Surface.from_toml(case.read_text(), set=overrides)
     assert np.array_equal(surface.heights, again.heights)
@@ -218,3 +216,52 @@ def test_tables_and_other_answers_are_the_same(tmp_path):
     spread = fakir.spread(system, {"texture.pillar.height": "3 %"}, samples=5, seed=1)
     assert timeless(spread.to_dict()) == timeless(expected)
     assert table(folder, "samples.csv") == list(spread.to_pandas())
+
+
+CASES = [path for path in sorted(EXAMPLES.glob("**/*.toml")) if "[axes]" not in path.read_text()]
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+def test_every_example_of_a_case_is_read(path):
+    text = path.read_text()
+    kind = fakir.love.Surface if "[surface]" in text else fakir.System
+    for system in [fakir.System.from_file(path), fakir.System.from_toml(text)]:
+        assert type(system) is kind
+        again = fakir.System.from_toml(system.to_toml())
+        assert again.to_toml() == system.to_toml()
+
+
+def test_a_surface_of_an_array_has_no_case_file(tmp_path):
+    case, surface = height_map(tmp_path)
+    with pytest.raises(ValueError, match="save the array"):
+        surface.to_toml()
+    read = fakir.System.from_file(case, set={"surface.floor": "10 nm"})
+    assert isinstance(read, fakir.love.Surface)
+    assert str(tmp_path / "heights.npy") in read.to_toml()
+
+
+def test_a_study_of_surfaces_gives_the_table_of_the_program(tmp_path):
+    study = EXAMPLES / "study-square-pillars.toml"
+    out = tmp_path / "out"
+    arguments = ["sweep", str(study), "--output", str(out), "--quiet"]
+    subprocess.run([os.environ["FAKIR"], *arguments], check=True, stdout=subprocess.DEVNULL)
+    table = (out / "table.csv").read_text()
+    assert fakir.sweep(study).to_csv() == table
+    surface = fakir.System.from_file(
+        EXAMPLES / "square-pillars.toml", set={"surface.grid.cells_per_diameter": 8}
+    )
+    tables = {
+        "study": {"question": "press"},
+        "system": surface,
+        "axes": {
+            "surface.surface_fraction": [0.2],
+            "surface.pillar.height": ["0.6 um"],
+            "indentation": ["2 um"],
+        },
+    }
+    done = fakir.sweep(tables)
+    row = done.rows[0]
+    assert [row["force_N"], row["contact_area_m2"]] == [
+        float(value) for value in (table.splitlines()[11].split(",")[i] for i in (6, 12))
+    ]
+    assert done.to_xarray().floor_force_N.attrs == {"units": "N"}

@@ -67,3 +67,58 @@ def test_critical_curves_and_phase_diagram(system):
 def test_states_without_pillars(system):
     with pytest.raises(ValueError, match="no pillars to show"):
         fakir.plot.pressure_map(system.transition("homogenised"))
+
+
+@pytest.fixture(scope="module")
+def surface():
+    return fakir.System.from_file(
+        EXAMPLES / "square-pillars.toml", set={"surface.grid.cells_per_diameter": 8}
+    )
+
+
+@pytest.mark.parametrize("name", ["pressure_map", "gap_map"])
+def test_a_contact_on_cells(surface, name):
+    critical = surface.transition()
+    axes = plt.figure().subplots()
+    draw = getattr(fakir.plot, name)
+    assert draw(critical, axes) is axes
+    assert axes.has_data()
+    reach = axes.get_xlim()[1]
+    assert 1e6 * critical.contact.contact_radius < reach < 81
+    assert draw(critical.contact).get_xlim()[1] == reach
+
+
+def test_nothing_to_show_on_cells(surface):
+    untouched = surface.press(force=0.0)
+    with pytest.raises(ValueError, match="nothing is in contact"):
+        fakir.plot.pressure_map(untouched)
+
+
+def test_a_rigid_plate_is_flat_in_section():
+    overrides = {
+        "surface.grid.cells_per_diameter": 8,
+        "surface.grid.width": "40 um",
+        "surface.boundary": "periodic",
+        "surface.indenter": "plate",
+        "lens.young_modulus": "1e9 GPa",
+    }
+    plate = fakir.System.from_file(EXAMPLES / "square-pillars.toml", set=overrides)
+    contact = plate.press(force="30 uN")
+    (axes,) = fakir.plot.profiles(contact)
+    outline = axes.lines[0].get_ydata()
+    level = 1e6 * (0.5e-6 - contact.indentation)
+    assert np.allclose(outline, level, atol=1e-6 * 1e6 * contact.indentation)
+    assert len(fakir.plot.profiles([contact, contact])) == 2
+
+
+def test_loadings(system, surface):
+    for loading in [
+        system.approach("2 um"),
+        system.approach("2 um", until="6 um", past_transition=True),
+        surface.approach("1 um", until="3 um", past_transition=True),
+    ]:
+        force, radius = fakir.plot.approach(loading)
+        assert force.has_data() and radius.has_data()
+        labels = [line.get_label() for line in force.lines]
+        assert "critical state" in labels
+        assert ("on the floor" in labels) == isinstance(loading, fakir.love.SurfaceApproach)

@@ -44,6 +44,8 @@ struct Report {
     problem: String,
     accepted: Option<String>,
     labels: Vec<(Range<usize>, String)>,
+    /// Whether it is only that something takes more memory than allowed.
+    is_of_memory: bool,
 }
 
 impl CaseError {
@@ -54,6 +56,7 @@ impl CaseError {
             problem: problem.into(),
             accepted: None,
             labels: Vec::new(),
+            is_of_memory: false,
         }))
     }
 
@@ -69,6 +72,16 @@ impl CaseError {
     pub(crate) fn accepted(mut self, accepted: impl Into<String>) -> Self {
         self.0.accepted = Some(accepted.into());
         self
+    }
+
+    /// Says that more memory would be enough.
+    pub(crate) fn of_memory(mut self) -> Self {
+        self.0.is_of_memory = true;
+        self
+    }
+
+    pub(crate) fn is_of_memory(&self) -> bool {
+        self.0.is_of_memory
     }
 
     pub(crate) fn label(mut self, span: Range<usize>, text: &str) -> Self {

@@ -190,7 +190,10 @@ impl CaseFile {
     /// [`CaseError`] for a key that is missing or has a value that cannot be, or a `[surface]` in
     /// place of a `[texture]`.
     pub fn case(&self) -> Result<Case, CaseError> {
-        self.refuse_surface()?;
+        self.refuse_surface(
+            "this needs a [texture], and the case has a [surface]",
+            "a [surface] is solved by elements: press, transition, approach, verify and sweep take one",
+        )?;
         let parts = self.parts(&[Part::Bodies, Part::Texture])?;
         let texture = &parts.texture;
         let spacing = match self.entry(Key::Pitch) {

@@ -82,6 +82,11 @@ impl Key {
         !matches!(self.part(), Part::Bodies | Part::Texture)
     }
 
+    /// Whether all cases have it: keys of the lens and the substrate.
+    pub(crate) fn is_of_bodies(self) -> bool {
+        self.part() == Part::Bodies
+    }
+
     /// What kind of value it takes.
     #[must_use]
     pub fn kind(self) -> Kind {

@@ -91,6 +91,7 @@ mod row;
 pub mod study;
 mod surface;
 mod table;
+mod texture_only;
 pub mod unit;
 
 pub use case::Case;
@@ -99,4 +100,5 @@ pub use file::CaseFile;
 pub use key::{Key, Kind, Setting};
 pub use reference::reference;
 pub use study::{Study, StudyFile};
-pub use surface::{SurfaceCase, SurfaceOrigin};
+pub use surface::{SurfaceCase, SurfaceExample, SurfaceOrigin};
+pub use texture_only::TextureOnly;

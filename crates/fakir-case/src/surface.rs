@@ -62,6 +62,36 @@ impl SurfaceCase {
     }
 }
 
+/// A general surface as one of several that are alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceExample {
+    /// What lies around it.
+    pub boundary: Boundary,
+    /// Whether its pillars stand at random.
+    pub is_random: bool,
+    /// All keys that were given and their values, as they are written in a case file.
+    settings: Vec<(Key, String)>,
+}
+
+impl SurfaceExample {
+    /// Whether another is of the same kind, and has the same keys.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let keys = |example: &Self| -> Vec<Key> {
+            let settings = example.settings.iter();
+            settings.map(|(key, _)| *key).collect()
+        };
+        self.boundary == other.boundary
+            && self.is_random == other.is_random
+            && keys(self) == keys(other)
+    }
+
+    /// The value of a key as it is written in a case file, if it was given.
+    pub(crate) fn value(&self, key: Key) -> Option<String> {
+        let setting = self.settings.iter().find(|(given, _)| *given == key);
+        setting.map(|(_, value)| value.clone())
+    }
+}
+
 /// The number of cells along each side of a grid is a multiple of this, so that the same surface
 /// can be solved on cells twice and four times as large.
 const CELLS_MULTIPLE: f64 = 4.0;
@@ -81,9 +111,7 @@ impl CaseFile {
     /// [`CaseError`] for a key that is missing or has a value that cannot be, a `[texture]` or a
     /// `[method]`, a height map that cannot be read, or a surface too large for the memory.
     pub fn surface_case(&self, memory_limit: usize) -> Result<SurfaceCase, CaseError> {
-        self.refuse_texture()?;
-        let kind = self.kind_of_surface()?;
-        let parts = self.parts(&[Part::Bodies, Part::Surface, kind])?;
+        let (kind, parts) = self.surface_parts()?;
         let SurfaceParts { boundary, .. } = parts.surface;
         let (surface, origin) = if kind == Part::HeightMap {
             let path = self.height_map_path(&parts.surface.height_map);
@@ -125,6 +153,24 @@ impl CaseFile {
         })
     }
 
+    /// What was given of the surface, without drawing or reading it.
+    pub(crate) fn surface_example(&self) -> Result<SurfaceExample, CaseError> {
+        let (kind, parts) = self.surface_parts()?;
+        Ok(SurfaceExample {
+            boundary: parts.surface.boundary,
+            is_random: kind == Part::Pattern && parts.surface.placement == Placement::Random,
+            settings: self.settings(parts),
+        })
+    }
+
+    /// Whether it is a height map or a pattern, and the values of all keys.
+    fn surface_parts(&self) -> Result<(Part, Parts), CaseError> {
+        self.refuse_texture()?;
+        let kind = self.kind_of_surface()?;
+        let parts = self.parts(&[Part::Bodies, Part::Surface, kind])?;
+        Ok((kind, parts))
+    }
+
     /// Where a table or one of its keys was first set.
     fn place_of(&self, table: &str) -> Option<&Place> {
         let header = self.entries.tables.get(table);
@@ -135,19 +181,14 @@ impl CaseFile {
         })
     }
 
-    /// Refuses a general surface where a texture is wanted.
-    pub(crate) fn refuse_surface(&self) -> Result<(), CaseError> {
+    /// Refuses a general surface where a texture is wanted, in these words.
+    pub(crate) fn refuse_surface(&self, problem: &str, accepted: &str) -> Result<(), CaseError> {
         match (self.place_of("surface"), self.place_of("texture")) {
             (None, _) => Ok(()),
             (Some(surface), Some(texture)) => Err(texture_and_surface(surface, texture)),
-            (Some(surface), None) => Err(CaseError::at(
-                surface,
-                "this needs a [texture], and the case has a [surface]",
-            )
-            .key("surface")
-            .accepted(
-                "fakir press and fakir transition take a [surface]; all commands a [texture]",
-            )),
+            (Some(surface), None) => Err(CaseError::at(surface, problem)
+                .key("surface")
+                .accepted(accepted)),
         }
     }
 
@@ -240,6 +281,7 @@ impl CaseFile {
                 1e-9 * limit
             ),
         )
+        .of_memory()
         .accepted(format!(
             "make it coarser: cells {:.1} times as large fit, if few of them are touched; or raise \
              the limit",

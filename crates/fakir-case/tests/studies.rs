@@ -2,9 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir::problem::{Accuracy, Control, ElementMesh, Method, PunchForm};
-use fakir_case::study::{Asked, Axis, Coordinate, Variable};
-use fakir_case::{Case, CaseFile, Key, Study, StudyFile};
+use fakir::problem::pattern::CrossSection;
+use fakir::problem::{Accuracy, Control, ElementMesh, Grid, Indenter, Method, PunchForm};
+use fakir_case::height_map::to_npy;
+use fakir_case::study::{Asked, Axis, Coordinate, StudiedCase, Variable};
+use fakir_case::{Case, CaseFile, Key, Study, StudyFile, SurfaceCase, SurfaceOrigin};
 
 /// A study of the example case.
 fn study(tables: &str) -> Study {
@@ -13,9 +15,14 @@ fn study(tables: &str) -> Study {
     file.study().unwrap()
 }
 
+/// A case of a study of textures.
+fn texture(study: &Study, index: usize) -> Case {
+    *study.case(index).case.texture().unwrap()
+}
+
 fn pitches(study: &Study) -> Vec<f64> {
     (0..study.cases())
-        .map(|index| study.case(index).case.system.lattice().pitch)
+        .map(|index| texture(study, index).system.lattice().pitch)
         .collect()
 }
 
@@ -74,7 +81,7 @@ fn ranges_begin_and_end_where_they_say() {
         assert!((pair[1] / pair[0] / ratio - 1.0).abs() < 1e-12);
     }
     let study = self::study("[axes]\noffset = { from = 0.1, to = 0.7, points = 4 }");
-    let offset = |index: usize| study.case(index).case.system.lattice().offset;
+    let offset = |index: usize| texture(&study, index).system.lattice().offset;
     assert_eq!((offset(0), offset(3)), (0.1, 0.7));
     assert!((offset(1) - 0.3).abs() < 1e-15 && (offset(2) - 0.5).abs() < 1e-15);
 }
@@ -93,9 +100,9 @@ fn a_value_of_an_axis_is_that_of_a_case_file_bit_for_bit() {
     ] {
         file.set(argument).unwrap();
     }
-    assert_eq!(study.case(0).case, file.case().unwrap());
+    assert_eq!(texture(&study, 0), file.case().unwrap());
     file.set_number(Key::SubstrateYoungModulus, 1e9);
-    assert_eq!(study.case(1).case, file.case().unwrap());
+    assert_eq!(texture(&study, 1), file.case().unwrap());
     file.set_number(Key::SurfaceFraction, 0.2); // in place of the pitch
     let fraction = file.case().unwrap().system.texture().surface_fraction();
     assert!((fraction / 0.2 - 1.0).abs() < 1e-15);
@@ -122,7 +129,7 @@ fn keys_of_methods_count_for_the_methods_that_have_them() {
             file.set(argument).unwrap();
         }
         let study = file.study().map_err(|error| error.to_string())?;
-        let cases = (0..study.cases()).map(|index| study.case(index).case.method);
+        let cases = (0..study.cases()).map(|index| texture(&study, index).method);
         Ok(cases.collect())
     };
     // The example has method.accuracy = "default", which the punch lattice has not.
@@ -161,7 +168,10 @@ fn what_is_written_is_the_same_study() {
         assert_eq!(again.to_toml(), written);
         assert_eq!(again.cases(), study.cases());
         for index in 0..study.cases() {
-            assert_eq!(again.case(index), study.case(index));
+            assert_eq!(texture(&again, index), texture(&study, index));
+            let [there, here] = [&again, &study].map(|study| study.case(index));
+            assert_eq!(there.control, here.control);
+            assert_eq!(there.coordinates, here.coordinates);
         }
     }
     insta::assert_snapshot!(study(tables[2]).to_toml());
@@ -175,4 +185,135 @@ fn defaults_that_are_spelt_out_are_the_same_study() {
     let short = StudyFile::parse("short.toml", text).unwrap();
     let long = study("[axes]\n\"texture.offset_angle\" = [\"0 deg\", \"0.1 rad\"]");
     assert_eq!(short.study().unwrap().to_toml(), long.to_toml());
+}
+
+/// A study of square pillars on a surface.
+fn surface_study(tables: &str, surface: &str) -> Result<Study, String> {
+    let text = format!(
+        "{tables}\n[lens]\nradius = \"1 mm\"\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.5\n\
+         [substrate]\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.5\n{surface}"
+    );
+    let file = StudyFile::parse("study.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+    file.study().map_err(|error| error.one_line())
+}
+
+const PILLARS: &str = "[surface]\narrangement = \"square\"\nsurface_fraction = 0.2\n\
+    [surface.pillar]\ncross_section = \"square\"\nside = \"6 um\"\nheight = \"1 um\"\n\
+    [surface.grid]\nwidth = \"60 um\"\ncells_per_diameter = 8";
+
+fn drawn(study: &Study, index: usize) -> SurfaceCase {
+    let StudiedCase::Surface(file) = study.case(index).case else {
+        panic!("a surface")
+    };
+    file.surface_case(100_000_000).unwrap()
+}
+
+/// Axes are any keys of the case, by their last names too; what is written is the same study.
+#[test]
+fn cases_with_a_surface_vary_along_its_keys() {
+    let tables = "[axes]\npitch = [\"12 um\", \"15 um\"]\n\"surface.pillar.height\" = [\"1 um\", \"2 um\"]\n\
+                  cross_section = [\"square\", \"circle\"]\n\"lens.radius\" = [\"1 mm\", \"2 mm\"]";
+    let surface = PILLARS.replace("side", "diameter = \"5 um\"\nside");
+    let study = surface_study(tables, &surface).unwrap();
+    assert_eq!(study.cases(), 16);
+    assert!(study.is_of_surfaces() && study.methods().is_empty());
+    let last = drawn(&study, 15);
+    let Indenter::Lens(lens) = last.system.indenter() else {
+        panic!("a lens")
+    };
+    assert_eq!(lens.radius, 2e-3);
+    assert_eq!(last.system.surface().highest(), 2e-6);
+    let SurfaceOrigin::Pattern(pattern) = &last.origin else {
+        panic!("pillars")
+    };
+    let circle = CrossSection::Circle { diameter: 5e-6 };
+    assert_eq!(pattern.pillar.cross_section, circle);
+    // 60 um in cells of 5/8 um.
+    assert_eq!((study.cells(15), study.cells(13)), (96 * 96, 80 * 80));
+    // Of squares and of circles.
+    assert_eq!(study.surfaces().len(), 2);
+    let again = StudyFile::parse("study.toml", study.to_toml()).unwrap();
+    let again = again.study().unwrap();
+    assert_eq!(again.to_toml(), study.to_toml());
+    for index in 0..16 {
+        let [there, here] = [&again, &study].map(|study| drawn(study, index).system);
+        assert_eq!(there, here);
+    }
+}
+
+/// Errors point at the axis that is to blame, in the words of the case.
+#[test]
+fn surfaces_that_cannot_be_are_found_before_anything_is_computed() {
+    let refused = |tables: &str, surface: &str| surface_study(tables, surface).unwrap_err();
+    let told = refused("[axes]\n\"surface.surface_fraction\" = [0.2, 1.2]", PILLARS);
+    assert!(
+        told.starts_with("study.toml:2:36: surface.surface_fraction: cannot be 1.2"),
+        "{told}"
+    );
+    let told = refused("[axes]\n\"surface.pitch\" = [\"12 um\", \"5 um\"]", PILLARS);
+    assert!(
+        told.starts_with("study.toml:2:29: surface.pitch: neighbouring pillars overlap"),
+        "{told}"
+    );
+    // At random the places of pillars are what tells.
+    let random = PILLARS.replace("square\"\nsurf", "random\"\nsurf");
+    let told = refused("[axes]\n\"surface.surface_fraction\" = [0.1, 0.9]", &random);
+    assert!(
+        told.contains("found a place") && told.contains("in case 1"),
+        "{told}"
+    );
+    let told = refused("[axes]\n\"surface.side\" = [\"5 um\"]", PILLARS.trim_end());
+    assert!(told.contains("did you mean surface.pillar.side?"), "{told}");
+}
+
+/// A height map that is an axis is sought next to the study; without a floor there is no transition.
+#[test]
+fn maps_are_an_axis_too() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, height) in [("low.npy", 1e-7), ("high.npy", 2e-7)] {
+        let grid = Grid::centred(16, 16, 1e-6).unwrap();
+        let heights = vec![height; grid.cell_count()];
+        std::fs::write(folder.path().join(name), to_npy(&grid, &heights)).unwrap();
+    }
+    let study = |question: &str, names: &str| {
+        let path = folder.path().join("study.toml");
+        let text = format!(
+            "[study]\n{question}\n[axes]\n\"surface.height_map\" = {names}\n[lens]\nradius = 1e-3\n\
+             young_modulus = 2e6\npoisson_ratio = 0.5\n[substrate]\nyoung_modulus = 2e6\n\
+             poisson_ratio = 0.5\n[surface]\ncell_size = \"1 um\""
+        );
+        std::fs::write(&path, text).unwrap();
+        StudyFile::read(&path)?.study()
+    };
+    let press = "question = \"press\"\nforce = \"1 uN\"";
+    let known = study(press, "[\"low.npy\", \"high.npy\"]").unwrap();
+    assert_eq!(drawn(&known, 1).system.surface().highest(), 2e-7);
+    // From any other folder.
+    let again = StudyFile::parse("journal", known.to_toml()).unwrap();
+    assert_eq!(
+        drawn(&again.study().unwrap(), 0).system.surface().highest(),
+        1e-7
+    );
+    let missing = study(press, "[\"low.npy\", \"none.npy\"]").unwrap_err();
+    assert_eq!(missing.position(), Some((5, 36)));
+    assert!(missing.to_string().contains("none.npy"), "{missing}");
+    let no_floor = study("question = \"transition\"", "[\"low.npy\"]").unwrap_err();
+    assert_eq!(no_floor.key_path(), Some("surface.height_map"));
+    let told = no_floor.one_line();
+    assert!(
+        told.contains("surface.floor: this key is missing"),
+        "{told}"
+    );
+    assert!(told.contains("give the height at or below"), "{told}");
+}
+
+/// A surface that takes more memory than there is by default may be solved with more.
+#[test]
+fn memory_is_a_matter_of_the_sweep() {
+    let study = surface_study(
+        "[axes]\n\"surface.grid.width\" = [\"60 um\", \"1 m\"]",
+        PILLARS,
+    );
+    let study = study.unwrap();
+    assert_eq!((study.cells(0), study.cells(1)), (80 * 80, 0));
 }

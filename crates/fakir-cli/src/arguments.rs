@@ -60,7 +60,8 @@ pub(crate) enum Command {
     /// Loading step by step, as in the experiment, up to the critical state
     ///
     /// On a general surface (a case with a [surface]) the floor bears load past that state. A height
-    /// map without surface.floor has none: there the loading ends at --until.
+    /// map without surface.floor has none: there the loading ends at --until. With --output the states are
+    /// saved as a table, and force and contact radius over the indentation as a figure.
     #[command(
         after_help = "Example: fakir approach case.toml --step 0.1um --output approach-to-floor"
     )]
@@ -135,7 +136,8 @@ pub(crate) enum Command {
     Fit(Fit),
     /// Many cases: a study file with axes along which a case is varied
     ///
-    /// Every case is one row of a table, also if it fails: then with the reason. With --output a
+    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Every case is one
+    /// row of a table, also if it fails: then with the reason. With --output a
     /// journal is kept there, so that a sweep that was interrupted, even killed, goes on with
     /// --resume; the tables are the same as without the interruption, byte for byte. Without
     /// --output the table is printed as CSV.

@@ -15,7 +15,7 @@ use arguments::{Arguments, CaseArguments, Command};
 use clap::Parser;
 use failure::Failure;
 use fakir_case::input::{self, LARGEST_CASE};
-use fakir_case::{Case, CaseFile};
+use fakir_case::{Case, CaseFile, TextureOnly};
 use fakir_study::numbers;
 use report::Report;
 use session::Session;
@@ -67,13 +67,14 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
         Command::Approach(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let (file, path) = (read_case(&options.case)?, options.path()?);
+            let saves = options.case.output.is_some();
             if file.is_surface() {
                 return deliver(command, &options.case, move || {
-                    commands::surface::approach(&file, &path, &session)
+                    commands::surface::approach(&file, &path, saves, &session)
                 });
             }
             answer(command, &options.case, &file, move |case| {
-                commands::approach::run(case, &path, &session)
+                commands::approach::run(case, &path, saves, &session)
             })
         }
         Command::Verify(options) => {
@@ -88,20 +89,18 @@ fn run(command: &Command) -> Result<ExitCode, Failure> {
                 commands::verify::run(case, options.control(), options.cells, &session)
             })
         }
-        Command::Theory(options) => answer(
-            command,
-            &options.case,
-            &read_case(&options.case)?,
-            commands::theory::run,
-        ),
+        Command::Theory(options) => {
+            let file = read_case(&options.case)?;
+            file.refuse_surface_for(TextureOnly::Theory)?;
+            answer(command, &options.case, &file, commands::theory::run)
+        }
         Command::Compare(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            answer(
-                command,
-                &options.case,
-                &read_case(&options.case)?,
-                move |case| commands::compare::run(case, &session),
-            )
+            let file = read_case(&options.case)?;
+            file.refuse_surface_for(TextureOnly::Compare)?;
+            answer(command, &options.case, &file, move |case| {
+                commands::compare::run(case, &session)
+            })
         }
         Command::Design(options) => design(command, options),
         Command::Fit(options) => fit(command, options),
@@ -207,6 +206,7 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
             file
         }
     };
+    file.refuse_surface_for(TextureOnly::Explore)?;
     Ok(file.case()?)
 }
 

@@ -366,6 +366,8 @@ fn output_holds_the_result_and_the_case() {
         bench.files("a"),
         [
             "approach.csv",
+            "approach.png",
+            "approach.svg",
             "case.toml",
             "provenance.json",
             "summary.json"

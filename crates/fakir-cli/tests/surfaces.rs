@@ -143,9 +143,15 @@ fn saved_fields_are_a_case_again() {
         "case.toml",
         "fields.nc",
         "fields.vti",
+        "gap-map.png",
+        "gap-map.svg",
         "gap.npy",
         "heights.npy",
+        "pressure-map.png",
+        "pressure-map.svg",
         "pressure.npy",
+        "profiles.png",
+        "profiles.svg",
         "provenance.json",
         "summary.json",
     ];
@@ -237,6 +243,10 @@ fn a_surface_is_loaded_step_by_step() {
         table.starts_with("indentation_m,force_N,contact_area_m2,contact_radius_m,tops_force_N")
     );
     assert_eq!(table.lines().count(), states.len() + 1);
+    let figure = std::fs::read_to_string(Path::new(out).join("approach.svg")).expect("a figure");
+    for words in ["on the floor", "critical state"] {
+        assert!(figure.contains(words), "{words}");
+    }
     let shown = text(&fakir("approach", &case, &["--step", "1um"]).stdout);
     assert!(shown.contains("on the floor"), "{shown}");
     assert!(shown.trim_end().ends_with("critical"), "{shown}");
@@ -336,11 +346,11 @@ fn pillars_are_verified_on_two_meshes() {
 
 #[test]
 fn other_commands_need_a_texture() {
-    for command in ["theory", "compare"] {
+    for (command, reason) in [("theory", "those of a [texture]"), ("compare", "elements")] {
         let output = fakir(command, &example("square-pillars.toml"), &[]);
         assert_eq!(output.status.code(), Some(2));
         let explained = text(&output.stderr);
-        assert!(explained.contains("this needs a [texture]"), "{explained}");
+        assert!(explained.contains(reason), "{explained}");
     }
     let both = ["--indentation", "1um", "--set", "texture.pitch=20um"];
     let output = fakir("press", &example("square-pillars.toml"), &both);
@@ -350,4 +360,88 @@ fn other_commands_need_a_texture() {
     let output = fakir("press", &example("square-pillars.toml"), &little);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("make it coarser"));
+}
+
+/// The study among the examples: a row for each of its contacts, with the numbers of `press`.
+#[test]
+fn a_study_of_surfaces_is_swept() {
+    let folder = tempfile::TempDir::new().expect("a folder for the test");
+    let out = folder.path().join("out");
+    let sweep = |arguments: &[&str]| {
+        let mut fakir = Command::new(env!("CARGO_BIN_EXE_fakir"));
+        fakir.arg("sweep").arg(example("study-square-pillars.toml"));
+        let output = fakir.args(arguments).output().expect("the binary runs");
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let out = out.to_str().expect("a path in Unicode");
+    let told = sweep(&["--output", out]);
+    assert!(
+        told.starts_with("18 cases: contacts under a load"),
+        "{told}"
+    );
+    let table = std::fs::read_to_string(Path::new(out).join("table.csv")).expect("a table");
+    assert_eq!(table, sweep(&["--threads", "1"]));
+    let mut rows = table.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let names = rows.next().expect("a heading");
+    let row = rows.nth(10).expect("18 rows");
+    let value = |name: &str| {
+        let column = names.iter().position(|column| *column == name);
+        row[column.unwrap_or_else(|| panic!("a column {name}"))].to_owned()
+    };
+    assert_eq!(value("surface.surface_fraction"), "0.2");
+    assert_eq!(value("load.indentation_m"), "2e-6");
+    let higher = [
+        "--set",
+        "surface.pillar.height=0.6um",
+        "--json",
+        "--indentation",
+        "2um",
+    ];
+    let alone = json(&fakir("press", &example("square-pillars.toml"), &higher));
+    for (name, path) in [
+        ("force_N", "/force_N"),
+        ("contact_area_m2", "/contact_area_m2"),
+        ("contact_radius_m", "/contact_radius_m"),
+        ("tops_force_N", "/tops/force_N"),
+        ("floor_contact_area_m2", "/floor/contact_area_m2"),
+        (
+            "relative_error_estimate_force",
+            "/relative_error_estimate/force",
+        ),
+        ("iterations", "/iterations"),
+    ] {
+        let found: f64 = value(name).parse().expect("a number");
+        assert_eq!(found, number(&alone, path), "{name}");
+    }
+    let cited = Command::new(env!("CARGO_BIN_EXE_fakir"))
+        .args(["cite"])
+        .arg(example("study-square-pillars.toml"))
+        .output();
+    let cited = text(&cited.expect("the binary runs").stdout);
+    assert!(cited.contains("Love elements on surfaces"), "{cited}");
+}
+
+/// An axis that makes a surface which cannot be is named with its line, and nothing is computed.
+#[test]
+fn a_study_points_at_the_axis_that_is_wrong() {
+    let folder = tempfile::TempDir::new().expect("a folder for the test");
+    let study = folder.path().join("study.toml");
+    let case = example("square-pillars.toml");
+    let tables = format!(
+        "[study]\ncase = {:?}\n[axes]\n\"surface.pitch\" = [\"13 um\", \"5 um\"]\n",
+        case.to_str().expect("a path in Unicode")
+    );
+    std::fs::write(&study, tables).expect("a study for the test");
+    let output = Command::new(env!("CARGO_BIN_EXE_fakir"))
+        .arg("sweep")
+        .arg(&study)
+        .output()
+        .expect("the binary runs");
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(output.stdout.is_empty());
+    for words in ["study.toml:4:", "neighbouring pillars overlap", "in case 1"] {
+        assert!(told.contains(words), "{told}");
+    }
 }

@@ -23,6 +23,7 @@
 //! and no font need be installed.
 
 mod axis;
+mod cells;
 mod chart;
 mod colour;
 mod error;
@@ -42,9 +43,11 @@ mod text;
 mod unit;
 
 pub use axis::{Axis, Scale};
+pub use cells::SurfaceState;
 pub use colour::Tint;
 pub use error::FigureError;
 pub use figure::{Figure, RESOLUTION};
+pub use figures::approach::{LoadingPoint, approach};
 pub use figures::critical_curves::{
     CriticalColumn, CriticalCurve, CriticalPoint, Measured, critical_curves,
 };
@@ -56,7 +59,8 @@ pub use figures::lines::{LineChart, lines};
 pub use figures::phase_diagram::{PhaseDiagram, phase_diagram, phase_points};
 pub use figures::pillar_pressure::pillar_pressure;
 pub use figures::pressure_map::pressure_map;
-pub use figures::profiles::{ProfileState, profiles};
+pub use figures::profiles::{ProfileState, profiles, surface_profiles};
+pub use figures::surface_maps::{surface_gap_map, surface_pressure_map};
 pub use figures::top_view::{View, top_view};
 pub use section::{Section, SectionDetail};
 pub use series::{Dash, Marker, Series, Style};

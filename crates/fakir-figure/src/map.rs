@@ -1,9 +1,13 @@
 //! What maps have in common: frames with equal scales, pixels, pillars, colour bars, scale bars.
 
 use crate::axis::{Direction, Span};
+use crate::chart::MARGIN;
 use crate::colour::ColourMap;
+use crate::figure::{COLUMN, Figure};
 use crate::font::{Bounds, CAP_HEIGHT};
-use crate::frame::{ASCENT, DESCENT, FRAME_WIDTH, Frame, LABEL_SIZE, NOTE_SIZE, TICK_SIZE};
+use crate::frame::{
+    ASCENT, DESCENT, FRAME_WIDTH, Frame, LABEL_SIZE, Lettering, NOTE_SIZE, TICK_SIZE,
+};
 use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Pixels, Place, Stroke};
 use crate::series::Dash;
 use crate::text::Text;
@@ -92,6 +96,11 @@ impl Window {
             .collect()
     }
 
+    /// The name of an axis with its unit.
+    fn axis_name(&self, axis: &str) -> Text {
+        Text::from(format!("*{axis}* ({})", self.unit.name))
+    }
+
     /// The same items, of which only what is inside the window is seen.
     pub(crate) fn clipped(&self, items: Vec<Item>) -> Item {
         Item::Clipped {
@@ -123,6 +132,48 @@ impl Window {
         );
         let at = [right + 4.0, y + 0.5 * CAP_HEIGHT * NOTE_SIZE];
         items.push(Item::Label(Label::new(text, at, NOTE_SIZE, Anchor::Start)));
+    }
+}
+
+/// A page of one column: a window with its axes, and a colour bar at the right.
+#[derive(Debug, Clone)]
+pub(crate) struct Sheet {
+    pub(crate) window: Window,
+}
+
+impl Sheet {
+    /// A window of this half width (m) around a point (m), as wide as the bar beside it leaves.
+    pub(crate) fn new(centre: Point, half_width: f64, bar: &ColourBar) -> Self {
+        // What is beside the window hardly depends on its width.
+        let guess = Window::new([0.0, 0.0], 0.6 * COLUMN, centre, half_width);
+        let name = guess.axis_name("y");
+        let lettering = Lettering::All(&name);
+        let left = MARGIN + Frame::left_room(guess.frame.y, 0.6 * COLUMN, lettering);
+        let side = COLUMN - left - 6.0 - bar.width(0.6 * COLUMN) - MARGIN;
+        Self {
+            window: Window::new([left, MARGIN + 3.0], side, centre, half_width),
+        }
+    }
+
+    /// The figure of what is inside the window, with a key below the bar.
+    pub(crate) fn figure(
+        &self,
+        name: &str,
+        bar: &ColourBar,
+        inside: Vec<Item>,
+        signs: &[(KeySign, &str)],
+    ) -> Figure {
+        let window = &self.window;
+        let names = ["x", "y"].map(|axis| window.axis_name(axis));
+        let [below, beside] = [&names[0], &names[1]].map(Lettering::All);
+        let mut items = vec![window.clipped(inside)];
+        window.frame.draw(&mut items, below, beside);
+        let bounds = window.frame.bounds;
+        let height = bounds.height() - ARROW;
+        bar.draw([bounds.right + 6.0, bounds.top + ARROW], height, &mut items);
+        let end = bounds.bottom + Frame::bottom_room(below);
+        key(signs, [COLUMN - MARGIN, end - 6.0], &mut items);
+        Figure::new(name, [COLUMN, end + MARGIN], items)
     }
 }
 

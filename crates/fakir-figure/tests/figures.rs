@@ -3,8 +3,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
 use fakir::problem::{
-    Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
+    Boundary, Control, Floor, Grid, HeightMap, HexagonalLattice, Indenter, Lens, Material, Method,
+    Pillar, PillarCompliance, SurfaceSystem, System, Texture,
 };
 use fakir::state::{ContactState, CriticalState, Normalized, Run};
 use fakir::theory::closed_forms;
@@ -12,10 +14,11 @@ use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::SumFit;
 use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, Figure, FigureError, FittedCurve,
-    FittedLoad, FittedPoint, FittedQuantity, Histogram, LineChart, Measured, PhaseDiagram,
-    ProfileState, RESOLUTION, Series, Style, Text, View, critical_curves, fit_curves,
-    floor_gap_map, histogram, lattice_sums, lines, phase_diagram, phase_points, pillar_pressure,
-    pressure_map, profiles, top_view,
+    FittedLoad, FittedPoint, FittedQuantity, Histogram, LineChart, LoadingPoint, Measured,
+    PhaseDiagram, ProfileState, RESOLUTION, Series, Style, SurfaceState, Text, View, approach,
+    critical_curves, fit_curves, floor_gap_map, histogram, lattice_sums, lines, phase_diagram,
+    phase_points, pillar_pressure, pressure_map, profiles, surface_gap_map, surface_pressure_map,
+    surface_profiles, top_view,
 };
 use png::{ColorType, Decoder};
 use resvg::tiny_skia::{Pixmap, Transform};
@@ -162,6 +165,96 @@ fn figures_of_many_states() -> Vec<Figure> {
             FittedLoad::Force,
             &[FittedQuantity::Force, FittedQuantity::ContactRadius].map(fitted),
         ),
+    ]
+}
+
+/// Contacts on cells: a lens on the pillars of a free surface at its critical state, a plate on a
+/// period that is no square, and a lens that hardly touches a rough map.
+fn figures_of_surfaces() -> Vec<Figure> {
+    let rubber = Material::new(2e6, 0.5);
+    let lens = Indenter::Lens(Lens {
+        radius: 1e-3,
+        material: rubber,
+    });
+    let pillar = PillarShape::cylinder(6e-6, 0.5e-6);
+    let lattice = HexagonalLattice::new(16e-6);
+    let pattern = Pattern::new(pillar, Arrangement::Hexagonal(lattice));
+    let grid = Grid::centred(128, 128, 1e-6).unwrap();
+    let surface = pattern.height_map(&grid, &rubber).unwrap();
+    let free = SurfaceSystem::new(lens, rubber, surface, Boundary::FreeSpace)
+        .unwrap()
+        .with_floor(Floor::OffPillars);
+    let critical = free.transition(&Run::default()).unwrap();
+
+    let period = pattern.period().unwrap();
+    let grid = Grid::new(
+        32,
+        56,
+        [period[0] / 32.0, period[1] * 2.0 / 56.0],
+        [-8e-6, -8e-6],
+    );
+    let surface = pattern
+        .periodic_height_map(&grid.unwrap(), &rubber)
+        .unwrap();
+    let plate = Indenter::Flat(None);
+    let plate = SurfaceSystem::new(plate, rubber, surface, Boundary::Periodic).unwrap();
+    let pressed = plate.press(Control::Force(3e-5), &Run::default()).unwrap();
+
+    let grid = Grid::centred(64, 64, 1e-6).unwrap();
+    let waves = |[x, y]: [f64; 2]| 1e-7 * ((4e5 * x).sin() + (3e5 * y).cos());
+    let rough = HeightMap::from_height(grid, waves).unwrap();
+    let rough = SurfaceSystem::new(lens, rubber, rough, Boundary::FreeSpace).unwrap();
+    let touched = rough
+        .press(Control::Indentation(1e-8), &Run::default())
+        .unwrap();
+
+    let state = |system, contact, floor_contact| SurfaceState {
+        label: Text::plain("contact"),
+        system,
+        contact,
+        floor_contact,
+    };
+    let floor_contact = Some(critical.floor_contact);
+    [
+        state(&free, &critical.contact, floor_contact),
+        state(&plate, &pressed, None),
+        state(&rough, &touched, None),
+    ]
+    .iter()
+    .flat_map(|state| {
+        let profiles = surface_profiles(std::slice::from_ref(state)).unwrap();
+        let pressure = surface_pressure_map(state).unwrap();
+        [profiles, pressure, surface_gap_map(state).unwrap()]
+    })
+    .collect()
+}
+
+/// Loadings with and without a contact radius, to the critical state, past it, and short of it.
+fn figures_of_loadings() -> Vec<Figure> {
+    let point = |indentation: f64| LoadingPoint {
+        indentation,
+        force: 1e3 * indentation.powf(1.5),
+        floor_force: None,
+        contact_radius: Some((1e-3 * indentation).sqrt()),
+        without_floor: indentation > 4.2e-6,
+    };
+    let path = |last: i32| -> Vec<LoadingPoint> {
+        (0..=last).map(|k| point(0.5e-6 * f64::from(k))).collect()
+    };
+    let on_plate = |point: LoadingPoint| LoadingPoint {
+        contact_radius: None,
+        floor_force: Some((point.force - 5e-6).max(0.0)),
+        without_floor: false,
+        ..point
+    };
+    let plate: Vec<LoadingPoint> = path(10).into_iter().map(on_plate).collect();
+    let critical = Some(point(4.2e-6));
+    vec![
+        approach(&path(8), critical).unwrap(),
+        approach(&path(12), critical).unwrap(),
+        approach(&path(3), critical).unwrap(),
+        approach(&plate, critical.map(on_plate)).unwrap(),
+        approach(&plate, None).unwrap(),
     ]
 }
 
@@ -470,4 +563,23 @@ fn text_over_text_is_a_fault() {
         )],
     };
     assert!(!lines(&chart).faults().is_empty());
+}
+
+#[test]
+fn contacts_with_surfaces() {
+    check(&figures_of_surfaces());
+}
+
+#[test]
+fn loadings() {
+    check(&figures_of_loadings());
+    let alone = LoadingPoint {
+        indentation: 0.0,
+        force: 0.0,
+        floor_force: None,
+        contact_radius: None,
+        without_floor: false,
+    };
+    let too_few = approach(&[alone], None).unwrap_err();
+    assert!(matches!(too_few, FigureError::TooFewData { given: 1, .. }));
 }

@@ -12,7 +12,7 @@ use fakir::numerics::roots::{self, Change, Point, Root};
 use fakir::problem::Method;
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir_case::unit::Dimension;
-use fakir_case::{Case, CaseError, CaseFile, Key};
+use fakir_case::{Case, CaseError, CaseFile, Key, TextureOnly};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, with_unit};
 use std::ops::Bound;
 
@@ -278,6 +278,7 @@ pub fn design(
     wanted: Wanted,
     run: &Run<'_>,
 ) -> Result<Design, DesignError> {
+    file.refuse_surface_for(TextureOnly::Design)?;
     if !free_keys().contains(&free) {
         return Err(DesignError::NotFree(free));
     }

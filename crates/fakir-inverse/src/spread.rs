@@ -3,7 +3,7 @@
 
 use fakir::problem::HexagonalLattice;
 use fakir::state::{Run, SolveError};
-use fakir_case::{CaseError, CaseFile, Key, Kind};
+use fakir_case::{CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_study::{Column, Table, Values};
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
@@ -137,6 +137,7 @@ pub fn spread(
     run: &Run<'_>,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Spread, SpreadError> {
+    file.refuse_surface_for(TextureOnly::Design)?;
     if sampling.samples < 2 {
         return Err(SpreadError::TooFew);
     }

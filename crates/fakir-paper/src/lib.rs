@@ -214,11 +214,11 @@ pub fn reproduce(
 
 fn provenance(study: &Study) -> Provenance {
     let sweep = Provenance::of_study(study);
-    let method = study.case(0).case.method;
+    let topics = [Topic::of_study(study), vec![Topic::ClosedForms]].concat();
     Provenance::new(
         "the results of the paper",
         sweep.method,
-        &[Topic::Method(method), Topic::ClosedForms],
+        &topics,
         study.to_toml(),
     )
 }

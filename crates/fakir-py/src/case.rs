@@ -1,6 +1,7 @@
 //! A system and a method: what a case file describes.
 
-use crate::error::{PYTHON, case_error, surface_in_system, value_error};
+use crate::error::{PYTHON, case_error, value_error};
+use crate::surface::Surface;
 use fakir_case::unit::{Dimension, parse_argument};
 use fakir_case::{CaseFile, Key, Setting};
 use pyo3::prelude::*;
@@ -15,24 +16,6 @@ pub(crate) struct Case {
 
 #[pymethods]
 impl Case {
-    /// Reads a case file.
-    #[staticmethod]
-    fn read(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
-        Self::of(
-            CaseFile::read(&path).map_err(|error| case_error(&error))?,
-            &overrides,
-        )
-    }
-
-    /// Reads the text of a case file; `name` is what errors call it.
-    #[staticmethod]
-    fn parse(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Self> {
-        Self::of(
-            CaseFile::parse(name, text).map_err(|error| case_error(&error))?,
-            &overrides,
-        )
-    }
-
     /// A case of numbers in SI units, and words, by their keys.
     #[staticmethod]
     fn build(numbers: Vec<(String, f64)>, words: Vec<(String, String)>) -> PyResult<Self> {
@@ -85,10 +68,7 @@ impl Case {
         for setting in overrides {
             file.set(setting).map_err(|error| case_error(&error))?;
         }
-        let case = file.case().map_err(|error| match file.is_surface() {
-            true => surface_in_system(&error),
-            false => case_error(&error),
-        })?;
+        let case = file.case().map_err(|error| case_error(&error))?;
         Ok(Self { case })
     }
 
@@ -102,6 +82,37 @@ impl From<fakir_case::Case> for Case {
     fn from(case: fakir_case::Case) -> Self {
         Self { case }
     }
+}
+
+/// What a case file describes.
+#[derive(IntoPyObject)]
+pub(crate) enum Described {
+    Texture(Case),
+    Surface(Surface),
+}
+
+impl Described {
+    fn of(file: CaseFile, overrides: &[String]) -> PyResult<Self> {
+        if file.is_surface() {
+            Surface::of(file, overrides, None).map(Self::Surface)
+        } else {
+            Case::of(file, overrides).map(Self::Texture)
+        }
+    }
+}
+
+/// Reads a case file of either kind.
+#[pyfunction]
+pub(crate) fn read_case(path: PathBuf, overrides: Vec<String>) -> PyResult<Described> {
+    let file = CaseFile::read(&path).map_err(|error| case_error(&error))?;
+    Described::of(file, &overrides)
+}
+
+/// Reads the text of a case file of either kind; `name` is what errors call it.
+#[pyfunction]
+pub(crate) fn parse_case(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Described> {
+    let file = CaseFile::parse(name, text).map_err(|error| case_error(&error))?;
+    Described::of(file, &overrides)
 }
 
 /// The key of that path.

@@ -21,20 +21,6 @@ mod exceptions {
 /// What a case that was made in Python is called.
 pub(crate) const PYTHON: &str = "fakir.System";
 
-/// A case with a general surface where a texture is wanted.
-pub(crate) fn surface_in_system(error: &fakir_case::CaseError) -> PyErr {
-    exceptions::CaseError::new_err((
-        format!(
-            "{}; a case with a [surface] is read by fakir.love.Surface.from_file",
-            error.one_line()
-        ),
-        Some(error.file().to_owned()),
-        error.position().map(|(line, _)| line),
-        error.position().map(|(_, column)| column),
-        error.key_path().map(str::to_owned),
-    ))
-}
-
 /// A problem with a case; those with what was given in Python have no file to point into.
 pub(crate) fn case_error(error: &fakir_case::CaseError) -> PyErr {
     let in_python = [PYTHON, "a number that was set", "--set"].contains(&error.file());

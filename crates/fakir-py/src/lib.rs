@@ -22,7 +22,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _fakir {
     #[pymodule_export]
-    use super::case::{Case, parse_quantity};
+    use super::case::{Case, parse_case, parse_quantity, read_case};
     #[pymodule_export]
     use super::design::{cite, design, spread};
     #[pymodule_export]

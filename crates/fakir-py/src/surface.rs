@@ -14,7 +14,7 @@ use fakir_study::result::{
     json,
 };
 use fakir_study::surfaces::{self, SurfaceVerifyError};
-use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -25,6 +25,8 @@ pub(crate) struct Surface {
     system: SurfaceSystem,
     /// The case file it is from, if it is.
     file: Option<CaseFile>,
+    /// That case as it was understood.
+    text: Option<String>,
 }
 
 #[pymethods]
@@ -67,6 +69,7 @@ impl Surface {
                 None => system,
             },
             file: None,
+            text: None,
         })
     }
 
@@ -89,6 +92,29 @@ impl Surface {
         Self::of(file, &overrides, memory_limit)
     }
 
+    /// The case as a case file, if it is from one.
+    fn to_toml(&self) -> Option<&str> {
+        self.text.as_deref()
+    }
+
+    /// The pillar of every cell, a row for every y and -1 for the floor, and by how much each of them
+    /// shortens, m/N; none where there are no pillars.
+    fn pillars<'py>(&self, py: Python<'py>) -> PyResult<Option<Pillars<'py>>> {
+        let grid = self.system.surface().grid();
+        let Some(pillars) = self.system.surface().pillars() else {
+            return Ok(None);
+        };
+        let label = |label: &u32| match *label {
+            HeightMap::NO_PILLAR => -1,
+            label => i64::from(label),
+        };
+        let labels = PyArray1::from_iter(py, pillars.labels.iter().map(label));
+        Ok(Some((
+            labels.reshape([grid.rows(), grid.columns()])?,
+            PyArray1::from_slice(py, &pillars.compliance),
+        )))
+    }
+
     #[getter]
     fn reduced_modulus(&self) -> f64 {
         self.system.reduced_modulus()
@@ -97,7 +123,7 @@ impl Surface {
     /// Heights, m, a row for every y.
     fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (surface, grid) = (self.system.surface(), self.system.surface().grid());
-        let flat = numpy::PyArray1::from_slice(py, surface.heights());
+        let flat = PyArray1::from_slice(py, surface.heights());
         flat.reshape([grid.rows(), grid.columns()])
     }
 
@@ -149,6 +175,9 @@ impl Surface {
     }
 }
 
+/// Pillars of the cells, and their compliances.
+type Pillars<'py> = (Bound<'py, PyArray2<i64>>, Bound<'py, PyArray1<f64>>);
+
 /// A contact on a height map.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct SurfaceContact {
@@ -186,7 +215,7 @@ impl SurfaceContact {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray2<f64>>; 3]> {
         let grid = &self.contact.grid;
         let array = |values: &[f64]| {
-            let flat = numpy::PyArray1::from_slice(py, values);
+            let flat = PyArray1::from_slice(py, values);
             flat.reshape([grid.rows(), grid.columns()])
         };
         Ok([
@@ -313,6 +342,7 @@ pub(crate) fn verify_surface(
     let summary = json(&SurfaceVerifySummary::new(control, &found, wall_time));
     let answers = found.answers.into_iter().map(|answered| {
         let surface = Surface {
+            text: Some(answered.case.to_toml()),
             system: answered.case.system,
             file: Some(file.clone()),
         };
@@ -323,7 +353,11 @@ pub(crate) fn verify_surface(
 }
 
 impl Surface {
-    fn of(mut file: CaseFile, overrides: &[String], memory_limit: Option<usize>) -> PyResult<Self> {
+    pub(crate) fn of(
+        mut file: CaseFile,
+        overrides: &[String],
+        memory_limit: Option<usize>,
+    ) -> PyResult<Self> {
         for setting in overrides {
             file.set(setting).map_err(|error| case_error(&error))?;
         }
@@ -334,6 +368,7 @@ impl Surface {
         let case = file.surface_case(run.memory_limit());
         let case = case.map_err(|error| case_error(&error))?;
         Ok(Self {
+            text: Some(case.to_toml()),
             system: case.system,
             file: Some(file),
         })

@@ -1,5 +1,6 @@
 //! The answer to one case, as it is kept: numbers only, each of which JSON gives back bit for bit.
 
+use crate::surface_answer::{SurfaceCritical, SurfacePressed};
 use fakir::state::{ContactState, CriticalState, Normalized, Regime};
 use fakir_case::study::Coordinate;
 use serde::{Deserialize, Serialize};
@@ -27,6 +28,10 @@ pub enum Answer {
     Transition(Critical),
     /// The contact under a load.
     Press(Pressed),
+    /// The critical state of a general surface.
+    SurfaceTransition(SurfaceCritical),
+    /// The contact with a general surface under a load.
+    SurfacePress(SurfacePressed),
 }
 
 /// A critical state.
@@ -179,7 +184,7 @@ impl From<&ContactState> for Pressed {
 /// [`Regime`] in JSON.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Regime", rename_all = "snake_case")]
-enum RegimeName {
+pub(crate) enum RegimeName {
     TopFirst,
     BottomFirst,
 }

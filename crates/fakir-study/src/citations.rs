@@ -3,7 +3,8 @@
 //! A [`Topic`] is something that was made use of; [`citations`] gives the sources of several, each
 //! with a few words on why. The formulas themselves are cited where the crate `fakir` has them.
 
-use fakir::problem::{MeshLayout, Method, PunchForm};
+use fakir::problem::{Boundary, MeshLayout, Method, PunchForm};
+use fakir_case::Study;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -30,6 +31,19 @@ pub enum Topic {
         /// Whether its pillars are placed at random.
         random: bool,
     },
+}
+
+impl Topic {
+    /// What the cases of a study make use of.
+    #[must_use]
+    pub fn of_study(study: &Study) -> Vec<Self> {
+        let textures = study.methods().into_iter().map(Self::Method);
+        let surfaces = study.surfaces().iter().map(|surface| Self::Surface {
+            periodic: surface.boundary == Boundary::Periodic,
+            random: surface.is_random,
+        });
+        textures.chain(surfaces).collect()
+    }
 }
 
 /// What kind of work is cited.

@@ -448,11 +448,14 @@ impl Plan {
 
 /// Whether a line has an answer to what the study asks, or a reason why not.
 fn is_complete(study: &Study, line: &Line) -> bool {
-    match (&line.answer, study.asked()) {
-        (None, _) => line.problem.is_some(),
-        (Some(Answer::Transition(_)), asked) => asked == Asked::Transition,
-        (Some(Answer::Press(_)), asked) => asked == Asked::Press,
-    }
+    let answered = match &line.answer {
+        None => return line.problem.is_some(),
+        Some(Answer::Transition(_)) => (Asked::Transition, false),
+        Some(Answer::Press(_)) => (Asked::Press, false),
+        Some(Answer::SurfaceTransition(_)) => (Asked::Transition, true),
+        Some(Answer::SurfacePress(_)) => (Asked::Press, true),
+    };
+    answered == (study.asked(), study.is_of_surfaces())
 }
 
 #[cfg(test)]

@@ -55,6 +55,7 @@ mod plan;
 pub mod provenance;
 mod replace;
 pub mod result;
+mod surface_answer;
 pub mod surfaces;
 mod sweep;
 mod table;
@@ -64,6 +65,7 @@ pub use error::StudyError;
 pub use folder::{Existing, Ledger, Summary, merge, sweep_into};
 pub use journal::DamagedLine;
 pub use plan::{InvalidShard, Shard};
+pub use surface_answer::{BorneShare, SurfaceCritical, SurfaceNumbers, SurfacePressed};
 pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};
 

@@ -5,7 +5,7 @@
 
 use fakir::problem::{Method, System};
 use fakir_case::Study;
-use fakir_case::study::{Axis, Combine};
+use fakir_case::study::{Axis, Combine, StudiedCase};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
@@ -149,7 +149,8 @@ fn run_length(study: &Study) -> usize {
     }
 }
 
-/// A chain, and what a case of it probably takes, in some unit.
+/// A chain, and what a case of it probably takes, in some unit: with a general surface it is the number
+/// of cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Costed {
     pub(crate) cases: Range<usize>,
@@ -163,8 +164,11 @@ pub(crate) fn longest_first(
     chains: impl IntoIterator<Item = Range<usize>>,
 ) -> Vec<Costed> {
     let costed = |cases: Range<usize>| {
-        let middle = study.case(usize::midpoint(cases.start, cases.end)).case;
-        let cost = cost(&middle.system, middle.method);
+        let middle = usize::midpoint(cases.start, cases.end);
+        let cost = match study.case(middle).case {
+            StudiedCase::Texture(case) => cost(&case.system, case.method),
+            StudiedCase::Surface(_) => study.cells(middle).max(1) as f64,
+        };
         Costed { cases, cost }
     };
     let mut chains: Vec<Costed> = chains.into_iter().map(costed).collect();

@@ -64,17 +64,14 @@ impl Provenance {
     /// The stamp on a study.
     #[must_use]
     pub fn of_study(study: &Study) -> Self {
-        let methods = study.methods();
         let asked = match study.asked() {
             Asked::Transition => "critical state",
             Asked::Press => "contact under a load",
         };
-        let words: Vec<String> = methods.iter().copied().map(method_words).collect();
-        let topics: Vec<Topic> = methods.into_iter().map(Topic::Method).collect();
         Self::new(
             format!("{asked}, {} cases", study.cases()),
-            words.join("; "),
-            &topics,
+            study_words(study),
+            &Topic::of_study(study),
             study.to_toml(),
         )
     }
@@ -143,6 +140,16 @@ impl Provenance {
             ("case", self.case.clone()),
         ]
     }
+}
+
+/// The methods of a study in a few words.
+#[must_use]
+pub fn study_words(study: &Study) -> String {
+    if study.is_of_surfaces() {
+        return "Love elements on surfaces".to_owned();
+    }
+    let words: Vec<String> = study.methods().into_iter().map(method_words).collect();
+    words.join("; ")
 }
 
 /// A method in a few words: `spectral method, default accuracy`.

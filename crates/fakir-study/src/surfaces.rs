@@ -1,9 +1,10 @@
 //! Cases with a general surface: on a grid that is wide enough for the contact, and on two meshes.
 
+use crate::answer::Answer;
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use fakir::numerics::convergence::larger;
 use fakir::problem::{Control, ElementMesh, Method};
-use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact};
+use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact, Termination};
 use fakir::{Difference, Doubt, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
@@ -54,6 +55,44 @@ pub fn on_wide_enough_a_grid<T, E: From<CaseError>>(
             with_unit(width, Dimension::Length, LENGTH_DIGITS)
         ));
     }
+}
+
+/// Why a case of a study has no answer.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// A case that cannot be: a surface that takes too much memory.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// A contact that cannot be computed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
+
+/// What a case of a study with a general surface answers, on a grid that is wide enough.
+pub(crate) fn answer(
+    file: &CaseFile,
+    control: Control,
+    run: &Run<'_>,
+) -> Result<(Answer, Termination), SurfaceError> {
+    let needed = |error: &SurfaceError| match error {
+        SurfaceError::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
+        _ => None,
+    };
+    let answered = on_wide_enough_a_grid(file, run.memory_limit(), needed, |case| {
+        Ok(match control {
+            Control::FloorContact => {
+                let critical = case.system.transition(run)?;
+                let answer = Answer::SurfaceTransition((&critical).into());
+                (answer, critical.contact.termination)
+            }
+            load => {
+                let contact = case.system.press(load, run)?;
+                (Answer::SurfacePress((&contact).into()), contact.termination)
+            }
+        })
+    })?;
+    Ok(answered.answer)
 }
 
 /// Why there is no second opinion on a surface.

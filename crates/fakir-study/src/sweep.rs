@@ -3,10 +3,11 @@
 use crate::answer::{Answer, Critical, Pressed, Row};
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
+use crate::surfaces::{self, SurfaceError};
 use fakir::problem::Control;
 use fakir::state::{CancelToken, Run, SolveError, Termination, Threads};
 use fakir_case::Study;
-use fakir_case::study::StudyCase;
+use fakir_case::study::{StudiedCase, StudyCase};
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -230,7 +231,7 @@ impl<'a> SharedSweep<'a> {
             Ok(Ok((answer, termination))) => {
                 (Some(answer), Some(termination.description().to_owned()))
             }
-            Ok(Err(SolveError::Interrupted)) => return None,
+            Ok(Err(SurfaceError::Solve(SolveError::Interrupted))) => return None,
             Ok(Err(error)) => (None, Some(error.to_string())),
             Err(panic) => (None, Some(defect(panic.as_ref()))),
         };
@@ -243,13 +244,17 @@ impl<'a> SharedSweep<'a> {
         })
     }
 
-    fn solve(&self, case: &StudyCase) -> Result<(Answer, Termination), SolveError> {
+    fn solve(&self, case: &StudyCase) -> Result<(Answer, Termination), SurfaceError> {
         let run = Run {
             cancel: self.stop.clone(),
             memory_limit: self.memory_limit,
             ..Run::default()
         };
-        let (system, method) = (&case.case.system, case.case.method);
+        let case_of_texture = match &case.case {
+            StudiedCase::Texture(case) => case,
+            StudiedCase::Surface(file) => return surfaces::answer(file, case.control, &run),
+        };
+        let (system, method) = (&case_of_texture.system, case_of_texture.method);
         match case.control {
             Control::FloorContact => {
                 let critical = fakir::transition(system, method, &run)?;

@@ -3,6 +3,7 @@
 use crate::answer::{Answer, Critical, Pressed, Row};
 use crate::output::File;
 use crate::provenance::Provenance;
+use crate::surface_answer::{SurfaceCritical, SurfaceNumbers, SurfacePressed};
 use fakir_case::Study;
 use fakir_case::study::{Asked, Coordinate};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
@@ -61,9 +62,11 @@ impl Table {
                 values: coordinate_values(axis.is_numeric(), coordinates),
             });
         }
-        match study.asked() {
-            Asked::Transition => critical_columns(rows, &mut columns),
-            Asked::Press => pressed_columns(rows, &mut columns),
+        match (study.asked(), study.is_of_surfaces()) {
+            (Asked::Transition, false) => critical_columns(rows, &mut columns),
+            (Asked::Press, false) => pressed_columns(rows, &mut columns),
+            (Asked::Transition, true) => surface_critical_columns(rows, &mut columns),
+            (Asked::Press, true) => surface_pressed_columns(rows, &mut columns),
         }
         let converged = |row: &Row| Some(row.problem.is_none());
         columns.push(Column {
@@ -209,6 +212,11 @@ impl<T> Answers<'_, T> {
         self.push(name, Values::Numbers(self.values(value)));
     }
 
+    fn number_if_any(&mut self, name: &str, value: impl Fn(&T) -> Option<f64>) {
+        let values = self.values(value).into_iter().map(Option::flatten);
+        self.push(name, Values::Numbers(values.collect()));
+    }
+
     fn count(&mut self, name: &str, value: impl Fn(&T) -> usize) {
         let count = |answer: &T| i64::try_from(value(answer)).unwrap_or(i64::MAX);
         self.push(name, Values::Counts(self.values(count)));
@@ -292,6 +300,64 @@ fn pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
         it.relative_error_estimate_contact_radius
     });
     of.count("iterations", |it| it.iterations);
+}
+
+fn surface_critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
+    let answers = rows.iter().map(|row| match &row.answer {
+        Some(Answer::SurfaceTransition(critical)) => Some(critical),
+        _ => None,
+    });
+    let mut of: Answers<'_, SurfaceCritical> = Answers {
+        answers: answers.collect(),
+        columns,
+    };
+    of.word("method", |it| it.common.method.clone());
+    of.word("regime", |it| it.regime.name().to_owned());
+    of.number("critical_force_N", |it| it.force);
+    of.number("critical_indentation_m", |it| it.indentation);
+    of.number("bottom_contact_x_m", |it| it.floor_contact[0]);
+    of.number("bottom_contact_y_m", |it| it.floor_contact[1]);
+    surface_columns(&mut of, |it| &it.common);
+}
+
+fn surface_pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
+    let answers = rows.iter().map(|row| match &row.answer {
+        Some(Answer::SurfacePress(pressed)) => Some(pressed),
+        _ => None,
+    });
+    let mut of: Answers<'_, SurfacePressed> = Answers {
+        answers: answers.collect(),
+        columns,
+    };
+    of.word("method", |it| it.common.method.clone());
+    of.number("force_N", |it| it.force);
+    of.number("indentation_m", |it| it.indentation);
+    of.number_if_any("tops_force_N", |it| Some(it.tops?.force));
+    of.number_if_any("tops_contact_area_m2", |it| Some(it.tops?.area));
+    of.number_if_any("floor_force_N", |it| Some(it.floor?.force));
+    of.number_if_any("floor_contact_area_m2", |it| Some(it.floor?.area));
+    surface_columns(&mut of, |it| &it.common);
+}
+
+/// What both questions about a general surface have.
+fn surface_columns<T>(of: &mut Answers<'_, T>, common: impl Fn(&T) -> &SurfaceNumbers) {
+    of.number("contact_area_m2", |it| common(it).contact_area);
+    of.number_if_any("contact_radius_m", |it| common(it).contact_radius);
+    of.count("grid_columns", |it| common(it).columns);
+    of.count("grid_rows", |it| common(it).rows);
+    of.number("grid_cell_x_m", |it| common(it).cell_m[0]);
+    of.number("grid_cell_y_m", |it| common(it).cell_m[1]);
+    of.number_if_any("relative_error_estimate_force", |it| {
+        common(it).relative_error_estimate_force
+    });
+    of.number_if_any("relative_error_estimate_indentation", |it| {
+        common(it).relative_error_estimate_indentation
+    });
+    of.number_if_any("relative_error_estimate_contact_radius", |it| {
+        common(it).relative_error_estimate_contact_radius
+    });
+    of.number("energy_bound", |it| common(it).energy_bound);
+    of.count("iterations", |it| common(it).iterations);
 }
 
 impl Values {

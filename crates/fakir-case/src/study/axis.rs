@@ -1,6 +1,6 @@
 //! What a study varies, and over which values.
 
-use crate::key::{Key, Kind};
+use crate::key::{Key, Kind, root};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
 use std::fmt;
@@ -9,7 +9,7 @@ use strsim::levenshtein;
 /// The value of a variable in a case.
 pub use crate::key::Setting as Coordinate;
 
-/// What an axis of a study varies: a key of a texture case, or the load that is asked about.
+/// What an axis of a study varies: a key of the case, or the load that is asked about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variable {
     /// A key of the case.
@@ -81,24 +81,29 @@ impl Variable {
         }
     }
 
-    /// Every variable.
-    fn all() -> impl Iterator<Item = Self> {
-        let keys = Key::ALL.into_iter().filter(|key| !key.is_of_surface());
+    /// Every variable of cases with a general surface, or of those with a texture.
+    fn all(surface: bool) -> impl Iterator<Item = Self> {
+        let keys = Key::ALL.into_iter();
+        let keys = keys.filter(move |key| key.is_of_bodies() || key.is_of_surface() == surface);
         keys.map(Self::Key).chain([Self::Indentation, Self::Force])
     }
 
     /// The variable of that path, or of that last name.
-    pub(crate) fn named(name: &str) -> Result<Self, Unnamed> {
-        if let Some(variable) = Self::all().find(|variable| variable.path() == name) {
+    pub(crate) fn named(name: &str, surface: bool) -> Result<Self, Unnamed> {
+        if let Some(variable) = Self::all(surface).find(|variable| variable.path() == name) {
             return Ok(variable);
         }
-        let namesakes: Vec<Self> = Self::all()
+        let namesakes: Vec<Self> = Self::all(surface)
             .filter(|variable| variable.last_name() == name)
             .collect();
+        let others: &[&str] = match surface {
+            true => &["texture", "method"],
+            false => &["surface"],
+        };
         match namesakes[..] {
             [variable] => Ok(variable),
-            [] if Key::at(name).is_some() || name.starts_with("surface.") => Err(Unnamed::Surface),
-            [] => Err(Unnamed::Unknown(similar(name))),
+            [] if others.contains(&root(name)) => Err(Unnamed::OfTheOther { surface }),
+            [] => Err(Unnamed::Unknown(similar(name, surface))),
             _ => Err(Unnamed::Ambiguous(namesakes)),
         }
     }
@@ -113,24 +118,26 @@ impl Variable {
 pub(crate) enum Unnamed {
     Unknown(Option<&'static str>),
     Ambiguous(Vec<Variable>),
-    /// A key of a general surface.
-    Surface,
+    /// A key of a texture where the case has a general surface, or the other way round.
+    OfTheOther {
+        surface: bool,
+    },
 }
 
 /// What `name` may have been meant to be: a path, or a last name if that is enough.
-fn similar(name: &str) -> Option<&'static str> {
+fn similar(name: &str, surface: bool) -> Option<&'static str> {
     let dotted = name.contains('.');
     let distance = |variable: Variable| {
         let path = levenshtein(name, variable.path());
         let last = levenshtein(name, variable.last_name());
         if dotted { path } else { path.min(last) }
     };
-    let (distance, nearest) = Variable::all()
+    let (distance, nearest) = Variable::all(surface)
         .map(|variable| (distance(variable), variable))
         .min_by_key(|(distance, _)| *distance)?;
     let misplaced = || {
         let (_, last) = name.rsplit_once('.')?;
-        Variable::all().find(|variable| variable.last_name() == last)
+        Variable::all(surface).find(|variable| variable.last_name() == last)
     };
     if distance <= 1 + name.len() / 5 {
         return Some(nearest.path());

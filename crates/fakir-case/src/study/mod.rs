@@ -14,7 +14,8 @@
 //! "#;
 //! let study = fakir_case::StudyFile::parse("study.toml", &format!("{text}{case}"))?.study()?;
 //! assert_eq!(study.cases(), 20);
-//! assert_eq!(study.case(0).case.system.lattice().pitch, 10e-6);
+//! let first = study.case(0).case;
+//! assert_eq!(first.texture().map(|case| case.system.lattice().pitch), Some(10e-6));
 //! # Ok::<(), fakir_case::CaseError>(())
 //! ```
 //!
@@ -22,12 +23,15 @@
 //!   next to the study. An axis takes the place of what the case gives.
 //! * An axis is named by a [`Key`], in full or by its last name where that says which, or
 //!   by `indentation` or `force`. Cases are in the order of the file, the last axis varying fastest.
+//! * A case with a general `[surface]` has axes over keys of lens, substrate and surface.
 //! * Where `method.name` is an axis, other keys of `[method]` count for the methods that have them.
 
 mod axis;
+mod posed;
 mod read;
 
 pub use axis::{Axis, Coordinate, Variable};
+pub use posed::StudiedCase;
 
 use crate::case::{Case, write_tables};
 use crate::entries::{Entry, STUDY_TABLES, Value};
@@ -36,9 +40,11 @@ use crate::file::{CaseFile, not_utf8, quantity};
 use crate::input::{self, LARGEST_STUDY};
 use crate::key::{Key, root};
 use crate::parts::Words;
+use crate::surface::SurfaceExample;
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
 use fakir::problem::{Control, Method};
+use posed::{Surfaces, looked_at};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -206,24 +212,27 @@ impl StudyFile {
     /// # Errors
     /// [`CaseError`] for axes that do not fit together, and for the first case that cannot be.
     pub fn study(self) -> Result<Study, CaseError> {
-        self.case.refuse_surface().map_err(|error| {
-            error.accepted("a study varies a case with a [texture]; a [surface] has none as yet")
-        })?;
         let cases = self.number_of_cases()?;
         let mut examples: Vec<Case> = Vec::new();
+        let mut surfaces = Surfaces::default();
         for index in 0..cases {
-            let case = self
-                .resolve(index)
-                .map_err(|error| self.blame(error, index))?;
-            let method = case.case.method;
-            if examples.iter().all(|example| example.method != method) {
-                examples.push(case.case);
+            let blame = |error| self.blame(error, index);
+            match self.resolve(index).map_err(blame)?.case {
+                StudiedCase::Texture(case) => {
+                    if examples.iter().all(|example| example.method != case.method) {
+                        examples.push(case);
+                    }
+                }
+                StudiedCase::Surface(file) => {
+                    surfaces.look(&self, &file, index).map_err(blame)?;
+                }
             }
         }
         let mut study = Study {
             file: self,
             cases,
             examples,
+            surfaces,
             text: String::new(),
         };
         study.text = study.written();
@@ -319,6 +328,21 @@ impl StudyFile {
         }
     }
 
+    /// The step along every axis of a case that varies a key.
+    fn steps_of_keys(&self, index: usize) -> Vec<usize> {
+        let axes = self.varied.iter().zip(self.steps(index));
+        let of_keys = axes.filter(|(varied, _)| !varied.axis.variable.is_load());
+        of_keys.map(|(_, step)| step).collect()
+    }
+
+    /// Whether a case of a file can be.
+    fn check(&self, case: StudiedCase) -> Result<(), CaseError> {
+        match case {
+            StudiedCase::Texture(_) => Ok(()),
+            StudiedCase::Surface(file) => looked_at(&file, self.asked).map(drop),
+        }
+    }
+
     fn resolve(&self, index: usize) -> Result<StudyCase, CaseError> {
         self.resolve_with(index, |_| true)
     }
@@ -354,7 +378,7 @@ impl StudyFile {
             coordinates.push(coordinate);
         }
         Ok(StudyCase {
-            case: file.case()?,
+            case: StudiedCase::of(file)?,
             control: load.unwrap_or(Control::FloorContact),
             coordinates,
         })
@@ -394,7 +418,8 @@ impl StudyFile {
     /// The error of a case, at an axis, with the combination of values that it comes from.
     fn blame(&self, error: CaseError, index: usize) -> CaseError {
         // What is wrong with or without axes is the fault of the case alone.
-        if let Err(alone) = self.case.case()
+        let of_file = StudiedCase::of(self.case.clone());
+        if let Err(alone) = of_file.and_then(|case| self.check(case))
             && alone.one_line() == error.one_line()
         {
             return alone;
@@ -413,7 +438,7 @@ impl StudyFile {
             // The axis without which there would be no error.
             None => axes.into_iter().find(|axis| {
                 let without = self.resolve_with(index, |other| other != *axis);
-                without.is_ok()
+                without.and_then(|case| self.check(case.case)).is_ok()
             }),
         };
         let number = number.unwrap_or(0);
@@ -447,14 +472,15 @@ pub struct Study {
     cases: usize,
     /// The first case of each method.
     examples: Vec<Case>,
+    surfaces: Surfaces,
     text: String,
 }
 
 /// One case of a study.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct StudyCase {
     /// What is pressed, and how it is solved.
-    pub case: Case,
+    pub case: StudiedCase,
     /// What is asked.
     pub control: Control,
     /// The value of every axis.
@@ -518,7 +544,30 @@ impl Study {
         self.file.settings(&self.file.steps(index))
     }
 
-    /// The methods that its cases are solved with.
+    /// Whether its cases have general surfaces.
+    #[must_use]
+    pub fn is_of_surfaces(&self) -> bool {
+        self.file.case.is_surface()
+    }
+
+    /// General surfaces of its cases, one of each kind and choice of keys; none of textures.
+    #[must_use]
+    pub fn surfaces(&self) -> &[SurfaceExample] {
+        &self.surfaces.examples
+    }
+
+    /// Cells of the general surface of a case; 0 of a texture, and of a surface that takes more memory
+    /// than a computation may by default.
+    ///
+    /// # Panics
+    /// If there are no more than `index` cases.
+    #[must_use]
+    pub fn cells(&self, index: usize) -> usize {
+        assert!(index < self.cases, "there are {} cases", self.cases);
+        self.surfaces.cells(&self.file, index)
+    }
+
+    /// The methods that cases with a texture are solved with.
     #[must_use]
     pub fn methods(&self) -> Vec<Method> {
         self.examples.iter().map(|case| case.method).collect()
@@ -554,7 +603,12 @@ impl Study {
                 return None;
             }
             // Other keys are the same in all cases that have them.
-            self.examples.iter().find_map(|case| case.value(key))
+            let textures = self.examples.iter();
+            let surfaces = self.surfaces().iter();
+            textures
+                .map(|case| case.value(key))
+                .chain(surfaces.map(|surface| surface.value(key)))
+                .find_map(|value| value)
         }));
         text
     }

@@ -9,7 +9,7 @@ use crate::entries::{
 };
 use crate::error::{CaseError, Place, Source};
 use crate::file::{both_given, quantity};
-use crate::key::{is_table, join, names_in, nearest};
+use crate::key::{Key, is_table, join, names_in, nearest};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,11 @@ const AXES_EXAMPLE: &str = "for example \"texture.offset\" = [0, 0.5], or pitch 
 type Item<'a, 'i> = (std::ops::Range<usize>, &'a Spanned<DeValue<'i>>);
 
 pub(super) fn read(source: &Source, folder: PathBuf) -> Result<StudyFile, CaseError> {
-    let reader = Reader { source };
+    let reader = Reader {
+        source,
+        folder: &folder,
+        surface: false,
+    };
     let document = document(source)?;
     let document = document.get_ref();
     let known = [&STUDY_TABLES[..], &names_in("")].concat();
@@ -35,13 +39,12 @@ pub(super) fn read(source: &Source, folder: PathBuf) -> Result<StudyFile, CaseEr
         Some(value) => reader.settings(value)?,
         None => Settings::default(),
     };
-    let varied = reader.axes(document)?;
     let entries = Entries::beside_study(source, document)?;
     let case = match settings.case {
         None => CaseFile {
             source: source.clone(),
             entries,
-            folder,
+            folder: folder.clone(),
         },
         Some((name, place)) => {
             if let Some((name, _)) = beside(document) {
@@ -50,6 +53,11 @@ pub(super) fn read(source: &Source, folder: PathBuf) -> Result<StudyFile, CaseEr
             named_case(&folder, &name, &place)?
         }
     };
+    let reader = Reader {
+        surface: case.is_surface(),
+        ..reader
+    };
+    let varied = reader.axes(document)?;
     let file = StudyFile {
         source: source.clone(),
         case,
@@ -101,6 +109,10 @@ struct Settings {
 
 struct Reader<'s> {
     source: &'s Source,
+    /// Files that axes name are sought there.
+    folder: &'s Path,
+    /// Whether the case has a general surface.
+    surface: bool,
 }
 
 impl Reader<'_> {
@@ -246,9 +258,10 @@ impl Reader<'_> {
         value: &Spanned<DeValue<'_>>,
     ) -> Result<Varied, CaseError> {
         let place = self.place(span);
-        let variable = Variable::named(name).map_err(|why| not_a_variable(&place, name, why))?;
+        let named = Variable::named(name, self.surface);
+        let variable = named.map_err(|why| not_a_variable(&place, name, why))?;
         let path = variable.path();
-        let (values, items) = match value.get_ref() {
+        let (mut values, items) = match value.get_ref() {
             DeValue::Array(items) => self.list(path, variable, value.span(), items)?,
             DeValue::Table(table) => {
                 let range = self.range(path, variable, value.span(), table)?;
@@ -264,6 +277,14 @@ impl Reader<'_> {
                 .accepted(AXES_EXAMPLE));
             }
         };
+        if let (Variable::Key(Key::HeightMap), Values::Words(names)) = (variable, &mut values) {
+            // A study that is written elsewhere, as in a journal, must find them too.
+            for name in names {
+                let path = self.folder.join(&*name);
+                let path = std::path::absolute(&path).unwrap_or(path);
+                *name = path.to_string_lossy().into_owned();
+            }
+        }
         Ok(Varied {
             axis: Axis { variable, values },
             name: place,
@@ -377,9 +398,16 @@ fn not_a_variable(place: &Place, name: &str, why: Unnamed) -> CaseError {
                 format!("give {}", paths.join(" or ")),
             )
         }
-        Unnamed::Surface => (
-            "keys of a [surface] cannot be axes".to_owned(),
-            "a study varies keys of lens, substrate, texture and method".to_owned(),
+        Unnamed::OfTheOther { surface: true } => (
+            "the case has a [surface], and this is no key of one".to_owned(),
+            "a case with a [surface] has axes over keys of lens, substrate and surface, and over loads"
+                .to_owned(),
+        ),
+        Unnamed::OfTheOther { surface: false } => (
+            "the case has no [surface]".to_owned(),
+            "a case with a [texture] has axes over keys of lens, substrate, texture and method, and \
+             over loads"
+                .to_owned(),
         ),
     };
     CaseError::at(place, problem).key("axes").accepted(accepted)

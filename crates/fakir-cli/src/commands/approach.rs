@@ -3,33 +3,60 @@
 use crate::failure::Failure;
 use crate::numbers::digits;
 use crate::report::Report;
+use crate::report::figures::of_loading;
 use crate::report::state::{further_on, loading_remark, radius_digits, texture_line};
 use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::state::CriticalState;
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
+use fakir_figure::LoadingPoint;
 use fakir_study::approach::{LoadingPath, approach};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::{ApproachSummary, LoadingRow, csv, json};
 
-pub(crate) fn run(case: &Case, path: &LoadingPath, session: &Session) -> Result<Report, Failure> {
+pub(crate) fn run(
+    case: &Case,
+    path: &LoadingPath,
+    saves: bool,
+    session: &Session,
+) -> Result<Report, Failure> {
     let next = |part: &str| session.part(part);
     let run = session.run();
     let problem = (case.system, case.method);
     let found = approach(&problem, path, &run, &next, &mut |_, _| {})?;
     let rows = &found.rows;
+    let provenance = Provenance::new(
+        path.words(),
+        method_words(case.method),
+        &[Topic::Method(case.method)],
+        case.to_toml(),
+    );
+    let mut tables = vec![csv("approach.csv", rows)];
+    if saves {
+        let critical = found.critical.as_ref();
+        let critical = critical.map(|critical| LoadingPoint {
+            indentation: critical.contact.indentation,
+            force: critical.contact.force,
+            floor_force: None,
+            contact_radius: Some(critical.contact.contact_radius),
+            without_floor: false,
+        });
+        let point = |row: &LoadingRow| LoadingPoint {
+            indentation: row.indentation_m,
+            force: row.force_N,
+            floor_force: None,
+            contact_radius: Some(row.contact_radius_m),
+            without_floor: row.beyond_transition,
+        };
+        tables.extend(of_loading(rows, point, critical, &provenance));
+    }
     Ok(Report {
         json: json(&ApproachSummary::new(case.method, &found)),
         text: text(case, found.critical.as_ref(), rows),
-        provenance: Provenance::new(
-            path.words(),
-            method_words(case.method),
-            &[Topic::Method(case.method)],
-            case.to_toml(),
-        ),
-        tables: vec![csv("approach.csv", rows)],
+        provenance,
+        tables,
         converged: found.converged,
         warnings: found.warnings,
     })

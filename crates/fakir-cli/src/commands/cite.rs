@@ -7,10 +7,9 @@ use crate::report::surface::topic;
 use fakir::problem::{Accuracy, ElementMesh, Method, PunchForm};
 use fakir::state::Run;
 use fakir_case::input::{self, LARGEST_STUDY};
-use fakir_case::study::Axis;
-use fakir_case::{CaseFile, Study, StudyFile};
+use fakir_case::{CaseFile, StudyFile};
 use fakir_study::citations::{Citation, Topic, citations};
-use fakir_study::provenance::{FILE_NAME, Provenance, method_words};
+use fakir_study::provenance::{FILE_NAME, Provenance, method_words, study_words};
 use fakir_study::result::json;
 use serde::Serialize;
 use std::fmt::Write;
@@ -68,7 +67,8 @@ fn of_folder(folder: &Path) -> Result<CiteJson, Failure> {
 
 fn of_file(path: &Path) -> Result<CiteJson, Failure> {
     if is_study(path) {
-        return Ok(of_study(&StudyFile::read(path)?.study()?));
+        let study = StudyFile::read(path)?.study()?;
+        return Ok(CiteJson::new(study_words(&study), &Topic::of_study(&study)));
     }
     let file = CaseFile::read(path)?;
     if file.is_surface() {
@@ -92,23 +92,6 @@ fn is_study(path: &Path) -> bool {
     let text = input::read(path, LARGEST_STUDY).unwrap_or_default();
     let text = String::from_utf8_lossy(&text);
     text.lines().any(|line| has(line.trim_start()))
-}
-
-/// All methods that a study uses.
-fn of_study(study: &Study) -> CiteJson {
-    let mut methods: Vec<Method> = Vec::new();
-    for index in 0..study.cases() {
-        let method = study.case(index).case.method;
-        if !methods.contains(&method) {
-            methods.push(method);
-        }
-        if study.axes().all(Axis::is_numeric) {
-            break; // one method for all
-        }
-    }
-    let words: Vec<String> = methods.iter().copied().map(method_words).collect();
-    let topics: Vec<Topic> = methods.into_iter().map(Topic::Method).collect();
-    CiteJson::new(words.join("; "), &topics)
 }
 
 fn of_method(method: CitedMethod) -> CiteJson {

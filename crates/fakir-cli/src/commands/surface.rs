@@ -72,6 +72,7 @@ pub(crate) fn transition(
 pub(crate) fn approach(
     file: &CaseFile,
     path: &LoadingPath,
+    saves: bool,
     session: &Session,
 ) -> Result<Report, Failure> {
     let next = |part: &str| session.part(part);
@@ -85,7 +86,7 @@ pub(crate) fn approach(
             keep,
         )?)
     })?;
-    let mut report = loaded(&case, path, found);
+    let mut report = loaded(&case, path, found, saves);
     report.warnings.extend(widened);
     Ok(report)
 }

@@ -3,11 +3,12 @@
 use super::maps::Maps;
 use crate::failure::Failure;
 use crate::session::Session;
-use fakir::problem::Point;
-use fakir::state::ContactState;
+use fakir::problem::{Point, SurfaceSystem};
+use fakir::state::{ContactState, SurfaceContact};
 use fakir_figure::{
-    Figure, FigureError, ProfileState, Text, View, floor_gap_map, pillar_pressure, pressure_map,
-    profiles, top_view,
+    Figure, FigureError, LoadingPoint, ProfileState, SurfaceState, Text, View, approach,
+    floor_gap_map, pillar_pressure, pressure_map, profiles, surface_gap_map, surface_pressure_map,
+    surface_profiles, top_view,
 };
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
@@ -47,6 +48,43 @@ pub(crate) fn files(
         }
     }
     Ok(files)
+}
+
+/// The figures of a contact with a general surface.
+pub(crate) fn of_surface(
+    system: &SurfaceSystem,
+    contact: &SurfaceContact,
+    floor_contact: Option<Point>,
+    provenance: &Provenance,
+) -> Vec<File> {
+    let state = SurfaceState {
+        label: Text::plain(&provenance.question),
+        system,
+        contact,
+        floor_contact,
+    };
+    let figures = [
+        surface_profiles(std::slice::from_ref(&state)),
+        surface_pressure_map(&state),
+        surface_gap_map(&state),
+    ];
+    // Of a surface that is not touched, or touched everywhere, some do not exist.
+    let figures = figures.into_iter().flatten();
+    figures
+        .flat_map(|figure| saved(figure, provenance))
+        .collect()
+}
+
+/// The figure of a loading; none of a single state.
+pub(crate) fn of_loading<T>(
+    rows: &[T],
+    point: impl Fn(&T) -> LoadingPoint,
+    critical: Option<LoadingPoint>,
+    provenance: &Provenance,
+) -> Vec<File> {
+    let points: Vec<LoadingPoint> = rows.iter().map(point).collect();
+    let figure = approach(&points, critical);
+    figure.map_or(Vec::new(), |figure| saved(figure, provenance).into())
 }
 
 /// A figure as files.

@@ -1,16 +1,17 @@
 //! Reports of contacts with general surfaces.
 
-use super::Report;
 use super::maps::Maps;
 use super::state::{QuantityList, difference, further_on, loading_remark, radius_digits};
 use super::table::{Column, table};
+use super::{Report, figures};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::problem::pattern::{Arrangement, CrossSection, Pattern};
-use fakir::problem::{Boundary, Control, SurfaceSystem};
+use fakir::problem::{Boundary, Control, Point, SurfaceSystem};
 use fakir::state::{Regime, Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
+use fakir_figure::LoadingPoint;
 use fakir_study::approach::{Approach, LoadingPath};
 use fakir_study::citations::Topic;
 use fakir_study::fields::{FieldMap, MOST_POINTS};
@@ -50,7 +51,7 @@ pub(crate) fn pressed(
     Report {
         json: json(&summary),
         text,
-        ..report(case, &control_words(control), contact, maps)
+        ..report(case, &control_words(control), contact, None, maps)
     }
 }
 
@@ -87,7 +88,7 @@ pub(crate) fn reached(
     Report {
         json: json(&summary),
         text,
-        ..report(case, "critical state", contact, maps)
+        ..report(case, "critical state", contact, Some([x, y]), maps)
     }
 }
 
@@ -96,8 +97,29 @@ pub(crate) fn loaded(
     case: &SurfaceCase,
     path: &LoadingPath,
     found: Approach<SurfaceSystem>,
+    saves: bool,
 ) -> Report {
     let rows = &found.rows;
+    let provenance = provenance(case, &path.words());
+    let mut tables = vec![csv("approach.csv", rows)];
+    if saves {
+        let critical = found.critical.as_ref();
+        let critical = critical.map(|critical| LoadingPoint {
+            indentation: critical.contact.indentation,
+            force: critical.contact.force,
+            floor_force: None,
+            contact_radius: critical.contact.contact_radius,
+            without_floor: false,
+        });
+        let point = |row: &SurfaceLoadingRow| LoadingPoint {
+            indentation: row.indentation_m,
+            force: row.force_N,
+            floor_force: row.floor_force_N,
+            contact_radius: row.contact_radius_m,
+            without_floor: false,
+        };
+        tables.extend(figures::of_loading(rows, point, critical, &provenance));
+    }
     let further = match &found.critical {
         Some(critical) if !rows.iter().any(|row| row.critical) => {
             further_on(critical.contact.indentation, critical.contact.force)
@@ -112,8 +134,8 @@ pub(crate) fn loaded(
             description(case),
             table(rows, &columns(rows))
         ),
-        provenance: provenance(case, &path.words()),
-        tables: vec![csv("approach.csv", rows)],
+        provenance,
+        tables,
         converged: found.converged,
         warnings: found.warnings,
     }
@@ -216,7 +238,13 @@ fn estimate(error: Option<f64>) -> String {
 }
 
 /// The report of a contact, but for its JSON and text.
-fn report(case: &SurfaceCase, question: &str, contact: &SurfaceContact, maps: Maps) -> Report {
+fn report(
+    case: &SurfaceCase,
+    question: &str,
+    contact: &SurfaceContact,
+    floor_contact: Option<Point>,
+    maps: Maps,
+) -> Report {
     let mut warnings = warnings(contact);
     let field = |name, values| File::new(name, to_npy(&contact.grid, values));
     let mut tables = vec![
@@ -232,6 +260,8 @@ fn report(case: &SurfaceCase, question: &str, contact: &SurfaceContact, maps: Ma
                 "more cells than {MOST_POINTS} by {MOST_POINTS}: the fields are saved as .npy only"
             )),
         }
+        let figures = figures::of_surface(&case.system, contact, floor_contact, &provenance);
+        tables.extend(figures);
     }
     Report {
         json: String::new(),

@@ -1,13 +1,10 @@
 //! The gap to the floor between the pillars.
 
-use crate::chart::MARGIN;
 use crate::colour::ColourMap;
 use crate::error::FigureError;
-use crate::figure::{COLUMN, Figure};
-use crate::frame::{Frame, Lettering};
-use crate::map::{ARROW, ColourBar, KeySign, Window, crosses, key, symmetric_copies};
+use crate::figure::Figure;
+use crate::map::{ColourBar, KeySign, Sheet, Window, crosses, symmetric_copies};
 use crate::scene::{Colour, Item, Stroke};
-use crate::text::Text;
 use crate::unit::Unit;
 use fakir::state::{ContactState, Run};
 use std::collections::HashSet;
@@ -36,13 +33,8 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     let (lattice, pillar) = (system.lattice(), system.pillar());
     let [x, y] = state.smallest_gap_position;
     let half_width = (1.7 * lattice.pitch).max(x.hypot(y) + 0.6 * lattice.pitch);
-
-    let name = Text::from(format!("*y* ({})", Unit::of_length(half_width).name));
-    let lettering = Lettering::All(&name);
-    // The frame is as wide as what is beside it leaves; that hardly depends on the width.
-    let guess = Window::new([0.0, 0.0], 0.6 * COLUMN, [0.0, 0.0], half_width);
-    let left = MARGIN + Frame::left_room(guess.frame.y, 0.6 * COLUMN, lettering);
-    let [across, up] = guess.pixel_coordinates(PIXELS);
+    let anywhere = Window::new([0.0, 0.0], 1.0, [0.0, 0.0], half_width);
+    let [across, up] = anywhere.pixel_coordinates(PIXELS);
     let samples = fields.on_grid(&across, &up, run)?;
     let points = up.iter().flat_map(|y| across.iter().map(move |x| [*x, *y]));
     let gaps: Vec<f64> = points
@@ -69,9 +61,8 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
             format!("gap to the floor ({})", unit.name),
         )
     };
-    let side = COLUMN - left - 6.0 - bar.width(0.6 * COLUMN) - MARGIN;
-    let window = Window::new([left, MARGIN + 3.0], side, [0.0, 0.0], half_width);
-
+    let sheet = Sheet::new([0.0, 0.0], half_width, &bar);
+    let window = sheet.window;
     let colours: Vec<Colour> = gaps.iter().map(|gap| bar.colour(unit.of(*gap))).collect();
     let mut inside = vec![window.image(PIXELS, &colours)];
     let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
@@ -91,23 +82,8 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     let copies = symmetric_copies(lattice, state.smallest_gap_position);
     let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
     crosses(&places, &mut inside);
-    let mut items = vec![window.clipped(inside)];
-    let across_name = Text::from(format!("*x* ({})", window.unit.name));
-    let below = Lettering::All(&across_name);
-    window.frame.draw(&mut items, below, lettering);
-    let bounds = window.frame.bounds;
-    bar.draw(
-        [bounds.right + 6.0, bounds.top + ARROW],
-        side - ARROW,
-        &mut items,
-    );
-    let end = bounds.bottom + Frame::bottom_room(below);
-    key(
-        &[(KeySign::Cross, "smallest gap")],
-        [COLUMN - MARGIN, end - 6.0],
-        &mut items,
-    );
-    let figure = Figure::new("floor-gap-map", [COLUMN, end + MARGIN], items);
+    let signs = [(KeySign::Cross, "smallest gap")];
+    let figure = sheet.figure("floor-gap-map", &bar, inside, &signs);
     Ok(figure.with_description(
         "Gap between the lens and the floor",
         &format!(

@@ -1,5 +1,6 @@
 //! The figures, each from its data.
 
+pub(crate) mod approach;
 pub(crate) mod critical_curves;
 pub(crate) mod fit_curves;
 pub(crate) mod floor_gap_map;
@@ -10,4 +11,5 @@ pub(crate) mod phase_diagram;
 pub(crate) mod pillar_pressure;
 pub(crate) mod pressure_map;
 pub(crate) mod profiles;
+pub(crate) mod surface_maps;
 pub(crate) mod top_view;

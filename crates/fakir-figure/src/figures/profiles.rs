@@ -1,6 +1,7 @@
 //! The deformed lens and substrate in section.
 
 use crate::axis::Span;
+use crate::cells::SurfaceState;
 use crate::chart::MARGIN;
 use crate::error::FigureError;
 use crate::figure::{Figure, PAGE};
@@ -47,25 +48,97 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
             given: 0,
         });
     };
-    let system = &widest.state.system;
     let half_width = Section::half_width(widest.state);
-    let sections: Result<Vec<Section>, FigureError> = states
+    let detail = SectionDetail::Print;
+    let panels: Result<Vec<Panel>, FigureError> = states
         .iter()
         .map(
             |ProfileState {
+                 label,
                  state,
                  floor_contact,
-                 ..
              }| {
-                Section::new(state, half_width, *floor_contact, SectionDetail::Print, run)
+                Ok(Panel {
+                    label: label.clone(),
+                    force: state.force,
+                    indentation: state.indentation,
+                    floor_contact: *floor_contact,
+                    section: Section::new(state, half_width, *floor_contact, detail, run)?,
+                })
             },
         )
         .collect();
-    let sections = sections?;
-    let heights = heights(&sections, system.pillar().height);
-    let x_unit = Unit::of_length(half_width);
+    let heights = [0.0, widest.state.system.pillar().height];
+    panel_figure(&panels?, heights, [-half_width, half_width])
+}
+
+/// Section through the bodies on the cells of a general surface, along x through the lens axis, a
+/// panel for every state, all on the same scales: of the contact of a lens, and of all of the grid
+/// under a plate or where it is a period.
+///
+/// The displacement belongs to both bodies, to each in proportion to its compliance; pillars also
+/// shorten under their force. Heights are those of the surface before it is touched.
+///
+/// # Errors
+/// [`FigureError::TooFewData`] without states, or if one shows fewer than two cells.
+pub fn surface_profiles(states: &[SurfaceState<'_>]) -> Result<Figure, FigureError> {
+    let panels: Result<Vec<Panel>, FigureError> = states
+        .iter()
+        .map(|state| {
+            Ok(Panel {
+                label: state.label.clone(),
+                force: state.contact.force,
+                indentation: state.contact.indentation,
+                floor_contact: state.floor_contact,
+                section: state.section()?,
+            })
+        })
+        .collect();
+    let panels = panels?;
+    let ends = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        })
+    };
+    let sections = || panels.iter().map(|panel| &panel.section);
+    let x = ends(&mut sections().flat_map(|section| section.x.iter().copied()));
+    let mut heights = ends(&mut sections().flat_map(|section| section.surface.iter().copied()));
+    if heights[1] <= heights[0] {
+        // A flat that nothing has deformed: the indenter alone has a shape.
+        heights = ends(&mut sections().flat_map(|section| section.lens.iter().copied()));
+    }
+    panel_figure(&panels, heights, x)
+}
+
+/// A section and what is said about it.
+struct Panel {
+    label: Text,
+    /// N
+    force: f64,
+    /// m
+    indentation: f64,
+    /// Where the state touches the floor, m, if it does.
+    floor_contact: Option<Point>,
+    section: Section,
+}
+
+/// Sections one above the other, from one x to another (m), of surfaces that before they are touched
+/// are between these heights (m).
+fn panel_figure(
+    panels: &[Panel],
+    undeformed: [f64; 2],
+    ends: [f64; 2],
+) -> Result<Figure, FigureError> {
+    let Some(last) = panels.len().checked_sub(1) else {
+        return Err(FigureError::TooFewData {
+            fewest: 1,
+            given: 0,
+        });
+    };
+    let heights = heights(panels, undeformed);
+    let x_unit = Unit::of_length(ends[1].max(-ends[0]));
     let y_unit = Unit::of_length(heights[1].max(-heights[0]));
-    let x = Span::linear(-x_unit.of(half_width), x_unit.of(half_width));
+    let x = Span::linear(x_unit.of(ends[0]), x_unit.of(ends[1]));
     let y = Span::linear(y_unit.of(heights[0]), y_unit.of(heights[1]));
     let names = [
         Text::from(format!("*x* ({})", x_unit.name)),
@@ -76,8 +149,7 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
     let bounds = |top| Bounds::new(left, top, PAGE - left - MARGIN - 6.0, height);
     let mut items = Vec::new();
     let mut top = MARGIN + 2.0;
-    let last = sections.len() - 1;
-    for (k, (section, state)) in sections.iter().zip(states).enumerate() {
+    for (k, panel) in panels.iter().enumerate() {
         top += NOTE_SIZE * (ASCENT + DESCENT);
         let frame = Frame {
             bounds: bounds(top),
@@ -94,10 +166,10 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
             x_unit,
             y_unit,
         };
-        page.draw(section, &mut items);
+        page.draw(&panel.section, &mut items);
         frame.draw(&mut items, across, Lettering::All(&names[1]));
         let letter = ('a'..='z').nth(k).filter(|_| last > 0);
-        title(&page, state, section, letter, &mut items);
+        title(&page, panel, letter, &mut items);
         top += height + Frame::bottom_room(across) + 3.0;
     }
     let figure = Figure::new("profiles", [PAGE, top + MARGIN - 3.0], items);
@@ -109,11 +181,11 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
 }
 
 /// Range of heights shown, m.
-fn heights(sections: &[Section], pillar_height: f64) -> [f64; 2] {
-    let surfaces = sections.iter().flat_map(|section| &section.surface);
-    let lowest = surfaces.copied().fold(0.0, f64::min);
-    let depth = pillar_height - lowest;
-    [lowest - 0.3 * depth, pillar_height + 0.75 * depth]
+fn heights(panels: &[Panel], [low, high]: [f64; 2]) -> [f64; 2] {
+    let surfaces = panels.iter().flat_map(|panel| &panel.section.surface);
+    let lowest = surfaces.copied().fold(low, f64::min);
+    let depth = high - lowest;
+    [lowest - 0.3 * depth, high + 0.75 * depth]
 }
 
 struct Page {
@@ -179,24 +251,18 @@ impl Page {
 }
 
 /// Writes above the panel: its letter and state at the left, the exaggeration at the right.
-fn title(
-    page: &Page,
-    state: &ProfileState<'_>,
-    section: &Section,
-    letter: Option<char>,
-    items: &mut Vec<Item>,
-) {
+fn title(page: &Page, panel: &Panel, letter: Option<char>, items: &mut Vec<Item>) {
     let bounds = page.frame.bounds;
     let y = bounds.top - DESCENT * NOTE_SIZE - 1.0;
     let letter = letter.map_or(String::new(), |letter| format!("({letter}) "));
-    let force = Unit::of_force(state.state.force);
-    let length = Unit::of_length(state.state.indentation);
+    let force = Unit::of_force(panel.force);
+    let length = Unit::of_length(panel.indentation);
     let name = Text::plain(&letter)
-        .followed_by(state.label.clone())
+        .followed_by(panel.label.clone())
         .followed_by(format!(
             ": *F* = {}, *ζ* = {}",
-            or_zero(force, state.state.force),
-            or_zero(length, state.state.indentation)
+            or_zero(force, panel.force),
+            or_zero(length, panel.indentation)
         ));
     items.push(Item::Label(Label::new(
         name,
@@ -204,7 +270,7 @@ fn title(
         NOTE_SIZE,
         Anchor::Start,
     )));
-    let note = match floor_note(state, section) {
+    let note = match floor_note(panel) {
         Some(floor) => format!("{floor}heights × {}", significant(page.exaggeration(), 2)),
         None => format!("heights × {}", significant(page.exaggeration(), 2)),
     };
@@ -225,9 +291,9 @@ fn or_zero(unit: Unit, value: f64) -> String {
 }
 
 /// Where the floor is touched, if the section does not show it.
-fn floor_note(state: &ProfileState<'_>, section: &Section) -> Option<String> {
-    let [x, y] = state.floor_contact?;
-    if !section.floor_contacts.is_empty() {
+fn floor_note(panel: &Panel) -> Option<String> {
+    let [x, y] = panel.floor_contact?;
+    if !panel.section.floor_contacts.is_empty() {
         return Some("arrows: floor contact; ".to_owned());
     }
     let unit = Unit::of_length(x.hypot(y));

@@ -44,7 +44,7 @@ pub use report::FitSummary;
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
 use fakir::state::{Run, SolveError, Termination};
-use fakir_case::{CaseError, CaseFile};
+use fakir_case::{CaseError, CaseFile, TextureOnly};
 use least_squares::Linear;
 use model::{Derivatives, Model, State};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -374,6 +374,7 @@ pub fn fit(
     options: &FitOptions,
     run: &Run<'_>,
 ) -> Result<Fit, FitError> {
+    file.refuse_surface_for(TextureOnly::Fit)?;
     check(data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
     let mut search = Search::new(&model)?;

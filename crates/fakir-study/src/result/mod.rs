@@ -19,6 +19,7 @@ pub use compare::{CompareSummary, MethodRow};
 pub use contact::PressSummary;
 pub use critical::TransitionSummary;
 pub use pillars::pillars;
+pub(crate) use surface::METHOD as SURFACE_METHOD;
 pub use surface::{SurfacePressSummary, SurfaceTransitionSummary, indenter_name};
 pub use sweep::SweepSummary;
 pub use theory::{

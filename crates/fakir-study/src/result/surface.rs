@@ -7,7 +7,7 @@ use fakir::state::{Certificate, Share, SurfaceContact, SurfaceTransition};
 use serde::Serialize;
 
 /// By which method surfaces are solved.
-pub(super) const METHOD: &str = "love";
+pub(crate) const METHOD: &str = "love";
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct GridObject {

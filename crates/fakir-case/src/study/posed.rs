@@ -1,0 +1,96 @@
+//! What a case of a study is of: a texture, or a general surface.
+
+use super::{Asked, StudyFile};
+use crate::case::Case;
+use crate::error::CaseError;
+use crate::file::CaseFile;
+use crate::key::Key;
+use crate::surface::SurfaceExample;
+use fakir::state::Run;
+use std::collections::BTreeMap;
+
+/// What is pressed in a case of a study, and how it is solved.
+#[derive(Debug, Clone)]
+pub enum StudiedCase {
+    /// A texture.
+    Texture(Case),
+    /// A general surface, as the case file that describes it: it is drawn when it is solved, on a grid
+    /// that is wide enough.
+    Surface(Box<CaseFile>),
+}
+
+impl StudiedCase {
+    /// The case of a file.
+    pub(super) fn of(file: CaseFile) -> Result<Self, CaseError> {
+        Ok(if file.is_surface() {
+            Self::Surface(Box::new(file))
+        } else {
+            Self::Texture(file.case()?)
+        })
+    }
+
+    /// The case with a texture, if it is one.
+    #[must_use]
+    pub fn texture(&self) -> Option<&Case> {
+        match self {
+            Self::Texture(case) => Some(case),
+            Self::Surface(_) => None,
+        }
+    }
+}
+
+/// The general surfaces of a study that were looked at.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Surfaces {
+    /// One of each kind, and of each choice of keys.
+    pub(super) examples: Vec<SurfaceExample>,
+    /// Cells of each surface, by the steps along the axes that are no loads; none of a surface that
+    /// takes more memory than there is by default.
+    cells: BTreeMap<Vec<usize>, usize>,
+}
+
+impl Surfaces {
+    /// Looks at the surface of a case, if no other case has had it.
+    pub(super) fn look(
+        &mut self,
+        study: &StudyFile,
+        file: &CaseFile,
+        index: usize,
+    ) -> Result<(), CaseError> {
+        let steps = study.steps_of_keys(index);
+        if self.cells.contains_key(&steps) {
+            return Ok(());
+        }
+        let (example, cells) = looked_at(file, study.asked)?;
+        if !self.examples.iter().any(|known| known.is_like(&example)) {
+            self.examples.push(example);
+        }
+        self.cells.insert(steps, cells);
+        Ok(())
+    }
+
+    pub(super) fn cells(&self, study: &StudyFile, index: usize) -> usize {
+        let cells = self.cells.get(&study.steps_of_keys(index));
+        cells.copied().unwrap_or_default()
+    }
+}
+
+/// Draws or reads a surface to see whether it can be. One that takes more memory than a computation
+/// may by default is not drawn: the limit of the sweep tells whether it can be solved.
+pub(super) fn looked_at(
+    file: &CaseFile,
+    asked: Asked,
+) -> Result<(SurfaceExample, usize), CaseError> {
+    let example = file.surface_example()?;
+    let case = match file.surface_case(Run::default().memory_limit()) {
+        Err(error) if error.is_of_memory() => return Ok((example, 0)),
+        case => case?,
+    };
+    if asked == Asked::Transition && case.system.floor().is_none() {
+        return Err(file.missing(Key::Floor).accepted(
+            "a height map has no pillars that would tell which part of it is the floor: give the \
+             height at or below which it is",
+        ));
+    }
+    Ok((example, case.system.surface().grid().cell_count()))
+}

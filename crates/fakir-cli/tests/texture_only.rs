@@ -1,0 +1,60 @@
+//! What has a meaning for a texture only says so of a general surface, and what to use instead.
+
+use std::path::Path;
+use std::process::Command;
+
+fn folder(name: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples")
+        .join(name)
+}
+
+/// Every command that reads a case and has no answer for a surface: exit status 2, the line of the
+/// file, the reason in its own words, and another command that has an answer.
+#[test]
+fn commands_without_an_answer_for_a_surface_say_what_to_use() {
+    let case = folder("square-pillars.toml");
+    let case = case.to_str().expect("a path in UTF-8");
+    let data = folder("fit/loading.csv");
+    let data = data.to_str().expect("a path in UTF-8");
+    let free = "substrate.young_modulus";
+    let design = ["design", case, "--free", "pitch", "--critical-force", "1mN"];
+    let fit = ["fit", data, "--case", case, "--free", free];
+    let asked: [(&[&str], &str, &str); 6] = [
+        (&["compare", case], "only one: elements", "fakir verify"),
+        (&["theory", case], "closed forms", "fakir transition"),
+        (&design, "by whole cells", "fakir sweep"),
+        (
+            &["design", case, "--samples", "10"],
+            "by whole cells",
+            "fakir sweep",
+        ),
+        (&fit, "derivatives", "fakir approach"),
+        (
+            &["explore", case, "--no-browser"],
+            "milliseconds",
+            "fakir press",
+        ),
+    ];
+    for (arguments, reason, instead) in asked {
+        if arguments[0] == "explore" && !cfg!(feature = "explore") {
+            continue;
+        }
+        let output = Command::new(env!("CARGO_BIN_EXE_fakir"))
+            .args(arguments)
+            .output()
+            .expect("the binary runs");
+        let told = String::from_utf8_lossy(&output.stderr);
+        // The report is broken into lines.
+        let told: Vec<&str> = told
+            .split_whitespace()
+            .filter(|word| *word != "│")
+            .collect();
+        let told = told.join(" ");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+        for wanted in ["square-pillars.toml:16", reason, instead] {
+            assert!(told.contains(wanted), "{arguments:?}: {told}");
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Pressure and gap on the cells of a general surface.
+
+use crate::cells::SurfaceState;
+use crate::colour::ColourMap;
+use crate::error::FigureError;
+use crate::figure::Figure;
+use crate::map::{ColourBar, KeySign, Sheet, crosses, edge_stroke};
+use crate::scene::{Colour, Item};
+use crate::unit::Unit;
+use fakir::problem::Floor;
+use std::ops::Range;
+
+/// Most pixels of a map, along a side.
+const PIXELS: usize = 640;
+
+/// The colours of pressures reach so large a share of the cells in contact: they are highest along
+/// edges.
+const PRESSED: f64 = 0.98;
+
+/// The colours of gaps reach so large a share of the open cells that are shown.
+const OPEN: f64 = 0.85;
+
+const TOUCHED: Colour = Colour::grey(120);
+const TOP: Colour = Colour::grey(205);
+const FLOOR: Colour = Colour::grey(240);
+const OUTSIDE: Colour = Colour::WHITE;
+
+/// Map of the pressure on the cells of a surface, around the lens axis, or on all of the grid under a
+/// plate or where it is a period. Cells without pressure are grey: light if they are floor, darker
+/// otherwise. Pressures higher than nearly all have the last colour. A dashed circle is the edge of
+/// the contact, a cross where the floor is just reached.
+///
+/// # Errors
+/// [`FigureError::TooFewData`] if nothing is pressed.
+pub fn surface_pressure_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> {
+    let pressure = &state.contact.pressure;
+    let pressed = pressure.iter().copied().filter(|pressure| *pressure > 0.0);
+    let (high, open) = upper_end(pressed.collect(), PRESSED)?;
+    let unit = Unit::of_pressure(high);
+    let label = format!("pressure ({})", unit.name);
+    let bar = ColourBar {
+        open,
+        ..ColourBar::over(ColourMap::Viridis, 0.0, unit.of(high), label)
+    };
+    let surface = state.system.surface();
+    // Where it is not known which part is floor, all of it has one grey.
+    let floor = state.system.floor().unwrap_or(Floor::OffPillars);
+    let colour = |cells: &[usize]| {
+        let pressure = mean(cells, pressure);
+        if pressure > 0.0 {
+            bar.colour(unit.of(pressure))
+        } else if cells.iter().all(|cell| floor.contains(surface, *cell)) {
+            FLOOR
+        } else {
+            TOP
+        }
+    };
+    let mut signs = Vec::new();
+    if has_edge(state) {
+        signs.push((KeySign::Edge, "edge"));
+    }
+    if state.floor_contact.is_some() {
+        signs.push((KeySign::Cross, "floor contact"));
+    }
+    let marks = |sheet: &Sheet, items: &mut Vec<Item>| {
+        if let Some(radius) = state.contact.contact_radius.filter(|_| has_edge(state)) {
+            items.push(Item::Disc {
+                centre: sheet.window.place([0.0, 0.0]),
+                radius: sheet.window.length(radius),
+                fill: None,
+                stroke: Some(edge_stroke()),
+            });
+        }
+        if let Some(point) = state.floor_contact {
+            crosses(&[sheet.window.place(point)], items);
+        }
+    };
+    let figure = map(state, "pressure-map", &bar, &signs, colour, marks);
+    Ok(figure.with_description(
+        "Pressure on the surface",
+        "Map of the contact pressure on the cells of the surface. Grey is what bears no load, light \
+         where it is floor; the dashed circle is the edge of the contact, a cross marks where the \
+         floor is just reached.",
+    ))
+}
+
+/// Map of the gap between the deformed bodies, seen as [`surface_pressure_map`]: dark grey where they
+/// touch. A cross marks the smallest gap to the floor, as far as it is known and open. Gaps larger
+/// than most of what is shown have the last colour.
+///
+/// # Errors
+/// [`FigureError::TooFewData`] if all of the surface is in contact.
+pub fn surface_gap_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> {
+    let (gap, pressure) = (&state.contact.gap, &state.contact.pressure);
+    let (centre, half_width) = state.view();
+    let is_shown = |[x, y]: [f64; 2]| (x - centre[0]).abs().max((y - centre[1]).abs()) < half_width;
+    let shown = state.grid().centres().zip(gap.iter().zip(pressure));
+    let shown = shown.filter(|(place, (gap, pressure))| {
+        **pressure <= 0.0 && gap.is_finite() && is_shown(*place)
+    });
+    let (high, open) = upper_end(shown.map(|(_, (gap, _))| *gap).collect(), OPEN)?;
+    let unit = Unit::of_length(high);
+    let bar = ColourBar {
+        open,
+        ..ColourBar::over(
+            ColourMap::Viridis,
+            0.0,
+            unit.of(high),
+            format!("gap ({})", unit.name),
+        )
+    };
+    let colour = |cells: &[usize]| {
+        if cells.iter().all(|cell| pressure[*cell] > 0.0) {
+            TOUCHED
+        } else {
+            bar.colour(unit.of(mean(cells, gap)))
+        }
+    };
+    let nearest = state.contact.nearest_floor.filter(|(gap, _)| {
+        let floor_bears = state.contact.shares.is_some_and(|s| s.floor.force > 0.0);
+        gap.is_finite() && !floor_bears
+    });
+    let nearest = nearest.map(|(gap, place)| (gap, state.floor_contact.unwrap_or(place)));
+    let mut signs = Vec::new();
+    if nearest.is_some() {
+        signs.push((KeySign::Cross, "smallest floor gap"));
+    }
+    let marks = |sheet: &Sheet, items: &mut Vec<Item>| {
+        if let Some((_, place)) = nearest {
+            crosses(&[sheet.window.place(place)], items);
+        }
+    };
+    let smallest = match nearest {
+        Some((gap, _)) => format!(
+            "; the cross marks the smallest gap to the floor, {}",
+            Unit::of_length(gap).text(gap, 3)
+        ),
+        None => String::new(),
+    };
+    let figure = map(state, "gap-map", &bar, &signs, colour, marks);
+    Ok(figure.with_description(
+        "Gap between the bodies",
+        &format!(
+            "Map of the gap between the deformed bodies on the cells of the surface, dark grey where \
+             they touch{smallest}."
+        ),
+    ))
+}
+
+/// Whether a circle around the lens axis is the edge of the contact.
+fn has_edge(state: &SurfaceState<'_>) -> bool {
+    state
+        .contact
+        .contact_radius
+        .is_some_and(|radius| radius > 0.0)
+}
+
+/// The value that so large a share of the others is not above, and whether there are larger ones.
+fn upper_end(mut values: Vec<f64>, share: f64) -> Result<(f64, bool), FigureError> {
+    values.sort_by(f64::total_cmp);
+    let at = ((share * values.len() as f64) as usize).min(values.len().saturating_sub(1));
+    match (values.get(at), values.last()) {
+        (Some(high), Some(last)) => Ok((*high, last > high)),
+        _ => Err(FigureError::TooFewData {
+            fewest: 1,
+            given: 0,
+        }),
+    }
+}
+
+fn mean(cells: &[usize], values: &[f64]) -> f64 {
+    cells.iter().map(|cell| values[*cell]).sum::<f64>() / cells.len() as f64
+}
+
+/// The map of what `colour` says of the cells of a pixel.
+fn map(
+    state: &SurfaceState<'_>,
+    name: &'static str,
+    bar: &ColourBar,
+    signs: &[(KeySign, &str)],
+    colour: impl Fn(&[usize]) -> Colour,
+    marks: impl Fn(&Sheet, &mut Vec<Item>),
+) -> Figure {
+    let (centre, half_width) = state.view();
+    let sheet = Sheet::new(centre, half_width, bar);
+    let shown = 2.0 * half_width / state.grid().cell()[0].min(state.grid().cell()[1]);
+    // A cell is a block of whole pixels, so that it stays sharp where the picture is enlarged.
+    let cells = (shown.round() as usize).clamp(1, PIXELS);
+    let pixels = cells * (PIXELS / cells);
+    let [across, up] = state.cells(&sheet.window, pixels);
+    let columns = state.grid().columns();
+    let mut cells = Vec::new();
+    let mut colours = Vec::with_capacity(pixels * pixels);
+    for rows in &up {
+        for range in &across {
+            cells.clear();
+            if let (Some(rows), Some(range)) = (rows, range) {
+                let row = |row: usize| range.clone().map(move |column| row * columns + column);
+                cells.extend(Range::clone(rows).flat_map(row));
+            }
+            colours.push(if cells.is_empty() {
+                OUTSIDE
+            } else {
+                colour(&cells)
+            });
+        }
+    }
+    let mut inside = vec![sheet.window.image(pixels, &colours)];
+    marks(&sheet, &mut inside);
+    sheet.figure(name, bar, inside, signs)
+}
