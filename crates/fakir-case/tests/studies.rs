@@ -193,8 +193,8 @@ fn surface_study(tables: &str, surface: &str) -> Result<Study, String> {
         "{tables}\n[lens]\nradius = \"1 mm\"\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.5\n\
          [substrate]\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.5\n{surface}"
     );
-    let file = StudyFile::parse("study.toml", &text).unwrap_or_else(|error| panic!("{error}"));
-    file.study().map_err(|error| error.one_line())
+    let study = StudyFile::parse("study.toml", &text).and_then(StudyFile::study);
+    study.map_err(|error| error.one_line())
 }
 
 const PILLARS: &str = "[surface]\narrangement = \"square\"\nsurface_fraction = 0.2\n\
