@@ -61,7 +61,11 @@ fn collect(folder: &Path, pages: &mut BTreeMap<PathBuf, Page>) -> Result<(), Str
             .any(|name| path.ends_with(name));
         if path.is_dir() {
             collect(&path, pages)?;
-        } else if path.extension().is_some_and(|extension| extension == "html") && !left_out {
+        } else if path
+            .extension()
+            .is_some_and(|extension| extension == "html")
+            && !left_out
+        {
             let text = fs::read_to_string(&path).map_err(unreadable)?;
             let page = Page {
                 anchors: attributes(&text, &[" id=\""]).into_iter().collect(),

@@ -39,30 +39,29 @@ fn mathml(formula: &str, display_mode: DisplayMode) -> Result<String, String> {
     Ok(plain(&text))
 }
 
-/// MathML in which no character between tags means anything in Markdown, on one line.
+/// MathML on one line in which every character between tags is itself, in HTML and in Markdown.
 fn plain(mathml: &str) -> String {
     let mut text = String::with_capacity(mathml.len());
     let mut in_tag = false;
-    for c in mathml.chars() {
+    let mut characters = mathml.chars().peekable();
+    while let Some(c) = characters.next() {
+        let tag_begins = |next: Option<&char>| next.is_some_and(|n| n.is_alphabetic() || *n == '/');
         match c {
-            '<' => in_tag = true,
-            '>' => in_tag = false,
-            '\n' => {
-                text.push(' ');
-                continue;
+            '\n' => text.push(' '),
+            '>' if in_tag => {
+                in_tag = false;
+                text.push(c);
             }
-            '*' | '_' | '[' | ']' | '`' | '|' | '~' | '$' | '\\' | '^' | '#' if !in_tag => {
+            '<' if tag_begins(characters.peek()) => {
+                in_tag = true;
+                text.push(c);
+            }
+            '*' | '_' | '[' | ']' | '`' | '|' | '~' | '$' | '\\' | '^' | '<' | '>' if !in_tag => {
                 text += &format!("&#{};", u32::from(c));
-                // The number sign of an entity that is there already stays.
-                if c == '#' && text.ends_with("&&#35;") {
-                    text.truncate(text.len() - "&#35;".len());
-                    text.push('#');
-                }
-                continue;
             }
-            _ => {}
+            _ => text.push(c),
         }
-        text.push(c);
     }
-    text
+    // The library leaves out a space that HTML asks for.
+    text.replace("\"minsize", "\" minsize")
 }
