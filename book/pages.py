@@ -120,6 +120,8 @@ class Page:
             cwd=self.folder,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            timeout=300,
             text=True,
         )
         if done.returncode != expected:
