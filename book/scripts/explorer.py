@@ -15,7 +15,7 @@ with subprocess.Popen(serve, stderr=subprocess.PIPE, text=True) as server:
             [
                 os.environ.get("CHROMIUM", "chromium"),
                 *["--headless", "--no-sandbox", "--hide-scrollbars", "--window-size=1400,900"],
-                *["--timeout=15000", f"--screenshot={os.path.abspath(sys.argv[1])}", address],
+                *["--virtual-time-budget=20000", f"--screenshot={os.path.abspath(sys.argv[1])}", address],
             ],
             check=True,
             stdout=subprocess.DEVNULL,
