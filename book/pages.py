@@ -211,6 +211,8 @@ def pictures(text, page, folder, output):
     """The text with the pictures that it shows taken from the working folder into the book."""
 
     def taken(match):
+        if (ROOT / match["path"]).is_file():
+            return match[0]
         source = folder / match["path"]
         if not source.is_file():
             raise Different(f"{page}: there is no picture {match['path']}")

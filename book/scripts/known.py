@@ -96,4 +96,4 @@ found = second.indentation / first.indentation
 compare("all lengths tenfold: indentation over first", "dimensions", found, 10, 1e-9)
 
 print("| what | source | known | fakir | relative difference |\n|---|---|---|---|---|")
-print("\n".join(rows))
+print("\n".join(rows).replace("e-", "e\u2011"))  # A hyphen at which no line breaks.

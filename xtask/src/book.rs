@@ -1,5 +1,6 @@
 //! The manual: its pages run, its formulas converted, and laid out as a book in `target/book`.
 
+use crate::browser;
 use crate::python::{self, run};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -43,6 +44,7 @@ fn make(cargo: &OsStr, update: bool) -> Result<(), String> {
         .arg(format!("{BOOK}/pages"))
         .arg(&pages)
         .env("PATH", path_with([&program, &python])?)
+        .env("CHROMIUM", browser::chromium()?)
         .env("PYTHONDONTWRITEBYTECODE", "1");
     if update {
         runner.arg("--update");

@@ -29,7 +29,7 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
 }
 
 /// The browser: that named in CHROMIUM, one that is installed, or else Debian's, installed now.
-fn chromium() -> Result<PathBuf, String> {
+pub(crate) fn chromium() -> Result<PathBuf, String> {
     if let Some(named) = std::env::var_os("CHROMIUM") {
         return Ok(named.into());
     }
