@@ -23,9 +23,14 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     page_is_built()?;
     let chromium = chromium()?;
     let (python, program) = python::prepare(cargo, TESTS, "browser")?;
-    run(python::pytest(&python, TESTS)
-        .env("FAKIR", program)
-        .env("CHROMIUM", chromium))
+    let mut tests = python::pytest(&python, TESTS);
+    tests.env("FAKIR", program).env("CHROMIUM", chromium);
+    // The manual is looked at if it was built, as it is where every check is run.
+    let book = python::target_folder()?.join("book");
+    if book.join("index.html").is_file() {
+        tests.env("BOOK", book);
+    }
+    run(&mut tests)
 }
 
 /// The browser: that named in CHROMIUM, one that is installed, or else Debian's, installed now.
