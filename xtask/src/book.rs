@@ -23,6 +23,9 @@ pub(crate) fn update(cargo: &OsStr) -> Result<(), String> {
 }
 
 fn make(cargo: &OsStr, update: bool) -> Result<(), String> {
+    run(Command::new(cargo)
+        .args(["fmt", "--check", "--manifest-path"])
+        .arg(format!("{BOOK}/Cargo.toml")))?;
     let target = python::target_folder()?;
     let manual = manual(cargo, &target)?;
     let mut theory = Command::new(&manual);
