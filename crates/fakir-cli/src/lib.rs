@@ -1,8 +1,8 @@
 //! The command `fakir`: case files in, critical states and contacts out.
 //!
-//! Arguments ([`arguments`]) are resolved into a case and a question, a command ([`commands`])
-//! asks the library and makes a [`Report`], and that is printed as a table or as
-//! JSON ([`output`]) and saved. Standard output holds the result and nothing else.
+//! Arguments (`arguments`) are resolved into a case and a question, a command (`commands`)
+//! asks the library and makes a report, and that is printed as a table or as
+//! JSON (`output`) and saved. Standard output holds the result and nothing else.
 //!
 //! The program and the command that the Python package brings are this library's [`main`].
 
