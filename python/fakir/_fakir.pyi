@@ -17,6 +17,7 @@ class Options(TypedDict):
 
 __version__: str
 
+def command(arguments: Sequence[str]) -> int: ...
 def parse_quantity(text: str, dimension: str) -> float: ...
 @final
 class Case:

@@ -23,13 +23,18 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     page_is_built()?;
     let chromium = chromium()?;
     let (python, program) = python::prepare(cargo, TESTS, "browser")?;
-    run(python::pytest(&python, TESTS)
-        .env("FAKIR", program)
-        .env("CHROMIUM", chromium))
+    let mut tests = python::pytest(&python, TESTS);
+    tests.env("FAKIR", program).env("CHROMIUM", chromium);
+    // The manual is looked at if it was built, as it is where every check is run.
+    let book = python::target_folder()?.join("book");
+    if book.join("index.html").is_file() {
+        tests.env("BOOK", book);
+    }
+    run(&mut tests)
 }
 
 /// The browser: that named in CHROMIUM, one that is installed, or else Debian's, installed now.
-fn chromium() -> Result<PathBuf, String> {
+pub(crate) fn chromium() -> Result<PathBuf, String> {
     if let Some(named) = std::env::var_os("CHROMIUM") {
         return Ok(named.into());
     }

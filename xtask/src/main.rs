@@ -1,6 +1,7 @@
 //! `cargo xtask test`: every check, as continuous integration runs it; `cargo xtask campaign`: as many random
-//! systems as there is time for.
+//! systems as there is time for; `cargo xtask book`: the manual.
 
+mod book;
 mod browser;
 mod campaign;
 mod instructions;
@@ -37,7 +38,7 @@ const CHECKS: &[(&str, &[&str])] = &[
 type Other = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
 
 /// Come last: they use the program that the tests were run on.
-const OTHERS: [Other; 5] = [
+const OTHERS: [Other; 6] = [
     (
         "structure",
         "arrows between files point downward",
@@ -46,6 +47,7 @@ const OTHERS: [Other; 5] = [
     ("campaign", "random systems", campaign::check),
     ("instructions", "counts of valgrind", instructions::check),
     ("python", "pytest tests/python", python::check),
+    ("book", "the manual, every block of it run", book::check),
     ("browser", "pytest tests/browser", browser::check),
 ];
 
@@ -60,12 +62,16 @@ fn main() -> ExitCode {
         ["campaign", ref options @ ..] => {
             run_one(&cargo(), "campaign", |cargo| campaign::long(cargo, options))
         }
+        ["book"] => run_one(&cargo(), "book", book::check),
+        ["book", "--update"] => run_one(&cargo(), "book", book::update),
         ["test"] => run_checks(|_| true),
         ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
         _ => {
             let names = names().collect::<Vec<_>>().join(", ");
             eprintln!(
                 "usage: cargo xtask test [CHECK]          every check, or one of: {names}\n       \
+                 cargo xtask book [--update]        the manual, in target/book; pages rewritten to say\n       \
+                                                    what their commands print\n       \
                  cargo xtask record instructions    the counts to compare with from now on\n       \
                  cargo xtask campaign [--seconds T] [--systems N] [--seed S] [--only NUMBER]\n       \
                                                     random systems: do estimates cover their errors?"

@@ -18,15 +18,21 @@ const OLDEST: (u32, u32) = (3, 11);
 /// Tests of the files that are saved, by the program that was built for the other tests, and of the
 /// package, built as a wheel and installed as users do.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
+    let (python, program, wheel) = package(cargo)?;
+    run(pytest(&python, TESTS)
+        .env("FAKIR", program)
+        .env("FAKIR_WHEEL", wheel))
+}
+
+/// The Python of an environment with the package installed from its wheel, the program, and the wheel.
+pub(crate) fn package(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), String> {
     let (python, program) = prepare(cargo, TESTS, "python")?;
     let wheel = wheel(&python, &target_folder()?)?;
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--no-deps"])
         .args(["--disable-pip-version-check", "--force-reinstall"])
         .arg(&wheel))?;
-    run(pytest(&python, TESTS)
-        .env("FAKIR", program)
-        .env("FAKIR_WHEEL", wheel))
+    Ok((python, program, wheel))
 }
 
 /// The Python of the tests in a folder, in an environment of this name, and the program, up to date.

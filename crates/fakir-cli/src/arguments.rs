@@ -146,6 +146,16 @@ pub(crate) enum Command {
     /// The shards of a sweep put together, as if it had never been divided
     #[command(after_help = "Example: fakir merge results shard-1 shard-2 shard-3")]
     Merge(Merge),
+    /// A script that completes commands and options in a shell
+    #[command(after_help = "Examples:
+  fakir completions bash > ~/.local/share/bash-completion/completions/fakir
+  fakir completions fish > ~/.config/fish/completions/fakir.fish")]
+    Completions(Completions),
+    /// A page of the manual, for man
+    #[command(after_help = "Examples:
+  fakir man > fakir.1
+  fakir man transition > fakir-transition.1")]
+    Man(Man),
 }
 
 impl Command {
@@ -166,6 +176,8 @@ impl Command {
             Self::Fit(_) => "fit",
             Self::Sweep(_) => "sweep",
             Self::Merge(_) => "merge",
+            Self::Completions(_) => "completions",
+            Self::Man(_) => "man",
         }
     }
 }
@@ -332,6 +344,18 @@ pub(crate) struct Explore {
     /// No lines on requests that were refused
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Completions {
+    /// The shell
+    pub(crate) shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Man {
+    /// The command; without it, the page of fakir itself
+    pub(crate) command: Option<String>,
 }
 
 #[derive(Debug, Args)]

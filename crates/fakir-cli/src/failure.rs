@@ -13,7 +13,6 @@ use fakir_study::output::OutputError;
 use fakir_study::surfaces::SurfaceVerifyError;
 use std::io::Write;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Anything that keeps a command from giving a result.
 #[derive(Debug, thiserror::Error)]
@@ -133,8 +132,8 @@ impl Failure {
         }
     }
 
-    pub(crate) fn status(&self) -> ExitCode {
-        ExitCode::from(match self {
+    pub(crate) fn status(&self) -> Status {
+        match self {
             Self::OutputClosed => 0,
             interrupted if interrupted.is_interruption() => INTERRUPTED,
             #[cfg(feature = "explore")]
@@ -155,15 +154,21 @@ impl Failure {
                 FitError::Solve(_) | FitError::NoBalance { .. } | FitError::NoDerivatives,
             ) => NO_ANSWER,
             Self::Design(_) | Self::Spread(_) | Self::Fit(_) => 2,
-        })
+        }
     }
 }
 
+/// How the command ends, as shells see it.
+pub(crate) type Status = u8;
+
+/// All was done.
+pub(crate) const DONE: Status = 0;
+
 /// There is no such contact, or no such texture.
-pub(crate) const NO_ANSWER: u8 = 3;
+pub(crate) const NO_ANSWER: Status = 3;
 
 /// 128 + SIGINT, as shells count it.
-pub(crate) const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: Status = 130;
 
 /// A line on standard error, if anybody listens.
 pub(crate) fn tell(line: &str) {

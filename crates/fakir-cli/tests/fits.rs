@@ -7,7 +7,7 @@ mod common;
 use common::{Bench, example, keys};
 use serde_json::Value;
 
-/// The example of the README, by a fast method: the values are those of the spectral method to a
+/// The example of the manual, by a fast method: the values are those of the spectral method to a
 /// standard error.
 fn arguments<'a>(data: &'a str, case: &'a str) -> Vec<&'a str> {
     vec![

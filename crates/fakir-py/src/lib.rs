@@ -8,6 +8,7 @@
 #![allow(clippy::needless_pass_by_value, clippy::too_many_arguments)]
 
 mod case;
+mod command;
 mod design;
 mod error;
 mod fit;
@@ -23,6 +24,8 @@ use pyo3::prelude::*;
 mod _fakir {
     #[pymodule_export]
     use super::case::{Case, parse_case, parse_quantity, read_case};
+    #[pymodule_export]
+    use super::command::command;
     #[pymodule_export]
     use super::design::{cite, design, spread};
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! `fakir cite`: what to cite.
 
 use crate::arguments::{Cite, CitedMethod};
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure, Status};
 use crate::output::print;
 use crate::report::surface::topic;
 use fakir::problem::{Accuracy, ElementMesh, Method, PunchForm};
@@ -14,7 +14,6 @@ use fakir_study::result::json;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Characters in a line of text.
 const WIDTH: usize = 96;
@@ -36,7 +35,7 @@ impl CiteJson {
     }
 }
 
-pub(crate) fn run(options: &Cite) -> Result<ExitCode, Failure> {
+pub(crate) fn run(options: &Cite) -> Result<Status, Failure> {
     let cited = match (&options.what, options.method) {
         (Some(path), _) if path.is_dir() => of_folder(path)?,
         (Some(path), _) => of_file(path)?,
@@ -51,7 +50,7 @@ pub(crate) fn run(options: &Cite) -> Result<ExitCode, Failure> {
     } else {
         text(&cited)
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// What the results of a folder say themselves.

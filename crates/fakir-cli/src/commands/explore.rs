@@ -1,16 +1,15 @@
 //! `fakir explore`: the explorer in the browser.
 
 use crate::arguments::Explore;
-use crate::failure::{Failure, tell};
+use crate::failure::{DONE, Failure, Status, tell};
 use crate::session::{stop_on_interrupt, threads};
 use fakir::state::CancelToken;
 use fakir_case::Case;
 use fakir_explore::{Explorer, Options};
-use std::process::ExitCode;
 use tracing_subscriber::filter::LevelFilter;
 
 /// Serves until Ctrl-C, which is how it is meant to end.
-pub(crate) fn run(arguments: &Explore, case: Case) -> Result<ExitCode, Failure> {
+pub(crate) fn run(arguments: &Explore, case: Case) -> Result<Status, Failure> {
     log(arguments.quiet);
     let explorer = Explorer::bind(&Options {
         case,
@@ -27,7 +26,7 @@ pub(crate) fn run(arguments: &Explore, case: Case) -> Result<ExitCode, Failure> 
         tell("no browser could be opened: go to the address above");
     }
     explorer.run(&stop)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// Requests that are refused are told on standard error.

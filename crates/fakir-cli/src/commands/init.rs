@@ -1,21 +1,20 @@
 //! `fakir init`: a case file to start from, and the reference of all keys.
 
 use crate::arguments::Init;
-use crate::failure::{Failure, tell};
+use crate::failure::{DONE, Failure, Status, tell};
 use crate::output::print;
 use fakir_case::{Case, reference};
 use fakir_study::output::{OutputError, Replace, save_file};
-use std::process::ExitCode;
 
-pub(crate) fn run(options: &Init) -> Result<ExitCode, Failure> {
+pub(crate) fn run(options: &Init) -> Result<Status, Failure> {
     if options.keys {
         print(&reference())?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     let text = Case::example().to_toml();
     if options.file.as_os_str() == "-" {
         print(&text)?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     let replace = if options.force {
         Replace::Allowed
@@ -25,7 +24,7 @@ pub(crate) fn run(options: &Init) -> Result<ExitCode, Failure> {
     save_file(&options.file, text.as_bytes(), replace).map_err(explained)?;
     let file = options.file.display();
     tell(&format!("wrote {file}; next: fakir transition {file}"));
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 fn explained(error: OutputError) -> Failure {

@@ -8,6 +8,7 @@ pub(crate) mod design;
 pub(crate) mod explore;
 pub(crate) mod fit;
 pub(crate) mod init;
+pub(crate) mod installed;
 pub(crate) mod press;
 pub(crate) mod reproduce;
 pub(crate) mod surface;

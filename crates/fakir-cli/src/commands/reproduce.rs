@@ -2,7 +2,7 @@
 
 use crate::arguments::Reproduce;
 use crate::commands::sweep::{Bar, warn};
-use crate::failure::{Failure, tell};
+use crate::failure::{Failure, Status, tell};
 use crate::numbers::seconds;
 use crate::output;
 use crate::session::{stop_on_interrupt, threads};
@@ -12,11 +12,10 @@ use fakir_paper::grid::Fractions;
 use fakir_paper::{Progress, Scope, measured, reproduce};
 use fakir_study::StudyError;
 use rayon::ThreadPoolBuilder;
-use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::Instant;
 
-pub(crate) fn run(arguments: &Reproduce) -> Result<ExitCode, Failure> {
+pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
     let cancel = CancelToken::default();
     stop_on_interrupt(cancel.clone());
     let scope = Scope {
@@ -60,7 +59,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<ExitCode, Failure> {
     let made = match result.map_err(Failure::from) {
         Err(Failure::Study(error @ StudyError::Interrupted { .. })) => {
             tell(&format!("{error}: --resume goes on"));
-            return Ok(ExitCode::from(crate::failure::INTERRUPTED));
+            return Ok(crate::failure::INTERRUPTED);
         }
         other => other?,
     };
@@ -84,7 +83,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<ExitCode, Failure> {
         folder.join("report.html").display(),
     ));
     output::print(&text)?;
-    Ok(ExitCode::from(u8::from(made.failed > 0)))
+    Ok(u8::from(made.failed > 0))
 }
 
 fn line(claim: &Claim) -> String {

@@ -1,7 +1,7 @@
 //! `fakir sweep` and `fakir merge`: the cases of a study, and the tables of their answers.
 
 use crate::arguments::{Merge, Sweep};
-use crate::failure::{Failure, tell};
+use crate::failure::{Failure, Status, tell};
 use crate::numbers::seconds;
 use crate::session::{PATIENCE, stop_on_interrupt, threads};
 use crate::{STANDARD_INPUT, output, standard_input};
@@ -15,13 +15,12 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 /// The number of failed cases whose reasons are printed.
 const REASONS: usize = 5;
 
-pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
+pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
     let cancel = CancelToken::default();
     stop_on_interrupt(cancel.clone());
     let study = read(arguments)?;
@@ -53,7 +52,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
             tell(&format!(
                 "interrupted after {done} of {cases} cases: {advice}"
             ));
-            return Ok(ExitCode::from(crate::failure::INTERRUPTED));
+            return Ok(crate::failure::INTERRUPTED);
         }
         other => other?,
     };
@@ -76,7 +75,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<ExitCode, Failure> {
     Ok(status(&summary))
 }
 
-pub(crate) fn merge(arguments: &Merge) -> Result<ExitCode, Failure> {
+pub(crate) fn merge(arguments: &Merge) -> Result<Status, Failure> {
     let folder = &arguments.folder;
     let summary = fakir_study::merge(folder, &arguments.shards, arguments.existing())?;
     warn(&summary.damaged, true);
@@ -100,9 +99,9 @@ pub(crate) fn warn(damaged: &[DamagedLine], complete: bool) {
     }
 }
 
-/// The exit status: 1 if a case failed.
-fn status(summary: &Summary) -> ExitCode {
-    ExitCode::from(u8::from(summary.failed().next().is_some()))
+/// 1 if a case failed.
+fn status(summary: &Summary) -> Status {
+    u8::from(summary.failed().next().is_some())
 }
 
 fn read(arguments: &Sweep) -> Result<Study, Failure> {

@@ -3,6 +3,8 @@
 //! * `disc`: one pillar top, its pressure in the eigenfunctions of a disc, and the surface around it;
 //! * `coupling`: how the pillars of a lattice act on each other;
 //! * [`elements`]: rectangles of constant pressure, and the displacement of all from all.
+#![doc = ""]
+#![doc = include_str!("../../doc/rendered/halfspace.md")]
 
 pub(crate) mod coupling;
 pub(crate) mod disc;

@@ -12,6 +12,8 @@
 //!
 //! Coordinates: the lens axis is the origin, x is the second-neighbour
 //! direction of the lattice.
+#![doc = ""]
+#![doc = include_str!("../../doc/rendered/problem.md")]
 
 pub(crate) mod control;
 pub(crate) mod grid;

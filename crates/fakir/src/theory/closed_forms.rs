@@ -1,22 +1,8 @@
 //! The paper's formulas for the critical state, with the lens axis on a pillar.
 //!
-//! They rest on a Hertz-like distribution of force over the pillars,
-//! `F_n = F_0 sqrt(1 - r_n^2/a^2)` ([`lattice_sums`](super::lattice_sums)), and on an expansion
-//! of the floor gap around the central pillar ([`central_gap`]). Symbols: lens radius `R`, pillar
-//! height `h` and diameter `d`, pitch `e`, surface fraction `phi`; `gamma_int` is
-//! [`System::internal_compliance`], `gamma_ext` is [`System::external_compliance`];
-//! `eta = sqrt(sqrt3/(2 pi))`, so that `d/(2e) = eta sqrt(phi)`, and `k = 4 eta^2 R h/d^2`.
-//!
-//! # Errata
-//! Where the paper as printed contradicts itself or its own figures, both readings are here,
-//! chosen by [`Form`], and tested:
-//! 1. In the gap expansion, the last term in the braces is printed `- gamma_int`. Its dimensions,
-//!    and the polynomial for `r_c` that the paper derives, require `- 2 gamma_int/d`.
-//! 2. The text has `a_c = sqrt(e^2 + phi R h)`, that is `e sqrt(1 + k phi^2)`; the large-contact
-//!    formulas have `a_c = e sqrt(1 + (k phi)^2)`. Only the second has the right size.
-//! 3. The large-contact `zeta_c` expands `a_c/e - 1` for `k phi << 1`, although `k phi` reaches 30.
-//! 4. The `a_c` of the small-contact formulas is `r_c`, the place of the floor contact; the radius
-//!    of the top contact is `d/2` there. [`TransitionEstimate`] holds both.
+//! Where the paper as printed contradicts itself or its own figures, both readings are here, chosen by [`Form`], and tested.
+#![doc = ""]
+#![doc = include_str!("../../doc/rendered/closed-forms.md")]
 
 use super::lattice_sums::{LatticeSums, SumCoefficients};
 use crate::problem::{MAXIMUM_SURFACE_FRACTION, System};

@@ -1,24 +1,6 @@
 //! The homogenised lattice: many pillars seen as a layer of springs.
-//!
-//! Where the force varies little from one pillar to the next, a pillar that carries `F_n`
-//! gives way by what the mean pressure `p = F_n/A` does to a half-space, `A` the area of the lattice
-//! cell, and by something local: its own compliance and the graininess of its neighbours, the
-//! [`site_potential`] `v_s`. Likewise the floor at a hollow site, with the [`hollow_potential`]
-//! `v_h`. With `gamma_int` = [`System::internal_compliance`], `gamma_ext` =
-//! [`System::external_compliance`] and `c` = [`System::contact_compliance`]:
-//!
-//! * the contact is that of a paraboloid on a half-space under a layer of springs,
-//!   `(c/pi) ∫ p/|x - x'| dA' + beta p = zeta - r^2/(2R)` for `r < a`, `p(a) = 0`, with
-//!   `beta = A (gamma_int/d + gamma_ext v_s/(2e))`;
-//! * the gap to the floor under the lens axis is `h - F (gamma_int/d - gamma_ext (v_h - v_s)/(2e))`,
-//!   `F` the force on the central pillar, so that the floor is reached at
-//!   `F_0 = h/(gamma_int/d - gamma_ext (v_h - v_s)/(2e))`.
-//!
-//! There is no fitted constant, and no trace of where on the lattice the lens lands. Against
-//! the exact method (intermediate substrate of the paper, lens axis on a pillar) the critical
-//! force is 6.6 % low at a surface fraction of 0.01, where 13 pillars are touched, 3.5 % low at
-//! 0.03, 0.8 % low at 0.1, and off by less than that at 0.2. The estimated errors in the results
-//! are those of the numerical solution, about 1e-12, not those of the model.
+#![doc = ""]
+#![doc = include_str!("../../doc/rendered/homogenised.md")]
 
 use super::closed_forms::TransitionEstimate;
 use super::lattice_potential::{hollow_potential, site_potential};

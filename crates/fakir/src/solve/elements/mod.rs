@@ -3,6 +3,8 @@
 //! * [`solver`]: the conditions on any cells, with a certificate;
 //! * `pillars`: the elements of the pillars of a lattice;
 //! * [`surface`]: a lens or a plate pressed onto any height map.
+#![doc = ""]
+#![doc = include_str!("../../../doc/rendered/elements.md")]
 
 mod closing;
 pub(crate) mod pillars;

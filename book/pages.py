@@ -1,0 +1,260 @@
+"""Runs what the pages of the manual show, and compares it with what they say.
+
+    python book/pages.py PAGES OUTPUT [--update] [--only NAME]
+
+Runs every page below the folder PAGES, each in a working folder of its own that holds the examples, and writes
+what the book is laid out from to OUTPUT. Blocks that are run:
+
+```console          commands after "$ " (a line that ends with \\ goes on), each followed by what it prints;
+                    "console,status=2" says with what status the last of them ends, otherwise 0
+```python           lines of Python, in one interpreter for the whole page; what they print, and the value of the
+                    last line, is the block ```text that follows; "python,hidden" is run and not shown
+```generate         a command, in whose place its output stands; "generate,toml" names a language of that block,
+                    "generate,markdown" makes it a part of the page
+
+Other blocks are not run. Times are not compared. With --update the pages are rewritten to say what was printed.
+"""
+
+import ast
+import contextlib
+import difflib
+import io
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+# What commands and scripts of the pages find in their working folder.
+THERE = ["examples", "bench", "book/scripts", "crates/fakir/tests/reference", "CHANGELOG.md"]
+
+# Pages that are kept elsewhere: they are run as well, and those of theory are a part of the book.
+THEORY = ROOT / "crates" / "fakir" / "doc"
+README = ROOT / "README.md"
+
+BLOCK = re.compile(r"^```(?P<kind>[\w,=+-]*)\n(?P<body>.*?)^```\n", re.MULTILINE | re.DOTALL)
+PICTURE = re.compile(r"!\[(?P<caption>[^\]]*)\]\((?P<path>[^):]+)\)")
+TIMES = re.compile(r"\b\d+(\.\d+)?(e-?\d+)? (ns|us|ms|s|min)\b|(?<=wall_time_s\": )[\d.e-]+")
+
+
+class Different(Exception):
+    """A page that says something else than what it shows prints."""
+
+
+def compared(text):
+    """What of a text is compared: its lines without times, and without how wide their columns are."""
+    lines = [TIMES.sub("TIME", line) for line in text.strip("\n").splitlines()]
+    return [re.sub(r"─+", "─", re.sub(r"  +", "  ", re.sub(r" *TIME", "  TIME", line))).rstrip() for line in lines]
+
+
+def difference(place, says, prints):
+    """What is to be told where a page and its program disagree; nothing if they agree."""
+    if compared(says) == compared(prints):
+        return None
+    lines = difflib.unified_diff(
+        compared(says), compared(prints), f"{place}, as the page says", "as it prints", "", "", 1, ""
+    )
+    return "\n".join(lines)
+
+
+class Page:
+    """One page, run in a folder."""
+
+    def __init__(self, path, folder, update):
+        self.path, self.folder, self.update = path, folder, update
+        self.text = path.read_text(encoding="utf-8")
+        self.problems = []
+        self.names = {"__name__": "__main__"}
+
+    def run(self):
+        """The page as it is laid out; what it says is corrected in `text` where that is wanted."""
+        shown, kept, end = [], [], 0
+        blocks = [*BLOCK.finditer(self.text)]
+        for number, block in enumerate(blocks):
+            if block.start() < end:
+                continue
+            between = self.text[end : block.start()]
+            kind, *words = block["kind"].split(",")
+            source, laid_out, end = block[0], block[0], block.end()
+            if kind == "console":
+                source = laid_out = self.console(block, words)
+                laid_out = laid_out.replace(f"```{block['kind']}", "```console", 1)
+            elif kind == "python":
+                following = self.output_after(blocks, number)
+                if following is not None:
+                    end = following.end()
+                source, laid_out = self.python(block, words, following)
+            elif kind == "generate":
+                laid_out = self.generated(block, words)
+            shown += [between, laid_out]
+            kept += [between, source]
+        shown.append(self.text[end:])
+        kept.append(self.text[end:])
+        self.text = "".join(kept)
+        return "".join(shown)
+
+    def place(self, block):
+        line = self.text.count("\n", 0, block.start()) + 1
+        return f"{self.path}:{line}"
+
+    def output_after(self, blocks, number):
+        """The block of text right after a block, if there is one."""
+        if number + 1 == len(blocks):
+            return None
+        block, following = blocks[number], blocks[number + 1]
+        near = self.text[block.end() : following.start()].strip() == ""
+        return following if near and following["kind"] == "text" else None
+
+    def differs(self, block, says, prints):
+        problem = difference(self.place(block), says, prints)
+        if problem and not self.update:
+            self.problems.append(problem)
+        return problem is not None
+
+    def command(self, command, expected, block):
+        done = subprocess.run(
+            ["bash", "-c", command],
+            cwd=self.folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            timeout=300,
+            text=True,
+        )
+        if done.returncode != expected:
+            self.problems.append(
+                f"{self.place(block)}: the status of `{command}` is {done.returncode}:\n{done.stdout}"
+            )
+        return "\n".join(line.rstrip() for line in done.stdout.strip("\n").splitlines())
+
+    def console(self, block, words):
+        status = next((int(w.removeprefix("status=")) for w in words if w.startswith("status=")), 0)
+        commands = []
+        for line in block["body"].splitlines():
+            if line.startswith("$ "):
+                commands.append([[line], []])
+            elif not commands:
+                self.problems.append(f"{self.place(block)}: the block does not begin with a command")
+                return block[0]
+            elif commands[-1][0][-1].endswith("\\"):
+                commands[-1][0].append(line)
+            else:
+                commands[-1][1].append(line)
+        lines = [f"```{block['kind']}"]
+        for number, (command, output) in enumerate(commands):
+            expected = status if number + 1 == len(commands) else 0
+            printed = self.command("\n".join(command).removeprefix("$ "), expected, block)
+            said = "\n".join(output)
+            if self.differs(block, said, printed):
+                said = printed
+            lines += command + [said] * bool(said)
+        return "\n".join(lines) + "\n```\n"
+
+    def python(self, block, words, following):
+        printed = self.value(block)
+        said = following["body"].strip("\n") if following else ""
+        if self.differs(block, said, printed):
+            said = printed
+        output = f"\n```text\n{said}\n```\n" if said else ""
+        source = block[0] + output
+        shown = output if "hidden" in words else block[0].replace(",hidden", "") + output
+        return source, shown
+
+    def value(self, block):
+        """What a block of Python prints, with the value of its last line if that has one."""
+        code, name = block["body"], self.place(block)
+        printed = io.StringIO()
+        here = Path.cwd()
+        os.chdir(self.folder)
+        try:
+            tree = ast.parse(code, name)
+            last = None
+            shown = not code.rstrip().endswith(";")
+            if tree.body and isinstance(tree.body[-1], ast.Expr) and shown:
+                last = ast.Expression(tree.body.pop().value)
+            with contextlib.redirect_stdout(printed):
+                exec(compile(tree, name, "exec"), self.names)
+                if last is not None:
+                    value = eval(compile(last, name, "eval"), self.names)
+                    if value is not None:
+                        print(value)
+        except Exception as error:
+            self.problems.append(f"{name}: {type(error).__name__}: {error}")
+        finally:
+            os.chdir(here)
+        if "matplotlib.pyplot" in sys.modules:
+            sys.modules["matplotlib.pyplot"].close("all")
+        return "\n".join(line.rstrip() for line in printed.getvalue().strip("\n").splitlines())
+
+    def generated(self, block, words):
+        printed = self.command(block["body"].strip(), 0, block)
+        if words == ["markdown"]:
+            return printed + "\n"
+        return f"```{words[0] if words else 'text'}\n{printed}\n```\n"
+
+
+def prepare(folder):
+    """An empty working folder with what pages find there."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for name in THERE:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, folder / Path(name).name)
+        else:
+            shutil.copy(ROOT / name, folder)
+
+
+def pictures(text, page, folder, output):
+    """The text with the pictures that it shows taken from the working folder into the book."""
+
+    def taken(match):
+        if (ROOT / match["path"]).is_file():
+            return match[0]
+        source = folder / match["path"]
+        if not source.is_file():
+            raise Different(f"{page}: there is no picture {match['path']}")
+        name = match["path"].replace("/", "-")
+        target = output / page.parent / f"{page.stem}-{name}"
+        shutil.copyfile(source, target)
+        return f"![{match['caption']}]({target.name})"
+
+    return PICTURE.sub(taken, text)
+
+
+def main(arguments):
+    update = "--update" in arguments
+    only = arguments[arguments.index("--only") + 1] if "--only" in arguments else ""
+    pages, output = Path(arguments[0]), Path(arguments[1])
+    problems = []
+    sources = [(path, path.relative_to(pages)) for path in sorted(pages.rglob("*.md"))]
+    sources += [(path, Path("theory") / path.name) for path in sorted(THEORY.glob("*.md"))]
+    sources.append((README, Path("README.md")))
+    for path, page in sources:
+        if only and only not in str(page):
+            continue
+        folder = output.parent / f"{output.name}-run" / page.with_suffix("")
+        prepare(folder)
+        run = Page(path, folder.resolve(), update)
+        before = run.text
+        shown = run.run()
+        (output / page).parent.mkdir(parents=True, exist_ok=True)
+        problems += run.problems
+        if update and run.text != before:
+            path.write_text(run.text, encoding="utf-8")
+            print(f"{path}: rewritten")
+        try:
+            shown = pictures(shown, page, folder, output)
+        except Different as problem:
+            problems.append(str(problem))
+        (output / page).write_text(shown, encoding="utf-8")
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("MPLBACKEND", "Agg")
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,227 @@
+//! The command `fakir`: case files in, critical states and contacts out.
+//!
+//! Arguments (`arguments`) are resolved into a case and a question, a command (`commands`)
+//! asks the library and makes a report, and that is printed as a table or as
+//! JSON (`output`) and saved. Standard output holds the result and nothing else.
+//!
+//! The program and the command that the Python package brings are this library's [`main`].
+
+mod arguments;
+mod commands;
+mod failure;
+mod output;
+mod report;
+mod session;
+
+use arguments::{Arguments, CaseArguments, Command};
+use clap::Parser;
+use failure::{Failure, Status};
+use fakir_case::input::{self, LARGEST_CASE};
+use fakir_case::{Case, CaseFile, TextureOnly};
+use fakir_study::numbers;
+use report::Report;
+use session::Session;
+use std::ffi::OsString;
+use std::path::Path;
+
+/// Runs the command with its arguments, the first of which is its name, and gives its exit status.
+///
+/// Ends the process itself where arguments are wrong, or help is asked for.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = Arguments::parse_from(arguments);
+    match run(&arguments.command) {
+        Ok(status) => status,
+        Err(failure) => {
+            failure.explain();
+            failure.status()
+        }
+    }
+}
+
+fn run(command: &Command) -> Result<Status, Failure> {
+    match command {
+        Command::Init(options) => commands::init::run(options),
+        #[cfg(feature = "explore")]
+        Command::Explore(options) => commands::explore::run(options, explored_case(options)?),
+        Command::Cite(options) => commands::cite::run(options),
+        Command::Reproduce(options) => commands::reproduce::run(options),
+        Command::Transition(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            let file = read_case(&options.case)?;
+            if file.is_surface() {
+                return deliver(command, &options.case, move || {
+                    commands::surface::transition(&file, options.maps(), &session)
+                });
+            }
+            answer(command, &options.case, &file, move |case| {
+                commands::transition::run(case, options.maps(), &session)
+            })
+        }
+        Command::Press(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            let file = read_case(&options.case)?;
+            if file.is_surface() {
+                return deliver(command, &options.case, move || {
+                    commands::surface::press(&file, options.control(), options.maps(), &session)
+                });
+            }
+            answer(command, &options.case, &file, move |case| {
+                commands::press::run(case, options.control(), options.maps(), &session)
+            })
+        }
+        Command::Approach(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            let (file, path) = (read_case(&options.case)?, options.path()?);
+            let saves = options.case.output.is_some();
+            if file.is_surface() {
+                return deliver(command, &options.case, move || {
+                    commands::surface::approach(&file, &path, saves, &session)
+                });
+            }
+            answer(command, &options.case, &file, move |case| {
+                commands::approach::run(case, &path, saves, &session)
+            })
+        }
+        Command::Verify(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            let file = read_case(&options.case)?;
+            if file.is_surface() {
+                return deliver(command, &options.case, move || {
+                    commands::surface::verify(&file, options.control(), options.cells, &session)
+                });
+            }
+            answer(command, &options.case, &file, move |case| {
+                commands::verify::run(case, options.control(), options.cells, &session)
+            })
+        }
+        Command::Theory(options) => {
+            let file = read_case(&options.case)?;
+            file.refuse_surface_for(TextureOnly::Theory)?;
+            answer(command, &options.case, &file, commands::theory::run)
+        }
+        Command::Compare(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            let file = read_case(&options.case)?;
+            file.refuse_surface_for(TextureOnly::Compare)?;
+            answer(command, &options.case, &file, move |case| {
+                commands::compare::run(case, &session)
+            })
+        }
+        Command::Design(options) => design(command, options),
+        Command::Fit(options) => fit(command, options),
+        Command::Sweep(options) => commands::sweep::run(options),
+        Command::Merge(options) => commands::sweep::merge(options),
+        Command::Completions(options) => commands::installed::completions(options),
+        Command::Man(options) => commands::installed::man(options),
+    }
+}
+
+/// Designs; the case that is saved is the one that was found.
+fn design(command: &Command, options: &arguments::Design) -> Result<Status, Failure> {
+    let session = Session::start(&options.run, options.case.quiet)?;
+    let file = read_case(&options.case)?;
+    if let Some(folder) = &options.case.output {
+        fakir_study::output::check_folder(folder, options.case.replace())?;
+    }
+    let designed = commands::design::run(&file, options, &session)?;
+    drop(session);
+    let status = deliver(command, &options.case, || Ok(designed.report))?;
+    Ok(if designed.found {
+        status
+    } else {
+        failure::NO_ANSWER
+    })
+}
+
+/// Fits; the case that is saved is the one with the fitted values.
+fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
+    let case = options.case();
+    let session = Session::start(&options.run, case.quiet)?;
+    let data = options.measurements()?;
+    let file = read_case(&case)?;
+    deliver(command, &case, move || {
+        commands::fit::run(&file, &data, options, &session)
+    })
+}
+
+/// Answers a question about a texture. A session that `ask` owns ends with it, and clears its
+/// progress away before anything is printed.
+fn answer(
+    command: &Command,
+    options: &CaseArguments,
+    file: &CaseFile,
+    ask: impl FnOnce(&Case) -> Result<Report, Failure>,
+) -> Result<Status, Failure> {
+    let case = file.case()?;
+    deliver(command, options, || ask(&case))
+}
+
+/// Asks (a session in `ask` ends with it, and clears its progress away), and delivers the report:
+/// saved first, so that what is printed is safe.
+fn deliver(
+    command: &Command,
+    options: &CaseArguments,
+    ask: impl FnOnce() -> Result<Report, Failure>,
+) -> Result<Status, Failure> {
+    if let Some(folder) = &options.output {
+        fakir_study::output::check_folder(folder, options.replace())?;
+    }
+    let report = ask()?;
+    if let Some(folder) = &options.output {
+        let files = report.files(command.name());
+        fakir_study::output::save_results(folder, &files, options.replace())?;
+    }
+    if !options.quiet {
+        for warning in &report.warnings {
+            failure::tell(&format!("warning: {warning}"));
+        }
+    }
+    output::print(if options.json {
+        &report.json
+    } else {
+        &report.text
+    })?;
+    Ok(report.status())
+}
+
+fn read_case(options: &CaseArguments) -> Result<CaseFile, Failure> {
+    case_file(&options.case, &options.set)
+}
+
+fn case_file(path: &Path, set: &[String]) -> Result<CaseFile, Failure> {
+    let mut file = if path.as_os_str() == "-" {
+        CaseFile::from_bytes(STANDARD_INPUT, standard_input(LARGEST_CASE)?)?
+    } else {
+        CaseFile::read(path)?
+    };
+    for argument in set {
+        file.set(argument)?;
+    }
+    Ok(file)
+}
+
+/// The case to begin with: that of a file, or the one that `fakir init` writes.
+#[cfg(feature = "explore")]
+fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
+    let file = match &options.case {
+        Some(path) => case_file(path, &options.set)?,
+        None => {
+            let mut file = CaseFile::parse("the case of fakir init", &Case::example().to_toml())?;
+            for argument in &options.set {
+                file.set(argument)?;
+            }
+            file
+        }
+    };
+    file.refuse_surface_for(TextureOnly::Explore)?;
+    Ok(file.case()?)
+}
+
+/// What errors call it.
+const STANDARD_INPUT: &str = "standard input";
+
+/// All of it, of at most so many bytes.
+fn standard_input(most: u64) -> Result<Vec<u8>, Failure> {
+    input::read_all(std::io::stdin(), most)
+        .map_err(|error| Failure::file("cannot read", STANDARD_INPUT.as_ref(), error))
+}

@@ -1,0 +1,10 @@
+//! The command `fakir`, which the package brings.
+
+use pyo3::prelude::*;
+use std::ffi::OsString;
+
+/// Runs the command with its arguments, its name first; gives its exit status.
+#[pyfunction]
+pub(crate) fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| fakir_cli::main(arguments))
+}

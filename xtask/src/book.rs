@@ -1,0 +1,90 @@
+//! The manual: its pages run, its formulas converted, and laid out as a book in `target/book`.
+
+use crate::browser;
+use crate::python::{self, run};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The pages, the program that lays them out, and the script that runs what they show.
+const BOOK: &str = "book";
+
+/// The pages of theory, and the same with formulas that rustdoc shows.
+const THEORY: [&str; 2] = ["crates/fakir/doc", "crates/fakir/doc/rendered"];
+
+/// The book, if every page says what its commands print.
+pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
+    make(cargo, false)
+}
+
+/// The book, its pages rewritten to say what their commands print.
+pub(crate) fn update(cargo: &OsStr) -> Result<(), String> {
+    make(cargo, true)
+}
+
+fn make(cargo: &OsStr, update: bool) -> Result<(), String> {
+    run(Command::new(cargo)
+        .args(["fmt", "--check", "--manifest-path"])
+        .arg(format!("{BOOK}/Cargo.toml")))?;
+    let target = python::target_folder()?;
+    let manual = manual(cargo, &target)?;
+    let mut theory = Command::new(&manual);
+    theory.arg("theory").args(THEORY);
+    if !update {
+        theory.arg("--check");
+    }
+    run(&mut theory)?;
+
+    let (python, program, _) = python::package(cargo)?;
+    let pages = target.join("book-pages");
+    if pages.exists() {
+        std::fs::remove_dir_all(&pages)
+            .map_err(|error| format!("cannot remove {}: {error}", pages.display()))?;
+    }
+    let mut runner = Command::new(&python);
+    runner
+        .arg(format!("{BOOK}/pages.py"))
+        .arg(format!("{BOOK}/pages"))
+        .arg(&pages)
+        .env("PATH", path_with([&program, &python])?)
+        .env("CHROMIUM", browser::chromium()?)
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    if update {
+        runner.arg("--update");
+    }
+    run(&mut runner).map_err(|_| {
+        "pages say something else than their commands print: if what is printed is right, run \
+         cargo xtask book --update"
+            .to_owned()
+    })?;
+    let output = target.join("book");
+    run(Command::new(&manual)
+        .arg("build")
+        .arg(format!("{BOOK}/book.toml"))
+        .arg(&pages)
+        .arg(&output))?;
+    println!("the manual: {}", output.join("index.html").display());
+    Ok(())
+}
+
+/// The program that lays out the book, built apart from everything else.
+fn manual(cargo: &OsStr, target: &Path) -> Result<PathBuf, String> {
+    let folder = target.join("manual");
+    run(Command::new(cargo)
+        .args(["build", "--quiet", "--locked", "--manifest-path"])
+        .arg(format!("{BOOK}/Cargo.toml"))
+        .arg("--target-dir")
+        .arg(&folder))?;
+    let name = format!("debug/fakir-manual{}", std::env::consts::EXE_SUFFIX);
+    Ok(folder.join(name))
+}
+
+/// Where programs are looked for, the folders of these first.
+fn path_with(programs: [&Path; 2]) -> Result<std::ffi::OsString, String> {
+    let first = programs.iter().filter_map(|program| program.parent());
+    let others = std::env::var_os("PATH").unwrap_or_default();
+    let all = first
+        .map(Path::to_path_buf)
+        .chain(std::env::split_paths(&others));
+    std::env::join_paths(all).map_err(|error| error.to_string())
+}
