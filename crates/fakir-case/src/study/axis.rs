@@ -126,6 +126,13 @@ pub(crate) enum Unnamed {
 
 /// What `name` may have been meant to be: a path, or a last name if that is enough.
 fn similar(name: &str, surface: bool) -> Option<&'static str> {
+    // The right name in the wrong table is more likely than a misspelling.
+    let misplaced = name
+        .rsplit_once('.')
+        .and_then(|(_, last)| Variable::all(surface).find(|variable| variable.last_name() == last));
+    if let Some(variable) = misplaced {
+        return Some(variable.path());
+    }
     let dotted = name.contains('.');
     let distance = |variable: Variable| {
         let path = levenshtein(name, variable.path());
@@ -135,14 +142,7 @@ fn similar(name: &str, surface: bool) -> Option<&'static str> {
     let (distance, nearest) = Variable::all(surface)
         .map(|variable| (distance(variable), variable))
         .min_by_key(|(distance, _)| *distance)?;
-    let misplaced = || {
-        let (_, last) = name.rsplit_once('.')?;
-        Variable::all(surface).find(|variable| variable.last_name() == last)
-    };
-    if distance <= 1 + name.len() / 5 {
-        return Some(nearest.path());
-    }
-    misplaced().map(Variable::path)
+    (distance <= 1 + name.len() / 5).then(|| nearest.path())
 }
 
 /// One axis of a study.

@@ -46,7 +46,7 @@ use axis::Values;
 use fakir::problem::{Control, Method};
 use posed::{Surfaces, looked_at};
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The most cases that a study can have.
 pub const MAXIMUM_CASES: usize = 10_000_000;
@@ -139,7 +139,7 @@ impl StudyFile {
         })?;
         let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Self::of_text(&name, &text, folder)
+        Self::of_text(&name, &text, &folder)
     }
 
     /// Reads the contents of a file; `name` is what errors call it. A case file that it names is
@@ -159,10 +159,10 @@ impl StudyFile {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn parse(name: &str, text: &str) -> Result<Self, CaseError> {
-        Self::of_text(name, text, PathBuf::new())
+        Self::of_text(name, text, Path::new(""))
     }
 
-    fn of_text(name: &str, text: &str, folder: PathBuf) -> Result<Self, CaseError> {
+    fn of_text(name: &str, text: &str, folder: &Path) -> Result<Self, CaseError> {
         let source = Source::new(name, text);
         if text.trim().is_empty() {
             return Err(CaseError::new(&source, format!("{name} is empty"))

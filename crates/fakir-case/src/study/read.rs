@@ -12,7 +12,7 @@ use crate::file::{both_given, quantity};
 use crate::key::{Key, is_table, join, names_in, nearest};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -20,10 +20,10 @@ const AXES_EXAMPLE: &str = "for example \"texture.offset\" = [0, 0.5], or pitch 
 
 type Item<'a, 'i> = (std::ops::Range<usize>, &'a Spanned<DeValue<'i>>);
 
-pub(super) fn read(source: &Source, folder: PathBuf) -> Result<StudyFile, CaseError> {
+pub(super) fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseError> {
     let reader = Reader {
         source,
-        folder: &folder,
+        folder,
         surface: false,
     };
     let document = document(source)?;
@@ -44,13 +44,13 @@ pub(super) fn read(source: &Source, folder: PathBuf) -> Result<StudyFile, CaseEr
         None => CaseFile {
             source: source.clone(),
             entries,
-            folder: folder.clone(),
+            folder: folder.to_owned(),
         },
         Some((name, place)) => {
             if let Some((name, _)) = beside(document) {
                 return Err(both_given_tables(&place, reader.place(name)));
             }
-            named_case(&folder, &name, &place)?
+            named_case(folder, &name, &place)?
         }
     };
     let reader = Reader {
