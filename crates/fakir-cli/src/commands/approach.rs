@@ -35,14 +35,6 @@ pub(crate) fn run(
     );
     let mut tables = vec![csv("approach.csv", rows)];
     if saves {
-        let critical = found.critical.as_ref();
-        let critical = critical.map(|critical| LoadingPoint {
-            indentation: critical.contact.indentation,
-            force: critical.contact.force,
-            floor_force: None,
-            contact_radius: Some(critical.contact.contact_radius),
-            without_floor: false,
-        });
         let point = |row: &LoadingRow| LoadingPoint {
             indentation: row.indentation_m,
             force: row.force_N,
@@ -50,7 +42,7 @@ pub(crate) fn run(
             contact_radius: Some(row.contact_radius_m),
             without_floor: row.beyond_transition,
         };
-        tables.extend(of_loading(rows, point, critical, &provenance));
+        tables.extend(of_loading(&found, point, &provenance));
     }
     Ok(Report {
         json: json(&ApproachSummary::new(case.method, &found)),

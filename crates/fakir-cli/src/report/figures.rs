@@ -4,12 +4,13 @@ use super::maps::Maps;
 use crate::failure::Failure;
 use crate::session::Session;
 use fakir::problem::{Point, SurfaceSystem};
-use fakir::state::{ContactState, SurfaceContact};
+use fakir::state::{Contact, ContactState, SurfaceContact};
 use fakir_figure::{
     Figure, FigureError, LoadingPoint, ProfileState, SurfaceState, Text, View, approach,
     floor_gap_map, pillar_pressure, pressure_map, profiles, surface_gap_map, surface_pressure_map,
     surface_profiles, top_view,
 };
+use fakir_study::approach::{Approach, Loadable};
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 
@@ -76,13 +77,19 @@ pub(crate) fn of_surface(
 }
 
 /// The figure of a loading; none of a single state.
-pub(crate) fn of_loading<T>(
-    rows: &[T],
-    point: impl Fn(&T) -> LoadingPoint,
-    critical: Option<LoadingPoint>,
+pub(crate) fn of_loading<P: Loadable>(
+    found: &Approach<P>,
+    point: impl Fn(&P::Row) -> LoadingPoint,
     provenance: &Provenance,
 ) -> Vec<File> {
-    let points: Vec<LoadingPoint> = rows.iter().map(point).collect();
+    let points: Vec<LoadingPoint> = found.rows.iter().map(point).collect();
+    let critical = found.critical.as_ref().map(|critical| LoadingPoint {
+        indentation: critical.contact.indentation(),
+        force: critical.contact.force(),
+        floor_force: None,
+        contact_radius: critical.contact.contact_radius(),
+        without_floor: false,
+    });
     let figure = approach(&points, critical);
     figure.map_or(Vec::new(), |figure| saved(figure, provenance).into())
 }

@@ -103,14 +103,6 @@ pub(crate) fn loaded(
     let provenance = provenance(case, &path.words());
     let mut tables = vec![csv("approach.csv", rows)];
     if saves {
-        let critical = found.critical.as_ref();
-        let critical = critical.map(|critical| LoadingPoint {
-            indentation: critical.contact.indentation,
-            force: critical.contact.force,
-            floor_force: None,
-            contact_radius: critical.contact.contact_radius,
-            without_floor: false,
-        });
         let point = |row: &SurfaceLoadingRow| LoadingPoint {
             indentation: row.indentation_m,
             force: row.force_N,
@@ -118,7 +110,7 @@ pub(crate) fn loaded(
             contact_radius: row.contact_radius_m,
             without_floor: false,
         };
-        tables.extend(figures::of_loading(rows, point, critical, &provenance));
+        tables.extend(figures::of_loading(&found, point, &provenance));
     }
     let further = match &found.critical {
         Some(critical) if !rows.iter().any(|row| row.critical) => {

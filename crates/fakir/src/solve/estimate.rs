@@ -20,9 +20,8 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::vector::widest;
-use crate::problem::Control;
-use crate::problem::Point;
 use crate::problem::scaled::Problem;
+use crate::problem::{Control, Point};
 use crate::state::{ErrorEstimate, PillarStatus, SolveError, Termination};
 use std::f64::consts::PI;
 

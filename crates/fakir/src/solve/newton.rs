@@ -17,9 +17,8 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::numerics::convergence::{Judgement, judge, within};
 use crate::numerics::vector::add_scaled;
-use crate::problem::Control;
-use crate::problem::Point;
 use crate::problem::scaled::Problem;
+use crate::problem::{Control, Point};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 
 /// Relative energy of the residual at which a linear solution counts as exact.
