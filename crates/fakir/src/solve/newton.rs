@@ -1,13 +1,14 @@
-//! Semismooth Newton method for all pillars of a window, with exact solutions on each.
+//! Semismooth Newton method for all pillars of a window, with exact solutions on each, and for the floor between them.
 //!
-//! A step [freezes](super::frozen) the states of the pillars, solves for the response of all, closes the indentation by
-//! what is [prescribed](Target), and lets the [rule](super::rules::tops) say from the loads which states come next. It ends when none
+//! A step [freezes](super::frozen) the states of the pillars and of the floor's cells, solves for the response of all, closes the indentation
+//! by what is [prescribed](Target), and lets the [rules](super::rules) say from the loads which states come next. It ends when none
 //! changes. The derivative of a pillar's solution is the `P` of its frozen state, so that this is Newton's method on
 //! the solutions of all pillars.
 
 use super::control::Target;
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
 use super::frozen::{FrozenContact, Response, Source};
+use super::rules::floor::{FloorCells, Places};
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
@@ -16,7 +17,9 @@ use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
-use crate::numerics::convergence::{Judgement, judge, within};
+use crate::halfspace::floor::coupling::{FloorCoupling, SurfaceCoupling};
+use crate::halfspace::floor::grid::FloorGrid;
+use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::vector::add_scaled;
 use crate::problem::Point;
 use crate::problem::scaled::Problem;
@@ -45,7 +48,7 @@ pub(crate) const MISMATCH_TOLERANCE: f64 = 1e-7;
 /// equally low.
 const FLOOR_TOLERANCE: f64 = 1e-10;
 
-/// Newton steps before giving up. One to six are typical.
+/// Newton steps before giving up. One to six are typical, up to eleven with the floor.
 const STEP_LIMIT: usize = 60;
 
 /// What a Newton solution ended with.
@@ -132,13 +135,19 @@ impl Tolerances {
     }
 }
 
-/// All pillars of a window with their states and responses.
+/// Modes of a pillar that the floor sees and that see the floor, by their degree: 3 changes the force by 7e-8, also where
+/// the floor is touched 0.6 pillar radii from a rim.
+const FLOOR_DEGREE: usize = 2;
+
+/// All pillars of a window, and the floor where it is touched, with their states and responses.
 pub(crate) struct Newton<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) run: &'a Run<'a>,
     stage: Stage,
     pub(crate) tops: Tops<'a>,
-    pub(crate) contact: FrozenContact<'a, LatticeCoupling>,
+    /// The floor's cells; none as long as it is not touched, or is to be ignored.
+    pub(crate) cells: Option<FloorCells<'a>>,
+    pub(crate) contact: FrozenContact<'a, SurfaceCoupling<'a>>,
     pub(crate) exterior: Exterior,
     floor: FloorSearch,
 }
@@ -162,11 +171,15 @@ impl<'a> Newton<'a> {
             pillars: tops.window.len(),
             touched: 0,
         });
-        let coupling = LatticeCoupling::new(&tops.window, pair, run.workers());
+        let coupling = SurfaceCoupling {
+            tops: LatticeCoupling::new(&tops.window, pair, run.workers()),
+            floor: None,
+        };
         Self {
             problem,
             run,
             stage,
+            cells: None,
             contact: FrozenContact::new(run, coupling, pair.modes().len(), own_load),
             tops,
             exterior: Exterior::new(degree),
@@ -230,7 +243,7 @@ impl<'a> Newton<'a> {
                 outcome.termination = ending;
                 return Ok(outcome);
             }
-            tolerances.follow(change.pillars);
+            tolerances.follow(change.places());
         }
         Ok(outcome)
     }
@@ -252,7 +265,7 @@ impl<'a> Newton<'a> {
             Judgement::TooLarge => return None,
             Judgement::Good => {}
         }
-        if change.pillars > 0 || !exact || self.found_lower_floor(outcome) {
+        if change.places() > 0 || !exact || self.found_lower_floor(outcome) {
             return None;
         }
         let borne = target.is_borne(self.force(), MISMATCH_TOLERANCE);
@@ -273,14 +286,25 @@ impl<'a> Newton<'a> {
         if let Target::Indentation(indentation) = target {
             self.contact.move_to(indentation);
         } else {
-            let solved = self
-                .contact
-                .solve(&self.tops, Source::Unit, unit_tolerance)?;
+            let solved = self.solve_frozen(Source::Unit, unit_tolerance)?;
             if solved != Judgement::Good {
                 return Ok(solved);
             }
         }
-        self.contact.solve(&self.tops, Source::Present, tolerance)
+        self.solve_frozen(Source::Present, tolerance)
+    }
+
+    /// A response with the present states.
+    fn solve_frozen(
+        &mut self,
+        source: Source<'_>,
+        tolerance: f64,
+    ) -> Result<Judgement, SolveError> {
+        let mut places = Places {
+            tops: &self.tops,
+            floor: self.cells.as_mut(),
+        };
+        self.contact.solve(&mut places, source, tolerance)
     }
 
     /// The indentation that meets the target with the present responses.
@@ -292,11 +316,54 @@ impl<'a> Newton<'a> {
         target.close(&self.contact, lowest)
     }
 
-    /// Takes over the states that the pillars have under the present loads.
+    /// Takes over the states that the pillars and the floor's cells have under the present loads.
     fn update(&mut self) -> Change {
         let incident = self.contact.incident();
-        self.tops
-            .update(&incident, self.contact.coefficients(), self.run.workers())
+        let mut change =
+            self.tops
+                .update(&incident, self.contact.coefficients(), self.run.workers());
+        if let Some(cells) = &mut self.cells {
+            let contact = &self.contact;
+            let of_floor = cells.update(
+                contact.floor_load(),
+                contact.floor_coefficients(),
+                contact.indentation(),
+            );
+            change.cells = of_floor.cells;
+            change.mismatch = larger(change.mismatch, of_floor.mismatch);
+        }
+        change
+    }
+
+    /// Replaces the floor's cells by those of another grid; `start` has the pressure at a point under the present load and under a unit
+    /// indentation. Without it, all cells that the lens would enter bear pressure.
+    pub(crate) fn set_floor(&mut self, grid: FloorGrid, start: Option<&dyn Fn(Point) -> [f64; 2]>) {
+        let (run, modes) = (self.run, self.contact.modes());
+        let mut cells = FloorCells::new(grid, run.pool);
+        let unit_cell = cells.unit_cell();
+        let centres: Vec<Point> = cells.grid.cells.centres().collect();
+        let coefficients = |cell: usize| {
+            start.map_or([0.0; 2], |start| {
+                start(centres[cell]).map(|pressure| unit_cell * pressure)
+            })
+        };
+        let window = &self.tops.window;
+        let degree = FLOOR_DEGREE.min(self.exterior.degree());
+        let couple = |coupling: &mut SurfaceCoupling<'a>| {
+            // The room of the one before it is needed.
+            coupling.floor = None;
+            let floor =
+                FloorCoupling::new(&cells.grid, window, modes, degree, run.workers(), run.pool);
+            coupling.floor = Some(Box::new(floor));
+        };
+        let own_load = cells.lens_load(self.problem);
+        self.contact
+            .set_floor(unit_cell, own_load, coefficients, couple);
+        match start {
+            Some(_) => cells.set(self.contact.floor_coefficients().iter().map(|c| *c > 0.0)),
+            None => cells.set(self.contact.floor_load().map(|load| load > 0.0)),
+        }
+        self.cells = Some(cells);
     }
 
     /// Whether a search from scratch finds a lower point of the floor than the one that closed
@@ -370,17 +437,21 @@ impl<'a> Newton<'a> {
 
     /// Response to a unit indentation for the present states, to the given tolerance.
     pub(crate) fn solve_unit(&mut self, tolerance: f64) -> Result<bool, SolveError> {
-        let solved = self.contact.solve(&self.tops, Source::Unit, tolerance)?;
+        let solved = self.solve_frozen(Source::Unit, tolerance)?;
         Ok(solved == Judgement::Good)
     }
 
-    /// Response of the pillars to a given load, with their states frozen.
+    /// Response of all places to a given load, with their states frozen.
     pub(crate) fn respond_to(
         &mut self,
         load: &[f64],
         tolerance: f64,
     ) -> Result<Response, SolveError> {
-        self.contact.respond_to(&self.tops, load, tolerance)
+        let mut places = Places {
+            tops: &self.tops,
+            floor: self.cells.as_mut(),
+        };
+        self.contact.respond_to(&mut places, load, tolerance)
     }
 
     /// `W(x)` of every pillar: what its coefficients move a point of the floor by.
