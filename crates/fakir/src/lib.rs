@@ -64,5 +64,5 @@ pub mod state;
 pub mod theory;
 mod verify;
 
-pub use method::{press, transition};
+pub use method::{press, press_with_floor, transition};
 pub use verify::{Difference, Doubt, Question, Verdict, Verification, verify};

@@ -5,6 +5,7 @@ use super::elements::pillars;
 use super::elements::pillars::ElementSolution;
 use super::estimate::{estimate, unknowns_only};
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::mixed;
 use super::newton::{MISMATCH_TOLERANCE, Purpose};
 use super::reach::{Reach, contact_reach, punch_reach};
 use super::rules::patch::{Patch, PatchSolver};
@@ -21,8 +22,8 @@ use crate::problem::{Accuracy, ElementMesh, Load, Method, Point, PunchForm, Syst
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::{
-    ContactState, CriticalState, ErrorEstimate, Fields, PillarState, PillarStatus, Progress,
-    Regime, Run, SolveError, Stage, Termination,
+    ContactState, CriticalState, ErrorEstimate, Fields, FloorContact, PillarState, PillarStatus,
+    Progress, Regime, Run, SolveError, Stage, Termination,
 };
 use crate::theory::homogenised;
 use std::sync::Arc;
@@ -59,11 +60,21 @@ impl From<PillarMethod> for Method {
     }
 }
 
+/// What becomes of the floor when the lens would enter it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FloorModel {
+    /// It is not there.
+    Ignored,
+    /// It bears its part; by the spectral method alone.
+    Contact,
+}
+
 /// The contact under a load that has been checked.
 pub(crate) fn press(
     system: &System,
     load: Load,
     method: PillarMethod,
+    floor: FloorModel,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let problem = Problem::new(system);
@@ -72,6 +83,17 @@ pub(crate) fn press(
         Load::Force(force) => Target::Force(force / problem.force()),
     };
     let first_touch = problem.lens.sag(problem.nearest_edge());
+    if let (FloorModel::Contact, PillarMethod::Spectral(accuracy)) = (floor, method)
+        && problem.touches_floor_first()
+    {
+        match target {
+            Target::Indentation(indentation) if indentation <= problem.height => {}
+            Target::Force(force) if force <= 0.0 => {
+                return Ok(without_contact(system, &problem, method, problem.height));
+            }
+            _ => return mixed::floor_first(system, &problem, target, accuracy, run),
+        }
+    }
     match target {
         Target::Indentation(indentation) if indentation <= first_touch => {
             return Ok(without_contact(system, &problem, method, indentation));
@@ -87,7 +109,7 @@ pub(crate) fn press(
         }
         _ => {}
     }
-    Ok(solve(system, &problem, target, method, run)?.0)
+    Ok(solve(system, &problem, target, method, floor, run)?.0)
 }
 
 /// The critical state.
@@ -107,7 +129,8 @@ pub(crate) fn transition(
             floor_contact: [0.0, 0.0],
         });
     }
-    let (mut contact, alone) = solve(system, &problem, Target::Floor, method, run)?;
+    let floor = FloorModel::Ignored;
+    let (mut contact, alone) = solve(system, &problem, Target::Floor, method, floor, run)?;
     contact.smallest_floor_gap = 0.0;
     let [x, y] = contact.smallest_gap_position;
     let floor_contact = if alone {
@@ -128,14 +151,18 @@ fn solve(
     problem: &Problem,
     target: Target,
     method: PillarMethod,
+    floor: FloorModel,
     run: &Run<'_>,
 ) -> Result<(ContactState, bool), SolveError> {
+    let enters = |gap: f64| floor == FloorModel::Contact && gap < 0.0;
     if let PillarMethod::Spectral(_) = method
         && let Some(patch) = find_patch(problem, target)
     {
         let state = patch_state(system, problem, method, &patch);
-        let alone = is_under_axis(problem, state.pillars[0].centre);
-        return Ok((state, alone));
+        if !enters(state.smallest_floor_gap) {
+            let alone = is_under_axis(problem, state.pillars[0].centre);
+            return Ok((state, alone));
+        }
     }
     let guess = homogenised_radius(system, problem, target);
     let state = match method {
@@ -150,25 +177,45 @@ fn solve(
             {
                 let lattice = PillarMethod::Punch(form);
                 let error = punch_error(form, target, &punch);
-                let state = assemble(system, problem, target, lattice, &mut punch, error)?;
+                let state = {
+                    let lowest = lowest_point(target, &mut punch);
+                    assemble(
+                        system, problem, target, lattice, &punch, lowest, None, error,
+                    )?
+                };
                 listener(&state);
             }
             let mut solution = solve_spectral(problem, target, punch, degrees, run)?;
+            let lowest = lowest_point(target, &mut solution);
+            if enters(lowest.map_or(0.0, |point| {
+                point.indentation - solution.outcome.indentation
+            })) {
+                let state =
+                    mixed::past_transition(system, problem, target, accuracy, solution, run)?;
+                return Ok((state, false));
+            }
             if let Some(listener) = listener {
-                let mut state = assemble(system, problem, target, method, &mut solution, UNKNOWN)?;
+                let mut state = assemble(
+                    system, problem, target, method, &solution, lowest, None, UNKNOWN,
+                )?;
                 listener(&state);
                 state.error = refined(&mut solution, target, run)?;
                 state
             } else {
                 let error = refined(&mut solution, target, run)?;
-                assemble(system, problem, target, method, &mut solution, error)?
+                assemble(
+                    system, problem, target, method, &solution, lowest, None, error,
+                )?
             }
         }
         PillarMethod::Punch(form) => {
             let purpose = Purpose::Answer;
             let mut solution = solve_punch(problem, target, guess, form, purpose, run)?;
             let error = punch_error(form, target, &solution);
-            assemble(system, problem, target, method, &mut solution, error)?
+            let lowest = lowest_point(target, &mut solution);
+            assemble(
+                system, problem, target, method, &solution, lowest, None, error,
+            )?
         }
         PillarMethod::Love(mesh) => {
             let solution = pillars::solve(problem, target, guess, mesh, run)?;
@@ -215,8 +262,16 @@ fn is_under_axis(problem: &Problem, centre: Point) -> bool {
     centre[0].hypot(centre[1]) < 1e-9 * problem.length
 }
 
+/// The lowest point of the floor, or that which decided the indentation.
+fn lowest_point(target: Target, solution: &mut Solution<'_>) -> Option<FloorPoint> {
+    match target {
+        Target::Floor => solution.outcome.floor,
+        Target::Force(_) | Target::Indentation(_) => solution.newton.lowest_gap(),
+    }
+}
+
 /// Error estimate of the spectral method, from other nodes and a higher degree.
-fn refined(
+pub(super) fn refined(
     solution: &mut Solution<'_>,
     target: Target,
     run: &Run<'_>,
@@ -235,7 +290,7 @@ fn refined(
 }
 
 /// A state without any contact: the lens above, or just at, the pillar tops.
-fn without_contact(
+pub(super) fn without_contact(
     system: &System,
     problem: &Problem,
     method: PillarMethod,
@@ -398,13 +453,16 @@ fn patch_state(
     )
 }
 
-/// The answer from a solution of all pillars.
-fn assemble(
+/// The answer from a solution of all pillars, and of the floor where that is in contact. `lowest` is the lowest point of a floor that is not.
+#[allow(clippy::too_many_arguments)]
+pub(super) fn assemble(
     system: &System,
     problem: &Problem,
     target: Target,
     method: PillarMethod,
-    solution: &mut Solution<'_>,
+    solution: &Solution<'_>,
+    lowest: Option<FloorPoint>,
+    floor: Option<FloorContact>,
     error: ErrorEstimate,
 ) -> Result<ContactState, SolveError> {
     let Solution {
@@ -413,13 +471,10 @@ fn assemble(
         steps,
     } = solution;
     let indentation = outcome.indentation;
-    let lowest = match target {
-        Target::Floor => outcome.floor,
-        Target::Force(_) | Target::Indentation(_) => newton.lowest_gap(),
-    };
     newton.run.check_cancelled()?;
     let mut touched = touched_pillars(problem, newton);
-    let force = share_force(&mut touched, target, problem);
+    let on_floor = floor.as_ref().map_or(0.0, |floor| floor.force);
+    let force = share_force(&mut touched, on_floor, target, problem);
     let Reach {
         radius: contact_radius,
         error: radius_error,
@@ -432,10 +487,12 @@ fn assemble(
     } else {
         contact_radius
     };
-    let ratio = contact_radius / problem.lens.radius;
+    let floor_radius = floor.as_ref().map_or(0.0, |floor| floor.radius) / problem.length;
+    let farthest = contact_radius.max(floor_radius);
+    let ratio = farthest / problem.lens.radius;
     if ratio > LARGEST_CONTACT {
         return Err(SolveError::ContactExceedsLens {
-            contact_radius: contact_radius * problem.length,
+            contact_radius: farthest * problem.length,
             lens_radius: system.lens().radius,
         });
     }
@@ -456,7 +513,12 @@ fn assemble(
         newton.degree(),
         close_degree,
     );
+    let fields = match newton.floor_load() {
+        Some(load) if floor.is_some() => fields.with_floor(load),
+        _ => fields,
+    };
     let state = ContactState {
+        floor,
         force,
         contact_radius: contact_radius * problem.length,
         contact_radius_error: radius_error * problem.length,
@@ -526,10 +588,16 @@ fn elements(
 /// what it leaves on one pillar, some times over.
 const PILLARS_MISMATCH: f64 = 100.0 * MISMATCH_TOLERANCE;
 
-/// The force on all pillars. What is prescribed is met within the solver's tolerance; the pillars
+/// The force on all pillars and on the floor. What is prescribed is met within the solver's tolerance; the pillars
 /// share what is missing, so that they bear it to the last digit.
-fn share_force(touched: &mut [TouchedPillar], target: Target, problem: &Problem) -> f64 {
-    let sum: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
+fn share_force(
+    touched: &mut [TouchedPillar],
+    on_floor: f64,
+    target: Target,
+    problem: &Problem,
+) -> f64 {
+    let on_tops: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
+    let sum = on_tops + on_floor;
     let Target::Force(force) = target else {
         return sum;
     };
@@ -539,7 +607,7 @@ fn share_force(touched: &mut [TouchedPillar], target: Target, problem: &Problem)
         return sum;
     }
     for pillar in touched {
-        pillar.state.force *= prescribed / sum;
+        pillar.state.force *= (prescribed - on_floor) / on_tops;
     }
     prescribed
 }

@@ -236,11 +236,6 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         &self.unit.coefficients[self.tops..]
     }
 
-    /// Number of coefficients of pillars.
-    pub(crate) fn tops(&self) -> usize {
-        self.tops
-    }
-
     /// The load of a unit indentation on a floor cell.
     pub(crate) fn unit_cell(&self) -> f64 {
         self.unit_cell

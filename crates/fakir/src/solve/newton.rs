@@ -19,6 +19,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::floor::coupling::{FloorCoupling, SurfaceCoupling};
 use crate::halfspace::floor::grid::FloorGrid;
+use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::vector::add_scaled;
 use crate::problem::Point;
@@ -137,7 +138,7 @@ impl Tolerances {
 
 /// Modes of a pillar that the floor sees and that see the floor, by their degree: 3 changes the force by 7e-8, also where
 /// the floor is touched 0.6 pillar radii from a rim.
-const FLOOR_DEGREE: usize = 2;
+pub(crate) const FLOOR_DEGREE: usize = 2;
 
 /// All pillars of a window, and the floor where it is touched, with their states and responses.
 pub(crate) struct Newton<'a> {
@@ -336,17 +337,13 @@ impl<'a> Newton<'a> {
     }
 
     /// Replaces the floor's cells by those of another grid; `start` has the pressure at a point under the present load and under a unit
-    /// indentation. Without it, all cells that the lens would enter bear pressure.
-    pub(crate) fn set_floor(&mut self, grid: FloorGrid, start: Option<&dyn Fn(Point) -> [f64; 2]>) {
+    /// indentation. If it has none anywhere, all cells that the lens would enter bear pressure.
+    pub(crate) fn set_floor(&mut self, grid: FloorGrid, start: &dyn Fn(Point) -> [f64; 2]) {
         let (run, modes) = (self.run, self.contact.modes());
         let mut cells = FloorCells::new(grid, run.pool);
         let unit_cell = cells.unit_cell();
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
-        let coefficients = |cell: usize| {
-            start.map_or([0.0; 2], |start| {
-                start(centres[cell]).map(|pressure| unit_cell * pressure)
-            })
-        };
+        let coefficients = |cell: usize| start(centres[cell]).map(|pressure| unit_cell * pressure);
         let window = &self.tops.window;
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
         let couple = |coupling: &mut SurfaceCoupling<'a>| {
@@ -359,11 +356,22 @@ impl<'a> Newton<'a> {
         let own_load = cells.lens_load(self.problem);
         self.contact
             .set_floor(unit_cell, own_load, coefficients, couple);
-        match start {
-            Some(_) => cells.set(self.contact.floor_coefficients().iter().map(|c| *c > 0.0)),
-            None => cells.set(self.contact.floor_load().map(|load| load > 0.0)),
+        cells.set(self.contact.floor_coefficients().iter().map(|c| *c > 0.0));
+        if !cells.bears().contains(&true) {
+            cells.set(self.contact.floor_load().map(|load| load > 0.0));
         }
         self.cells = Some(cells);
+    }
+
+    /// The pressure on the floor, where it bears any.
+    pub(crate) fn floor_load(&self) -> Option<FloorLoad> {
+        let cells = self.cells.as_ref()?;
+        let scale = cells.unit_cell().recip();
+        let pressures = cells.bears().iter().zip(self.contact.floor_coefficients());
+        let pressure: Vec<f64> = pressures
+            .filter_map(|(bears, c)| bears.then_some(c.max(0.0) * scale))
+            .collect();
+        (!pressure.is_empty()).then(|| FloorLoad::new(cells.bearing(), pressure))
     }
 
     /// Whether a search from scratch finds a lower point of the floor than the one that closed
@@ -469,6 +477,16 @@ impl<'a> Newton<'a> {
         load
     }
 
+    /// The indentation at which the floor would just be reached if the pillars kept their states.
+    pub(crate) fn first_floor_contact(
+        &mut self,
+        tolerance: f64,
+    ) -> Result<Option<f64>, SolveError> {
+        let solved = self.solve_unit(tolerance)?;
+        let lowest = solved.then(|| self.search_floor(true)).flatten();
+        Ok(lowest.map(|point| point.indentation))
+    }
+
     /// The point of the smallest floor gap at the solved indentation, with the gap plus the
     /// indentation.
     pub(crate) fn lowest_gap(&mut self) -> Option<FloorPoint> {
@@ -509,6 +527,16 @@ impl<'a> Newton<'a> {
             run: self.run,
         };
         self.floor.lowest(self.problem, &discs, &self.run.cancel)
+    }
+
+    /// The same on another window, without the floor's cells.
+    pub(crate) fn on_window(&self, window: Window) -> Self {
+        let pair = PairCoupling::new(self.degree(), self.problem.lattice.pitch);
+        let kappa = self.problem.column_compliance_ratio;
+        let top = PillarTop::new(self.tops.top.resolution(), self.degree(), kappa);
+        let mut wider = Self::new(self.problem, self.run, self.stage, window, &pair, top);
+        wider.start_from(self);
+        wider
     }
 
     /// Takes statuses and leading coefficients of full contact from a coarser solution.

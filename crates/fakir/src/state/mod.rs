@@ -13,6 +13,7 @@ pub(crate) mod contact;
 pub(crate) mod critical;
 pub(crate) mod error;
 pub(crate) mod fields;
+pub(crate) mod floor_contact;
 pub(crate) mod run;
 mod samples;
 pub(crate) mod surface;
@@ -22,6 +23,7 @@ pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termin
 pub use critical::{CriticalState, Normalized, Regime};
 pub use error::SolveError;
 pub use fields::Fields;
+pub use floor_contact::{FloorContact, FloorErrors};
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use surface::{Certificate, Share, Shares, SurfaceContact, SurfaceTransition};

@@ -98,15 +98,6 @@ impl FloorGrid {
         [i + j - self.corner[0], i - j - self.corner[1]]
     }
 
-    /// Column and row, from the pillar at (0, 0), of a column and row of the grid.
-    pub(crate) fn from_pillar(&self, [column, row]: [usize; 2]) -> [i64; 2] {
-        let half = self.division.half.map(|n| n as i64);
-        [
-            column as i64 + self.corner[0] * half[0],
-            row as i64 + self.corner[1] * half[1],
-        ]
-    }
-
     /// The column and row of the grid that hold a point, if it has them.
     pub(crate) fn position_of(&self, point: Point) -> Option<[usize; 2]> {
         let grid = self.cells.grid();

@@ -6,8 +6,10 @@
 //! with every refinement.
 //!
 //! Lengths in pillar radii, pressures in units of the reduced modulus. [`grid`] lays the cells; [`kernels`] has what rectangles
-//! and pillar tops do to rectangles; [`coupling`] applies both at once by fast Fourier transform.
+//! and pillar tops do to rectangles; [`coupling`] applies both at once by fast Fourier transform; [`load`] is a pressure as a function of
+//! position.
 
 pub(crate) mod coupling;
 pub(crate) mod grid;
 pub(crate) mod kernels;
+pub(crate) mod load;

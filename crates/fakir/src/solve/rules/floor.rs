@@ -11,6 +11,7 @@ use crate::halfspace::elements::periodic::PeriodicInverse;
 use crate::halfspace::floor::grid::FloorGrid;
 use crate::numerics::convergence::{larger, within};
 use crate::numerics::workers::Workers;
+use crate::problem::Cells;
 use crate::problem::scaled::Problem;
 use crate::solve::frozen::Rule;
 use rayon::ThreadPool;
@@ -68,6 +69,16 @@ impl<'a> FloorCells<'a> {
     /// Whether every cell bears pressure.
     pub(crate) fn bears(&self) -> &[bool] {
         &self.bears
+    }
+
+    /// The cells that do.
+    pub(crate) fn bearing(&self) -> Cells {
+        let grid = self.grid.cells.grid();
+        let mut bears = vec![false; grid.cell_count()];
+        for (index, own) in self.grid.cells.indices().zip(&self.bears) {
+            bears[index] = *own;
+        }
+        Cells::where_true(grid, |index| bears[index])
     }
 
     /// Says which cells bear pressure.
