@@ -32,8 +32,10 @@ const SMALL_SHARE: f64 = 0.01;
 /// Points of a transform up to which grids are refined for small patches.
 const MOST_POINTS: [f64; 2] = [1.5e6, 6e6];
 
-/// How much farther than the contact on the coarser grid the window of the floor reaches, in pitches: so far that the next holes are in it.
-const WINDOW_MARGIN: f64 = 1.1;
+/// The window of the floor reaches to the farthest cell whose gap on the coarser grid is less than this part of the height of the pillars,
+/// and some cells of that grid farther.
+const NEAR_CONTACT: f64 = 0.02;
+const WINDOW_MARGIN: f64 = 2.5;
 
 /// Cells between the contact and the end of the window at the least.
 const WINDOW_CELLS: f64 = 1.5;
@@ -320,7 +322,12 @@ pub(crate) fn solve_floor<'a>(
     };
     loop {
         let division = Division::new(problem.lattice.pitch, half);
-        mixed = solve_level(problem, target, mixed, division, run)?;
+        let purpose = if half >= finest {
+            Purpose::Answer
+        } else {
+            Purpose::Level
+        };
+        mixed = solve_level(problem, target, purpose, mixed, division, run)?;
         if mixed.solution.outcome.termination != Termination::Converged {
             return Ok(mixed);
         }
@@ -343,7 +350,7 @@ fn wants_more(problem: &Problem, accuracy: Accuracy, mixed: &MixedSolution<'_>) 
     let division = Division::new(problem.lattice.pitch, half);
     let newton = &mixed.solution.newton;
     let radius = window_radius(problem, newton);
-    let period = FloorGrid::period(&division, radius, newton.tops.window.radius());
+    let period = FloorGrid::period(&division, radius, newton.tops.window.extent());
     let points: f64 = [0, 1]
         .map(|k| (period[k] * division.half[k]) as f64)
         .iter()
@@ -355,12 +362,19 @@ fn wants_more(problem: &Problem, accuracy: Accuracy, mixed: &MixedSolution<'_>) 
 /// The floor window for the next grid: around the contact on the present one, if there is one.
 fn window_radius(problem: &Problem, newton: &Newton<'_>) -> f64 {
     let largest = largest_window(problem, newton.contact.indentation());
-    let reach = patches(problem, newton).radius;
-    if reach > 0.0 {
-        (reach + WINDOW_MARGIN * problem.lattice.pitch).min(largest)
-    } else {
-        largest
-    }
+    let Some(cells) = &newton.cells else {
+        return largest;
+    };
+    let near = -NEAR_CONTACT * problem.height;
+    let reach = cells
+        .grid
+        .cells
+        .centres()
+        .zip(newton.contact.floor_load())
+        .filter(|(_, load)| *load > near)
+        .map(|([x, y], _)| x.hypot(y))
+        .fold(0.0, f64::max);
+    (reach + WINDOW_MARGIN * cells.grid.division.longest()).min(largest)
 }
 
 /// Nothing outside of this can be touched: the undeformed lens is above the floor, and pressures only move it away.
@@ -374,7 +388,7 @@ fn checked_floor(
     problem: &Problem,
     division: Division,
     radius: f64,
-    pillars: f64,
+    pillars: [f64; 2],
     run: &Run<'_>,
 ) -> Result<Option<FloorGrid>, SolveError> {
     let bytes = |division: &Division| {
@@ -401,6 +415,7 @@ fn checked_floor(
 fn solve_level<'a>(
     problem: &'a Problem,
     target: Target,
+    purpose: Purpose,
     mixed: MixedSolution<'a>,
     division: Division,
     run: &'a Run<'a>,
@@ -413,14 +428,33 @@ fn solve_level<'a>(
     let mut pressures = FloorPressures::of(&solution.newton);
     for growth in 0..GROWTHS {
         let newton = &mut solution.newton;
-        let pillars = newton.tops.window.radius();
+        let pillars = newton.tops.window.extent();
         if let Some(grid) = checked_floor(problem, division, radius, pillars, run)? {
             newton.set_floor(grid, &|point| {
                 pressures.as_ref().map_or([0.0; 2], |known| known.at(point))
             });
             run.check_cancelled()?;
-            solution.outcome = newton.solve(target, Purpose::Answer)?;
+            solution.outcome = newton.solve(target, purpose)?;
             solution.steps += solution.outcome.steps;
+            if std::env::var_os("FAKIR_DEBUG").is_some() {
+                eprintln!(
+                    "half {} cells {} of {} steps {} products {} radius {radius:.2} F {:.9} floor {:.9}",
+                    division.half[1],
+                    newton
+                        .cells
+                        .as_ref()
+                        .unwrap()
+                        .bears()
+                        .iter()
+                        .filter(|b| **b)
+                        .count(),
+                    newton.cells.as_ref().unwrap().grid.len(),
+                    solution.outcome.steps,
+                    newton.contact.products,
+                    newton.force(),
+                    newton.contact.floor_force(),
+                );
+            }
             pressures = FloorPressures::of(newton);
         }
         if let Some(window) = wider_window(problem, newton, run)? {

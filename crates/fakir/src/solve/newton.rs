@@ -29,6 +29,13 @@ use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 /// Relative energy of the residual at which a linear solution counts as exact.
 const LINEAR_TOLERANCE: f64 = 1e-10;
 
+/// The same with the floor, and on a coarse grid of that.
+const FLOOR_LINEAR_TOLERANCE: f64 = 1e-9;
+const LEVEL_LINEAR_TOLERANCE: f64 = 1e-6;
+
+/// On a coarse grid few places may change their state in the end: one in so many of those that bear pressure.
+const LEVEL_CHANGES: usize = 200;
+
 /// Relative error of the indentation by the punch lattice, about.
 const START_ERROR: f64 = 0.02;
 
@@ -71,6 +78,8 @@ pub(crate) enum Purpose {
     Answer,
     /// To start another one from.
     Start,
+    /// The contact with the floor on a coarse grid, which the next one starts from and is compared with.
+    Level,
 }
 
 /// Degrees of the discretisation.
@@ -85,6 +94,8 @@ pub(crate) struct Degrees {
 /// How exactly the linear problems of a step are solved: no more than the states deserve.
 struct Tolerances {
     present: f64,
+    /// That at which a step is exact.
+    exact: f64,
     /// The smallest that is asked for in the end.
     finest: f64,
     /// Fewest changes of states in any step so far.
@@ -94,11 +105,17 @@ struct Tolerances {
 }
 
 impl Tolerances {
-    fn new(purpose: Purpose, indentation: f64) -> Self {
+    fn new(purpose: Purpose, with_floor: bool, indentation: f64) -> Self {
+        let exact = match purpose {
+            Purpose::Answer if with_floor => FLOOR_LINEAR_TOLERANCE,
+            Purpose::Answer | Purpose::Start => LINEAR_TOLERANCE,
+            Purpose::Level => LEVEL_LINEAR_TOLERANCE,
+        };
         Self {
             present: FIRST_LINEAR_TOLERANCE,
+            exact,
             finest: match purpose {
-                Purpose::Answer => LINEAR_TOLERANCE,
+                Purpose::Answer | Purpose::Level => exact,
                 Purpose::Start => FIRST_LINEAR_TOLERANCE,
             },
             fewest: usize::MAX,
@@ -113,14 +130,13 @@ impl Tolerances {
 
     /// Whether a step with these, whose unit response had the tolerance `unit`, is exact.
     fn are_exact(&self, unit: f64) -> bool {
-        within(self.present, LINEAR_TOLERANCE)
-            && within(unit * self.change_of_indentation, LINEAR_TOLERANCE)
+        within(self.present, self.exact) && within(unit * self.change_of_indentation, self.exact)
     }
 
     /// Asks for exact responses. Whether they were not already.
     fn sharpen(&mut self) -> bool {
-        let rough = self.present > LINEAR_TOLERANCE;
-        (self.finest, self.present) = (LINEAR_TOLERANCE, LINEAR_TOLERANCE);
+        let rough = self.present > self.exact;
+        (self.finest, self.present) = (self.exact, self.exact);
         self.change_of_indentation = 1.0;
         rough
     }
@@ -205,7 +221,8 @@ impl<'a> Newton<'a> {
         target: Target,
         purpose: Purpose,
     ) -> Result<Outcome, SolveError> {
-        let mut tolerances = Tolerances::new(purpose, self.contact.indentation());
+        let mut tolerances =
+            Tolerances::new(purpose, self.cells.is_some(), self.contact.indentation());
         let mut outcome = Outcome {
             indentation: self.contact.indentation(),
             termination: Termination::IterationLimit,
@@ -260,6 +277,15 @@ impl<'a> Newton<'a> {
     ) -> Option<Termination> {
         if purpose == Purpose::Start && change.pillars * START_CHANGES <= self.touched() {
             return Some(Termination::Converged);
+        }
+        if purpose == Purpose::Level
+            && exact
+            && change.places() * LEVEL_CHANGES <= self.touched() + self.pressed()
+        {
+            return Some(match judge(change.mismatch, 1.0) {
+                Judgement::Undefined => Termination::NotFinite,
+                _ => Termination::Converged,
+            });
         }
         match judge(change.mismatch, MISMATCH_TOLERANCE) {
             Judgement::Undefined => return Some(Termination::NotFinite),
@@ -398,6 +424,12 @@ impl<'a> Newton<'a> {
     /// Number of touched pillars.
     pub(crate) fn touched(&self) -> usize {
         self.tops.touched()
+    }
+
+    /// Number of floor cells that bear pressure.
+    pub(crate) fn pressed(&self) -> usize {
+        let cells = self.cells.as_ref();
+        cells.map_or(0, |cells| cells.bears().iter().filter(|b| **b).count())
     }
 
     /// Force at the solved indentation.

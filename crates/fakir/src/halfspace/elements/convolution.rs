@@ -49,6 +49,11 @@ pub(in crate::halfspace) trait Transform: Send + Sync {
 
     /// Columns of full length that `convolve` needs at once, for each column of the block.
     fn columns_at_once(&self) -> usize;
+
+    /// Real numbers that `convolve` needs room for besides.
+    fn real_count(&self) -> usize {
+        0
+    }
 }
 
 /// Neighbouring columns of the spectrum, of which only some rows are held.
@@ -94,6 +99,8 @@ pub(in crate::halfspace) struct Workspace {
     pub(in crate::halfspace) lines: Vec<Complex64>,
     /// Scratch of the transforms.
     pub(in crate::halfspace) scratch: Vec<Complex64>,
+    /// Room for reals.
+    pub(in crate::halfspace) reals: Vec<f64>,
     row: Vec<f64>,
 }
 
@@ -103,6 +110,7 @@ impl Workspace {
         Self {
             lines: vec![Complex64::default(); lines],
             scratch: vec![Complex64::default(); transform.scratch_len()],
+            reals: vec![0.0; transform.real_count()],
             row: vec![0.0; transform.shape()[0]],
         }
     }

@@ -75,8 +75,8 @@ struct Coarse {
     columns: Vec<Complex64>,
     line: Vec<Complex64>,
     scratch: Vec<Complex64>,
-    /// For every column, every mode, its rows: folded transforms.
-    folded: Vec<Complex64>,
+    /// For every column, every mode, its rows: folded transforms, real parts and imaginary ones.
+    folded: Vec<f64>,
 }
 
 /// Transforms and kernels of the fine grid, and how it meets the coarse one.
@@ -91,10 +91,10 @@ struct Together {
     kernel: Vec<f64>,
     /// `exp(i theta/2)` for every column and for every row.
     phases: [Vec<Complex64>; 2],
-    /// Transforms of the pillars' coefficients: for every coarse column, every mode, its rows.
-    tops: RwLock<Vec<Complex64>>,
-    /// For every block of columns, every column, every mode: folded rows.
-    folded: Vec<Mutex<Vec<Complex64>>>,
+    /// Transforms of the pillars' coefficients: for every coarse column, every mode, the real parts of its rows, then the imaginary ones.
+    tops: RwLock<Vec<f64>>,
+    /// For every block of columns, every column, every mode: folded rows, likewise.
+    folded: Vec<Mutex<Vec<f64>>>,
 }
 
 impl<'a> FloorCoupling<'a> {
@@ -108,7 +108,7 @@ impl<'a> FloorCoupling<'a> {
         workers: Workers<'_>,
         pool: Option<&'a ThreadPool>,
     ) -> Self {
-        let coarse = FloorGrid::period(&grid.division, grid.radius, window.radius());
+        let coarse = FloorGrid::period(&grid.division, grid.radius, window.extent());
         let together = Together::new(&grid.division, coarse, degree, workers);
         let places = (0..window.len())
             .map(|pillar| {
@@ -134,7 +134,7 @@ impl<'a> FloorCoupling<'a> {
     pub(crate) fn memory_estimate(
         division: &Division,
         radius: f64,
-        pillars: f64,
+        pillars: [f64; 2],
         degree: usize,
     ) -> f64 {
         let coarse = FloorGrid::period(division, radius, pillars);
@@ -186,7 +186,7 @@ impl Coarse {
             columns: vec![Complex64::default(); half * rows],
             line: vec![Complex64::default(); half],
             scratch: vec![Complex64::default(); plans.scratch_len()],
-            folded: vec![Complex64::default(); columns * modes * rows],
+            folded: vec![0.0; 2 * columns * modes * rows],
             plans,
         }
     }
@@ -197,7 +197,7 @@ impl Coarse {
         places: &[usize],
         values: impl Iterator<Item = &'v f64>,
         mode: usize,
-        spectra: &mut [Complex64],
+        spectra: &mut [f64],
     ) {
         let [columns, rows] = self.shape;
         self.grid.fill(0.0);
@@ -219,14 +219,18 @@ impl Coarse {
             .process_with_scratch(&mut self.columns, &mut self.scratch);
         let stride = spectra.len() / columns;
         for (number, column) in self.columns.chunks_exact(rows).enumerate() {
-            let at = |number: usize| number * stride + mode * rows;
-            spectra[at(number)..][..rows].copy_from_slice(column);
+            let at = number * stride + 2 * mode * rows;
+            let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
+            for ((re, im), value) in real.iter_mut().zip(imaginary).zip(column) {
+                (*re, *im) = (value.re, value.im);
+            }
             let opposite = columns - number;
             if number > 0 && opposite != number {
-                let mirrored = &mut spectra[at(opposite)..][..rows];
-                mirrored[0] = column[0].conj();
-                for (value, from) in mirrored[1..].iter_mut().zip(column[1..].iter().rev()) {
-                    *value = from.conj();
+                let at = opposite * stride + 2 * mode * rows;
+                let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
+                for (row, value) in column.iter().enumerate() {
+                    let mirrored = if row == 0 { 0 } else { rows - row };
+                    (real[mirrored], imaginary[mirrored]) = (value.re, -value.im);
                 }
             }
         }
@@ -236,7 +240,7 @@ impl Coarse {
     fn gather(&mut self, together: &Together) {
         let stride = self.folded.len() / self.shape[0];
         let last = together.shape[0] / 2;
-        self.folded.fill(Complex64::default());
+        self.folded.fill(0.0);
         for (block, folded) in together.folded.iter().enumerate() {
             let folded = folded.lock().unwrap_or_else(PoisonError::into_inner);
             for (k, values) in folded.chunks_exact(stride).enumerate() {
@@ -265,11 +269,13 @@ impl Coarse {
             Complex64::new(1.0, 0.0)
         };
         for (number, column) in self.columns.chunks_exact_mut(rows).enumerate() {
-            let of = |number: usize| &self.folded[number * stride + mode * rows..][..rows];
-            let (own, mirrored) = (of(number), of((columns - number) % columns));
+            let of = |number: usize, row: usize| {
+                let parts = &self.folded[number * stride + 2 * mode * rows..];
+                factor * Complex64::new(parts[row], parts[rows + row])
+            };
             for (row, value) in column.iter_mut().enumerate() {
                 let opposite = if row == 0 { 0 } else { rows - row };
-                *value = factor * own[row] + (factor * mirrored[opposite]).conj();
+                *value = of(number, row) + of((columns - number) % columns, opposite).conj();
             }
         }
         self.plans
@@ -313,15 +319,12 @@ impl Together {
                 (0..half).map(|k| phase(k, columns)).collect(),
                 (0..rows).map(|k| phase(k, rows)).collect(),
             ],
-            tops: RwLock::new(vec![
-                Complex64::default();
-                coarse[0] * modes.len() * coarse[1]
-            ]),
+            tops: RwLock::new(vec![0.0; 2 * coarse[0] * modes.len() * coarse[1]]),
             folded: (0..half)
                 .step_by(BLOCK_WIDTH)
                 .map(|first| {
                     let width = BLOCK_WIDTH.min(half - first);
-                    Mutex::new(vec![Complex64::default(); width * modes.len() * coarse[1]])
+                    Mutex::new(vec![0.0; 2 * width * modes.len() * coarse[1]])
                 })
                 .collect(),
         };
@@ -501,18 +504,17 @@ impl Transform for Together {
         let rows = self.shape[1];
         let coarse = self.coarse[1];
         let stride = line_stride(rows);
-        let (lines, room) = work.lines.split_at_mut(BLOCK_WIDTH * stride);
-        let lines = &mut lines[..block.width * stride];
+        let lines = &mut work.lines[..block.width * stride];
         block.read(lines, stride, rows);
         let tops = self.tops.read().unwrap_or_else(PoisonError::into_inner);
         let mut folded = self.folded[block.first / BLOCK_WIDTH]
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        folded.fill(Complex64::default());
+        folded.fill(0.0);
         let modes = self.odd.len();
         let kernels =
             self.kernel[block.first * (1 + modes) * rows..].chunks_exact((1 + modes) * rows);
-        let folded = folded.chunks_exact_mut(modes * coarse);
+        let folded = folded.chunks_exact_mut(2 * modes * coarse);
         for (k, ((line, kernel), folded)) in lines
             .chunks_exact_mut(stride)
             .zip(kernels)
@@ -524,10 +526,19 @@ impl Transform for Together {
                 .column
                 .process_with_scratch(line, &mut work.scratch);
             let column = block.first + k;
-            let tops = &tops[column % self.coarse[0] * modes * coarse..][..modes * coarse];
+            let tops = &tops[column % self.coarse[0] * 2 * modes * coarse..][..2 * modes * coarse];
             widest(
                 #[inline(always)]
-                || self.meet(self.phases[0][column], line, kernel, tops, folded, room),
+                || {
+                    self.meet(
+                        self.phases[0][column],
+                        line,
+                        kernel,
+                        tops,
+                        folded,
+                        &mut work.reals,
+                    )
+                },
             );
             self.plans
                 .column_back
@@ -541,8 +552,11 @@ impl Transform for Together {
     }
 
     fn columns_at_once(&self) -> usize {
-        // Columns, and room for three besides.
-        2
+        1
+    }
+
+    fn real_count(&self) -> usize {
+        6 * self.shape[1]
     }
 }
 
@@ -554,52 +568,61 @@ impl Together {
         phase: Complex64,
         line: &mut [Complex64],
         kernel: &[f64],
-        tops: &[Complex64],
-        folded: &mut [Complex64],
-        room: &mut [Complex64],
+        tops: &[f64],
+        folded: &mut [f64],
+        room: &mut [f64],
     ) {
         let rows = line.len();
         let coarse = self.coarse[1];
-        let (turned, room) = room.split_at_mut(rows);
-        let (even, room) = room.split_at_mut(rows);
-        let uneven = &mut room[..rows];
-        for ((turned, value), along) in turned.iter_mut().zip(&*line).zip(&self.phases[1]) {
-            *turned = value * (phase * along).conj();
+        let (turned, sums) = room.split_at_mut(2 * rows);
+        let (real, imaginary) = turned.split_at_mut(rows);
+        for (((re, im), value), along) in real
+            .iter_mut()
+            .zip(&mut *imaginary)
+            .zip(&*line)
+            .zip(&self.phases[1])
+        {
+            let value = value * (phase * along).conj();
+            (*re, *im) = (value.re, value.im);
         }
-        even.fill(Complex64::default());
-        uneven.fill(Complex64::default());
-        let kernels = kernel.chunks_exact(rows).skip(1);
-        let modes = kernels.zip(&self.odd).zip(
-            tops.chunks_exact(coarse)
-                .zip(folded.chunks_exact_mut(coarse)),
-        );
-        for ((kernel, &odd), (tops, folded)) in modes {
+        sums.fill(0.0);
+        let (even, uneven) = sums.split_at_mut(2 * rows);
+        let kernels = kernel.chunks_exact(rows).skip(1).zip(&self.odd);
+        let modes = tops
+            .chunks_exact(2 * coarse)
+            .zip(folded.chunks_exact_mut(2 * coarse));
+        for ((kernel, &odd), (tops, folded)) in kernels.zip(modes) {
             let sum = if odd { &mut *uneven } else { &mut *even };
-            let pieces = sum
-                .chunks_exact_mut(coarse)
-                .zip(turned.chunks_exact(coarse))
-                .zip(kernel.chunks_exact(coarse));
-            for ((sum, turned), kernel) in pieces {
-                for ((((sum, turned), kernel), top), folded) in sum
-                    .iter_mut()
-                    .zip(turned)
-                    .zip(kernel)
-                    .zip(tops)
-                    .zip(&mut *folded)
-                {
-                    sum.re += kernel * top.re;
-                    sum.im += kernel * top.im;
-                    folded.re += kernel * turned.re;
-                    folded.im += kernel * turned.im;
-                }
+            let (sum_real, sum_imaginary) = sum.split_at_mut(rows);
+            let (top_real, top_imaginary) = tops.split_at(coarse);
+            let (folded_real, folded_imaginary) = folded.split_at_mut(coarse);
+            for piece in 0..rows / coarse {
+                let at = piece * coarse..(piece + 1) * coarse;
+                let kernel = &kernel[at.clone()];
+                multiply_add(&mut sum_real[at.clone()], kernel, top_real);
+                multiply_add(&mut sum_imaginary[at.clone()], kernel, top_imaginary);
+                multiply_add(folded_real, kernel, &real[at.clone()]);
+                multiply_add(folded_imaginary, kernel, &imaginary[at]);
             }
         }
-        let sums = even.iter().zip(&*uneven).zip(&self.phases[1]);
-        for ((value, kernel), ((even, uneven), along)) in line.iter_mut().zip(kernel).zip(sums) {
+        let (even_real, even_imaginary) = even.split_at(rows);
+        let (uneven_real, uneven_imaginary) = uneven.split_at(rows);
+        for (row, (value, kernel)) in line.iter_mut().zip(kernel).enumerate() {
             // i times the uneven ones.
-            let sum = Complex64::new(even.re - uneven.im, even.im + uneven.re);
-            *value = *value * kernel + sum * (phase * along);
+            let sum = Complex64::new(
+                even_real[row] - uneven_imaginary[row],
+                even_imaginary[row] + uneven_real[row],
+            );
+            *value = *value * kernel + sum * (phase * self.phases[1][row]);
         }
+    }
+}
+
+/// `sum += a b`
+#[inline(always)]
+fn multiply_add(sum: &mut [f64], a: &[f64], b: &[f64]) {
+    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
+        *sum += a * b;
     }
 }
 

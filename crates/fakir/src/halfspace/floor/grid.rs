@@ -110,11 +110,11 @@ impl FloorGrid {
     }
 
     /// Half lattice cells along x and y of a period in which nothing meets its images: twice as long as the
-    /// farthest cell and the farthest pillar, `pillars`, are from the lens axis together.
-    pub(crate) fn period(division: &Division, radius: f64, pillars: f64) -> [usize; 2] {
+    /// farthest cell and the farthest pillar, `pillars`, are from the lens axis together, along x and y.
+    pub(crate) fn period(division: &Division, radius: f64, pillars: [f64; 2]) -> [usize; 2] {
         [0, 1].map(|k| {
             let side = division.half[k] as f64 * division.cell[k];
-            let least = 2.0 * (radius + pillars) + 2.0 * division.cell[k];
+            let least = 2.0 * (radius + pillars[k]) + 2.0 * division.cell[k];
             // A cell reaches over its neighbours by half of it, and second differences by one more.
             smooth_size((least / side).ceil() as usize + 1)
         })
