@@ -167,6 +167,13 @@ fn solve(
     let guess = homogenised_radius(system, problem, target);
     let state = match method {
         PillarMethod::Spectral(accuracy) => {
+            if floor == FloorModel::Contact
+                && accuracy == Accuracy::Accurate
+                && let Some(tops) = mixed::far_past_transition(problem, target, guess, run)?
+            {
+                let state = mixed::past_transition(system, problem, target, accuracy, tops, run)?;
+                return Ok((state, false));
+            }
             let degrees = degrees(accuracy, problem);
             let form = PunchForm::Corrected;
             let mut punch = solve_punch(problem, target, guess, form, Purpose::Start, run)?;

@@ -168,7 +168,14 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             vector.resize(size, 0.0);
         }
         couple(&mut self.coupling);
-        self.couple();
+        for response in [&mut self.unit, &mut self.present] {
+            let Response { coefficients, far } = response;
+            if coefficients.iter().all(|c| *c == 0.0) {
+                far.fill(0.0);
+            } else {
+                self.coupling.apply(coefficients, far, self.run.workers());
+            }
+        }
     }
 
     /// What all coefficients do to each other, anew.

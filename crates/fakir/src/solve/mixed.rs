@@ -8,13 +8,14 @@
 use super::answers::{PillarMethod, assemble, refined};
 use super::control::Target;
 use super::estimate::unknowns_only;
-use super::newton::{FLOOR_DEGREE, Newton, Purpose};
-use super::spectral::{Solution, degrees, untouched, wider_window};
+use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
+use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_window};
+use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::floor::coupling::FloorCoupling;
 use crate::halfspace::floor::grid::{Division, FloorGrid};
 use crate::numerics::convergence::larger;
 use crate::problem::scaled::Problem;
-use crate::problem::{Accuracy, Point, System};
+use crate::problem::{Accuracy, Point, PunchForm, System};
 use crate::state::{ContactState, FloorContact, FloorErrors, Run, SolveError, Termination};
 
 /// Largest side of a cell, pillar radii, on the average over both directions; and by how much it may be larger where that saves a
@@ -25,12 +26,20 @@ const CELL_MARGIN: f64 = 1.05;
 /// Cells per radius of a contact with the floor that is there before any pillar is touched.
 const CELLS_PER_RADIUS: [f64; 2] = [24.0, 48.0];
 
-/// Cells in a patch of the floor contact, where the floor bears less than this share: the share is wrong otherwise.
-const CELLS_PER_PATCH: f64 = 60.0;
+/// Cells in a patch of the floor contact at the least: where the floor bears less than this share, and where it bears more. At phi = 0.1 the
+/// share is wrong by 9e-4 with 200 cells a patch, by 3e-4 with 400, and by 1e-4 with 1000.
 const SMALL_SHARE: f64 = 0.01;
+const CELLS_OF_SMALL: f64 = 60.0;
+const CELLS_OF_LARGE: [f64; 2] = [150.0, 600.0];
 
 /// Points of a transform up to which grids are refined for small patches.
-const MOST_POINTS: [f64; 2] = [1.5e6, 6e6];
+const MOST_POINTS: [f64; 2] = [2.5e6, 1e7];
+
+/// A grid has at most so many times as many cells along a pitch as the one that it starts from.
+const LARGEST_RATIO: usize = 3;
+
+/// Cells along half a pitch of the coarsest grid at the least.
+const FEWEST_HALVES: usize = 3;
 
 /// The window of the floor reaches to the farthest cell whose gap on the coarser grid is less than this part of the height of the pillars,
 /// and some cells of that grid farther.
@@ -57,7 +66,7 @@ pub(crate) struct Level {
 /// A solution with the floor.
 pub(crate) struct MixedSolution<'a> {
     pub(crate) solution: Solution<'a>,
-    /// Of every grid, the coarsest first.
+    /// Of every grid, the coarsest first; the finest twice, the second time to the end.
     pub(crate) levels: Vec<Level>,
 }
 
@@ -75,8 +84,9 @@ pub(crate) struct Patches {
     pub(crate) rim_distance: f64,
 }
 
-/// The energy and the force of a state differ from the truth by less than from what twice the cell size gives; by that part of it.
-const HALF: f64 = 0.5;
+/// Errors fall with this power of the cell size, about; what that makes of the difference of two grids is multiplied for safety.
+const ORDER: f64 = 2.3;
+const SAFETY: f64 = 2.0;
 
 /// Part of the length of the border times the size of a cell by which cells count too much area, and by which that may be wrong.
 const BORDER_BIAS: f64 = 0.025;
@@ -85,8 +95,27 @@ const BORDER_ERROR: f64 = 0.03;
 /// Of what the floor bears more for a unit force more; outside of this it is not believed.
 const FLOOR_PART: [f64; 2] = [1.0, 30.0];
 
+/// Depth to which the lens enters the floor, over its height, that no error of the default accuracy explains.
+const FAR_PAST: f64 = 1e-3;
+
 /// Relative energy of the residual for what only estimates need.
 const ROUGH: f64 = 1e-3;
+
+/// The solution on the tops alone by the default accuracy, if the lens enters the floor by so much that another accuracy does not matter.
+pub(crate) fn far_past_transition<'a>(
+    problem: &'a Problem,
+    target: Target,
+    contact_radius: Option<f64>,
+    run: &'a Run<'a>,
+) -> Result<Option<Solution<'a>>, SolveError> {
+    let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
+    let punch = solve_punch(problem, target, contact_radius, form, purpose, run)?;
+    let degrees = degrees(Accuracy::Default, problem);
+    let mut tops = solve_spectral(problem, target, punch, degrees, run)?;
+    let lowest = tops.newton.lowest_gap();
+    let depth = lowest.map_or(0.0, |point| tops.outcome.indentation - point.indentation);
+    Ok((depth > FAR_PAST * problem.height).then_some(tops))
+}
 
 /// The state past the transition, from the solution on the tops alone, which enters the floor.
 pub(crate) fn past_transition(
@@ -126,7 +155,7 @@ pub(crate) fn floor_first(
     };
     let indentation = problem.height + depth;
     let contact = (lens * indentation.min(lens)).sqrt();
-    let degrees = degrees(accuracy, problem);
+    let degrees = degrees(Accuracy::Default, problem);
     let start = untouched(problem, indentation, contact, degrees, run)?;
     let mixed = solve_floor(problem, target, accuracy, start, Some(radius), run)?;
     finish(
@@ -193,7 +222,9 @@ fn estimates(
     transition: f64,
     of_pillars: f64,
 ) -> Option<([f64; 2], FloorErrors)> {
-    let [coarse, fine] = levels.last_chunk()?;
+    let [coarse, fine, _] = levels.last_chunk()?;
+    let ratio = fine.division.half[1] as f64 / coarse.division.half[1] as f64;
+    let part_of = SAFETY / (ratio.powf(ORDER) - 1.0);
     let contact = &solution.newton.contact;
     let stiffness = contact.stiffness();
     // Differences at the same indentation, to first order: dE/dzeta = -F.
@@ -201,7 +232,7 @@ fn estimates(
     let force = (fine.force - coarse.force - stiffness * moved).abs();
     let energy = (fine.energy - coarse.energy + fine.force * moved).abs();
     let past = (fine.indentation - transition).max(1e-6 * fine.indentation);
-    let of_cells = HALF * force.max(energy / past);
+    let of_cells = part_of * force.max(energy / past);
     let error = of_pillars * fine.force + of_cells;
     let share = |level: &Level| level.floor_force / level.force;
     let unit: f64 = contact.floor_unit_coefficients().iter().sum();
@@ -209,10 +240,10 @@ fn estimates(
     let part = (contact.unit_cell() * unit / stiffness)
         .abs()
         .clamp(least, most);
-    let changed = HALF * (share(fine) - share(coarse)).abs();
+    let changed = part_of * (share(fine) - share(coarse)).abs();
     let of_share = changed.max(part * error / fine.force) / share(fine);
     let border = BORDER_ERROR * fine.division.cell_area().sqrt() * fine.patches.border();
-    let of_area = (fine.area() - coarse.area()).abs() * HALF;
+    let of_area = (fine.area() - coarse.area()).abs() * part_of;
     let relative = [error / fine.force, error / (stiffness * fine.indentation)];
     Some((
         relative,
@@ -253,7 +284,7 @@ fn floor_contact(
     let agree = levels
         .iter()
         .rev()
-        .nth(1)
+        .nth(2)
         .is_some_and(|coarse| coarse.patches.count == level.patches.count);
     Some(FloorContact {
         force: level.floor_force * problem.force(),
@@ -286,20 +317,77 @@ fn energy_bound(newton: &Newton<'_>, level: &Level) -> f64 {
         + deepest * level.floor_force / level.energy.abs()
 }
 
-/// How finely the floor is to be resolved.
-fn first_halves(problem: &Problem, accuracy: Accuracy, patch_radius: Option<f64>) -> usize {
-    let index = usize::from(accuracy == Accuracy::Accurate);
-    let pitch = problem.lattice.pitch;
-    let mut largest = CELL_MARGIN * CELL[index];
-    if let Some(radius) = patch_radius {
-        largest = largest.min(radius / CELLS_PER_RADIUS[index]);
-    }
-    let fine_enough = |half: &usize| Division::new(pitch, *half).cell_area().sqrt() <= largest;
-    // Numbers that may be halved twice, or of which 3 remains.
+/// Numbers of cells along half a pitch that are quick to transform: the smallest that is no less, but for a margin.
+fn halves(least: f64) -> usize {
     (0..40)
-        .flat_map(|power| [4 << power, 6 << power])
-        .find(fine_enough)
-        .unwrap_or(4)
+        .flat_map(|power| [2 << power, 3 << power])
+        .find(|half| *half as f64 * CELL_MARGIN >= least)
+        .unwrap_or(2)
+}
+
+/// How finely the floor is to be resolved, and how large it may be.
+struct Wanted {
+    accuracy: Accuracy,
+    /// Cells along half a pitch at the least, whatever the patches.
+    halves: f64,
+}
+
+impl Wanted {
+    fn new(problem: &Problem, accuracy: Accuracy, patch_radius: Option<f64>) -> Self {
+        let index = usize::from(accuracy == Accuracy::Accurate);
+        let of_patch = |radius: f64| radius / CELLS_PER_RADIUS[index];
+        let cell = patch_radius.map_or(CELL[index], |radius| of_patch(radius).min(CELL[index]));
+        let halves = 0.5 * problem.lattice.pitch / cell;
+        Self { accuracy, halves }
+    }
+
+    /// The coarsest grid: two levels are needed at the least.
+    fn first(&self) -> usize {
+        let mut half = halves(self.halves);
+        while half.is_multiple_of(2) && half / 2 >= FEWEST_HALVES {
+            half /= 2;
+        }
+        half
+    }
+
+    /// The grid after those solved, if they are not enough.
+    fn next(&self, problem: &Problem, mixed: &MixedSolution<'_>) -> Option<usize> {
+        let level = mixed.levels.last()?;
+        let index = usize::from(self.accuracy == Accuracy::Accurate);
+        let half = level.division.half[1];
+        let least = if level.floor_force < SMALL_SHARE * level.force {
+            CELLS_OF_SMALL
+        } else {
+            CELLS_OF_LARGE[index]
+        };
+        let cells = level.patches.cells as f64 / level.patches.count.max(1) as f64;
+        let of_patches = half as f64 * (least / cells.max(1.0)).sqrt();
+        let mut next = halves(self.halves.max(of_patches));
+        if next > LARGEST_RATIO * half {
+            // Half-way to it.
+            next = halves((half as f64 * next as f64).sqrt());
+        }
+        if next <= half {
+            return (mixed.levels.len() < 2).then_some(2 * half);
+        }
+        // Small patches are not worth any number of points.
+        let newton = &mixed.solution.newton;
+        let radius = window_radius(problem, newton);
+        let points = |half: usize| -> f64 {
+            let division = Division::new(problem.lattice.pitch, half);
+            let period = FloorGrid::period(&division, radius, newton.tops.window.extent());
+            let sides = [0, 1].map(|k| (period[k] * division.half[k]) as f64);
+            sides[0] * sides[1]
+        };
+        let whatever = halves(self.halves);
+        while next > whatever && next > half && points(next) > MOST_POINTS[index] {
+            next = (whatever..next)
+                .rev()
+                .find(|n| halves(*n as f64) == *n)
+                .unwrap_or(whatever);
+        }
+        (next > half).then_some(next)
+    }
 }
 
 /// Solves with the floor, from a solution on the tops alone or from no contact at all.
@@ -311,52 +399,41 @@ pub(crate) fn solve_floor<'a>(
     patch_radius: Option<f64>,
     run: &'a Run<'a>,
 ) -> Result<MixedSolution<'a>, SolveError> {
-    let finest = first_halves(problem, accuracy, patch_radius);
-    let mut half = [4, 2]
-        .into_iter()
-        .find(|&parts| finest.is_multiple_of(parts))
-        .map_or(finest, |parts| finest / parts);
+    let wanted = Wanted::new(problem, accuracy, patch_radius);
     let mut mixed = MixedSolution {
         solution: start,
         levels: Vec::new(),
     };
-    loop {
+    let mut next = Some(wanted.first());
+    while let Some(half) = next {
         let division = Division::new(problem.lattice.pitch, half);
-        let purpose = if half >= finest {
-            Purpose::Answer
-        } else {
-            Purpose::Level
-        };
-        mixed = solve_level(problem, target, purpose, mixed, division, run)?;
+        mixed = solve_level(problem, target, Purpose::Level, mixed, division, run)?;
         if mixed.solution.outcome.termination != Termination::Converged {
             return Ok(mixed);
         }
-        if half >= finest && !wants_more(problem, accuracy, &mixed) {
-            return Ok(mixed);
-        }
-        half *= 2;
+        next = wanted.next(problem, &mixed);
     }
-}
-
-/// Whether patches are too small for the cells, and smaller ones not too many.
-fn wants_more(problem: &Problem, accuracy: Accuracy, mixed: &MixedSolution<'_>) -> bool {
-    let Some(level) = mixed.levels.last() else {
-        return false;
+    // The last grid once more, to the end, with all nodes and modes on the pillars.
+    let Some(division) = mixed.levels.last().map(|level| level.division) else {
+        return Ok(mixed);
     };
-    let small = level.floor_force < SMALL_SHARE * level.force;
-    let cells = level.patches.cells as f64;
-    let coarse = cells < CELLS_PER_PATCH * level.patches.count.max(1) as f64;
-    let half = 2 * level.division.half[1];
-    let division = Division::new(problem.lattice.pitch, half);
     let newton = &mixed.solution.newton;
-    let radius = window_radius(problem, newton);
-    let period = FloorGrid::period(&division, radius, newton.tops.window.extent());
-    let points: f64 = [0, 1]
-        .map(|k| (period[k] * division.half[k]) as f64)
-        .iter()
-        .product();
-    let index = usize::from(accuracy == Accuracy::Accurate);
-    small && coarse && points < MOST_POINTS[index]
+    let asked = degrees(accuracy, problem);
+    let coupling = asked.coupling.max(newton.degree());
+    let tops = Resolution {
+        rings: newton.tops.top.resolution().rings.min(asked.tops.rings),
+        ..asked.tops
+    };
+    if coupling != newton.degree() || tops != newton.tops.top.resolution() {
+        let degrees = Degrees { coupling, tops };
+        let pressures = FloorPressures::of(newton);
+        let mut finer = newton.rebuilt(newton.tops.window.clone(), degrees);
+        if let (Some(cells), Some(pressures)) = (&newton.cells, pressures) {
+            finer.set_floor(cells.grid.clone(), &|point| pressures.at(point));
+        }
+        mixed.solution.newton = finer;
+    }
+    solve_level(problem, target, Purpose::Answer, mixed, division, run)
 }
 
 /// The floor window for the next grid: around the contact on the present one, if there is one.
@@ -424,21 +501,37 @@ fn solve_level<'a>(
         mut solution,
         mut levels,
     } = mixed;
-    let mut radius = window_radius(problem, &solution.newton);
+    let grid_of = |newton: &Newton<'_>| {
+        let cells = newton.cells.as_ref()?;
+        (cells.grid.division == division).then_some(cells.grid.radius)
+    };
+    let mut radius =
+        grid_of(&solution.newton).unwrap_or_else(|| window_radius(problem, &solution.newton));
     let mut pressures = FloorPressures::of(&solution.newton);
     for growth in 0..GROWTHS {
         let newton = &mut solution.newton;
         let pillars = newton.tops.window.extent();
-        if let Some(grid) = checked_floor(problem, division, radius, pillars, run)? {
+        let kept = grid_of(newton).is_some_and(|own| own >= radius);
+        let grid = if kept {
+            None
+        } else {
+            checked_floor(problem, division, radius, pillars, run)?
+        };
+        let started = std::time::Instant::now();
+        if let Some(grid) = grid {
             newton.set_floor(grid, &|point| {
                 pressures.as_ref().map_or([0.0; 2], |known| known.at(point))
             });
             run.check_cancelled()?;
+        }
+        if newton.cells.is_some() {
+            let set = started.elapsed().as_secs_f64();
             solution.outcome = newton.solve(target, purpose)?;
             solution.steps += solution.outcome.steps;
             if std::env::var_os("FAKIR_DEBUG").is_some() {
                 eprintln!(
-                    "half {} cells {} of {} steps {} products {} radius {radius:.2} F {:.9} floor {:.9}",
+                    "set {set:.4} solved {:.4} half {} cells {} of {} steps {} products {} radius {radius:.2} F {:.9} floor {:.9} share {:.7} E {:.11e}",
+                    started.elapsed().as_secs_f64() - set,
                     division.half[1],
                     newton
                         .cells
@@ -453,12 +546,14 @@ fn solve_level<'a>(
                     newton.contact.products,
                     newton.force(),
                     newton.contact.floor_force(),
+                    newton.contact.floor_force() / newton.force(),
+                    newton.contact.energy(),
                 );
             }
             pressures = FloorPressures::of(newton);
         }
         if let Some(window) = wider_window(problem, newton, run)? {
-            solution.newton = newton.on_window(window);
+            solution.newton = newton.rebuilt(window, newton.degrees());
             continue;
         }
         let patches = patches(problem, newton);

@@ -561,14 +561,22 @@ impl<'a> Newton<'a> {
         self.floor.lowest(self.problem, &discs, &self.run.cancel)
     }
 
-    /// The same on another window, without the floor's cells.
-    pub(crate) fn on_window(&self, window: Window) -> Self {
-        let pair = PairCoupling::new(self.degree(), self.problem.lattice.pitch);
-        let kappa = self.problem.column_compliance_ratio;
-        let top = PillarTop::new(self.tops.top.resolution(), self.degree(), kappa);
-        let mut wider = Self::new(self.problem, self.run, self.stage, window, &pair, top);
-        wider.start_from(self);
-        wider
+    /// The same on another window and with other degrees, without the floor's cells.
+    pub(crate) fn rebuilt(&self, window: Window, degrees: Degrees) -> Self {
+        let Degrees { coupling, tops } = degrees;
+        let pair = PairCoupling::new(coupling, self.problem.lattice.pitch);
+        let top = PillarTop::new(tops, coupling, self.problem.column_compliance_ratio);
+        let mut rebuilt = Self::new(self.problem, self.run, self.stage, window, &pair, top);
+        rebuilt.start_from(self);
+        rebuilt
+    }
+
+    /// Its degrees.
+    pub(crate) fn degrees(&self) -> Degrees {
+        Degrees {
+            coupling: self.degree(),
+            tops: self.tops.top.resolution(),
+        }
     }
 
     /// Takes statuses and leading coefficients of full contact from a coarser solution.

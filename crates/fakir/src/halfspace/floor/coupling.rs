@@ -25,7 +25,7 @@ use crate::halfspace::elements::convolution::{
     BLOCK_WIDTH, ColumnBlock, Convolution, Transform, Workspace, line_stride,
 };
 use crate::numerics::fft::RealPlans;
-use crate::numerics::vector::widest;
+use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::numerics::workers::Workers;
 use rayon::ThreadPool;
 use rustfft::num_complex::Complex64;
@@ -596,13 +596,13 @@ impl Together {
             let (sum_real, sum_imaginary) = sum.split_at_mut(rows);
             let (top_real, top_imaginary) = tops.split_at(coarse);
             let (folded_real, folded_imaginary) = folded.split_at_mut(coarse);
-            for piece in 0..rows / coarse {
-                let at = piece * coarse..(piece + 1) * coarse;
+            for first in (0..rows).step_by(coarse) {
+                let at = first..first + coarse;
                 let kernel = &kernel[at.clone()];
-                multiply_add(&mut sum_real[at.clone()], kernel, top_real);
-                multiply_add(&mut sum_imaginary[at.clone()], kernel, top_imaginary);
-                multiply_add(folded_real, kernel, &real[at.clone()]);
-                multiply_add(folded_imaginary, kernel, &imaginary[at]);
+                let sums = [&mut sum_real[at.clone()], &mut sum_imaginary[at.clone()]];
+                let turned = [&real[at.clone()], &imaginary[at]];
+                let folds = [&mut *folded_real, &mut *folded_imaginary];
+                multiply_add(kernel, sums, [top_real, top_imaginary], folds, turned);
             }
         }
         let (even_real, even_imaginary) = even.split_at(rows);
@@ -618,12 +618,41 @@ impl Together {
     }
 }
 
-/// `sum += a b`
+/// `sum += kernel top` and `folded += kernel turned`, real and imaginary parts, of lengths that are multiples of [`LANES`].
 #[inline(always)]
-fn multiply_add(sum: &mut [f64], a: &[f64], b: &[f64]) {
-    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
-        *sum += a * b;
+fn multiply_add(
+    kernel: &[f64],
+    [sum_real, sum_imaginary]: [&mut [f64]; 2],
+    [top_real, top_imaginary]: [&[f64]; 2],
+    [folded_real, folded_imaginary]: [&mut [f64]; 2],
+    [real, imaginary]: [&[f64]; 2],
+) {
+    let (kernel, _) = kernel.as_chunks::<LANES>();
+    let sums = lanes_mut(sum_real).iter_mut().zip(lanes_mut(sum_imaginary));
+    let folds = lanes_mut(folded_real)
+        .iter_mut()
+        .zip(lanes_mut(folded_imaginary));
+    let tops = lanes(top_real).iter().zip(lanes(top_imaginary));
+    let turned = lanes(real).iter().zip(lanes(imaginary));
+    for ((((kernel, sum), fold), top), turned) in
+        kernel.iter().zip(sums).zip(folds).zip(tops).zip(turned)
+    {
+        let kernel = Lanes(*kernel);
+        *sum.0 = (Lanes(*sum.0) + kernel * Lanes(*top.0)).0;
+        *sum.1 = (Lanes(*sum.1) + kernel * Lanes(*top.1)).0;
+        *fold.0 = (Lanes(*fold.0) + kernel * Lanes(*turned.0)).0;
+        *fold.1 = (Lanes(*fold.1) + kernel * Lanes(*turned.1)).0;
     }
+}
+
+#[inline(always)]
+fn lanes(values: &[f64]) -> &[[f64; LANES]] {
+    values.as_chunks().0
+}
+
+#[inline(always)]
+fn lanes_mut(values: &mut [f64]) -> &mut [[f64; LANES]] {
+    values.as_chunks_mut().0
 }
 
 #[cfg(test)]

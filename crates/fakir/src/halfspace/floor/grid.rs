@@ -115,8 +115,8 @@ impl FloorGrid {
         [0, 1].map(|k| {
             let side = division.half[k] as f64 * division.cell[k];
             let least = 2.0 * (radius + pillars[k]) + 2.0 * division.cell[k];
-            // A cell reaches over its neighbours by half of it, and second differences by one more.
-            smooth_size((least / side).ceil() as usize + 1)
+            // Rows are taken four at a time.
+            2 * smooth_size(((least / side).ceil() as usize + 1).div_ceil(2))
         })
     }
 }
