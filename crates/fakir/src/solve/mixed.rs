@@ -30,10 +30,10 @@ const CELLS_PER_RADIUS: [f64; 2] = [24.0, 48.0];
 /// share is wrong by 9e-4 with 200 cells a patch, by 3e-4 with 400, and by 1e-4 with 1000.
 const SMALL_SHARE: f64 = 0.01;
 const CELLS_OF_SMALL: f64 = 60.0;
-const CELLS_OF_LARGE: [f64; 2] = [150.0, 600.0];
+const CELLS_OF_LARGE: [f64; 2] = [150.0, 900.0];
 
 /// Points of a transform up to which grids are refined for small patches.
-const MOST_POINTS: [f64; 2] = [2.5e6, 1e7];
+const MOST_POINTS: [f64; 2] = [4e6, 1.6e7];
 
 /// A grid has at most so many times as many cells along a pitch as the one that it starts from.
 const LARGEST_RATIO: usize = 3;
@@ -45,6 +45,9 @@ const FEWEST_HALVES: usize = 3;
 /// and some cells of that grid farther.
 const NEAR_CONTACT: f64 = 0.02;
 const WINDOW_MARGIN: f64 = 2.5;
+
+/// Around the holes that the lens enters on the tops alone, in pitches.
+const ENTERED_MARGIN: f64 = 1.0;
 
 /// Cells between the contact and the end of the window at the least.
 const WINDOW_CELLS: f64 = 1.5;
@@ -440,7 +443,8 @@ pub(crate) fn solve_floor<'a>(
 fn window_radius(problem: &Problem, newton: &Newton<'_>) -> f64 {
     let largest = largest_window(problem, newton.contact.indentation());
     let Some(cells) = &newton.cells else {
-        return largest;
+        let pitch = problem.lattice.pitch;
+        return (entered_radius(problem, newton, largest) + ENTERED_MARGIN * pitch).min(largest);
     };
     let near = -NEAR_CONTACT * problem.height;
     let reach = cells
@@ -452,6 +456,31 @@ fn window_radius(problem: &Problem, newton: &Newton<'_>) -> f64 {
         .map(|([x, y], _)| x.hypot(y))
         .fold(0.0, f64::max);
     (reach + WINDOW_MARGIN * cells.grid.division.longest()).min(largest)
+}
+
+/// Within this radius the lens enters holes between the pillars, as long as these alone bear it: found by bisection at a dozen places around
+/// the axis.
+fn entered_radius(problem: &Problem, newton: &Newton<'_>, largest: f64) -> f64 {
+    const DIRECTIONS: usize = 12;
+    const HALVINGS: usize = 8;
+    let lattice = &problem.lattice;
+    let hole = lattice.pitch / 3f64.sqrt();
+    let mut bounds = [0.0, largest];
+    for _ in 0..HALVINGS {
+        let radius = 0.5 * (bounds[0] + bounds[1]);
+        let holes: Vec<Point> = (0..DIRECTIONS)
+            .map(|k| {
+                let (sin, cos) = (std::f64::consts::TAU * k as f64 / DIRECTIONS as f64).sin_cos();
+                let [x, y] = [radius * cos, radius * sin];
+                let (i, j) = lattice.nearest_pillar([x, y]);
+                let [cx, cy] = lattice.centre(i, j);
+                [if x > cx { cx + hole } else { cx - hole }, cy]
+            })
+            .collect();
+        let enters = newton.gaps_under_tops(&holes).iter().any(|gap| *gap < 0.0);
+        bounds[usize::from(!enters)] = radius;
+    }
+    bounds[1]
 }
 
 /// Nothing outside of this can be touched: the undeformed lens is above the floor, and pressures only move it away.

@@ -6,7 +6,7 @@
 //! the solutions of all pillars.
 
 use super::control::Target;
-use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::floor::{FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs};
 use super::frozen::{FrozenContact, Response, Source};
 use super::rules::floor::{FloorCells, Places};
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
@@ -413,8 +413,13 @@ impl<'a> Newton<'a> {
     }
 
     fn report(&self, step: usize) {
+        let stage = if self.cells.is_some() {
+            Stage::Floor
+        } else {
+            self.stage
+        };
         self.run.report(Progress {
-            stage: self.stage,
+            stage,
             step,
             pillars: self.tops.window.len(),
             touched: self.touched(),
@@ -527,6 +532,28 @@ impl<'a> Newton<'a> {
 
     /// The lowest point of the floor under pressures that go with the indentation, or do not.
     fn search_floor(&mut self, with_indentation: bool) -> Option<FloorPoint> {
+        let mut floor = std::mem::take(&mut self.floor);
+        let lowest = self.with_loaded(with_indentation, |discs| {
+            floor.lowest(self.problem, discs, &self.run.cancel)
+        });
+        self.floor = floor;
+        lowest
+    }
+
+    /// Gaps to the floor at points beside pillars, by the pressures on the pillars alone.
+    pub(crate) fn gaps_under_tops(&self, points: &[Point]) -> Vec<f64> {
+        let above = self.problem.height - self.contact.indentation();
+        self.with_loaded(false, |discs| {
+            let gap = |point: &Point| {
+                let [_, displacement] = discs.displacement(*point);
+                above + self.problem.sag_with_brim(*point) + displacement.value
+            };
+            points.iter().map(gap).collect()
+        })
+    }
+
+    /// What the touched pillars bear, as discs: under pressures that go with the indentation, or do not.
+    fn with_loaded<R>(&self, with_indentation: bool, ask: impl FnOnce(&LoadedDiscs<'_>) -> R) -> R {
         let modes = self.contact.modes();
         let touched: Vec<usize> = (0..self.tops.window.len())
             .filter(|&p| self.tops.status[p] != PillarStatus::Untouched)
@@ -558,7 +585,7 @@ impl<'a> Newton<'a> {
             coefficients: [&along, &without],
             run: self.run,
         };
-        self.floor.lowest(self.problem, &discs, &self.run.cancel)
+        ask(&discs)
     }
 
     /// The same on another window and with other degrees, without the floor's cells.
