@@ -33,7 +33,7 @@ const CELLS_OF_SMALL: f64 = 60.0;
 const CELLS_OF_LARGE: [f64; 2] = [150.0, 900.0];
 
 /// Points of a transform up to which grids are refined for small patches.
-const MOST_POINTS: [f64; 2] = [4e6, 1.6e7];
+const MOST_POINTS: [f64; 2] = [1.5e6, 5e6];
 
 /// A grid has at most so many times as many cells along a pitch as the one that it starts from.
 const LARGEST_RATIO: usize = 3;
