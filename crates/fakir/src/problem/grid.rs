@@ -197,6 +197,14 @@ impl Cells {
         }
     }
 
+    /// The same cells of a grid that is larger by a factor.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.grid.cell = scaled.grid.cell.map(|side| side * factor);
+        scaled.grid.origin = scaled.grid.origin.map(|x| x * factor);
+        scaled
+    }
+
     /// The grid they are cells of.
     #[must_use]
     pub fn grid(&self) -> &Grid {

@@ -121,6 +121,17 @@ pub struct System {
     lens: Lens,
     substrate: Material,
     texture: Texture,
+    floor: FloorModel,
+}
+
+/// What becomes of the floor between the pillars where the lens comes down to it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FloorModel {
+    /// It bears its part of the load.
+    #[default]
+    Contact,
+    /// It is not there, as in the paper: past the transition the lens goes through it.
+    Ignored,
 }
 
 impl System {
@@ -153,7 +164,20 @@ impl System {
             lens,
             substrate,
             texture,
+            floor: FloorModel::Contact,
         })
+    }
+
+    /// The same system with another model of the floor.
+    #[must_use]
+    pub fn with_floor(self, floor: FloorModel) -> Self {
+        Self { floor, ..self }
+    }
+
+    /// What becomes of the floor where the lens comes down to it. Methods other than the spectral one ignore it.
+    #[must_use]
+    pub fn floor_model(&self) -> FloorModel {
+        self.floor
     }
 
     /// The lens.
@@ -255,7 +279,8 @@ impl System {
     /// As [`System::new`].
     pub fn with_lattice(&self, lattice: HexagonalLattice) -> Result<Self, InvalidQuantity> {
         let pillar = self.texture.pillar;
-        Self::new(self.lens, self.substrate, Texture { pillar, lattice })
+        let system = Self::new(self.lens, self.substrate, Texture { pillar, lattice })?;
+        Ok(system.with_floor(self.floor))
     }
 }
 

@@ -4,6 +4,7 @@ use super::elements::pillars;
 use super::elements::pillars::ElementSolution;
 use super::estimate::{estimate, unknowns_only};
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::mixed;
 use super::newton::{MISMATCH_TOLERANCE, Purpose};
 use super::reach::{Reach, contact_reach, punch_reach};
 use super::rules::patch::{Patch, PatchSolver};
@@ -16,12 +17,12 @@ use crate::halfspace::disc::basis::degree_with;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::workers::CancelToken;
 use crate::problem::scaled::Problem;
-use crate::problem::{Accuracy, Control, ElementMesh, Method, PunchForm, System};
+use crate::problem::{Accuracy, Control, ElementMesh, FloorModel, Method, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::{
-    ContactState, ErrorEstimate, Fields, PillarState, PillarStatus, Progress, Run, SolveError,
-    Stage, Termination,
+    ContactState, ErrorEstimate, Fields, FloorContact, PillarState, PillarStatus, Progress, Run,
+    SolveError, Stage, Termination,
 };
 use crate::theory::homogenised;
 use std::sync::Arc;
@@ -72,6 +73,18 @@ pub(crate) fn press(
         Control::FloorContact => Control::FloorContact,
     };
     let first_touch = problem.lens.sag(problem.nearest_edge());
+    if let (FloorModel::Contact, PillarMethod::Spectral(accuracy)) = (system.floor_model(), method)
+        && problem.touches_floor_first()
+    {
+        match target {
+            Control::Indentation(indentation) if indentation <= problem.height => {}
+            Control::FloorContact => {}
+            Control::Force(force) if force <= 0.0 => {
+                return Ok(without_contact(system, &problem, method, problem.height));
+            }
+            _ => return mixed::floor_first(system, &problem, target, accuracy, run),
+        }
+    }
     match target {
         Control::Indentation(indentation) if indentation <= first_touch => {
             Ok(without_contact(system, &problem, method, indentation))
@@ -112,14 +125,25 @@ fn solve(
     method: PillarMethod,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
+    let bears = system.floor_model() == FloorModel::Contact && target != Control::FloorContact;
+    let enters = |gap: f64| bears && gap < 0.0;
     if let PillarMethod::Spectral(_) = method
         && let Some(patch) = find_patch(problem, target)
     {
-        return Ok(patch_state(system, problem, method, &patch));
+        let state = patch_state(system, problem, method, &patch);
+        if !enters(state.smallest_floor_gap) {
+            return Ok(state);
+        }
     }
     let guess = homogenised_radius(system, problem, target);
     match method {
         PillarMethod::Spectral(accuracy) => {
+            if bears
+                && accuracy == Accuracy::Accurate
+                && let Some(tops) = mixed::far_past_transition(problem, target, guess, run)?
+            {
+                return mixed::past_transition(system, problem, target, accuracy, tops, run);
+            }
             let degrees = degrees(accuracy, problem);
             let form = PunchForm::Corrected;
             let mut punch = solve_punch(problem, target, guess, form, Purpose::Start, run)?;
@@ -130,25 +154,43 @@ fn solve(
             {
                 let lattice = PillarMethod::Punch(form);
                 let error = punch_error(form, target, &punch);
-                let state = assemble(system, problem, target, lattice, &mut punch, error)?;
+                let state = {
+                    let lowest = lowest_point(target, &mut punch);
+                    assemble(
+                        system, problem, target, lattice, &punch, lowest, None, error,
+                    )?
+                };
                 listener(&state);
             }
             let mut solution = solve_spectral(problem, target, punch, degrees, run)?;
+            let lowest = lowest_point(target, &mut solution);
+            if enters(lowest.map_or(0.0, |point| {
+                point.indentation - solution.outcome.indentation
+            })) {
+                return mixed::past_transition(system, problem, target, accuracy, solution, run);
+            }
             if let Some(listener) = listener {
-                let mut state = assemble(system, problem, target, method, &mut solution, UNKNOWN)?;
+                let mut state = assemble(
+                    system, problem, target, method, &solution, lowest, None, UNKNOWN,
+                )?;
                 listener(&state);
                 state.error = refined(&mut solution, target, run)?;
                 Ok(state)
             } else {
                 let error = refined(&mut solution, target, run)?;
-                assemble(system, problem, target, method, &mut solution, error)
+                assemble(
+                    system, problem, target, method, &solution, lowest, None, error,
+                )
             }
         }
         PillarMethod::Punch(form) => {
             let purpose = Purpose::Answer;
             let mut solution = solve_punch(problem, target, guess, form, purpose, run)?;
             let error = punch_error(form, target, &solution);
-            assemble(system, problem, target, method, &mut solution, error)
+            let lowest = lowest_point(target, &mut solution);
+            assemble(
+                system, problem, target, method, &solution, lowest, None, error,
+            )
         }
         PillarMethod::Love(mesh) => {
             let solution = pillars::solve(problem, target, guess, mesh, run)?;
@@ -188,8 +230,16 @@ fn homogenised_radius(system: &System, problem: &Problem, target: Control) -> Op
     Some(radius).filter(|radius| *radius > 0.0)
 }
 
+/// The lowest point of the floor, or that which decided the indentation.
+fn lowest_point(target: Control, solution: &mut Solution<'_>) -> Option<FloorPoint> {
+    match target {
+        Control::FloorContact => solution.outcome.floor,
+        Control::Force(_) | Control::Indentation(_) => solution.newton.lowest_gap(),
+    }
+}
+
 /// Error estimate of the spectral method, from other nodes and a higher degree.
-fn refined(
+pub(super) fn refined(
     solution: &mut Solution<'_>,
     target: Control,
     run: &Run<'_>,
@@ -208,7 +258,7 @@ fn refined(
 }
 
 /// A state without any contact: the lens above, or just at, the pillar tops.
-fn without_contact(
+pub(super) fn without_contact(
     system: &System,
     problem: &Problem,
     method: PillarMethod,
@@ -371,13 +421,16 @@ fn patch_state(
     )
 }
 
-/// The answer from a solution of all pillars.
-fn assemble(
+/// The answer from a solution of all pillars, and of the floor where that is in contact. `lowest` is the lowest point of a floor that is not.
+#[allow(clippy::too_many_arguments)]
+pub(super) fn assemble(
     system: &System,
     problem: &Problem,
     target: Control,
     method: PillarMethod,
-    solution: &mut Solution<'_>,
+    solution: &Solution<'_>,
+    lowest: Option<FloorPoint>,
+    floor: Option<FloorContact>,
     error: ErrorEstimate,
 ) -> Result<ContactState, SolveError> {
     let Solution {
@@ -386,13 +439,10 @@ fn assemble(
         steps,
     } = solution;
     let indentation = outcome.indentation;
-    let lowest = match target {
-        Control::FloorContact => outcome.floor,
-        Control::Force(_) | Control::Indentation(_) => newton.lowest_gap(),
-    };
     newton.run.check_cancelled()?;
     let mut touched = touched_pillars(problem, newton);
-    let force = share_force(&mut touched, target, problem);
+    let on_floor = floor.as_ref().map_or(0.0, |floor| floor.force);
+    let force = share_force(&mut touched, on_floor, target, problem);
     let Reach {
         radius: contact_radius,
         error: radius_error,
@@ -405,10 +455,12 @@ fn assemble(
     } else {
         contact_radius
     };
-    let ratio = contact_radius / problem.lens.radius;
+    let floor_radius = floor.as_ref().map_or(0.0, |floor| floor.radius) / problem.length;
+    let farthest = contact_radius.max(floor_radius);
+    let ratio = farthest / problem.lens.radius;
     if ratio > LARGEST_CONTACT {
         return Err(SolveError::ContactExceedsLens {
-            contact_radius: contact_radius * problem.length,
+            contact_radius: farthest * problem.length,
             lens_radius: system.lens().radius,
         });
     }
@@ -429,7 +481,12 @@ fn assemble(
         newton.degree(),
         close_degree,
     );
+    let fields = match newton.floor_load() {
+        Some(load) if floor.is_some() => fields.with_floor(load),
+        _ => fields,
+    };
     let state = ContactState {
+        floor,
         force,
         contact_radius: contact_radius * problem.length,
         contact_radius_error: radius_error * problem.length,
@@ -499,10 +556,16 @@ fn elements(
 /// what it leaves on one pillar, some times over.
 const PILLARS_MISMATCH: f64 = 100.0 * MISMATCH_TOLERANCE;
 
-/// The force on all pillars. What is prescribed is met within the solver's tolerance; the pillars
+/// The force on all pillars and on the floor. What is prescribed is met within the solver's tolerance; the pillars
 /// share what is missing, so that they bear it to the last digit.
-fn share_force(touched: &mut [TouchedPillar], target: Control, problem: &Problem) -> f64 {
-    let sum: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
+fn share_force(
+    touched: &mut [TouchedPillar],
+    on_floor: f64,
+    target: Control,
+    problem: &Problem,
+) -> f64 {
+    let on_tops: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
+    let sum = on_tops + on_floor;
     let Control::Force(force) = target else {
         return sum;
     };
@@ -512,7 +575,7 @@ fn share_force(touched: &mut [TouchedPillar], target: Control, problem: &Problem
         return sum;
     }
     for pillar in touched {
-        pillar.state.force *= prescribed / sum;
+        pillar.state.force *= (prescribed - on_floor) / on_tops;
     }
     prescribed
 }

@@ -1,6 +1,7 @@
 //! The frozen contact: what every place would do if none changed its state.
 //!
-//! The unknowns are the leading pressure coefficients `c` of every place, here the pillars. A place under the incident
+//! The unknowns are the coefficients `c` of the pressure on every place: the leading ones of every pillar top, then, where the floor
+//! is touched, one of every cell of it. A place that gives way by itself, a pillar top, under the incident
 //! load `s = zeta b1 + bs - B c` answers with `c = P s + cb` as long as its state stays as it is, where `b1` is the
 //! load of a unit indentation, `bs` that of the lens shape, and `B` the [coupling](Coupling). `P` and `cb` come from the
 //! [rules](Rule). The state of all is then linear in the indentation, `c = c* + (zeta - zeta*) c1`, with
@@ -12,6 +13,9 @@
 //! Both are solved by preconditioned conjugate gradients on `(P^-1 + B) c = b + P^-1 cb`, in the dual variable
 //! `s = P^-1 (c - cb)`, so that the singular `P` is never inverted. `c*` changes little from step to step, and `c1`
 //! need not be exact, as `zeta - zeta*` tends to zero.
+//!
+//! A floor cell has its own compliance in `B`: `P^-1` is zero there. Cells that bear pressure are to leave no incident load,
+//! all others bear none; the same iteration finds their pressure, with a preconditioner in place of `P`.
 
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::disc::basis::UNIT_FORCE;
@@ -25,11 +29,16 @@ const ITERATION_LIMIT: usize = 600;
 
 /// How the places of contact answer to the loads on them, their states frozen.
 pub(crate) trait Rule {
-    /// `c = P s`, place by place.
+    /// `c = P s`, place by place. Of a place without a compliance of its own `c` stays, or is zero if it bears no pressure.
     fn respond(&self, load: &[f64], coefficients: &mut [f64], workers: Workers<'_>);
 
     /// `c += cb`
     fn add_constants(&self, coefficients: &mut [f64]);
+
+    /// About what makes a residual vanish: `P` where there is one; zero of places that bear no pressure.
+    fn precondition(&mut self, residual: &[f64], direction: &mut [f64], workers: Workers<'_>) {
+        self.respond(residual, direction, workers);
+    }
 }
 
 /// Coefficients and the loads they make on the other places.
@@ -66,8 +75,12 @@ pub(crate) enum Source<'a> {
 pub(crate) struct FrozenContact<'a, O> {
     run: &'a Run<'a>,
     coupling: O,
-    /// Leading modes per place.
+    /// Leading modes per pillar.
     modes: usize,
+    /// Number of coefficients of pillars, the first ones; all others are of floor cells.
+    tops: usize,
+    /// The load of a unit indentation on a floor cell, and the force of a unit coefficient: the root of its area.
+    unit_cell: f64,
     /// `bs`, place by place.
     own_load: Vec<f64>,
     /// Response to a unit indentation.
@@ -75,6 +88,7 @@ pub(crate) struct FrozenContact<'a, O> {
     /// Response at the indentation `base`.
     pub(super) present: Response,
     base: f64,
+    pub(crate) products: usize,
     room: Room,
 }
 
@@ -98,10 +112,13 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             run,
             coupling,
             modes,
+            tops: size,
+            unit_cell: 0.0,
             own_load,
             unit: Response::none(size),
             present: Response::none(size),
             base: 0.0,
+            products: 0,
             room: Room {
                 load: vector(),
                 residual: vector(),
@@ -113,7 +130,63 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         }
     }
 
-    /// Leading modes per place.
+    /// Replaces the floor cells by others, of `unit_cell` the root of their area, `own_load` the lens shape over each; `start` has the
+    /// coefficients of each under the present load and under a unit indentation. The coupling has to be one of these cells.
+    pub(crate) fn set_floor(
+        &mut self,
+        unit_cell: f64,
+        own_load: impl Iterator<Item = f64>,
+        start: impl Fn(usize) -> [f64; 2],
+        couple: impl FnOnce(&mut O),
+    ) {
+        self.own_load.truncate(self.tops);
+        self.own_load.extend(own_load);
+        self.unit_cell = unit_cell;
+        let (tops, size) = (self.tops, self.own_load.len());
+        for (which, response) in [&mut self.present, &mut self.unit].into_iter().enumerate() {
+            let cells = (0..size - tops).map(|cell| start(cell)[which]);
+            response.coefficients.truncate(tops);
+            response.coefficients.extend(cells);
+            response.far.resize(size, 0.0);
+        }
+        let Room {
+            load,
+            residual,
+            direction,
+            direction_load,
+            preconditioned,
+            product,
+        } = &mut self.room;
+        for vector in [
+            load,
+            residual,
+            direction,
+            direction_load,
+            preconditioned,
+            product,
+        ] {
+            vector.resize(size, 0.0);
+        }
+        couple(&mut self.coupling);
+        for response in [&mut self.unit, &mut self.present] {
+            let Response { coefficients, far } = response;
+            if coefficients.iter().all(|c| *c == 0.0) {
+                far.fill(0.0);
+            } else {
+                self.coupling.apply(coefficients, far, self.run.workers());
+            }
+        }
+    }
+
+    /// What all coefficients do to each other, anew.
+    fn couple(&mut self) {
+        for response in [&mut self.unit, &mut self.present] {
+            let Response { coefficients, far } = response;
+            self.coupling.apply(coefficients, far, self.run.workers());
+        }
+    }
+
+    /// Leading modes per pillar.
     pub(crate) fn modes(&self) -> usize {
         self.modes
     }
@@ -149,11 +222,52 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
     }
 
     fn force_of(&self, response: &Response) -> f64 {
-        let firsts = response.coefficients.iter().step_by(self.modes);
-        UNIT_FORCE * firsts.sum::<f64>()
+        let (tops, floor) = response.coefficients.split_at(self.tops);
+        let of_tops = UNIT_FORCE * tops.iter().step_by(self.modes).sum::<f64>();
+        if floor.is_empty() {
+            return of_tops;
+        }
+        of_tops + self.unit_cell * floor.iter().sum::<f64>()
     }
 
-    /// The incident load on a place, `zeta b1 + bs - B c`, in the leading modes.
+    /// Force on the floor at the present indentation.
+    pub(crate) fn floor_force(&self) -> f64 {
+        self.unit_cell * self.floor_coefficients().iter().sum::<f64>()
+    }
+
+    /// Coefficients of the floor cells.
+    pub(crate) fn floor_coefficients(&self) -> &[f64] {
+        &self.present.coefficients[self.tops..]
+    }
+
+    /// Coefficients of the floor cells under a unit indentation.
+    pub(crate) fn floor_unit_coefficients(&self) -> &[f64] {
+        &self.unit.coefficients[self.tops..]
+    }
+
+    /// The load of a unit indentation on a floor cell.
+    pub(crate) fn unit_cell(&self) -> f64 {
+        self.unit_cell
+    }
+
+    /// By how much every floor cell is asked to come down farther than it does, its coefficient being that of the pressure: the gap if
+    /// negative.
+    pub(crate) fn floor_load(&self) -> impl Iterator<Item = f64> {
+        let own = self.own_load[self.tops..].iter();
+        let far = self.present.far[self.tops..].iter();
+        let scale = self.unit_cell.recip();
+        own.zip(far)
+            .map(move |(own, far)| (own - far) * scale + self.base)
+    }
+
+    /// Energy of the present response, as the contact conditions hold.
+    pub(crate) fn energy(&self) -> f64 {
+        let (coefficients, own) = (&self.present.coefficients, &self.own_load);
+        let of_lens: f64 = coefficients.iter().zip(own).map(|(c, b)| c * b).sum();
+        -0.5 * (of_lens + self.base * self.force())
+    }
+
+    /// The incident load on a pillar, `zeta b1 + bs - B c`, in the leading modes.
     pub(crate) fn load(&self, place: usize, load: &mut [f64]) {
         for (k, slot) in (place * self.modes..).zip(load.iter_mut()) {
             *slot = self.own_load[k] - self.present.far[k];
@@ -180,14 +294,14 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
     }
 
     /// Takes coefficients as a start. `start` has those of the present response and of that to a unit indentation, of
-    /// a place, as far as it knows them.
+    /// a pillar, as far as it knows them.
     pub(crate) fn start_from<'s>(
         &mut self,
         indentation: f64,
         mut start: impl FnMut(usize) -> Option<[&'s [f64]; 2]>,
     ) {
         let modes = self.modes;
-        for place in 0..self.own_load.len() / modes {
+        for place in 0..self.tops / modes {
             let Some(known) = start(place) else {
                 continue;
             };
@@ -197,16 +311,13 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             }
         }
         self.base = indentation;
-        for response in [&mut self.unit, &mut self.present] {
-            let Response { coefficients, far } = response;
-            self.coupling.apply(coefficients, far, self.run.workers());
-        }
+        self.couple();
     }
 
     /// Solves for the response at the present indentation or to a unit indentation, from what it was before.
     pub(crate) fn solve(
         &mut self,
-        rule: &impl Rule,
+        rule: &mut impl Rule,
         source: Source<'_>,
         tolerance: f64,
     ) -> Result<Judgement, SolveError> {
@@ -225,7 +336,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
     /// Response to a given load.
     pub(crate) fn respond_to(
         &mut self,
-        rule: &impl Rule,
+        rule: &mut impl Rule,
         load: &[f64],
         tolerance: f64,
     ) -> Result<Response, SolveError> {
@@ -244,7 +355,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
 
     fn conjugate_gradients(
         &mut self,
-        rule: &impl Rule,
+        rule: &mut impl Rule,
         source: Source<'_>,
         tolerance: f64,
         response: &mut Response,
@@ -257,7 +368,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
 
     fn iterate(
         &mut self,
-        rule: &impl Rule,
+        rule: &mut impl Rule,
         source: Source<'_>,
         tolerance: f64,
         response: &mut Response,
@@ -267,27 +378,36 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         let workers = self.run.workers();
         let vectors = Vectors(workers);
         // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
+        // Without a compliance of their own, on floor cells: c as it is; r = b - B c.
+        let tops = self.tops;
         self.right_side(source, &mut room.load);
-        vectors.subtract(&mut room.load, far);
+        room.residual[..tops].copy_from_slice(&far[..tops]);
+        room.residual[tops..].copy_from_slice(&room.load[tops..]);
+        vectors.subtract(&mut room.load[..tops], &far[..tops]);
         rule.respond(&room.load, coefficients, workers);
         if let Source::Present = source {
             rule.add_constants(coefficients);
         }
-        let scale = vectors.dot(&room.load, coefficients).abs();
-        room.residual.copy_from_slice(far);
+        let mut scale = vectors.dot(&room.load, coefficients).abs();
         self.coupling.apply(coefficients, far, workers);
         self.run.check_cancelled()?;
         vectors.subtract(&mut room.residual, far);
-        rule.respond(&room.residual, &mut room.preconditioned, workers);
+        rule.precondition(&room.residual, &mut room.preconditioned, workers);
         room.direction.copy_from_slice(&room.preconditioned);
-        room.direction_load.copy_from_slice(&room.residual);
+        room.direction_load[..tops].copy_from_slice(&room.residual[..tops]);
+        room.direction_load[tops..].fill(0.0);
         let mut energy = vectors.dot(&room.residual, &room.preconditioned);
+        if tops < room.load.len() {
+            // Before anything bears pressure there is no other energy to compare with.
+            scale = larger(scale, energy);
+        }
         for _ in 0..ITERATION_LIMIT {
             let bound = tolerance * tolerance * larger(scale, f64::MIN_POSITIVE);
             match judge(energy, bound) {
                 Judgement::TooLarge => {}
                 ended => return Ok(ended),
             }
+            self.products += 1;
             self.coupling
                 .apply(&room.direction, &mut room.product, workers);
             self.run.check_cancelled()?;
@@ -302,12 +422,16 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             vectors.add_scaled(far, length, &room.product);
             vectors.add_scaled(&mut room.residual, -length, &room.product);
             vectors.add_scaled(&mut room.residual, -length, &room.direction_load);
-            rule.respond(&room.residual, &mut room.preconditioned, workers);
+            rule.precondition(&room.residual, &mut room.preconditioned, workers);
             let next = vectors.dot(&room.residual, &room.preconditioned);
             let ratio = next / energy;
             energy = next;
             vectors.scale_and_add(&mut room.direction, ratio, &room.preconditioned);
-            vectors.scale_and_add(&mut room.direction_load, ratio, &room.residual);
+            vectors.scale_and_add(
+                &mut room.direction_load[..tops],
+                ratio,
+                &room.residual[..tops],
+            );
         }
         Ok(Judgement::TooLarge)
     }
@@ -316,17 +440,24 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         match source {
             Source::Unit => {
                 load.fill(0.0);
-                load.iter_mut()
-                    .step_by(self.modes)
-                    .for_each(|b| *b = UNIT_FORCE);
+                self.add_unit_load(1.0, load);
             }
             Source::Present => {
                 load.copy_from_slice(&self.own_load);
-                load.iter_mut()
-                    .step_by(self.modes)
-                    .for_each(|b| *b += self.base * UNIT_FORCE);
+                self.add_unit_load(self.base, load);
             }
             Source::Given(source) => load.copy_from_slice(source),
         }
+    }
+
+    /// Adds the load of an indentation.
+    fn add_unit_load(&self, indentation: f64, load: &mut [f64]) {
+        let (tops, floor) = load.split_at_mut(self.tops);
+        tops.iter_mut()
+            .step_by(self.modes)
+            .for_each(|b| *b += indentation * UNIT_FORCE);
+        floor
+            .iter_mut()
+            .for_each(|b| *b += indentation * self.unit_cell);
     }
 }

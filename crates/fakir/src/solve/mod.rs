@@ -10,6 +10,7 @@ pub mod elements;
 mod estimate;
 pub(crate) mod floor;
 mod frozen;
+mod mixed;
 pub(crate) mod newton;
 mod reach;
 pub(crate) mod rules;

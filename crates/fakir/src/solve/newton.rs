@@ -1,12 +1,13 @@
-//! Semismooth Newton method for all pillars of a window, with exact solutions on each.
+//! Semismooth Newton method for all pillars of a window, with exact solutions on each, and for the floor between them.
 //!
-//! A step [freezes](super::frozen) the states of the pillars, solves for the response of all, closes the indentation by
-//! what is [prescribed](Control), and lets the [rule](super::rules::tops) say from the loads which states come next. It ends when none
+//! A step [freezes](super::frozen) the states of the pillars and of the floor's cells, solves for the response of all, closes the indentation
+//! by what is [prescribed](Control), and lets the [rules](super::rules) say from the loads which states come next. It ends when none
 //! changes. The derivative of a pillar's solution is the `P` of its frozen state, so that this is Newton's method on
 //! the solutions of all pillars.
 
-use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::floor::{FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs};
 use super::frozen::{FrozenContact, Response, Source};
+use super::rules::floor::{FloorCells, Places};
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
@@ -15,7 +16,10 @@ use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
-use crate::numerics::convergence::{Judgement, judge, within};
+use crate::halfspace::floor::coupling::{FloorCoupling, SurfaceCoupling};
+use crate::halfspace::floor::grid::FloorGrid;
+use crate::halfspace::floor::load::FloorLoad;
+use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::vector::add_scaled;
 use crate::problem::scaled::Problem;
 use crate::problem::{Control, Point};
@@ -23,6 +27,13 @@ use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 
 /// Relative energy of the residual at which a linear solution counts as exact.
 const LINEAR_TOLERANCE: f64 = 1e-10;
+
+/// The same with the floor, and on a coarse grid of that.
+const FLOOR_LINEAR_TOLERANCE: f64 = 1e-9;
+const LEVEL_LINEAR_TOLERANCE: f64 = 1e-6;
+
+/// On a coarse grid few places may change their state in the end: one in so many of those that bear pressure.
+const LEVEL_CHANGES: usize = 200;
 
 /// Relative error of the indentation by the punch lattice, about.
 const START_ERROR: f64 = 0.02;
@@ -44,7 +55,7 @@ pub(crate) const MISMATCH_TOLERANCE: f64 = 1e-7;
 /// equally low.
 const FLOOR_TOLERANCE: f64 = 1e-10;
 
-/// Newton steps before giving up. One to six are typical.
+/// Newton steps before giving up. One to six are typical, up to eleven with the floor.
 const STEP_LIMIT: usize = 60;
 
 /// What a Newton solution ended with.
@@ -66,6 +77,8 @@ pub(crate) enum Purpose {
     Answer,
     /// To start another one from.
     Start,
+    /// The contact with the floor on a coarse grid, which the next one starts from and is compared with.
+    Level,
 }
 
 /// Degrees of the discretisation.
@@ -80,6 +93,8 @@ pub(crate) struct Degrees {
 /// How exactly the linear problems of a step are solved: no more than the states deserve.
 struct Tolerances {
     present: f64,
+    /// That at which a step is exact.
+    exact: f64,
     /// The smallest that is asked for in the end.
     finest: f64,
     /// Fewest changes of states in any step so far.
@@ -89,11 +104,17 @@ struct Tolerances {
 }
 
 impl Tolerances {
-    fn new(purpose: Purpose, indentation: f64) -> Self {
+    fn new(purpose: Purpose, with_floor: bool, indentation: f64) -> Self {
+        let exact = match purpose {
+            Purpose::Answer if with_floor => FLOOR_LINEAR_TOLERANCE,
+            Purpose::Answer | Purpose::Start => LINEAR_TOLERANCE,
+            Purpose::Level => LEVEL_LINEAR_TOLERANCE,
+        };
         Self {
             present: FIRST_LINEAR_TOLERANCE,
+            exact,
             finest: match purpose {
-                Purpose::Answer => LINEAR_TOLERANCE,
+                Purpose::Answer | Purpose::Level => exact,
                 Purpose::Start => FIRST_LINEAR_TOLERANCE,
             },
             fewest: usize::MAX,
@@ -108,14 +129,13 @@ impl Tolerances {
 
     /// Whether a step with these, whose unit response had the tolerance `unit`, is exact.
     fn are_exact(&self, unit: f64) -> bool {
-        within(self.present, LINEAR_TOLERANCE)
-            && within(unit * self.change_of_indentation, LINEAR_TOLERANCE)
+        within(self.present, self.exact) && within(unit * self.change_of_indentation, self.exact)
     }
 
     /// Asks for exact responses. Whether they were not already.
     fn sharpen(&mut self) -> bool {
-        let rough = self.present > LINEAR_TOLERANCE;
-        (self.finest, self.present) = (LINEAR_TOLERANCE, LINEAR_TOLERANCE);
+        let rough = self.present > self.exact;
+        (self.finest, self.present) = (self.exact, self.exact);
         self.change_of_indentation = 1.0;
         rough
     }
@@ -131,13 +151,19 @@ impl Tolerances {
     }
 }
 
-/// All pillars of a window with their states and responses.
+/// Modes of a pillar that the floor sees and that see the floor, by their degree: 3 changes the force by 7e-8, also where
+/// the floor is touched 0.6 pillar radii from a rim.
+pub(crate) const FLOOR_DEGREE: usize = 2;
+
+/// All pillars of a window, and the floor where it is touched, with their states and responses.
 pub(crate) struct Newton<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) run: &'a Run<'a>,
     stage: Stage,
     pub(crate) tops: Tops<'a>,
-    pub(crate) contact: FrozenContact<'a, LatticeCoupling>,
+    /// The floor's cells; none as long as it is not touched, or is to be ignored.
+    pub(crate) cells: Option<FloorCells<'a>>,
+    pub(crate) contact: FrozenContact<'a, SurfaceCoupling<'a>>,
     pub(crate) exterior: Exterior,
     floor: FloorSearch,
 }
@@ -161,11 +187,15 @@ impl<'a> Newton<'a> {
             pillars: tops.window.len(),
             touched: 0,
         });
-        let coupling = LatticeCoupling::new(&tops.window, pair, run.workers());
+        let coupling = SurfaceCoupling {
+            tops: LatticeCoupling::new(&tops.window, pair, run.workers()),
+            floor: None,
+        };
         Self {
             problem,
             run,
             stage,
+            cells: None,
             contact: FrozenContact::new(run, coupling, pair.modes().len(), own_load),
             tops,
             exterior: Exterior::new(degree),
@@ -190,7 +220,8 @@ impl<'a> Newton<'a> {
         target: Control,
         purpose: Purpose,
     ) -> Result<Outcome, SolveError> {
-        let mut tolerances = Tolerances::new(purpose, self.contact.indentation());
+        let mut tolerances =
+            Tolerances::new(purpose, self.cells.is_some(), self.contact.indentation());
         let mut outcome = Outcome {
             indentation: self.contact.indentation(),
             termination: Termination::IterationLimit,
@@ -229,7 +260,7 @@ impl<'a> Newton<'a> {
                 outcome.termination = ending;
                 return Ok(outcome);
             }
-            tolerances.follow(change.pillars);
+            tolerances.follow(change.places());
         }
         Ok(outcome)
     }
@@ -246,12 +277,21 @@ impl<'a> Newton<'a> {
         if purpose == Purpose::Start && change.pillars * START_CHANGES <= self.touched() {
             return Some(Termination::Converged);
         }
+        if purpose == Purpose::Level
+            && exact
+            && change.places() * LEVEL_CHANGES <= self.touched() + self.pressed()
+        {
+            return Some(match judge(change.mismatch, 1.0) {
+                Judgement::Undefined => Termination::NotFinite,
+                _ => Termination::Converged,
+            });
+        }
         match judge(change.mismatch, MISMATCH_TOLERANCE) {
             Judgement::Undefined => return Some(Termination::NotFinite),
             Judgement::TooLarge => return None,
             Judgement::Good => {}
         }
-        if change.pillars > 0 || !exact || self.found_lower_floor(outcome) {
+        if change.places() > 0 || !exact || self.found_lower_floor(outcome) {
             return None;
         }
         let borne = target.is_borne(self.force(), MISMATCH_TOLERANCE);
@@ -272,14 +312,25 @@ impl<'a> Newton<'a> {
         if let Control::Indentation(indentation) = target {
             self.contact.move_to(indentation);
         } else {
-            let solved = self
-                .contact
-                .solve(&self.tops, Source::Unit, unit_tolerance)?;
+            let solved = self.solve_frozen(Source::Unit, unit_tolerance)?;
             if solved != Judgement::Good {
                 return Ok(solved);
             }
         }
-        self.contact.solve(&self.tops, Source::Present, tolerance)
+        self.solve_frozen(Source::Present, tolerance)
+    }
+
+    /// A response with the present states.
+    fn solve_frozen(
+        &mut self,
+        source: Source<'_>,
+        tolerance: f64,
+    ) -> Result<Judgement, SolveError> {
+        let mut places = Places {
+            tops: &self.tops,
+            floor: self.cells.as_mut(),
+        };
+        self.contact.solve(&mut places, source, tolerance)
     }
 
     /// The indentation that meets the target with the present responses.
@@ -291,11 +342,61 @@ impl<'a> Newton<'a> {
         target.close(&self.contact, lowest)
     }
 
-    /// Takes over the states that the pillars have under the present loads.
+    /// Takes over the states that the pillars and the floor's cells have under the present loads.
     fn update(&mut self) -> Change {
         let incident = self.contact.incident();
-        self.tops
-            .update(&incident, self.contact.coefficients(), self.run.workers())
+        let mut change =
+            self.tops
+                .update(&incident, self.contact.coefficients(), self.run.workers());
+        if let Some(cells) = &mut self.cells {
+            let contact = &self.contact;
+            let of_floor = cells.update(
+                contact.floor_load(),
+                contact.floor_coefficients(),
+                contact.indentation(),
+            );
+            change.cells = of_floor.cells;
+            change.mismatch = larger(change.mismatch, of_floor.mismatch);
+        }
+        change
+    }
+
+    /// Replaces the floor's cells by those of another grid; `start` has the pressure at a point under the present load and under a unit
+    /// indentation. If it has none anywhere, all cells that the lens would enter bear pressure.
+    pub(crate) fn set_floor(&mut self, grid: FloorGrid, start: &dyn Fn(Point) -> [f64; 2]) {
+        let (run, modes) = (self.run, self.contact.modes());
+        let mut cells = FloorCells::new(grid, run.pool);
+        let unit_cell = cells.unit_cell();
+        let centres: Vec<Point> = cells.grid.cells.centres().collect();
+        let coefficients = |cell: usize| start(centres[cell]).map(|pressure| unit_cell * pressure);
+        let window = &self.tops.window;
+        let degree = FLOOR_DEGREE.min(self.exterior.degree());
+        let couple = |coupling: &mut SurfaceCoupling<'a>| {
+            // The room of the one before it is needed.
+            coupling.floor = None;
+            let floor =
+                FloorCoupling::new(&cells.grid, window, modes, degree, run.workers(), run.pool);
+            coupling.floor = Some(Box::new(floor));
+        };
+        let own_load = cells.lens_load(self.problem);
+        self.contact
+            .set_floor(unit_cell, own_load, coefficients, couple);
+        cells.set(self.contact.floor_coefficients().iter().map(|c| *c > 0.0));
+        if !cells.bears().contains(&true) {
+            cells.set(self.contact.floor_load().map(|load| load > 0.0));
+        }
+        self.cells = Some(cells);
+    }
+
+    /// The pressure on the floor, where it bears any.
+    pub(crate) fn floor_load(&self) -> Option<FloorLoad> {
+        let cells = self.cells.as_ref()?;
+        let scale = cells.unit_cell().recip();
+        let pressures = cells.bears().iter().zip(self.contact.floor_coefficients());
+        let pressure: Vec<f64> = pressures
+            .filter_map(|(bears, c)| bears.then_some(c.max(0.0) * scale))
+            .collect();
+        (!pressure.is_empty()).then(|| FloorLoad::new(cells.bearing(), pressure))
     }
 
     /// Whether a search from scratch finds a lower point of the floor than the one that closed
@@ -311,8 +412,13 @@ impl<'a> Newton<'a> {
     }
 
     fn report(&self, step: usize) {
+        let stage = if self.cells.is_some() {
+            Stage::Floor
+        } else {
+            self.stage
+        };
         self.run.report(Progress {
-            stage: self.stage,
+            stage,
             step,
             pillars: self.tops.window.len(),
             touched: self.touched(),
@@ -322,6 +428,12 @@ impl<'a> Newton<'a> {
     /// Number of touched pillars.
     pub(crate) fn touched(&self) -> usize {
         self.tops.touched()
+    }
+
+    /// Number of floor cells that bear pressure.
+    pub(crate) fn pressed(&self) -> usize {
+        let cells = self.cells.as_ref();
+        cells.map_or(0, |cells| cells.bears().iter().filter(|b| **b).count())
     }
 
     /// Force at the solved indentation.
@@ -369,17 +481,21 @@ impl<'a> Newton<'a> {
 
     /// Response to a unit indentation for the present states, to the given tolerance.
     pub(crate) fn solve_unit(&mut self, tolerance: f64) -> Result<bool, SolveError> {
-        let solved = self.contact.solve(&self.tops, Source::Unit, tolerance)?;
+        let solved = self.solve_frozen(Source::Unit, tolerance)?;
         Ok(solved == Judgement::Good)
     }
 
-    /// Response of the pillars to a given load, with their states frozen.
+    /// Response of all places to a given load, with their states frozen.
     pub(crate) fn respond_to(
         &mut self,
         load: &[f64],
         tolerance: f64,
     ) -> Result<Response, SolveError> {
-        self.contact.respond_to(&self.tops, load, tolerance)
+        let mut places = Places {
+            tops: &self.tops,
+            floor: self.cells.as_mut(),
+        };
+        self.contact.respond_to(&mut places, load, tolerance)
     }
 
     /// `W(x)` of every pillar: what its coefficients move a point of the floor by.
@@ -397,6 +513,16 @@ impl<'a> Newton<'a> {
         load
     }
 
+    /// The indentation at which the floor would just be reached if the pillars kept their states.
+    pub(crate) fn first_floor_contact(
+        &mut self,
+        tolerance: f64,
+    ) -> Result<Option<f64>, SolveError> {
+        let solved = self.solve_unit(tolerance)?;
+        let lowest = solved.then(|| self.search_floor(true)).flatten();
+        Ok(lowest.map(|point| point.indentation))
+    }
+
     /// The point of the smallest floor gap at the solved indentation, with the gap plus the
     /// indentation.
     pub(crate) fn lowest_gap(&mut self) -> Option<FloorPoint> {
@@ -405,6 +531,28 @@ impl<'a> Newton<'a> {
 
     /// The lowest point of the floor under pressures that go with the indentation, or do not.
     fn search_floor(&mut self, with_indentation: bool) -> Option<FloorPoint> {
+        let mut floor = std::mem::take(&mut self.floor);
+        let lowest = self.with_loaded(with_indentation, |discs| {
+            floor.lowest(self.problem, discs, &self.run.cancel)
+        });
+        self.floor = floor;
+        lowest
+    }
+
+    /// Gaps to the floor at points beside pillars, by the pressures on the pillars alone.
+    pub(crate) fn gaps_under_tops(&self, points: &[Point]) -> Vec<f64> {
+        let above = self.problem.height - self.contact.indentation();
+        self.with_loaded(false, |discs| {
+            let gap = |point: &Point| {
+                let [_, displacement] = discs.displacement(*point);
+                above + self.problem.sag_with_brim(*point) + displacement.value
+            };
+            points.iter().map(gap).collect()
+        })
+    }
+
+    /// What the touched pillars bear, as discs: under pressures that go with the indentation, or do not.
+    fn with_loaded<R>(&self, with_indentation: bool, ask: impl FnOnce(&LoadedDiscs<'_>) -> R) -> R {
         let modes = self.contact.modes();
         let touched: Vec<usize> = (0..self.tops.window.len())
             .filter(|&p| self.tops.status[p] != PillarStatus::Untouched)
@@ -436,7 +584,25 @@ impl<'a> Newton<'a> {
             coefficients: [&along, &without],
             run: self.run,
         };
-        self.floor.lowest(self.problem, &discs, &self.run.cancel)
+        ask(&discs)
+    }
+
+    /// The same on another window and with other degrees, without the floor's cells.
+    pub(crate) fn rebuilt(&self, window: Window, degrees: Degrees) -> Self {
+        let Degrees { coupling, tops } = degrees;
+        let pair = PairCoupling::new(coupling, self.problem.lattice.pitch);
+        let top = PillarTop::new(tops, coupling, self.problem.column_compliance_ratio);
+        let mut rebuilt = Self::new(self.problem, self.run, self.stage, window, &pair, top);
+        rebuilt.start_from(self);
+        rebuilt
+    }
+
+    /// Its degrees.
+    pub(crate) fn degrees(&self) -> Degrees {
+        Degrees {
+            coupling: self.degree(),
+            tops: self.tops.top.resolution(),
+        }
     }
 
     /// Takes statuses and leading coefficients of full contact from a coarser solution.

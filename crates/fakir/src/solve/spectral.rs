@@ -11,7 +11,7 @@ use crate::halfspace::disc::nodes::Resolution;
 use crate::problem::Control;
 use crate::problem::scaled::{Problem, SMALL_LENS};
 use crate::problem::{Accuracy, PunchForm};
-use crate::state::{Run, SolveError, Stage};
+use crate::state::{Run, SolveError, Stage, Termination};
 
 /// Largest contact radius over lens radius that is still solved.
 pub(crate) const LARGEST_CONTACT: f64 = 0.5;
@@ -181,6 +181,53 @@ fn checked_window(
         });
     }
     Ok(Window::new(&problem.lattice, radius))
+}
+
+/// A larger window if the contact comes close to the edge of the present one.
+pub(crate) fn wider_window(
+    problem: &Problem,
+    newton: &Newton<'_>,
+    run: &Run<'_>,
+) -> Result<Option<Window>, SolveError> {
+    let Some(radius) = growth(problem, newton)? else {
+        return Ok(None);
+    };
+    checked_window(
+        problem,
+        limited(problem, radius),
+        newton.contact.modes(),
+        run,
+    )
+    .map(Some)
+}
+
+/// No contact yet, with a window of pillars for one of that radius.
+pub(crate) fn untouched<'a>(
+    problem: &'a Problem,
+    indentation: f64,
+    contact_radius: f64,
+    degrees: Degrees,
+    run: &'a Run<'a>,
+) -> Result<Solution<'a>, SolveError> {
+    let pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
+    let radius = limited(problem, contact_radius + 1.5 * problem.lattice.pitch + 1.0);
+    let window = checked_window(problem, radius, mode_count(degrees.coupling), run)?;
+    let kappa = problem.column_compliance_ratio;
+    let top = PillarTop::new(degrees.tops, degrees.coupling, kappa);
+    let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
+    newton.contact.move_to(indentation);
+    let outcome = Outcome {
+        indentation,
+        termination: Termination::Converged,
+        steps: 0,
+        floor: None,
+        mismatch: 0.0,
+    };
+    Ok(Solution {
+        newton,
+        outcome,
+        steps: 0,
+    })
 }
 
 /// A larger radius if the contact comes close to the edge of the window.

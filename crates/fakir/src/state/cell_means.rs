@@ -10,6 +10,7 @@
 use super::error::SolveError;
 use super::fields::{Density, Disc, Fields};
 use super::run::Run;
+use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::quadrature::gauss_legendre;
 use crate::problem::Point;
 use std::ops::Range;
@@ -115,6 +116,9 @@ impl Fields {
                 means[row * width + column] += force;
             }
         }
+        if let Some(floor) = &self.floor {
+            add_floor(floor, &columns, &rows, &mut means);
+        }
         for (means, [bottom, top]) in means.chunks_exact_mut(width.max(1)).zip(&rows.bounds) {
             for (mean, [left, right]) in means.iter_mut().zip(&columns.bounds) {
                 *mean *= self.problem.pressure / ((top - bottom) * (right - left));
@@ -127,6 +131,23 @@ impl Fields {
                 .map(|column| means[*row * width + *column])
         });
         Ok(values.collect())
+    }
+}
+
+/// Adds the forces by the floor: every cell of that shares its own by area.
+fn add_floor(floor: &FloorLoad, columns: &Cells, rows: &Cells, forces: &mut [f64]) {
+    let width = columns.bounds.len();
+    let [wide, high] = floor.cell().map(|side| 0.5 * side);
+    let shared =
+        |[low, end]: [f64; 2], [start, stop]: [f64; 2]| (end.min(stop) - low.max(start)).max(0.0);
+    for ([x, y], pressure) in floor.loaded_cells() {
+        let (across, along) = ([x - wide, x + wide], [y - high, y + high]);
+        for row in rows.over(along[0], along[1]) {
+            for column in columns.over(across[0], across[1]) {
+                let area = shared(across, columns.bounds[column]) * shared(along, rows.bounds[row]);
+                forces[row * width + column] += pressure * area;
+            }
+        }
     }
 }
 

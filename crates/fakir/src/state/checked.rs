@@ -35,6 +35,9 @@ impl ContactState {
                 check_number("pressure at the edge of a pillar", coefficient)?;
             }
         }
+        if let Some(floor) = &mut self.floor {
+            floor.check()?;
+        }
         Ok(self)
     }
 }

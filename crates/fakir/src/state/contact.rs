@@ -1,6 +1,7 @@
 //! The contact under a load, pillar by pillar.
 
 use super::fields::Fields;
+use super::floor_contact::FloorContact;
 use crate::problem::{Method, Point, System};
 use std::sync::Arc;
 
@@ -125,8 +126,10 @@ pub struct ContactState {
     /// The touched pillars, those nearest to the lens axis first. Empty for methods that do
     /// not resolve pillars.
     pub pillars: Vec<PillarState>,
-    /// Smallest gap between lens and floor, m. Negative past the transition: the state is
-    /// then computed as if the floor were not there.
+    /// What the floor bears; none where it is not touched, or was to be ignored.
+    pub floor: Option<FloorContact>,
+    /// Smallest gap between lens and floor, m; zero where the floor is in contact. Negative past the transition if the floor was to be
+    /// ignored: the state is then computed as if it were not there.
     pub smallest_floor_gap: f64,
     /// Where the floor gap is smallest, m from the lens axis (one of its symmetric copies).
     pub smallest_gap_position: Point,
@@ -155,6 +158,7 @@ impl ContactState {
             pillars_in_contact: 0,
             pillars_partially_in_contact: 0,
             pillars: Vec::new(),
+            floor: None,
             smallest_floor_gap: system.pillar().height - indentation,
             smallest_gap_position: [0.0, 0.0],
             error: ErrorEstimate {
@@ -168,10 +172,10 @@ impl ContactState {
         }
     }
 
-    /// Whether the floor would have been touched already.
+    /// Whether the lens has reached the floor, which bears its part then or is ignored.
     #[must_use]
     pub fn beyond_transition(&self) -> bool {
-        self.smallest_floor_gap < 0.0
+        self.floor.is_some() || self.smallest_floor_gap < 0.0
     }
 
     /// Estimated error of the contact radius relative to it; 0 where there is no contact.

@@ -3,6 +3,7 @@
 use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with};
 use crate::halfspace::disc::covered::{CoverFinder, CoveredPart};
 use crate::halfspace::disc::exterior::Exterior;
+use crate::halfspace::floor::load::FloorLoad;
 use crate::problem::scaled::Problem;
 use crate::problem::{HexagonalLattice, Point};
 use std::collections::HashMap;
@@ -58,6 +59,8 @@ pub struct Fields {
     /// What is covered of the discs that the edge of the contact crosses: found when the first
     /// pressure is asked for.
     covered: OnceLock<Vec<Option<CoveredPart>>>,
+    /// Pressure on the floor, scaled.
+    pub(super) floor: Option<FloorLoad>,
 }
 
 /// Without the tables it is evaluated by.
@@ -88,10 +91,25 @@ impl Fields {
             close_exterior: Exterior::new(close_degree),
             compliance: compliances(close_degree, 0.0),
             covered: OnceLock::new(),
+            floor: None,
             problem,
             indentation,
             discs,
         }
+    }
+
+    /// With a pressure on the floor too.
+    pub(crate) fn with_floor(self, floor: FloorLoad) -> Self {
+        Self {
+            floor: Some(floor),
+            ..self
+        }
+    }
+
+    /// What the pressure on the floor adds to the displacement, scaled.
+    pub(super) fn displacement_by_floor(&self, position: Point) -> f64 {
+        let floor = self.floor.as_ref();
+        floor.map_or(0.0, |floor| floor.displacement(position))
     }
 
     pub(super) fn scaled(&self, position: Point) -> Point {
@@ -125,10 +143,12 @@ impl Fields {
     /// As [`displacement`](Self::displacement), scaled.
     pub(super) fn scaled_displacement(&self, position: Point) -> f64 {
         let mut values = vec![0.0; self.compliance.len()];
-        self.discs
+        let by_pillars: f64 = self
+            .discs
             .iter()
             .map(|disc| self.displacement_by(disc, position, &mut values))
-            .sum()
+            .sum();
+        by_pillars + self.displacement_by_floor(position)
     }
 
     /// What one disc adds; `values` is room for its modes.
@@ -206,10 +226,11 @@ impl Fields {
 
     /// The pressure, Pa, at a scaled position.
     pub(super) fn pressure_at(&self, at: Point) -> f64 {
-        let Some(&k) = self
-            .pillar_under(at)
-            .and_then(|index| self.disc_of.get(&index))
-        else {
+        let Some(index) = self.pillar_under(at) else {
+            let floor = self.floor.as_ref();
+            return floor.map_or(0.0, |floor| floor.pressure(at) * self.problem.pressure);
+        };
+        let Some(&k) = self.disc_of.get(&index) else {
             return 0.0;
         };
         let disc = &self.discs[k];

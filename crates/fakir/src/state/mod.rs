@@ -13,6 +13,7 @@ pub(crate) mod contact;
 pub(crate) mod critical;
 pub(crate) mod error;
 pub(crate) mod fields;
+pub(crate) mod floor_contact;
 pub(crate) mod run;
 mod samples;
 mod shared;
@@ -23,6 +24,7 @@ pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termin
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use error::SolveError;
 pub use fields::Fields;
+pub use floor_contact::{FloorContact, FloorErrors};
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use shared::Contact;

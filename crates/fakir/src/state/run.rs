@@ -15,6 +15,8 @@ pub enum Stage {
     Punch,
     /// Solving in full.
     Spectral,
+    /// Solving in full with the floor in contact.
+    Floor,
     /// Solving by elements.
     Elements,
     /// Solving for a height map; it reports cells in place of pillars.
@@ -31,6 +33,7 @@ impl Stage {
             Self::Coupling => "coupling of the pillars",
             Self::Punch => "punch lattice",
             Self::Spectral => "spectral solution",
+            Self::Floor => "spectral solution with the floor",
             Self::Elements => "Love elements",
             Self::Surface => "contact on a height map",
             Self::ErrorEstimate => "error estimate",

@@ -298,7 +298,7 @@ impl FarField {
             .filter_map(|index| self.disc(fields, index))
             .map(|disc| fields.displacement_by(disc, point, &mut values))
             .sum();
-        near + far
+        near + far + fields.displacement_by_floor(point)
     }
 
     fn disc<'f>(&self, fields: &'f Fields, index: (i64, i64)) -> Option<&'f Disc> {

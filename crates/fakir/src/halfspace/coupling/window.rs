@@ -110,6 +110,14 @@ impl Window {
         pillars.contains(&pillar).then_some(pillar)
     }
 
+    /// Distance of the farthest centre from the lens axis along x, and along y.
+    pub(crate) fn extent(&self) -> Point {
+        [0, 1].map(|k| {
+            let along = self.centres.iter().map(|centre| centre[k].abs());
+            along.fold(0.0, f64::max)
+        })
+    }
+
     /// Radius within which it holds all pillars.
     pub(crate) fn radius(&self) -> f64 {
         self.radius

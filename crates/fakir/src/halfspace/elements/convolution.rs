@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
 /// Columns transformed together: two cache lines of each row.
-pub(super) const BLOCK_WIDTH: usize = 8;
+pub(in crate::halfspace) const BLOCK_WIDTH: usize = 8;
 
 /// Rows transformed together, so that each visit to a block of columns writes a stretch of it.
 const ROW_BLOCK: usize = 8;
@@ -28,7 +28,7 @@ const LINE_PADDING: usize = 4;
 const PARALLEL_POINTS: usize = 10_000;
 
 /// The one-dimensional transforms of a convolution, and its kernel.
-pub(super) trait Transform: Send + Sync {
+pub(in crate::halfspace) trait Transform: Send + Sync {
     /// Cells along x and y that it takes.
     fn shape(&self) -> [usize; 2];
 
@@ -49,26 +49,58 @@ pub(super) trait Transform: Send + Sync {
 
     /// Columns of full length that `convolve` needs at once, for each column of the block.
     fn columns_at_once(&self) -> usize;
+
+    /// Real numbers that `convolve` needs room for besides.
+    fn real_count(&self) -> usize {
+        0
+    }
 }
 
 /// Neighbouring columns of the spectrum, of which only some rows are held.
-pub(super) struct ColumnBlock<'a> {
+pub(in crate::halfspace) struct ColumnBlock<'a> {
     /// First column.
-    pub(super) first: usize,
+    pub(in crate::halfspace) first: usize,
     /// Number of columns.
-    pub(super) width: usize,
+    pub(in crate::halfspace) width: usize,
     /// Rows held, ascending.
     pub(super) rows: &'a [usize],
     /// For each row held, the columns.
     pub(super) values: &'a mut [Complex64],
 }
 
+impl ColumnBlock<'_> {
+    /// Writes the columns to lines of so many rows, `stride` apart; zero in rows that are not held.
+    pub(in crate::halfspace) fn read(&self, lines: &mut [Complex64], stride: usize, rows: usize) {
+        let mut next = 0;
+        for (&row, values) in self.rows.iter().zip(self.values.chunks_exact(self.width)) {
+            clear_rows(lines, stride, next..row);
+            next = row + 1;
+            for (value, place) in values.iter().zip(lines[row..].iter_mut().step_by(stride)) {
+                *place = *value;
+            }
+        }
+        clear_rows(lines, stride, next..rows);
+    }
+
+    /// Takes the rows held from such lines.
+    pub(in crate::halfspace) fn write(&mut self, lines: &[Complex64], stride: usize) {
+        let rows = self.rows.iter();
+        for (&row, values) in rows.zip(self.values.chunks_exact_mut(self.width)) {
+            for (value, place) in values.iter_mut().zip(lines[row..].iter().step_by(stride)) {
+                *value = *place;
+            }
+        }
+    }
+}
+
 /// What one thread works in.
-pub(super) struct Workspace {
+pub(in crate::halfspace) struct Workspace {
     /// Rows or columns, [`line_stride`] apart.
-    pub(super) lines: Vec<Complex64>,
+    pub(in crate::halfspace) lines: Vec<Complex64>,
     /// Scratch of the transforms.
-    pub(super) scratch: Vec<Complex64>,
+    pub(in crate::halfspace) scratch: Vec<Complex64>,
+    /// Room for reals.
+    pub(in crate::halfspace) reals: Vec<f64>,
     row: Vec<f64>,
 }
 
@@ -78,13 +110,14 @@ impl Workspace {
         Self {
             lines: vec![Complex64::default(); lines],
             scratch: vec![Complex64::default(); transform.scratch_len()],
+            reals: vec![0.0; transform.real_count()],
             row: vec![0.0; transform.shape()[0]],
         }
     }
 }
 
 /// Distance of lines of the given length in work space.
-pub(super) fn line_stride(length: usize) -> usize {
+pub(in crate::halfspace) fn line_stride(length: usize) -> usize {
     length + LINE_PADDING
 }
 
@@ -105,7 +138,7 @@ fn line_memory_of(columns: usize, rows: usize, columns_at_once: usize) -> usize 
 
 /// Bytes of the spectrum of `held` rows of `columns` complex numbers, with the work space of
 /// `threads` threads.
-pub(super) fn memory_estimate(
+pub(in crate::halfspace) fn memory_estimate(
     columns: usize,
     rows: usize,
     held: usize,
@@ -119,7 +152,7 @@ pub(super) fn memory_estimate(
 
 /// The rectangle of a grid that holds all the given cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Bounds {
+pub(in crate::halfspace) struct Bounds {
     /// First column and row.
     pub(super) first: [usize; 2],
     /// Columns and rows; at least one.
@@ -159,7 +192,7 @@ impl Bounds {
 }
 
 /// A convolution over some cells of a grid.
-pub(super) struct Convolution<'p, T> {
+pub(in crate::halfspace) struct Convolution<'p, T> {
     cells: Cells,
     transform: Arc<T>,
     /// Column that is the first of the transform.
@@ -179,7 +212,7 @@ pub(super) struct Convolution<'p, T> {
 impl<'p, T: Transform> Convolution<'p, T> {
     /// Prepares the convolution; cell `first` of the grid is the first of the transform, whose
     /// shape reaches over all cells.
-    pub(super) fn new(
+    pub(in crate::halfspace) fn new(
         cells: Cells,
         first: [usize; 2],
         transform: Arc<T>,
@@ -221,7 +254,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         &self.cells
     }
 
-    pub(super) fn transform(&self) -> &Arc<T> {
+    pub(in crate::halfspace) fn transform(&self) -> &Arc<T> {
         &self.transform
     }
 
@@ -248,7 +281,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         spectrum + work
     }
 
-    pub(super) fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+    pub(in crate::halfspace) fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         check_lengths(&self.cells, pressure, displacement);
         let blocks = self.rows.len().div_ceil(ROW_BLOCK);
         match self.pool {

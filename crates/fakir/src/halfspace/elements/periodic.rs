@@ -1,8 +1,7 @@
 //! A periodic half-space by fast Fourier transform.
 
 use super::convolution::{
-    Bounds, ColumnBlock, Convolution, Transform, Workspace, clear_rows, line_stride,
-    memory_estimate, multiply,
+    Bounds, ColumnBlock, Convolution, Transform, Workspace, line_stride, memory_estimate, multiply,
 };
 use super::operator::Operator;
 use crate::numerics::fft::{RealPlans, quick_length};
@@ -80,7 +79,29 @@ impl Operator for PeriodicConvolution<'_> {
 /// Oosterlee, J. Comput. Phys. 292, 1 (2015) use the like for one contact).
 pub struct Preconditioned<'p, O> {
     operator: O,
-    inverse: Convolution<'p, Periodic>,
+    inverse: PeriodicInverse<'p>,
+}
+
+/// The inverse of the periodic half-space, up to a factor, on the smallest grid that holds some cells: the wave number.
+pub(crate) struct PeriodicInverse<'p> {
+    convolution: Convolution<'p, Periodic>,
+}
+
+impl<'p> PeriodicInverse<'p> {
+    /// `factor` times the wave number.
+    pub(crate) fn new(cells: Cells, factor: f64, pool: Option<&'p ThreadPool>) -> Self {
+        let bounds = Bounds::of(&cells);
+        let shape = bounds.shape.map(quick_length);
+        let inverse = Periodic::new(shape, cells.grid().cell(), |q| factor * q);
+        Self {
+            convolution: Convolution::new(cells, bounds.first, Arc::new(inverse), pool),
+        }
+    }
+
+    /// A pressure that makes about this displacement, all else equal.
+    pub(crate) fn apply(&mut self, displacement: &[f64], pressure: &mut [f64]) {
+        self.convolution.apply(displacement, pressure);
+    }
 }
 
 impl<'p, O: Operator> Preconditioned<'p, O> {
@@ -91,12 +112,9 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
     #[must_use]
     pub fn new(operator: O, cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
         assert_eq!(operator.len(), cells.len(), "the cells of the operator");
-        let bounds = Bounds::of(&cells);
-        let shape = bounds.shape.map(quick_length);
-        let inverse = Periodic::new(shape, cells.grid().cell(), |q| q);
         Self {
             operator,
-            inverse: Convolution::new(cells, bounds.first, Arc::new(inverse), pool),
+            inverse: PeriodicInverse::new(cells, 1.0, pool),
         }
     }
 
@@ -188,19 +206,7 @@ impl Transform for Periodic {
         let rows = self.shape[1];
         let stride = line_stride(rows);
         let lines = &mut work.lines[..block.width * stride];
-        let mut next = 0;
-        for (&row, values) in block
-            .rows
-            .iter()
-            .zip(block.values.chunks_exact(block.width))
-        {
-            clear_rows(lines, stride, next..row);
-            next = row + 1;
-            for (value, place) in values.iter().zip(lines[row..].iter_mut().step_by(stride)) {
-                *place = *value;
-            }
-        }
-        clear_rows(lines, stride, next..rows);
+        block.read(lines, stride, rows);
         let half = rows / 2 + 1;
         let kernel = self.kernel[block.first * half..].chunks_exact(half);
         for (line, kernel) in lines.chunks_exact_mut(stride).zip(kernel) {
@@ -217,15 +223,7 @@ impl Transform for Periodic {
                 .column_back
                 .process_with_scratch(line, &mut work.scratch);
         }
-        for (&row, values) in block
-            .rows
-            .iter()
-            .zip(block.values.chunks_exact_mut(block.width))
-        {
-            for (value, place) in values.iter_mut().zip(lines[row..].iter().step_by(stride)) {
-                *value = *place;
-            }
-        }
+        block.write(lines, stride);
     }
 
     fn scratch_len(&self) -> usize {

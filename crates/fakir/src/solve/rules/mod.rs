@@ -1,5 +1,6 @@
-//! What a pillar top does next under the load on it.
+//! What a pillar top, and a cell of the floor, does next under the load on it.
 
+pub(crate) mod floor;
 pub(crate) mod patch;
 pub(crate) mod rim;
 pub(crate) mod tops;

@@ -68,13 +68,21 @@ pub(crate) struct Tops<'a> {
 
 /// What an update changed.
 pub(crate) struct Change {
-    /// Pillars whose state is another.
+    /// Pillars whose state is another, and floor cells.
     pub(crate) pillars: usize,
+    pub(crate) cells: usize,
     /// Largest difference between the coefficients of the tops' own solutions and those of the frozen contact, relative to
     /// the largest coefficient.
     pub(crate) mismatch: f64,
     /// Pillars without a solution.
     pub(crate) failures: usize,
+}
+
+impl Change {
+    /// Places whose state is another.
+    pub(crate) fn places(&self) -> usize {
+        self.pillars + self.cells
+    }
 }
 
 const NOT_PARTIAL: u32 = u32::MAX;
@@ -242,6 +250,7 @@ impl<'a> Tops<'a> {
         }
         Change {
             pillars: changed + moved,
+            cells: 0,
             mismatch,
             failures: self.partial.iter().filter(|p| !p.converged).count(),
         }

@@ -1,0 +1,789 @@
+//! What pillar tops and floor cells do to each other, by one fast Fourier transform of the floor there and one back.
+//!
+//! The coefficients of a floor cell are its pressure times the root of the cell's area, and its load is the mean displacement
+//! times the same root: so that the work is the product of the two, as on a pillar, and the operator symmetric.
+//!
+//! Pillars stand on a coarse grid of half lattice cells, whose points are points of the fine grid of the floor. The fine transform of
+//! numbers on coarse points alone is their coarse transform, repeated; and a fine transform that is wanted on coarse points alone
+//! may be folded, sums over all that repeat, before it is transformed back. So with the hats of transforms
+//!
+//! ```text
+//! floor = inverse(S^ F^ + sum_i W_i^ C_i^ (repeated)),     load on mode i = coarse inverse(folded(conj(W_i^) F^)).
+//! ```
+//!
+//! A kernel `W_i` is even or odd in `x` and in `y` about the pillar, which is half a cell from the nearest cell centres: up to a phase
+//! its transform is real or imaginary, and kept as one real number.
+
+use super::grid::{Division, FloorGrid};
+use super::kernels::{Rectangles, by_pillar};
+use crate::halfspace::coupling::lattice::LatticeCoupling;
+use crate::halfspace::coupling::operator::Coupling;
+use crate::halfspace::coupling::window::Window;
+use crate::halfspace::disc::basis::{Mode, mode_count};
+use crate::halfspace::disc::exterior::Exterior;
+use crate::halfspace::elements::convolution::{
+    BLOCK_WIDTH, ColumnBlock, Convolution, Transform, Workspace, line_stride,
+};
+use crate::numerics::fft::RealPlans;
+use crate::numerics::vector::{LANES, Lanes, widest};
+use crate::numerics::workers::Workers;
+use rayon::ThreadPool;
+use rustfft::num_complex::Complex64;
+use std::f64::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+
+/// Rows of kernels a thread takes at a time, at the least.
+const KERNEL_ROWS: usize = 4;
+
+/// The coupling of pillar tops with each other and, where it is touched, with the floor.
+pub(crate) struct SurfaceCoupling<'a> {
+    pub(crate) tops: LatticeCoupling,
+    pub(crate) floor: Option<Box<FloorCoupling<'a>>>,
+}
+
+impl Coupling for SurfaceCoupling<'_> {
+    fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+        let Some(floor) = &mut self.floor else {
+            return self.tops.apply(coefficients, far, workers);
+        };
+        let tops = far.len() - floor.cells;
+        let (of_tops, of_floor) = coefficients.split_at(tops);
+        let (far_tops, far_floor) = far.split_at_mut(tops);
+        self.tops.apply(of_tops, far_tops, workers);
+        floor.apply([of_tops, of_floor], [far_tops, far_floor]);
+    }
+}
+
+/// The floor with itself and with pillar tops.
+pub(crate) struct FloorCoupling<'a> {
+    /// Number of floor cells.
+    cells: usize,
+    /// Modes of a pillar, and how many of them see the floor.
+    modes: usize,
+    /// Place of every pillar on the coarse grid.
+    places: Vec<usize>,
+    convolution: Convolution<'a, Together>,
+    coarse: Coarse,
+}
+
+/// Transforms over the coarse grid, with room.
+struct Coarse {
+    shape: [usize; 2],
+    plans: RealPlans,
+    grid: Vec<f64>,
+    /// Half of the columns, each with its rows.
+    columns: Vec<Complex64>,
+    line: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+    /// For every column, every mode, its rows: folded transforms, real parts and imaginary ones.
+    folded: Vec<f64>,
+}
+
+/// Transforms and kernels of the fine grid, and how it meets the coarse one.
+struct Together {
+    /// Columns and rows of the fine grid and of the coarse one.
+    shape: [usize; 2],
+    coarse: [usize; 2],
+    plans: RealPlans,
+    /// Whether the kernels of the coupled modes are imaginary.
+    odd: Vec<bool>,
+    /// For every column, every kernel, that of the floor first: its rows. With the normalisation of all transforms.
+    kernel: Vec<f64>,
+    /// `exp(i theta/2)` for every column and for every row.
+    phases: [Vec<Complex64>; 2],
+    /// Transforms of the pillars' coefficients: for every coarse column, every mode, the real parts of its rows, then the imaginary ones.
+    tops: RwLock<Vec<f64>>,
+    /// For every block of columns, every column, every mode: folded rows, likewise.
+    folded: Vec<Mutex<Vec<f64>>>,
+}
+
+impl<'a> FloorCoupling<'a> {
+    /// Of a grid with the pillars of a window, whose first modes up to `degree` see the floor and have `modes` in all. If it is
+    /// cancelled the kernels are nothing; solvers look before they ask for a product.
+    pub(crate) fn new(
+        grid: &FloorGrid,
+        window: &Window,
+        modes: usize,
+        degree: usize,
+        workers: Workers<'_>,
+        pool: Option<&'a ThreadPool>,
+    ) -> Self {
+        let coarse = FloorGrid::period(&grid.division, grid.radius, window.extent());
+        let together = Together::new(&grid.division, coarse, degree, workers);
+        let places = (0..window.len())
+            .map(|pillar| {
+                let [u, v] = grid.place_of(window.index(pillar));
+                let [u, v] = [
+                    u.rem_euclid(coarse[0] as i64),
+                    v.rem_euclid(coarse[1] as i64),
+                ];
+                v as usize * coarse[0] + u as usize
+            })
+            .collect();
+        let coupled = mode_count(degree);
+        Self {
+            cells: grid.len(),
+            modes,
+            places,
+            coarse: Coarse::new(coarse, coupled),
+            convolution: Convolution::new(grid.cells.clone(), [0, 0], Arc::new(together), pool),
+        }
+    }
+
+    /// About how many bytes it takes, with the vectors of the solution.
+    pub(crate) fn memory_estimate(
+        division: &Division,
+        radius: f64,
+        pillars: [f64; 2],
+        degree: usize,
+    ) -> f64 {
+        let coarse = FloorGrid::period(division, radius, pillars);
+        let shape = [0, 1].map(|k| (coarse[k] * division.half[k]) as f64);
+        let kernels = mode_count(degree) as f64 + 1.0;
+        let half = 0.5 * shape[0] + 1.0;
+        let held = 2.0 * radius / division.cell[1];
+        let build = 8.0 * kernels * half * 0.5 * shape[1];
+        let folded = 16.0 * half * kernels * coarse[1] as f64;
+        let vectors = 20.0 * 8.0 * FloorGrid::expected_len(division, radius);
+        8.0 * kernels * half * shape[1] + build + folded + 16.0 * held * half + vectors
+    }
+
+    /// Adds to the loads on pillar tops, and sets those on floor cells.
+    fn apply(&mut self, [tops, floor]: [&[f64]; 2], [far_tops, far_floor]: [&mut [f64]; 2]) {
+        let together = Arc::clone(self.convolution.transform());
+        {
+            let mut spectra = together
+                .tops
+                .write()
+                .unwrap_or_else(PoisonError::into_inner);
+            let coupled = together.odd.len();
+            for mode in 0..coupled {
+                let values = tops.iter().skip(mode).step_by(self.modes);
+                self.coarse
+                    .forward(&self.places, values, mode, &mut spectra);
+            }
+        }
+        self.convolution.apply(floor, far_floor);
+        self.coarse.gather(&together);
+        for (mode, &odd) in together.odd.iter().enumerate() {
+            self.coarse.back(mode, odd);
+            let far = far_tops.iter_mut().skip(mode).step_by(self.modes);
+            for (far, &place) in far.zip(&self.places) {
+                *far += self.coarse.grid[place];
+            }
+        }
+    }
+}
+
+impl Coarse {
+    fn new(shape: [usize; 2], modes: usize) -> Self {
+        let [columns, rows] = shape;
+        let plans = RealPlans::new(rows, columns);
+        let half = columns / 2 + 1;
+        Self {
+            shape,
+            grid: vec![0.0; columns * rows],
+            columns: vec![Complex64::default(); half * rows],
+            line: vec![Complex64::default(); half],
+            scratch: vec![Complex64::default(); plans.scratch_len()],
+            folded: vec![0.0; 2 * columns * modes * rows],
+            plans,
+        }
+    }
+
+    /// The transform of one mode of all pillars, into the columns of all modes.
+    fn forward<'v>(
+        &mut self,
+        places: &[usize],
+        values: impl Iterator<Item = &'v f64>,
+        mode: usize,
+        spectra: &mut [f64],
+    ) {
+        let [columns, rows] = self.shape;
+        self.grid.fill(0.0);
+        for (&place, value) in places.iter().zip(values) {
+            self.grid[place] = *value;
+        }
+        for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
+            // Lengths are those the plans were made for, so this cannot fail.
+            let _ = self
+                .plans
+                .row
+                .process_with_scratch(values, &mut self.line, &mut self.scratch);
+            for (column, value) in self.columns.chunks_exact_mut(rows).zip(&self.line) {
+                column[row] = *value;
+            }
+        }
+        self.plans
+            .column
+            .process_with_scratch(&mut self.columns, &mut self.scratch);
+        let stride = spectra.len() / columns;
+        for (number, column) in self.columns.chunks_exact(rows).enumerate() {
+            let at = number * stride + 2 * mode * rows;
+            let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
+            for ((re, im), value) in real.iter_mut().zip(imaginary).zip(column) {
+                (*re, *im) = (value.re, value.im);
+            }
+            let opposite = columns - number;
+            if number > 0 && opposite != number {
+                let at = opposite * stride + 2 * mode * rows;
+                let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
+                for (row, value) in column.iter().enumerate() {
+                    let mirrored = if row == 0 { 0 } else { rows - row };
+                    (real[mirrored], imaginary[mirrored]) = (value.re, -value.im);
+                }
+            }
+        }
+    }
+
+    /// Adds up the folded columns that repeat. The fine columns are half of all; the ends of these are their own conjugates.
+    fn gather(&mut self, together: &Together) {
+        let stride = self.folded.len() / self.shape[0];
+        let last = together.shape[0] / 2;
+        self.folded.fill(0.0);
+        for (block, folded) in together.folded.iter().enumerate() {
+            let folded = folded.lock().unwrap_or_else(PoisonError::into_inner);
+            for (k, values) in folded.chunks_exact(stride).enumerate() {
+                let column = block * BLOCK_WIDTH + k;
+                let weight = if column == 0 || column == last {
+                    0.5
+                } else {
+                    1.0
+                };
+                let sum = &mut self.folded[column % self.shape[0] * stride..][..stride];
+                for (sum, value) in sum.iter_mut().zip(values) {
+                    *sum += weight * value;
+                }
+            }
+        }
+    }
+
+    /// Transforms one mode back, to the grid: the sum over the half and over its conjugates.
+    fn back(&mut self, mode: usize, odd: bool) {
+        let [columns, rows] = self.shape;
+        let stride = self.folded.len() / columns;
+        // conj(i) of imaginary kernels.
+        let factor = if odd {
+            Complex64::new(0.0, -1.0)
+        } else {
+            Complex64::new(1.0, 0.0)
+        };
+        for (number, column) in self.columns.chunks_exact_mut(rows).enumerate() {
+            let of = |number: usize, row: usize| {
+                let parts = &self.folded[number * stride + 2 * mode * rows..];
+                factor * Complex64::new(parts[row], parts[rows + row])
+            };
+            for (row, value) in column.iter_mut().enumerate() {
+                let opposite = if row == 0 { 0 } else { rows - row };
+                *value = of(number, row) + of((columns - number) % columns, opposite).conj();
+            }
+        }
+        self.plans
+            .column_back
+            .process_with_scratch(&mut self.columns, &mut self.scratch);
+        for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
+            for (value, column) in self.line.iter_mut().zip(self.columns.chunks_exact(rows)) {
+                *value = column[row];
+            }
+            // The transform of real data is real at its ends; rounding must not say otherwise.
+            self.line[0].im = 0.0;
+            self.line[columns / 2].im = 0.0;
+            let _ =
+                self.plans
+                    .row_back
+                    .process_with_scratch(&mut self.line, values, &mut self.scratch);
+        }
+    }
+}
+
+/// Whether a mode is odd in x, and in y.
+fn parities(mode: &Mode) -> [bool; 2] {
+    [(mode.order + usize::from(mode.sine)) % 2 == 1, mode.sine]
+}
+
+impl Together {
+    fn new(division: &Division, coarse: [usize; 2], degree: usize, workers: Workers<'_>) -> Self {
+        let shape = [0, 1].map(|k| coarse[k] * division.half[k]);
+        let [columns, rows] = shape;
+        let half = columns / 2 + 1;
+        let phase =
+            |k: usize, length: usize| Complex64::from_polar(1.0, PI * k as f64 / length as f64);
+        let modes = crate::halfspace::disc::basis::modes(degree);
+        let mut together = Self {
+            shape,
+            coarse,
+            plans: RealPlans::new(rows, columns),
+            odd: modes.iter().map(|mode| mode.degree % 2 == 1).collect(),
+            kernel: vec![0.0; half * (1 + modes.len()) * rows],
+            phases: [
+                (0..half).map(|k| phase(k, columns)).collect(),
+                (0..rows).map(|k| phase(k, rows)).collect(),
+            ],
+            tops: RwLock::new(vec![0.0; 2 * coarse[0] * modes.len() * coarse[1]]),
+            folded: (0..half)
+                .step_by(BLOCK_WIDTH)
+                .map(|first| {
+                    let width = BLOCK_WIDTH.min(half - first);
+                    Mutex::new(vec![0.0; 2 * width * modes.len() * coarse[1]])
+                })
+                .collect(),
+        };
+        together.fill_kernels(division, &modes, degree, workers);
+        together
+    }
+
+    fn fill_kernels(
+        &mut self,
+        division: &Division,
+        modes: &[Mode],
+        degree: usize,
+        workers: Workers<'_>,
+    ) {
+        let [columns, rows] = self.shape;
+        let half = columns / 2 + 1;
+        let kernels = 1 + modes.len();
+        // Rows of the quadrant, those of the floor at whole cells and those of pillars at half cells, transformed along x.
+        let quadrant = rows / 2 + 1;
+        let (exterior, rectangles) = (Exterior::new(degree), Rectangles::new(division));
+        let mut transformed = vec![0.0; quadrant * kernels * half];
+        let [phases_x, phases_y] = &self.phases;
+        let plan = &self.plans.row;
+        let work = || KernelWork {
+            values: vec![0.0; kernels * columns],
+            room: vec![0.0; modes.len()],
+            means: vec![0.0; modes.len()],
+            spectrum: plan.make_output_vec(),
+            scratch: plan.make_scratch_vec(),
+        };
+        workers.fill(
+            &mut transformed,
+            kernels * half,
+            KERNEL_ROWS,
+            work,
+            |work, row, output| {
+                if workers.cancel.is_cancelled() {
+                    return;
+                }
+                work.fill_row(division, modes, &exterior, &rectangles, row);
+                let values = work.values.chunks_exact_mut(columns);
+                for (kernel, (values, output)) in
+                    values.zip(output.chunks_exact_mut(half)).enumerate()
+                {
+                    let _ =
+                        plan.process_with_scratch(values, &mut work.spectrum, &mut work.scratch);
+                    let odd = kernel > 0 && parities(&modes[kernel - 1])[0];
+                    for ((value, spectrum), phase) in
+                        output.iter_mut().zip(&work.spectrum).zip(phases_x)
+                    {
+                        *value = real_part(*spectrum, (kernel > 0).then_some(*phase), odd);
+                    }
+                }
+            },
+        );
+        let root = division.cell_area().sqrt();
+        let scale = 1.0 / (columns * rows) as f64;
+        let plan = &self.plans.column;
+        let work = || {
+            let scratch = vec![Complex64::default(); plan.get_inplace_scratch_len()];
+            (vec![Complex64::default(); rows], scratch)
+        };
+        workers.fill(
+            &mut self.kernel,
+            kernels * rows,
+            KERNEL_ROWS,
+            work,
+            |(line, scratch), column, output| {
+                if workers.cancel.is_cancelled() {
+                    return;
+                }
+                for (kernel, output) in output.chunks_exact_mut(rows).enumerate() {
+                    let value = |row: usize| transformed[(row * kernels + kernel) * half + column];
+                    if kernel == 0 {
+                        for row in 0..quadrant {
+                            line[row] = Complex64::new(value(row), 0.0);
+                            line[(rows - row) % rows] = line[row];
+                        }
+                        plan.process_with_scratch(line, scratch);
+                        for (output, value) in output.iter_mut().zip(&*line) {
+                            *output = scale * value.re;
+                        }
+                        continue;
+                    }
+                    let [odd_x, odd_y] = parities(&modes[kernel - 1]);
+                    for row in 0..rows / 2 {
+                        let value = value(row);
+                        line[row] = Complex64::new(value, 0.0);
+                        line[rows - 1 - row] =
+                            Complex64::new(if odd_y { -value } else { value }, 0.0);
+                    }
+                    plan.process_with_scratch(line, scratch);
+                    // Two imaginary factors make a negative one.
+                    let scale = root * if odd_x && odd_y { -scale } else { scale };
+                    for ((output, value), phase) in output.iter_mut().zip(&*line).zip(phases_y) {
+                        *output = scale * real_part(*value, Some(*phase), odd_y);
+                    }
+                }
+            },
+        );
+    }
+}
+
+/// The transform of an even or odd sequence about its middle, half a cell before the first place if there is a phase: its real or its
+/// imaginary part.
+fn real_part(value: Complex64, phase: Option<Complex64>, odd: bool) -> f64 {
+    let value = phase.map_or(value, |phase| value * phase.conj());
+    if odd { value.im } else { value.re }
+}
+
+struct KernelWork {
+    /// One row of every kernel.
+    values: Vec<f64>,
+    room: Vec<f64>,
+    means: Vec<f64>,
+    spectrum: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+impl KernelWork {
+    fn fill_row(
+        &mut self,
+        division: &Division,
+        modes: &[Mode],
+        exterior: &Exterior,
+        rectangles: &Rectangles,
+        row: usize,
+    ) {
+        let columns = self.values.len() / (1 + modes.len());
+        for column in 0..=columns / 2 {
+            let value = rectangles.value(column, row);
+            self.values[column] = value;
+            self.values[(columns - column) % columns] = value;
+        }
+        for column in 0..columns / 2 {
+            by_pillar(
+                exterior,
+                division,
+                [column, row],
+                &mut self.room,
+                &mut self.means,
+            );
+            for (kernel, (mode, mean)) in modes.iter().zip(&self.means).enumerate() {
+                let values = &mut self.values[(kernel + 1) * columns..][..columns];
+                values[column] = *mean;
+                values[columns - 1 - column] = if parities(mode)[0] { -mean } else { *mean };
+            }
+        }
+    }
+}
+
+impl Transform for Together {
+    fn shape(&self) -> [usize; 2] {
+        self.shape
+    }
+
+    fn column_count(&self) -> usize {
+        self.shape[0] / 2 + 1
+    }
+
+    fn row_forward(&self, row: &mut [f64], spectrum: &mut [Complex64], scratch: &mut [Complex64]) {
+        // The lengths are those that the transform was made for, so this cannot fail.
+        let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
+    }
+
+    fn row_back(&self, spectrum: &mut [Complex64], row: &mut [f64], scratch: &mut [Complex64]) {
+        // The transform of real data is real at its ends; rounding must not say otherwise.
+        spectrum[0].im = 0.0;
+        spectrum[self.shape[0] / 2].im = 0.0;
+        let _ = self
+            .plans
+            .row_back
+            .process_with_scratch(spectrum, row, scratch);
+    }
+
+    fn convolve(&self, block: &mut ColumnBlock<'_>, work: &mut Workspace) {
+        let rows = self.shape[1];
+        let coarse = self.coarse[1];
+        let stride = line_stride(rows);
+        let lines = &mut work.lines[..block.width * stride];
+        block.read(lines, stride, rows);
+        let tops = self.tops.read().unwrap_or_else(PoisonError::into_inner);
+        let mut folded = self.folded[block.first / BLOCK_WIDTH]
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        folded.fill(0.0);
+        let modes = self.odd.len();
+        let kernels =
+            self.kernel[block.first * (1 + modes) * rows..].chunks_exact((1 + modes) * rows);
+        let folded = folded.chunks_exact_mut(2 * modes * coarse);
+        for (k, ((line, kernel), folded)) in lines
+            .chunks_exact_mut(stride)
+            .zip(kernels)
+            .zip(folded)
+            .enumerate()
+        {
+            let line = &mut line[..rows];
+            self.plans
+                .column
+                .process_with_scratch(line, &mut work.scratch);
+            let column = block.first + k;
+            let tops = &tops[column % self.coarse[0] * 2 * modes * coarse..][..2 * modes * coarse];
+            widest(
+                #[inline(always)]
+                || {
+                    self.meet(
+                        self.phases[0][column],
+                        line,
+                        kernel,
+                        tops,
+                        folded,
+                        &mut work.reals,
+                    )
+                },
+            );
+            self.plans
+                .column_back
+                .process_with_scratch(line, &mut work.scratch);
+        }
+        block.write(lines, stride);
+    }
+
+    fn scratch_len(&self) -> usize {
+        self.plans.scratch_len()
+    }
+
+    fn columns_at_once(&self) -> usize {
+        1
+    }
+
+    fn real_count(&self) -> usize {
+        6 * self.shape[1]
+    }
+}
+
+impl Together {
+    /// One column of the floor's transform meets that of the pillars.
+    #[inline(always)]
+    fn meet(
+        &self,
+        phase: Complex64,
+        line: &mut [Complex64],
+        kernel: &[f64],
+        tops: &[f64],
+        folded: &mut [f64],
+        room: &mut [f64],
+    ) {
+        let rows = line.len();
+        let coarse = self.coarse[1];
+        let (turned, sums) = room.split_at_mut(2 * rows);
+        let (real, imaginary) = turned.split_at_mut(rows);
+        for (((re, im), value), along) in real
+            .iter_mut()
+            .zip(&mut *imaginary)
+            .zip(&*line)
+            .zip(&self.phases[1])
+        {
+            let value = value * (phase * along).conj();
+            (*re, *im) = (value.re, value.im);
+        }
+        sums.fill(0.0);
+        let (even, uneven) = sums.split_at_mut(2 * rows);
+        let kernels = kernel.chunks_exact(rows).skip(1).zip(&self.odd);
+        let modes = tops
+            .chunks_exact(2 * coarse)
+            .zip(folded.chunks_exact_mut(2 * coarse));
+        for ((kernel, &odd), (tops, folded)) in kernels.zip(modes) {
+            let sum = if odd { &mut *uneven } else { &mut *even };
+            let (sum_real, sum_imaginary) = sum.split_at_mut(rows);
+            let (top_real, top_imaginary) = tops.split_at(coarse);
+            let (folded_real, folded_imaginary) = folded.split_at_mut(coarse);
+            for first in (0..rows).step_by(coarse) {
+                let at = first..first + coarse;
+                let kernel = &kernel[at.clone()];
+                let sums = [&mut sum_real[at.clone()], &mut sum_imaginary[at.clone()]];
+                let turned = [&real[at.clone()], &imaginary[at]];
+                let folds = [&mut *folded_real, &mut *folded_imaginary];
+                multiply_add(kernel, sums, [top_real, top_imaginary], folds, turned);
+            }
+        }
+        let (even_real, even_imaginary) = even.split_at(rows);
+        let (uneven_real, uneven_imaginary) = uneven.split_at(rows);
+        for (row, (value, kernel)) in line.iter_mut().zip(kernel).enumerate() {
+            // i times the uneven ones.
+            let sum = Complex64::new(
+                even_real[row] - uneven_imaginary[row],
+                even_imaginary[row] + uneven_real[row],
+            );
+            *value = *value * kernel + sum * (phase * self.phases[1][row]);
+        }
+    }
+}
+
+/// `sum += kernel top` and `folded += kernel turned`, real and imaginary parts, of lengths that are multiples of [`LANES`].
+#[inline(always)]
+fn multiply_add(
+    kernel: &[f64],
+    [sum_real, sum_imaginary]: [&mut [f64]; 2],
+    [top_real, top_imaginary]: [&[f64]; 2],
+    [folded_real, folded_imaginary]: [&mut [f64]; 2],
+    [real, imaginary]: [&[f64]; 2],
+) {
+    let (kernel, _) = kernel.as_chunks::<LANES>();
+    let sums = lanes_mut(sum_real).iter_mut().zip(lanes_mut(sum_imaginary));
+    let folds = lanes_mut(folded_real)
+        .iter_mut()
+        .zip(lanes_mut(folded_imaginary));
+    let tops = lanes(top_real).iter().zip(lanes(top_imaginary));
+    let turned = lanes(real).iter().zip(lanes(imaginary));
+    for ((((kernel, sum), fold), top), turned) in
+        kernel.iter().zip(sums).zip(folds).zip(tops).zip(turned)
+    {
+        let kernel = Lanes(*kernel);
+        *sum.0 = (Lanes(*sum.0) + kernel * Lanes(*top.0)).0;
+        *sum.1 = (Lanes(*sum.1) + kernel * Lanes(*top.1)).0;
+        *fold.0 = (Lanes(*fold.0) + kernel * Lanes(*turned.0)).0;
+        *fold.1 = (Lanes(*fold.1) + kernel * Lanes(*turned.1)).0;
+    }
+}
+
+#[inline(always)]
+fn lanes(values: &[f64]) -> &[[f64; LANES]] {
+    values.as_chunks().0
+}
+
+#[inline(always)]
+fn lanes_mut(values: &mut [f64]) -> &mut [[f64; LANES]] {
+    values.as_chunks_mut().0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::coupling::pair::PairCoupling;
+    use crate::numerics::workers::CancelToken;
+    use crate::problem::HexagonalLattice;
+
+    fn numbers(count: usize, turn: f64) -> Vec<f64> {
+        (0..count)
+            .map(|k| (1.7 * k as f64 + turn * (k as f64).sqrt()).sin())
+            .collect()
+    }
+
+    /// Every entry by itself: the same kernels without any transform.
+    fn dense(
+        lattice: &HexagonalLattice,
+        grid: &FloorGrid,
+        window: &Window,
+        modes: usize,
+        coefficients: &[f64],
+    ) -> Vec<f64> {
+        let tops = window.len() * modes;
+        let mut far = vec![0.0; coefficients.len()];
+        let rectangles = Rectangles::new(&grid.division);
+        let positions: Vec<(usize, usize)> = grid.cells.positions().collect();
+        for (k, (column, row)) in positions.iter().enumerate() {
+            for (l, (other_column, other_row)) in positions.iter().enumerate() {
+                let value =
+                    rectangles.value(column.abs_diff(*other_column), row.abs_diff(*other_row));
+                far[tops + k] += value * coefficients[tops + l];
+            }
+        }
+        let exterior = Exterior::new(2);
+        let root = grid.division.cell_area().sqrt();
+        let [width, height] = grid.division.cell;
+        let gauss = 0.5 / 3f64.sqrt();
+        let (mut values, mut means) = ([0.0; 6], [0.0; 6]);
+        for (k, [x, y]) in grid.cells.centres().enumerate() {
+            for pillar in 0..window.len() {
+                let (i, j) = window.index(pillar);
+                let [cx, cy] = lattice.centre(i, j);
+                means.fill(0.0);
+                for (u, v) in [
+                    (-gauss, -gauss),
+                    (gauss, -gauss),
+                    (-gauss, gauss),
+                    (gauss, gauss),
+                ] {
+                    exterior.values([x + u * width - cx, y + v * height - cy], &mut values);
+                    for (mean, value) in means.iter_mut().zip(values) {
+                        *mean += 0.25 * root * value;
+                    }
+                }
+                for (mode, mean) in means.iter().enumerate() {
+                    far[tops + k] += mean * coefficients[pillar * modes + mode];
+                    far[pillar * modes + mode] += mean * coefficients[tops + k];
+                }
+            }
+        }
+        far
+    }
+
+    #[test]
+    fn product_is_that_of_every_pair() {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .build()
+            .unwrap();
+        for (pitch, half, offset, degree) in [(3.3, 4, 0.0, 2), (4.3, 3, 0.37, 2), (5.1, 2, 0.8, 4)]
+        {
+            let lattice = HexagonalLattice {
+                pitch,
+                offset,
+                offset_angle: 0.4,
+            };
+            let window = Window::new(&lattice, 2.6 * pitch);
+            let division = Division::new(pitch, half);
+            let grid = FloorGrid::new(&lattice, division, 1.2 * pitch).unwrap();
+            let modes = mode_count(degree);
+            let tops = window.len() * modes;
+            let coefficients = numbers(tops + grid.len(), 0.3);
+            let expected = dense(&lattice, &grid, &window, modes, &coefficients);
+            let scale = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            for pool in [None, Some(&pool)] {
+                let workers = Workers {
+                    pool,
+                    cancel: &CancelToken::default(),
+                };
+                let mut floor = FloorCoupling::new(&grid, &window, modes, 2, workers, pool);
+                // Twice, as nothing of the first product may be left in the second.
+                for _ in 0..2 {
+                    let mut far = vec![0.0; coefficients.len()];
+                    let (far_tops, far_floor) = far.split_at_mut(tops);
+                    let (of_tops, of_floor) = coefficients.split_at(tops);
+                    floor.apply([of_tops, of_floor], [far_tops, far_floor]);
+                    for (place, (found, expected)) in far.iter().zip(&expected).enumerate() {
+                        assert!(
+                            (found - expected).abs() < 1e-12 * scale,
+                            "pitch {pitch}, {place} of {tops} and {}: {found} {expected}",
+                            grid.len()
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pillars_and_floor_act_on_each_other_alike() {
+        let lattice = HexagonalLattice::new(4.0).offset_by(0.2);
+        let window = Window::new(&lattice, 11.0);
+        let grid = FloorGrid::new(&lattice, Division::new(4.0, 4), 6.0).unwrap();
+        let (cancel, pair) = (CancelToken::default(), PairCoupling::new(2, lattice.pitch));
+        let workers = Workers {
+            pool: None,
+            cancel: &cancel,
+        };
+        let mut coupling = SurfaceCoupling {
+            tops: LatticeCoupling::new(&window, &pair, workers),
+            floor: Some(Box::new(FloorCoupling::new(
+                &grid, &window, 6, 2, workers, None,
+            ))),
+        };
+        let size = window.len() * 6 + grid.len();
+        let (a, c) = (numbers(size, 0.3), numbers(size, 1.1));
+        let (mut ba, mut bc) = (vec![0.0; size], vec![0.0; size]);
+        coupling.apply(&a, &mut ba, workers);
+        coupling.apply(&c, &mut bc, workers);
+        let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
+        assert!((dot(&c, &ba) - dot(&a, &bc)).abs() < 1e-12 * dot(&a, &a));
+    }
+}

@@ -1,0 +1,234 @@
+//! What a loaded rectangle, and a loaded pillar top, do to a rectangle on the mean.
+
+use super::grid::Division;
+use crate::halfspace::disc::exterior::Exterior;
+use std::f64::consts::PI;
+
+/// Distance, in longer sides of a cell, from which on two rectangles act on each other by their moments: the closed form is a small
+/// difference of large terms there. The two agree to 1e-10 here.
+const FAR: f64 = 24.0;
+
+/// Half the distance of the two points of Gauss's rule, of half a side.
+const GAUSS: f64 = 0.577_350_269_189_625_8;
+
+/// Mean displacement of a rectangle by a unit pressure on an equal one, on a half-space of unit compliance.
+///
+/// With `1/(pi r)` integrated twice in either direction over both rectangles it is the second difference of
+/// `G(x, y) = x y^2/2 asinh(x/|y|) + x^2 y/2 asinh(y/|x|) - r^3/6`, whose fourth mixed derivative is `1/r`.
+#[derive(Debug, Clone)]
+pub(crate) struct Rectangles {
+    cell: [f64; 2],
+    near: usize,
+    /// `G` at whole cells from -1 on, in units of the cell's longer side cubed; rows of constant x.
+    table: Vec<f64>,
+}
+
+impl Rectangles {
+    pub(crate) fn new(division: &Division) -> Self {
+        let cell = division.cell;
+        let longest = division.longest();
+        let shortest = cell[0].min(cell[1]);
+        let near = (FAR * longest / shortest).ceil() as usize + 1;
+        let side = near + 3;
+        let table = (0..side * side)
+            .map(|index| {
+                let (i, j) = (index / side, index % side);
+                fourfold_integral(
+                    (i as f64 - 1.0) * cell[0] / longest,
+                    (j as f64 - 1.0) * cell[1] / longest,
+                )
+            })
+            .collect();
+        Self { cell, near, table }
+    }
+
+    /// Of one so many columns and rows away.
+    pub(crate) fn value(&self, columns: usize, rows: usize) -> f64 {
+        let [width, height] = self.cell;
+        let (x, y) = (columns as f64 * width, rows as f64 * height);
+        let distance = x.hypot(y);
+        let longest = width.max(height);
+        if distance > FAR * longest {
+            return self.by_moments(x, y, distance);
+        }
+        let side = self.near + 3;
+        let row = |i: usize| {
+            let from = (columns + i) * side + rows;
+            let [before, at, after] = [0, 1, 2].map(|j| self.table[from + j]);
+            before - 2.0 * at + after
+        };
+        let difference = row(0) - 2.0 * row(1) + row(2);
+        difference * longest.powi(3) / (PI * width * height)
+    }
+
+    /// The expansion about the centres of both, to the fourth order in the sides over the distance.
+    fn by_moments(&self, x: f64, y: f64, distance: f64) -> f64 {
+        let [width, height] = self.cell;
+        let inverse = distance.recip();
+        let (cx, cy) = ((x * inverse).powi(2), (y * inverse).powi(2));
+        let (p, q) = ((width * inverse).powi(2), (height * inverse).powi(2));
+        let second = (p * (3.0 * cx - 1.0) + q * (3.0 * cy - 1.0)) / 12.0;
+        let pure = |c: f64| 9.0 - 90.0 * c + 105.0 * c * c;
+        let fourth = (p * p * pure(cx) + q * q * pure(cy)) / 360.0
+            + p * q * (105.0 * cx * cy - 12.0) / 144.0;
+        width * height * inverse / PI * (1.0 + second + fourth)
+    }
+}
+
+/// `G(x, y)`, even in both.
+fn fourfold_integral(x: f64, y: f64) -> f64 {
+    let (x, y) = (x.abs(), y.abs());
+    let distance = x.hypot(y);
+    let part = |a: f64, b: f64| {
+        if a > 0.0 && b > 0.0 {
+            0.5 * a * b * b * (a / b).asinh()
+        } else {
+            0.0
+        }
+    };
+    part(x, y) + part(y, x) - distance.powi(3) / 6.0
+}
+
+/// Mean displacement of a rectangle by every mode of a pillar top, its lower left corner `[columns, rows]` cells from the
+/// centre of the pillar: by two points of Gauss's rule in either direction. Zero on rectangles that the top covers or cuts.
+///
+/// `values` is room.
+pub(crate) fn by_pillar(
+    exterior: &Exterior,
+    division: &Division,
+    [columns, rows]: [usize; 2],
+    values: &mut [f64],
+    means: &mut [f64],
+) {
+    let [width, height] = division.cell;
+    let (x, y) = (columns as f64 * width, rows as f64 * height);
+    means.fill(0.0);
+    if x.hypot(y) < 1.0 {
+        return;
+    }
+    let points = |low: f64, side: f64| {
+        [
+            low + 0.5 * side * (1.0 - GAUSS),
+            low + 0.5 * side * (1.0 + GAUSS),
+        ]
+    };
+    for x in points(x, width) {
+        for y in points(y, height) {
+            exterior.values_of_first(means.len(), [x, y], values);
+            for (mean, value) in means.iter_mut().zip(&*values) {
+                *mean += 0.25 * value;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::elements::Rectangle;
+    use crate::numerics::quadrature::gauss_legendre;
+
+    fn division() -> Division {
+        Division {
+            half: [7, 4],
+            cell: [0.37, 0.31],
+        }
+    }
+
+    /// Love's potential of one rectangle, averaged over the other by Gauss's rule on parts of it.
+    #[test]
+    fn rectangles_by_quadrature() {
+        let division = division();
+        let [width, height] = division.cell;
+        let (kernel, rectangle) = (Rectangles::new(&division), Rectangle::new(width, height));
+        let rule = gauss_legendre(24);
+        for (columns, rows) in [
+            (2, 0),
+            (0, 3),
+            (1, 2),
+            (5, 7),
+            (19, 11),
+            (30, 0),
+            (22, 31),
+            (200, 100),
+        ] {
+            let mut mean = 0.0;
+            for (u, weight_u) in &rule {
+                for (v, weight_v) in &rule {
+                    let x = (columns as f64 + 0.5 * u) * width;
+                    let y = (rows as f64 + 0.5 * v) * height;
+                    mean += 0.25 * weight_u * weight_v * rectangle.potential(x, y) / PI;
+                }
+            }
+            let found = kernel.value(columns, rows);
+            assert!(
+                (found / mean - 1.0).abs() < 3e-10,
+                "{columns} {rows}: {found} {mean}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_own_mean_of_a_square_is_known() {
+        // 4 ln(1 + sqrt 2) - 4 (sqrt 2 - 1)/3, the mean of 1/r over a unit square and itself.
+        let division = Division {
+            half: [1, 1],
+            cell: [0.2, 0.2],
+        };
+        let root = 2f64.sqrt();
+        let expected = 4.0 * (1.0 + root).ln() - 4.0 * (root - 1.0) / 3.0;
+        let found = Rectangles::new(&division).value(0, 0) * PI / 0.2;
+        assert!((found / expected - 1.0).abs() < 1e-13, "{found} {expected}");
+    }
+
+    #[test]
+    fn closed_form_and_moments_agree_where_they_meet() {
+        let division = division();
+        let kernel = Rectangles::new(&division);
+        for columns in 0..24usize {
+            for rows in 0..29usize {
+                let x = columns as f64 * division.cell[0];
+                let y = rows as f64 * division.cell[1];
+                let distance = x.hypot(y);
+                if distance < 0.9 * FAR * 0.37 || distance > FAR * 0.37 {
+                    continue;
+                }
+                let (near, far) = (
+                    kernel.value(columns, rows),
+                    kernel.by_moments(x, y, distance),
+                );
+                assert!(
+                    (near / far - 1.0).abs() < 1e-9,
+                    "{columns} {rows}: {near} {far}"
+                );
+            }
+        }
+    }
+
+    /// The displacement by a pillar top, averaged by Gauss's rule of a high order.
+    #[test]
+    fn pillars_by_quadrature() {
+        let division = division();
+        let [width, height] = division.cell;
+        let exterior = Exterior::new(2);
+        let rule = gauss_legendre(20);
+        for ([columns, rows], tolerance) in [([3, 1], 2e-3), ([7, 4], 1e-5), ([20, 31], 1e-8)] {
+            let (mut room, mut means, mut expected) = ([0.0; 6], [0.0; 6], [0.0; 6]);
+            by_pillar(&exterior, &division, [columns, rows], &mut room, &mut means);
+            for (u, weight_u) in &rule {
+                for (v, weight_v) in &rule {
+                    let x = (columns as f64 + 0.5 + 0.5 * u) * width;
+                    let y = (rows as f64 + 0.5 + 0.5 * v) * height;
+                    exterior.values([x, y], &mut room);
+                    for (sum, value) in expected.iter_mut().zip(&room) {
+                        *sum += 0.25 * weight_u * weight_v * value;
+                    }
+                }
+            }
+            for (found, expected) in means.iter().zip(&expected) {
+                let error = (found - expected).abs() / means[0];
+                assert!(error < tolerance, "{columns} {rows}: {found} {expected}");
+            }
+        }
+    }
+}

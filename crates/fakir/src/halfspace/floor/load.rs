@@ -1,0 +1,296 @@
+//! A pressure on floor cells, and what it does anywhere.
+//!
+//! Cells near a point act as the rectangles that they are, those farther off in groups, by their multipoles: with `(rho, phi)` about the
+//! middle of a group,
+//!
+//! ```text
+//! 1/|x - x'| = sum_l rho'^l/rho^(l+1) sum_k c_k c_(l-k) cos((l - 2k)(phi - phi')),    c_k = (2k)!/(4^k k!^2)
+//! ```
+//!
+//! (E. T. Whittaker and G. N. Watson, A Course of Modern Analysis, section 15.1). Groups are halved until they are small for their distance.
+
+use crate::halfspace::elements::rectangle::Rectangle;
+use crate::numerics::quadrature::gauss_legendre;
+use crate::problem::{Cells, Grid, Point};
+use rustfft::num_complex::Complex64;
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Degrees of multipoles, and how many there are of all orders.
+const DEGREES: usize = 10;
+const MULTIPOLES: usize = DEGREES * (DEGREES + 2) / 4;
+
+/// A group acts by its multipoles if its radius is no more than this part of its distance: what is left out is then less than 1e-6 of what
+/// it does, and a tenth of that on the average.
+const SMALL: f64 = 0.28;
+
+/// Groups of no more cells are not divided.
+const FEW_CELLS: usize = 12;
+
+/// Pressures on some cells of a grid.
+#[derive(Debug, Clone)]
+pub(crate) struct FloorLoad {
+    cells: Cells,
+    pressure: Vec<f64>,
+    /// Place of every cell of the grid in the vector.
+    place: Vec<u32>,
+    rectangle: Rectangle,
+    /// Made when the first displacement is asked for.
+    groups: OnceLock<Groups>,
+}
+
+/// Cells in an order in which groups are ranges of them.
+#[derive(Debug, Clone)]
+struct Groups {
+    /// Centre and pressure.
+    cells: Vec<(Point, f64)>,
+    /// The whole one first; the two halves of a group that is divided follow somewhere after it.
+    groups: Vec<Group>,
+}
+
+#[derive(Debug, Clone)]
+struct Group {
+    centre: Point,
+    radius: f64,
+    multipoles: [Complex64; MULTIPOLES],
+    parts: Parts,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Parts {
+    Halves([usize; 2]),
+    Cells { first: usize, end: usize },
+}
+
+impl FloorLoad {
+    pub(crate) fn new(cells: Cells, pressure: Vec<f64>) -> Self {
+        let mut place = vec![u32::MAX; cells.grid().cell_count()];
+        for (number, index) in cells.indices().enumerate() {
+            place[index] = number as u32;
+        }
+        let [width, height] = cells.grid().cell();
+        Self {
+            rectangle: Rectangle::new(width, height),
+            place,
+            pressure,
+            cells,
+            groups: OnceLock::new(),
+        }
+    }
+
+    /// Cells and pressures in units of which these are the numbers of the present ones.
+    pub(crate) fn in_metres(&self, length: f64, pressure: f64) -> (Cells, Vec<f64>) {
+        let pressures = self.pressure.iter().map(|p| p * pressure).collect();
+        (self.cells.scaled(length), pressures)
+    }
+
+    /// Centre and pressure of every cell.
+    pub(crate) fn loaded_cells(&self) -> impl Iterator<Item = (Point, f64)> + '_ {
+        self.cells.centres().zip(self.pressure.iter().copied())
+    }
+
+    /// Sides of a cell.
+    pub(crate) fn cell(&self) -> [f64; 2] {
+        self.cells.grid().cell()
+    }
+
+    /// The pressure at a point.
+    pub(crate) fn pressure(&self, [x, y]: Point) -> f64 {
+        let grid: &Grid = self.cells.grid();
+        let ([left, low], [width, height]) = (grid.origin(), grid.cell());
+        let (column, row) = (((x - left) / width).floor(), ((y - low) / height).floor());
+        let inside = (0.0..grid.columns() as f64).contains(&column)
+            && (0.0..grid.rows() as f64).contains(&row);
+        if !inside {
+            return 0.0;
+        }
+        let place = self.place[row as usize * grid.columns() + column as usize];
+        self.pressure.get(place as usize).copied().unwrap_or(0.0)
+    }
+
+    /// The displacement at a point, on a half-space of unit compliance.
+    pub(crate) fn displacement(&self, point: Point) -> f64 {
+        let groups = self
+            .groups
+            .get_or_init(|| Groups::new(self.loaded_cells().collect(), self.cell()));
+        if groups.groups.is_empty() {
+            0.0
+        } else {
+            groups.potential(0, point, &self.rectangle) / PI
+        }
+    }
+}
+
+impl Groups {
+    fn new(mut cells: Vec<(Point, f64)>, cell: [f64; 2]) -> Self {
+        let mut groups = Vec::new();
+        let count = cells.len();
+        if count > 0 {
+            Self::divide(&mut cells, 0, count, cell, &mut groups);
+        }
+        Self { cells, groups }
+    }
+
+    /// Makes the group of a range of cells and its parts; its place.
+    fn divide(
+        cells: &mut [(Point, f64)],
+        first: usize,
+        end: usize,
+        cell: [f64; 2],
+        groups: &mut Vec<Group>,
+    ) -> usize {
+        let place = groups.len();
+        let own = &mut cells[first..end];
+        let bounds = |k: usize| {
+            own.iter().fold(
+                (f64::INFINITY, f64::NEG_INFINITY),
+                |(low, high), (at, _)| (low.min(at[k]), high.max(at[k])),
+            )
+        };
+        let bounds = [bounds(0), bounds(1)];
+        let centre = bounds.map(|(low, high)| 0.5 * (low + high));
+        let sides = [0, 1].map(|k| bounds[k].1 - bounds[k].0 + cell[k]);
+        let radius = 0.5 * sides[0].hypot(sides[1]);
+        groups.push(Group {
+            centre,
+            radius,
+            multipoles: multipoles(own, centre, radius, cell),
+            parts: Parts::Cells { first, end },
+        });
+        if end - first > FEW_CELLS {
+            let along = usize::from(sides[1] > sides[0]);
+            let middle = own.len() / 2;
+            own.select_nth_unstable_by(middle, |a, b| a.0[along].total_cmp(&b.0[along]));
+            let low = Self::divide(cells, first, first + middle, cell, groups);
+            let high = Self::divide(cells, first + middle, end, cell, groups);
+            groups[place].parts = Parts::Halves([low, high]);
+        }
+        place
+    }
+
+    fn potential(&self, group: usize, point: Point, rectangle: &Rectangle) -> f64 {
+        let group = &self.groups[group];
+        let [x, y] = [point[0] - group.centre[0], point[1] - group.centre[1]];
+        let distance = x.hypot(y);
+        if group.radius < SMALL * distance {
+            return group.far_potential([x, y], distance);
+        }
+        match group.parts {
+            Parts::Halves(halves) => halves
+                .iter()
+                .map(|half| self.potential(*half, point, rectangle))
+                .sum(),
+            Parts::Cells { first, end } => self.cells[first..end]
+                .iter()
+                .map(|([u, v], pressure)| {
+                    pressure * rectangle.potential(point[0] - u, point[1] - v)
+                })
+                .sum(),
+        }
+    }
+}
+
+impl Group {
+    fn far_potential(&self, [x, y]: Point, distance: f64) -> f64 {
+        let turn = Complex64::new(x / distance, y / distance);
+        let mut turns = [Complex64::new(1.0, 0.0); DEGREES];
+        for order in 1..DEGREES {
+            turns[order] = turns[order - 1] * turn;
+        }
+        let ratio = self.radius / distance;
+        let (mut power, mut sum, mut number) = (1.0, 0.0, 0);
+        for degree in 0..DEGREES {
+            let mut of_degree = 0.0;
+            for order in (degree % 2..=degree).step_by(2) {
+                let multipole = self.multipoles[number];
+                of_degree += multipole.re * turns[order].re + multipole.im * turns[order].im;
+                number += 1;
+            }
+            sum += power * of_degree;
+            power *= ratio;
+        }
+        sum / distance
+    }
+}
+
+/// Of cells about a centre, with their factors, over the powers of the radius: by degree, by rising order.
+fn multipoles(
+    cells: &[(Point, f64)],
+    centre: Point,
+    radius: f64,
+    [width, height]: [f64; 2],
+) -> [Complex64; MULTIPOLES] {
+    let mut central = [1.0; DEGREES];
+    for k in 1..DEGREES {
+        central[k] = central[k - 1] * (2 * k - 1) as f64 / (2 * k) as f64;
+    }
+    let rule = gauss_legendre(3);
+    let mut sums = [Complex64::default(); MULTIPOLES];
+    for ([x, y], pressure) in cells {
+        for (u, weight_u) in &rule {
+            for (v, weight_v) in &rule {
+                let at = Complex64::new(
+                    (x + 0.5 * u * width - centre[0]) / radius,
+                    (y + 0.5 * v * height - centre[1]) / radius,
+                );
+                let squared = at.norm_sqr();
+                let load = 0.25 * weight_u * weight_v * width * height * pressure;
+                let mut number = 0;
+                // rho^l exp(i m phi) = (rho exp(i phi))^m rho^(l - m)
+                let mut powers = [Complex64::new(load, 0.0); DEGREES];
+                for order in 1..DEGREES {
+                    powers[order] = powers[order - 1] * at;
+                }
+                for degree in 0..DEGREES {
+                    for order in (degree % 2..=degree).step_by(2) {
+                        sums[number] += powers[order];
+                        powers[order] *= squared;
+                        number += 1;
+                    }
+                }
+            }
+        }
+    }
+    let mut number = 0;
+    for degree in 0..DEGREES {
+        for order in (degree % 2..=degree).step_by(2) {
+            let twice = if order == 0 { 1.0 } else { 2.0 };
+            let k = (degree - order) / 2;
+            sums[number] *= twice * central[k] * central[degree - k];
+            number += 1;
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_do_what_their_cells_do() {
+        let grid = Grid::new(90, 80, [0.31, 0.27], [-13.0, -11.0]).unwrap();
+        let cells = Cells::where_centre(&grid, |[x, y]| (x * x + 1.3 * y * y).sin() > -0.2);
+        let pressure: Vec<f64> = (0..cells.len())
+            .map(|k| 1.0 + (0.37 * k as f64).sin())
+            .collect();
+        let load = FloorLoad::new(cells.clone(), pressure.clone());
+        let rectangle = Rectangle::new(0.31, 0.27);
+        let mut worst = 0.0_f64;
+        for k in 0..200 {
+            let k = f64::from(k);
+            let point = [20.0 * (1.3 * k).sin(), 20.0 * (0.7 * k).cos()];
+            let direct: f64 = cells
+                .centres()
+                .zip(&pressure)
+                .map(|([x, y], p)| p / PI * rectangle.potential(point[0] - x, point[1] - y))
+                .sum();
+            worst = worst.max((load.displacement(point) / direct - 1.0).abs());
+        }
+        println!("worst {worst:e}");
+        assert!(worst < 1e-7, "{worst:e}");
+        let middle = cells.centres().nth(777).unwrap();
+        assert!((load.pressure(middle) - pressure[777]).abs() < 1e-15);
+        assert!(load.pressure([100.0, 0.0]).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,15 @@
+//! The floor between the pillars of a lattice: rectangles of constant pressure on a grid that is aligned with the lattice.
+//!
+//! Pressures are constant on every rectangle, and displacements are means over rectangles (a Galerkin method: what one
+//! rectangle does to another is what that does to this). Compared with displacements at the centres of the rectangles the
+//! force has a smaller error at the same size of the cells, is exactly the derivative of the energy, and the energy falls
+//! with every refinement.
+//!
+//! Lengths in pillar radii, pressures in units of the reduced modulus. [`grid`] lays the cells; [`kernels`] has what rectangles
+//! and pillar tops do to rectangles; [`coupling`] applies both at once by fast Fourier transform; [`load`] is a pressure as a function of
+//! position.
+
+pub(crate) mod coupling;
+pub(crate) mod grid;
+pub(crate) mod kernels;
+pub(crate) mod load;

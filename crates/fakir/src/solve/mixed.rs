@@ -1,0 +1,708 @@
+//! The contact with pillar tops and floor: grids, starts and growth around [`Newton`](super::newton::Newton).
+//!
+//! The lens rests on pillar tops and on the floor between them. The problem is strictly convex: there is one state for every
+//! indentation and for every force, whatever the start. So it starts from the contact with the tops alone, with the floor cells
+//! that the lens would enter, on a coarse grid; the state of that is the start on a grid of half the cell size, and so on. The last
+//! two tell how large the error is.
+
+use super::answers::{PillarMethod, assemble, refined};
+use super::estimate::unknowns_only;
+use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
+use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_window};
+use crate::halfspace::disc::nodes::Resolution;
+use crate::halfspace::floor::coupling::FloorCoupling;
+use crate::halfspace::floor::grid::{Division, FloorGrid};
+use crate::numerics::convergence::larger;
+use crate::problem::Control;
+use crate::problem::scaled::Problem;
+use crate::problem::{Accuracy, Point, PunchForm, System};
+use crate::state::{ContactState, FloorContact, FloorErrors, Run, SolveError, Termination};
+
+/// Largest side of a cell, pillar radii, on the average over both directions; and by how much it may be larger where that saves a
+/// grid.
+const CELL: [f64; 2] = [0.5, 0.25];
+const CELL_MARGIN: f64 = 1.05;
+
+/// Cells per radius of a contact with the floor that is there before any pillar is touched.
+const CELLS_PER_RADIUS: [f64; 2] = [24.0, 48.0];
+
+/// Cells in a patch of the floor contact at the least: where the floor bears less than this share, and where it bears more. At phi = 0.1 the
+/// share is wrong by 9e-4 with 200 cells a patch, by 3e-4 with 400, and by 1e-4 with 1000.
+const SMALL_SHARE: f64 = 0.01;
+const CELLS_OF_SMALL: f64 = 60.0;
+const CELLS_OF_LARGE: [f64; 2] = [150.0, 900.0];
+
+/// Points of a transform up to which grids are refined for small patches.
+const MOST_POINTS: [f64; 2] = [1.5e6, 5e6];
+
+/// A grid has at most so many times as many cells along a pitch as the one that it starts from.
+const LARGEST_RATIO: usize = 3;
+
+/// Cells along half a pitch of the coarsest grid at the least.
+const FEWEST_HALVES: usize = 3;
+
+/// The window of the floor reaches to the farthest cell whose gap on the coarser grid is less than this part of the height of the pillars,
+/// and some cells of that grid farther.
+const NEAR_CONTACT: f64 = 0.02;
+const WINDOW_MARGIN: f64 = 2.5;
+
+/// Around the holes that the lens enters on the tops alone, in pitches.
+const ENTERED_MARGIN: f64 = 1.0;
+
+/// Cells between the contact and the end of the window at the least.
+const WINDOW_CELLS: f64 = 1.5;
+
+/// Windows are enlarged no more often than this on one grid.
+const GROWTHS: usize = 20;
+
+/// What is known of the solution on one grid.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Level {
+    pub(crate) division: Division,
+    pub(crate) indentation: f64,
+    pub(crate) force: f64,
+    pub(crate) floor_force: f64,
+    pub(crate) energy: f64,
+    pub(crate) patches: Patches,
+}
+
+/// A solution with the floor.
+pub(crate) struct MixedSolution<'a> {
+    pub(crate) solution: Solution<'a>,
+    /// Of every grid, the coarsest first; the finest twice, the second time to the end.
+    pub(crate) levels: Vec<Level>,
+}
+
+/// The cells of the floor in contact, as a set.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Patches {
+    /// Cells, and groups of them that share sides.
+    pub(crate) cells: usize,
+    pub(crate) count: usize,
+    /// Length of the sides between cells in contact and others.
+    pub(crate) perimeter: f64,
+    /// Distance of the farthest corner from the lens axis.
+    pub(crate) radius: f64,
+    /// Smallest distance from the rim of a pillar.
+    pub(crate) rim_distance: f64,
+}
+
+/// Errors fall with this power of the cell size, about; what that makes of the difference of two grids is multiplied for safety.
+const ORDER: f64 = 2.3;
+const SAFETY: f64 = 2.0;
+
+/// Part of the length of the border times the size of a cell by which cells count too much area, and by which that may be wrong.
+const BORDER_BIAS: f64 = 0.025;
+const BORDER_ERROR: f64 = 0.03;
+
+/// Of what the floor bears more for a unit force more; outside of this it is not believed.
+const FLOOR_PART: [f64; 2] = [1.0, 30.0];
+
+/// Depth to which the lens enters the floor, over its height, that no error of the default accuracy explains.
+const FAR_PAST: f64 = 1e-3;
+
+/// Relative energy of the residual for what only estimates need.
+const ROUGH: f64 = 1e-3;
+
+/// The solution on the tops alone by the default accuracy, if the lens enters the floor by so much that another accuracy does not matter.
+pub(crate) fn far_past_transition<'a>(
+    problem: &'a Problem,
+    target: Control,
+    contact_radius: Option<f64>,
+    run: &'a Run<'a>,
+) -> Result<Option<Solution<'a>>, SolveError> {
+    let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
+    let punch = solve_punch(problem, target, contact_radius, form, purpose, run)?;
+    let degrees = degrees(Accuracy::Default, problem);
+    let mut tops = solve_spectral(problem, target, punch, degrees, run)?;
+    let lowest = tops.newton.lowest_gap();
+    let depth = lowest.map_or(0.0, |point| tops.outcome.indentation - point.indentation);
+    Ok((depth > FAR_PAST * problem.height).then_some(tops))
+}
+
+/// The state past the transition, from the solution on the tops alone, which enters the floor.
+pub(crate) fn past_transition(
+    system: &System,
+    problem: &Problem,
+    target: Control,
+    accuracy: Accuracy,
+    mut tops: Solution<'_>,
+    run: &Run<'_>,
+) -> Result<ContactState, SolveError> {
+    let transition = tops.newton.first_floor_contact(ROUGH)?;
+    let transition = transition.unwrap_or(problem.height);
+    let mixed = solve_floor(problem, target, accuracy, tops, None, run)?;
+    finish(system, problem, target, accuracy, mixed, transition, run)
+}
+
+/// The state where the lens reaches the floor before any pillar.
+pub(crate) fn floor_first(
+    system: &System,
+    problem: &Problem,
+    target: Control,
+    accuracy: Accuracy,
+    run: &Run<'_>,
+) -> Result<ContactState, SolveError> {
+    let lens = problem.lens.radius;
+    // Hertz's solution, which is exact before any pillar is touched.
+    let (depth, radius) = match target {
+        Control::Force(force) => {
+            let radius = (0.75 * lens * force).cbrt();
+            (radius * radius / lens, radius)
+        }
+        Control::Indentation(indentation) => {
+            let depth = indentation - problem.height;
+            (depth, (lens * depth.min(lens)).sqrt())
+        }
+        Control::FloorContact => (0.0, 0.0),
+    };
+    let indentation = problem.height + depth;
+    let contact = (lens * indentation.min(lens)).sqrt();
+    let degrees = degrees(Accuracy::Default, problem);
+    let start = untouched(problem, indentation, contact, degrees, run)?;
+    let mixed = solve_floor(problem, target, accuracy, start, Some(radius), run)?;
+    finish(
+        system,
+        problem,
+        target,
+        accuracy,
+        mixed,
+        problem.height,
+        run,
+    )
+}
+
+/// The state of a solution, with its error estimates; `transition` is about the indentation at which the floor was reached.
+fn finish(
+    system: &System,
+    problem: &Problem,
+    target: Control,
+    accuracy: Accuracy,
+    mixed: MixedSolution<'_>,
+    transition: f64,
+    run: &Run<'_>,
+) -> Result<ContactState, SolveError> {
+    let MixedSolution {
+        mut solution,
+        levels,
+    } = mixed;
+    let termination = solution.outcome.termination;
+    let mut of_floor = FloorErrors {
+        share: 1.0,
+        area: 1.0,
+    };
+    let mut error = unknowns_only(target, termination, [1.0; 2]);
+    if termination == Termination::Converged {
+        // At a prescribed indentation: all of the error is in the force.
+        let held = Control::Indentation(solution.outcome.indentation);
+        let of_pillars = refined(&mut solution, held, run)?.force;
+        if let Some((errors, floor)) = estimates(&solution, &levels, transition, of_pillars) {
+            error = unknowns_only(target, termination, errors);
+            of_floor = floor;
+        }
+    }
+    let floor = floor_contact(problem, &solution, &levels, of_floor);
+    let method = PillarMethod::Spectral(accuracy);
+    let state = assemble(
+        system, problem, target, method, &solution, None, floor, error,
+    )?;
+    Ok(ContactState {
+        smallest_floor_gap: 0.0,
+        smallest_gap_position: state
+            .floor
+            .as_ref()
+            .map_or([0.0; 2], |floor| floor.largest_pressure().1),
+        ..state
+    })
+}
+
+/// Relative errors of force and indentation, and those of the floor, from the last two grids and the error `of_pillars` of the force.
+///
+/// The energy converges smoothly; the force alone may agree by chance.
+fn estimates(
+    solution: &Solution<'_>,
+    levels: &[Level],
+    transition: f64,
+    of_pillars: f64,
+) -> Option<([f64; 2], FloorErrors)> {
+    let [coarse, fine, _] = levels.last_chunk()?;
+    let ratio = fine.division.half[1] as f64 / coarse.division.half[1] as f64;
+    let part_of = SAFETY / (ratio.powf(ORDER) - 1.0);
+    let contact = &solution.newton.contact;
+    let stiffness = contact.stiffness();
+    // Differences at the same indentation, to first order: dE/dzeta = -F.
+    let moved = fine.indentation - coarse.indentation;
+    let force = (fine.force - coarse.force - stiffness * moved).abs();
+    let energy = (fine.energy - coarse.energy + fine.force * moved).abs();
+    let past = (fine.indentation - transition).max(1e-6 * fine.indentation);
+    let of_cells = part_of * force.max(energy / past);
+    let error = of_pillars * fine.force + of_cells;
+    let share = |level: &Level| level.floor_force / level.force;
+    let unit: f64 = contact.floor_unit_coefficients().iter().sum();
+    let [least, most] = FLOOR_PART;
+    let part = (contact.unit_cell() * unit / stiffness)
+        .abs()
+        .clamp(least, most);
+    let changed = part_of * (share(fine) - share(coarse)).abs();
+    let of_share = changed.max(part * error / fine.force) / share(fine);
+    let border = BORDER_ERROR * fine.division.cell_area().sqrt() * fine.patches.border();
+    let of_area = (fine.area() - coarse.area()).abs() * part_of;
+    let relative = [error / fine.force, error / (stiffness * fine.indentation)];
+    Some((
+        relative,
+        FloorErrors {
+            share: of_share,
+            area: border.max(of_area) / fine.area(),
+        },
+    ))
+}
+
+impl Level {
+    /// Area in contact.
+    fn area(&self) -> f64 {
+        let cell = self.division.cell_area();
+        let counted = self.patches.cells as f64 * cell;
+        counted - BORDER_BIAS * cell.sqrt() * self.patches.border()
+    }
+}
+
+impl Patches {
+    /// Length of the border, of which the sides of cells are `4/pi` on the average over all directions.
+    fn border(&self) -> f64 {
+        std::f64::consts::FRAC_PI_4 * self.perimeter
+    }
+}
+
+/// What the floor bears, in SI units.
+fn floor_contact(
+    problem: &Problem,
+    solution: &Solution<'_>,
+    levels: &[Level],
+    error: FloorErrors,
+) -> Option<FloorContact> {
+    let level = levels.last()?;
+    let newton = &solution.newton;
+    let load = newton.floor_load()?;
+    let (cells, pressure) = load.in_metres(problem.length, problem.pressure);
+    let agree = levels
+        .iter()
+        .rev()
+        .nth(2)
+        .is_some_and(|coarse| coarse.patches.count == level.patches.count);
+    Some(FloorContact {
+        force: level.floor_force * problem.force(),
+        share: level.floor_force / level.force,
+        area: level.area() * problem.length * problem.length,
+        patches: level.patches.count,
+        patches_agree: agree,
+        radius: level.patches.radius * problem.length,
+        smallest_distance_to_rim: level.patches.rim_distance * problem.length,
+        error,
+        energy_bound: energy_bound(newton, level),
+        cells,
+        pressure,
+    })
+}
+
+/// Upper bound of the error of the energy, over the energy.
+///
+/// With the floor lower by the deepest interpenetration `m` all gaps are feasible, and what pressures do on gaps is the distance from the
+/// solution of that; which differs from the solution by no more than `m` times the force on the floor.
+fn energy_bound(newton: &Newton<'_>, level: &Level) -> f64 {
+    let deepest = newton.contact.floor_load().fold(0.0, larger);
+    let pressed: f64 = newton
+        .contact
+        .floor_load()
+        .zip(newton.contact.floor_coefficients())
+        .map(|(load, c)| c.max(0.0) * (deepest - load))
+        .sum();
+    newton.contact.unit_cell() * pressed / level.energy.abs()
+        + deepest * level.floor_force / level.energy.abs()
+}
+
+/// Numbers of cells along half a pitch that are quick to transform: the smallest that is no less, but for a margin.
+fn halves(least: f64) -> usize {
+    (0..40)
+        .flat_map(|power| [2 << power, 3 << power])
+        .find(|half| *half as f64 * CELL_MARGIN >= least)
+        .unwrap_or(2)
+}
+
+/// How finely the floor is to be resolved, and how large it may be.
+struct Wanted {
+    accuracy: Accuracy,
+    /// Cells along half a pitch at the least, whatever the patches.
+    halves: f64,
+}
+
+impl Wanted {
+    fn new(problem: &Problem, accuracy: Accuracy, patch_radius: Option<f64>) -> Self {
+        let index = usize::from(accuracy == Accuracy::Accurate);
+        let of_patch = |radius: f64| radius / CELLS_PER_RADIUS[index];
+        let cell = patch_radius.map_or(CELL[index], |radius| of_patch(radius).min(CELL[index]));
+        let halves = 0.5 * problem.lattice.pitch / cell;
+        Self { accuracy, halves }
+    }
+
+    /// The coarsest grid: two levels are needed at the least.
+    fn first(&self) -> usize {
+        let mut half = halves(self.halves);
+        while half.is_multiple_of(2) && half / 2 >= FEWEST_HALVES {
+            half /= 2;
+        }
+        half
+    }
+
+    /// The grid after those solved, if they are not enough.
+    fn next(&self, problem: &Problem, mixed: &MixedSolution<'_>) -> Option<usize> {
+        let level = mixed.levels.last()?;
+        let index = usize::from(self.accuracy == Accuracy::Accurate);
+        let half = level.division.half[1];
+        let least = if level.floor_force < SMALL_SHARE * level.force {
+            CELLS_OF_SMALL
+        } else {
+            CELLS_OF_LARGE[index]
+        };
+        let cells = level.patches.cells as f64 / level.patches.count.max(1) as f64;
+        let of_patches = half as f64 * (least / cells.max(1.0)).sqrt();
+        let mut next = halves(self.halves.max(of_patches));
+        if next > LARGEST_RATIO * half {
+            // Half-way to it.
+            next = halves((half as f64 * next as f64).sqrt());
+        }
+        if next <= half {
+            return (mixed.levels.len() < 2).then_some(2 * half);
+        }
+        // Small patches are not worth any number of points.
+        let newton = &mixed.solution.newton;
+        let radius = window_radius(problem, newton);
+        let points = |half: usize| -> f64 {
+            let division = Division::new(problem.lattice.pitch, half);
+            let period = FloorGrid::period(&division, radius, newton.tops.window.extent());
+            let sides = [0, 1].map(|k| (period[k] * division.half[k]) as f64);
+            sides[0] * sides[1]
+        };
+        let whatever = halves(self.halves);
+        while next > whatever && next > half && points(next) > MOST_POINTS[index] {
+            next = (whatever..next)
+                .rev()
+                .find(|n| halves(*n as f64) == *n)
+                .unwrap_or(whatever);
+        }
+        (next > half).then_some(next)
+    }
+}
+
+/// Solves with the floor, from a solution on the tops alone or from no contact at all.
+pub(crate) fn solve_floor<'a>(
+    problem: &'a Problem,
+    target: Control,
+    accuracy: Accuracy,
+    start: Solution<'a>,
+    patch_radius: Option<f64>,
+    run: &'a Run<'a>,
+) -> Result<MixedSolution<'a>, SolveError> {
+    let wanted = Wanted::new(problem, accuracy, patch_radius);
+    let mut mixed = MixedSolution {
+        solution: start,
+        levels: Vec::new(),
+    };
+    let mut next = Some(wanted.first());
+    while let Some(half) = next {
+        let division = Division::new(problem.lattice.pitch, half);
+        mixed = solve_level(problem, target, Purpose::Level, mixed, division, run)?;
+        if mixed.solution.outcome.termination != Termination::Converged {
+            return Ok(mixed);
+        }
+        next = wanted.next(problem, &mixed);
+    }
+    // The last grid once more, to the end, with all nodes and modes on the pillars.
+    let Some(division) = mixed.levels.last().map(|level| level.division) else {
+        return Ok(mixed);
+    };
+    let newton = &mixed.solution.newton;
+    let asked = degrees(accuracy, problem);
+    let coupling = asked.coupling.max(newton.degree());
+    let tops = Resolution {
+        rings: newton.tops.top.resolution().rings.min(asked.tops.rings),
+        ..asked.tops
+    };
+    if coupling != newton.degree() || tops != newton.tops.top.resolution() {
+        let degrees = Degrees { coupling, tops };
+        let pressures = FloorPressures::of(newton);
+        let mut finer = newton.rebuilt(newton.tops.window.clone(), degrees);
+        if let (Some(cells), Some(pressures)) = (&newton.cells, pressures) {
+            finer.set_floor(cells.grid.clone(), &|point| pressures.at(point));
+        }
+        mixed.solution.newton = finer;
+    }
+    solve_level(problem, target, Purpose::Answer, mixed, division, run)
+}
+
+/// The floor window for the next grid: around the contact on the present one, if there is one.
+fn window_radius(problem: &Problem, newton: &Newton<'_>) -> f64 {
+    let largest = largest_window(problem, newton.contact.indentation());
+    let Some(cells) = &newton.cells else {
+        let pitch = problem.lattice.pitch;
+        return (entered_radius(problem, newton, largest) + ENTERED_MARGIN * pitch).min(largest);
+    };
+    let near = -NEAR_CONTACT * problem.height;
+    let reach = cells
+        .grid
+        .cells
+        .centres()
+        .zip(newton.contact.floor_load())
+        .filter(|(_, load)| *load > near)
+        .map(|([x, y], _)| x.hypot(y))
+        .fold(0.0, f64::max);
+    (reach + WINDOW_MARGIN * cells.grid.division.longest()).min(largest)
+}
+
+/// Within this radius the lens enters holes between the pillars, as long as these alone bear it: found by bisection at a dozen places around
+/// the axis.
+fn entered_radius(problem: &Problem, newton: &Newton<'_>, largest: f64) -> f64 {
+    const DIRECTIONS: usize = 12;
+    const HALVINGS: usize = 8;
+    let lattice = &problem.lattice;
+    let hole = lattice.pitch / 3f64.sqrt();
+    let mut bounds = [0.0, largest];
+    for _ in 0..HALVINGS {
+        let radius = 0.5 * (bounds[0] + bounds[1]);
+        let holes: Vec<Point> = (0..DIRECTIONS)
+            .map(|k| {
+                let (sin, cos) = (std::f64::consts::TAU * k as f64 / DIRECTIONS as f64).sin_cos();
+                let [x, y] = [radius * cos, radius * sin];
+                let (i, j) = lattice.nearest_pillar([x, y]);
+                let [cx, cy] = lattice.centre(i, j);
+                [if x > cx { cx + hole } else { cx - hole }, cy]
+            })
+            .collect();
+        let enters = newton.gaps_under_tops(&holes).iter().any(|gap| *gap < 0.0);
+        bounds[usize::from(!enters)] = radius;
+    }
+    bounds[1]
+}
+
+/// Nothing outside of this can be touched: the undeformed lens is above the floor, and pressures only move it away.
+fn largest_window(problem: &Problem, indentation: f64) -> f64 {
+    let lens = problem.lens.radius;
+    let depth = (indentation - problem.height).clamp(0.0, lens);
+    (depth * (2.0 * lens - depth)).sqrt() + 1e-3
+}
+
+fn checked_floor(
+    problem: &Problem,
+    division: Division,
+    radius: f64,
+    pillars: [f64; 2],
+    run: &Run<'_>,
+) -> Result<Option<FloorGrid>, SolveError> {
+    let bytes = |division: &Division| {
+        FloorCoupling::memory_estimate(division, radius, pillars, FLOOR_DEGREE)
+    };
+    let limit = run.memory_limit() as f64;
+    if bytes(&division) > limit {
+        let mut coarser = division;
+        while bytes(&coarser) > limit && coarser.half[1] > 1 {
+            coarser = Division::new(problem.lattice.pitch, coarser.half[1] / 2);
+        }
+        return Err(SolveError::TooManyCells {
+            cells: FloorGrid::expected_len(&division, radius) as usize,
+            bytes: bytes(&division) as usize,
+            limit: run.memory_limit(),
+            cell: division.longest() * problem.length,
+            suggested_cell: coarser.longest() * problem.length,
+        });
+    }
+    Ok(FloorGrid::new(&problem.lattice, division, radius))
+}
+
+/// Solves on one grid, with windows large enough.
+fn solve_level<'a>(
+    problem: &'a Problem,
+    target: Control,
+    purpose: Purpose,
+    mixed: MixedSolution<'a>,
+    division: Division,
+    run: &'a Run<'a>,
+) -> Result<MixedSolution<'a>, SolveError> {
+    let MixedSolution {
+        mut solution,
+        mut levels,
+    } = mixed;
+    let grid_of = |newton: &Newton<'_>| {
+        let cells = newton.cells.as_ref()?;
+        (cells.grid.division == division).then_some(cells.grid.radius)
+    };
+    let mut radius =
+        grid_of(&solution.newton).unwrap_or_else(|| window_radius(problem, &solution.newton));
+    let mut pressures = FloorPressures::of(&solution.newton);
+    for growth in 0..GROWTHS {
+        let newton = &mut solution.newton;
+        let pillars = newton.tops.window.extent();
+        let kept = grid_of(newton).is_some_and(|own| own >= radius);
+        let grid = if kept {
+            None
+        } else {
+            checked_floor(problem, division, radius, pillars, run)?
+        };
+        let started = std::time::Instant::now();
+        if let Some(grid) = grid {
+            newton.set_floor(grid, &|point| {
+                pressures.as_ref().map_or([0.0; 2], |known| known.at(point))
+            });
+            run.check_cancelled()?;
+        }
+        if newton.cells.is_some() {
+            let set = started.elapsed().as_secs_f64();
+            solution.outcome = newton.solve(target, purpose)?;
+            solution.steps += solution.outcome.steps;
+            if std::env::var_os("FAKIR_DEBUG").is_some() {
+                eprintln!(
+                    "set {set:.4} solved {:.4} half {} cells {} of {} steps {} products {} radius {radius:.2} F {:.9} floor {:.9} share {:.7} E {:.11e}",
+                    started.elapsed().as_secs_f64() - set,
+                    division.half[1],
+                    newton
+                        .cells
+                        .as_ref()
+                        .unwrap()
+                        .bears()
+                        .iter()
+                        .filter(|b| **b)
+                        .count(),
+                    newton.cells.as_ref().unwrap().grid.len(),
+                    solution.outcome.steps,
+                    newton.contact.products,
+                    newton.force(),
+                    newton.contact.floor_force(),
+                    newton.contact.floor_force() / newton.force(),
+                    newton.contact.energy(),
+                );
+            }
+            pressures = FloorPressures::of(newton);
+        }
+        if let Some(window) = wider_window(problem, newton, run)? {
+            solution.newton = newton.rebuilt(window, newton.degrees());
+            continue;
+        }
+        let patches = patches(problem, newton);
+        let largest = largest_window(problem, newton.contact.indentation());
+        let close = patches.radius + WINDOW_CELLS * division.longest() > radius;
+        if !close || radius >= largest || growth + 1 == GROWTHS {
+            levels.push(Level {
+                division,
+                indentation: solution.outcome.indentation,
+                force: newton.force(),
+                floor_force: newton.contact.floor_force(),
+                energy: newton.contact.energy(),
+                patches,
+            });
+            break;
+        }
+        radius = (radius + problem.lattice.pitch + 4.0 * division.longest()).min(largest);
+    }
+    Ok(MixedSolution { solution, levels })
+}
+
+/// The pressure on the cells of a grid, to be looked up.
+struct FloorPressures {
+    grid: FloorGrid,
+    /// Place of every cell of the grid in the vectors.
+    place: Vec<u32>,
+    /// Present pressure and that under a unit indentation.
+    pressures: Vec<[f64; 2]>,
+}
+
+impl FloorPressures {
+    fn of(newton: &Newton<'_>) -> Option<Self> {
+        let cells = newton.cells.as_ref()?;
+        let scale = cells.unit_cell().recip();
+        let contact = &newton.contact;
+        let present = contact.floor_coefficients().iter();
+        let mut place = vec![u32::MAX; cells.grid.cells.grid().cell_count()];
+        for (number, index) in cells.grid.cells.indices().enumerate() {
+            place[index] = number as u32;
+        }
+        Some(Self {
+            pressures: present
+                .zip(contact.floor_unit_coefficients())
+                .map(|(present, unit)| [present * scale, unit * scale])
+                .collect(),
+            place,
+            grid: cells.grid.clone(),
+        })
+    }
+
+    /// Zero outside of the cells.
+    fn at(&self, point: Point) -> [f64; 2] {
+        let columns = self.grid.cells.grid().columns();
+        self.grid
+            .position_of(point)
+            .map(|[column, row]| self.place[row * columns + column] as usize)
+            .and_then(|place| self.pressures.get(place).copied())
+            .unwrap_or_default()
+    }
+}
+
+/// The floor cells that bear pressure, as a set.
+fn patches(problem: &Problem, newton: &Newton<'_>) -> Patches {
+    let mut patches = Patches {
+        rim_distance: f64::INFINITY,
+        ..Patches::default()
+    };
+    let Some(cells) = &newton.cells else {
+        return patches;
+    };
+    let grid = cells.grid.cells.grid();
+    let ([width, height], columns) = (grid.cell(), grid.columns());
+    let mut bears = vec![false; grid.cell_count()];
+    for (index, own) in cells.grid.cells.indices().zip(cells.bears()) {
+        bears[index] = *own;
+    }
+    // Beyond the last column and row nothing is touched, as the window ends before.
+    let neighbours = |index: usize| {
+        [
+            (index.wrapping_sub(1), height),
+            (index + 1, height),
+            (index.wrapping_sub(columns), width),
+            (index + columns, width),
+        ]
+    };
+    let mut seen = vec![false; bears.len()];
+    let mut open = Vec::new();
+    for index in 0..bears.len() {
+        if !bears[index] {
+            continue;
+        }
+        patches.cells += 1;
+        let [x, y] = grid.centre(index % columns, index / columns);
+        for (u, v) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
+            let corner = [x + u * width, y + v * height];
+            patches.radius = patches.radius.max(corner[0].hypot(corner[1]));
+            let (i, j) = problem.lattice.nearest_pillar(corner);
+            let [cx, cy] = problem.lattice.centre(i, j);
+            let distance = (corner[0] - cx).hypot(corner[1] - cy) - 1.0;
+            patches.rim_distance = patches.rim_distance.min(distance);
+        }
+        for (neighbour, side) in neighbours(index) {
+            if !bears.get(neighbour).is_some_and(|bears| *bears) {
+                patches.perimeter += side;
+            }
+        }
+        if seen[index] {
+            continue;
+        }
+        patches.count += 1;
+        seen[index] = true;
+        open.push(index);
+        while let Some(place) = open.pop() {
+            for (neighbour, _) in neighbours(place) {
+                if bears.get(neighbour).is_some_and(|bears| *bears) && !seen[neighbour] {
+                    seen[neighbour] = true;
+                    open.push(neighbour);
+                }
+            }
+        }
+    }
+    patches
+}

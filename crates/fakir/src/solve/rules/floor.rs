@@ -1,0 +1,165 @@
+//! Floor cells that are pressed and not pulled: the second rule of the [frozen contact](super::super::frozen).
+//!
+//! The state of a cell is whether it bears pressure. With these frozen the cells that do follow the lens, and the others bear nothing.
+//! [`update`](FloorCells::update) lets go of cells that are pulled, and takes in those that the lens would enter.
+//!
+//! What one cell does to the others has an inverse of positive diagonal and, nearly, negative entries beside it. So after one step that
+//! takes in too many, the set shrinks onto the solution without going back.
+
+use super::tops::Tops;
+use crate::halfspace::elements::periodic::PeriodicInverse;
+use crate::halfspace::floor::grid::FloorGrid;
+use crate::numerics::convergence::{larger, within};
+use crate::numerics::workers::Workers;
+use crate::problem::Cells;
+use crate::problem::scaled::Problem;
+use crate::solve::frozen::Rule;
+use rayon::ThreadPool;
+
+/// Pressure below zero, relative to the largest, and gap below zero, relative to the sides of a cell, that are rounding.
+const TOLERANCE: f64 = 1e-9;
+
+/// Half the wave number is the pressure of a wave of unit displacement.
+const HALF: f64 = 0.5;
+
+/// The cells of the floor and their states.
+pub(crate) struct FloorCells<'a> {
+    pub(crate) grid: FloorGrid,
+    /// Whether a cell bears pressure.
+    bears: Vec<bool>,
+    inverse: PeriodicInverse<'a>,
+    masked: Vec<f64>,
+}
+
+/// What an update changed.
+pub(crate) struct FloorChange {
+    /// Cells whose state is another.
+    pub(crate) cells: usize,
+    /// Largest gap of a cell that bears pressure, relative to the indentation.
+    pub(crate) mismatch: f64,
+}
+
+impl<'a> FloorCells<'a> {
+    /// No cell bears pressure.
+    pub(crate) fn new(grid: FloorGrid, pool: Option<&'a ThreadPool>) -> Self {
+        Self {
+            bears: vec![false; grid.len()],
+            inverse: PeriodicInverse::new(grid.cells.clone(), HALF, pool),
+            masked: vec![0.0; grid.len()],
+            grid,
+        }
+    }
+
+    /// The lens over every cell: the mean over it, below the tops of the pillars, times the root of its area.
+    pub(crate) fn lens_load(&self, problem: &Problem) -> impl Iterator<Item = f64> {
+        let [width, height] = self.grid.division.cell;
+        let root = self.unit_cell();
+        let mean = (width * width + height * height) / (24.0 * problem.lens.radius);
+        self.grid
+            .cells
+            .centres()
+            .map(move |centre| -root * (problem.height + problem.sag_with_brim(centre) + mean))
+    }
+
+    /// The root of the area of a cell.
+    pub(crate) fn unit_cell(&self) -> f64 {
+        self.grid.division.cell_area().sqrt()
+    }
+
+    /// Whether every cell bears pressure.
+    pub(crate) fn bears(&self) -> &[bool] {
+        &self.bears
+    }
+
+    /// The cells that do.
+    pub(crate) fn bearing(&self) -> Cells {
+        let grid = self.grid.cells.grid();
+        let mut bears = vec![false; grid.cell_count()];
+        for (index, own) in self.grid.cells.indices().zip(&self.bears) {
+            bears[index] = *own;
+        }
+        Cells::where_true(grid, |index| bears[index])
+    }
+
+    /// Says which cells bear pressure.
+    pub(crate) fn set(&mut self, bears: impl Iterator<Item = bool>) {
+        for (state, bears) in self.bears.iter_mut().zip(bears) {
+            *state = bears;
+        }
+    }
+
+    /// Takes over the states under the present loads (positive ones ask a cell to come down farther) and coefficients.
+    pub(crate) fn update(
+        &mut self,
+        loads: impl Iterator<Item = f64>,
+        coefficients: &[f64],
+        indentation: f64,
+    ) -> FloorChange {
+        let most = coefficients.iter().fold(0.0, |most, c| larger(most, *c));
+        let entered = TOLERANCE * self.grid.division.longest();
+        let mut change = FloorChange {
+            cells: 0,
+            mismatch: 0.0,
+        };
+        for ((bears, load), coefficient) in self.bears.iter_mut().zip(loads).zip(coefficients) {
+            let before = *bears;
+            if before {
+                change.mismatch = larger(change.mismatch, load.abs() / indentation);
+                *bears = *coefficient > -TOLERANCE * most;
+            } else {
+                *bears = !within(load, entered);
+            }
+            change.cells += usize::from(before != *bears);
+        }
+        change
+    }
+
+    /// Takes the values of cells that bear no pressure away.
+    fn mask(bears: &[bool], values: &mut [f64]) {
+        for (value, bears) in values.iter_mut().zip(bears) {
+            if !bears {
+                *value = 0.0;
+            }
+        }
+    }
+}
+
+/// All places of contact: pillar tops, and the floor where it is touched.
+pub(crate) struct Places<'n, 'a> {
+    pub(crate) tops: &'n Tops<'a>,
+    pub(crate) floor: Option<&'n mut FloorCells<'a>>,
+}
+
+impl Places<'_, '_> {
+    /// Number of coefficients of pillar tops, of so many.
+    fn split(&self, size: usize) -> usize {
+        size - self.floor.as_ref().map_or(0, |floor| floor.bears.len())
+    }
+}
+
+impl Rule for Places<'_, '_> {
+    fn respond(&self, load: &[f64], coefficients: &mut [f64], workers: Workers<'_>) {
+        let tops = self.split(load.len());
+        let (of_tops, of_floor) = coefficients.split_at_mut(tops);
+        self.tops.respond(&load[..tops], of_tops, workers);
+        if let Some(floor) = &self.floor {
+            FloorCells::mask(&floor.bears, of_floor);
+        }
+    }
+
+    fn add_constants(&self, coefficients: &mut [f64]) {
+        self.tops.add_constants(coefficients);
+    }
+
+    fn precondition(&mut self, residual: &[f64], direction: &mut [f64], workers: Workers<'_>) {
+        let tops = self.split(residual.len());
+        let (of_tops, of_floor) = direction.split_at_mut(tops);
+        self.tops.respond(&residual[..tops], of_tops, workers);
+        if let Some(floor) = &mut self.floor {
+            floor.masked.copy_from_slice(&residual[tops..]);
+            FloorCells::mask(&floor.bears, &mut floor.masked);
+            floor.inverse.apply(&floor.masked, of_floor);
+            FloorCells::mask(&floor.bears, of_floor);
+        }
+    }
+}

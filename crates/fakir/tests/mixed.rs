@@ -1,0 +1,439 @@
+//! Pillar tops and floor together, past the transition.
+//!
+//! `reference/mixed.csv` has states of an independent program of the same method on finer grids, which elements everywhere confirmed to 3e-5
+//! of the force and 1e-4 of the share; each has the errors of its numbers. The columns that are read: surface fraction, substrate modulus
+//! (MPa), offset `dx/e`, indentation (um), force (N) and its relative error, share of the floor and its relative error, its area (um^2) with
+//! error, the farthest contact with a top and with the floor (um) with errors, its distance from the nearest rim (um), pillars touched in
+//! full and in part, the size of a cell (um).
+
+mod common;
+
+use common::{paper_lattice, paper_system};
+use fakir::problem::{Accuracy, Control, Method, PillarCompliance, System};
+use fakir::state::{ContactState, Run};
+
+const UM: f64 = 1e-6;
+
+struct Row {
+    system: System,
+    values: Vec<f64>,
+}
+
+impl Row {
+    fn all() -> Vec<Self> {
+        let table = include_str!("reference/mixed.csv");
+        csv::Reader::from_reader(table.as_bytes())
+            .records()
+            .map(|record| {
+                let record = record.expect("a row of the table");
+                let values: Vec<f64> = record
+                    .iter()
+                    .map(|v| v.parse().expect("a number"))
+                    .collect();
+                Self {
+                    system: system(values[0], values[1] * 1e6, values[2]),
+                    values,
+                }
+            })
+            .collect()
+    }
+
+    fn solve(&self, accuracy: Accuracy) -> ContactState {
+        pressed(
+            &self.system,
+            Control::Indentation(self.values[4] * UM),
+            accuracy,
+        )
+    }
+
+    fn name(&self) -> String {
+        format!("{:?}", &self.values[..4])
+    }
+}
+
+fn system(phi: f64, modulus: f64, offset: f64) -> System {
+    let lattice = paper_lattice(phi, offset);
+    paper_system(lattice, modulus, PillarCompliance::Column)
+}
+
+fn pressed(system: &System, load: Control, accuracy: Accuracy) -> ContactState {
+    let state = fakir::press(system, load, Method::Spectral(accuracy), &Run::default());
+    let state = state.expect("a state past the transition");
+    assert!(state.converged());
+    state
+}
+
+fn critical(system: &System) -> ContactState {
+    let critical = fakir::transition(system, Method::default(), &Run::default());
+    critical.expect("a critical state").contact
+}
+
+fn share(state: &ContactState) -> f64 {
+    state.floor.as_ref().map_or(0.0, |floor| floor.share)
+}
+
+fn check_row(row: &Row, accuracy: Accuracy, force_tolerance: f64, share_tolerance: f64) {
+    let state = row.solve(accuracy);
+    let floor = state.floor.as_ref().expect("the floor is in contact");
+    let v = &row.values;
+    let force = (state.force / v[5] - 1.0).abs();
+    assert!(
+        force < force_tolerance + v[6],
+        "{}: force {force:e}",
+        row.name()
+    );
+    let share = (floor.share / v[9] - 1.0).abs();
+    assert!(
+        share < share_tolerance + v[10],
+        "{}: share {share:e}",
+        row.name()
+    );
+    let area = (floor.area / (v[11] * UM * UM) - 1.0).abs();
+    assert!(
+        area < floor.error.area + v[12] / v[11],
+        "{}: area {area:e}",
+        row.name()
+    );
+    let cell = floor.cell()[1];
+    let radius = (floor.radius - v[17] * UM).abs();
+    assert!(
+        radius < 1.5 * cell + v[18] * UM,
+        "{}: radius {radius:e}",
+        row.name()
+    );
+    let rim = (floor.smallest_distance_to_rim - v[19] * UM).abs();
+    assert!(rim < 1.5 * cell + v[24] * UM, "{}: rim {rim:e}", row.name());
+    let full = state.pillars_in_contact - state.pillars_partially_in_contact;
+    assert!(
+        (full as f64 - v[21]).abs() < 0.5,
+        "{}: {full} in full",
+        row.name()
+    );
+    let partial = state.pillars_partially_in_contact;
+    assert!(
+        (partial as f64 - v[22]).abs() < 0.5,
+        "{}: {partial} in part",
+        row.name()
+    );
+    let top = (state.contact_radius - v[15] * UM).abs();
+    assert!(
+        top < state.contact_radius_error + (v[16] + 0.2) * UM,
+        "{}: farthest top {top:e}",
+        row.name()
+    );
+    assert!(floor.energy_bound < 1e-7);
+}
+
+#[test]
+fn the_default_reproduces_every_row() {
+    let rows = Row::all();
+    assert_eq!(rows.len(), 5);
+    for row in &rows {
+        check_row(row, Accuracy::Default, 2e-5, 1e-3);
+    }
+}
+
+#[test]
+fn accurate_reproduces_every_row() {
+    for row in &Row::all() {
+        check_row(row, Accuracy::Accurate, 5e-6, 2e-4);
+    }
+}
+
+#[test]
+fn estimates_cover_the_rows() {
+    for row in &Row::all() {
+        for accuracy in [Accuracy::Default, Accuracy::Accurate] {
+            let state = row.solve(accuracy);
+            let floor = state.floor.as_ref().expect("the floor is in contact");
+            let v = &row.values;
+            let force = (state.force / v[5] - 1.0).abs();
+            assert!(
+                state.error.force > force - v[6],
+                "{} {accuracy:?}",
+                row.name()
+            );
+            let share = (floor.share / v[9] - 1.0).abs();
+            assert!(
+                floor.error.share > share - v[10],
+                "{} {accuracy:?}",
+                row.name()
+            );
+            // Nor by orders of magnitude.
+            assert!(state.error.force < 2e-4 && floor.error.share < 0.02);
+        }
+    }
+}
+
+/// Below the transition nothing changes, to the bit.
+#[test]
+fn before_the_transition_it_is_the_contact_with_the_tops() {
+    for (phi, modulus, offset) in [(0.03, 2e6, 0.0), (0.01, 1e9, 0.4), (0.001, 2e6, 0.0)] {
+        let system = system(phi, modulus, offset);
+        let first = critical(&system);
+        for part in [0.3, 0.999] {
+            for load in [
+                Control::Indentation(part * first.indentation),
+                Control::Force(part * first.force),
+            ] {
+                for accuracy in [Accuracy::Default, Accuracy::Accurate] {
+                    let with = pressed(&system, load, accuracy);
+                    let method = Method::Spectral(accuracy);
+                    let without = fakir::press(&system, load, method, &Run::default()).unwrap();
+                    assert!(with.floor.is_none());
+                    assert_eq!(format!("{with:?}"), format!("{without:?}"));
+                }
+            }
+        }
+    }
+}
+
+/// Each first-touched point is a contact of Hertz, whose force goes as the power 3/2 of the depth.
+#[test]
+fn the_floor_takes_load_as_hertz_at_first() {
+    let system = system(0.01, 2e6, 0.0);
+    let first = critical(&system);
+    let shares = [1e-4, 1e-3, 1e-2].map(|past: f64| {
+        let state = pressed(
+            &system,
+            Control::Indentation((1.0 + past) * first.indentation),
+            Accuracy::Accurate,
+        );
+        share(&state)
+    });
+    println!("{shares:?}");
+    let exponents = [shares[1] / shares[0], shares[2] / shares[1]].map(f64::log10);
+    println!("{exponents:?}");
+    let over_both = (shares[2] / shares[0]).log10() / 2.0;
+    assert!((over_both - 1.5).abs() < 0.03, "{over_both}");
+}
+
+/// The force and its derivative are continuous where the floor is reached.
+#[test]
+fn force_and_stiffness_join_at_the_transition() {
+    let system = system(0.03, 2e6, 0.0);
+    let first = critical(&system);
+    let step = 1e-4;
+    let force = |past: f64| {
+        let load = Control::Indentation((1.0 + past) * first.indentation);
+        pressed(&system, load, Accuracy::Default).force
+    };
+    let [before, at, after] = [-step, 0.0, step].map(force);
+    assert!((at / first.force - 1.0).abs() < 1e-7);
+    let (left, right) = (at - before, after - at);
+    // The floor adds the power 1/2 of the step to the stiffness.
+    assert!((right / left - 1.0).abs() < 2e-3, "{left} {right}");
+    assert!(right > left);
+}
+
+/// Far past the transition the lens rests on the floor, as on a flat surface that is higher by the volume of the pillars, `h (1 - phi)` at the
+/// most. The quotients are those of the program of the table.
+#[test]
+fn far_past_the_transition_it_is_the_contact_of_hertz() {
+    let system = system(0.03, 2e6, 0.0);
+    let first = critical(&system).indentation;
+    let (radius, height, modulus): (f64, f64, f64) = (2.2e-3, 2.2e-6, system.reduced_modulus());
+    let hertz = |depth: f64| 4.0 / 3.0 * modulus * radius.sqrt() * depth.powf(1.5);
+    for (ratio, quotient, effective) in [(2.0, 1.139, 1.66), (3.0, 1.065, 1.77), (5.0, 1.027, 1.88)]
+    {
+        let state = pressed(
+            &system,
+            Control::Indentation(ratio * first),
+            Accuracy::Default,
+        );
+        let over_hertz = state.force / hertz(state.indentation - height);
+        assert!(
+            (over_hertz - quotient).abs() < 6e-4,
+            "{ratio}: {over_hertz}"
+        );
+        let depth = (0.75 * state.force / (modulus * radius.sqrt())).powf(2.0 / 3.0);
+        let surface = (state.indentation - depth) / UM;
+        assert!((surface - effective).abs() < 6e-3, "{ratio}: {surface}");
+    }
+}
+
+#[test]
+fn a_force_returns_its_indentation() {
+    for (phi, modulus, offset, ratio) in [
+        (0.03, 2e6, 0.0, 1.3),
+        (0.01, 1e9, 0.4, 2.0),
+        (0.0005, 2e6, 0.5, 1.2),
+    ] {
+        let system = system(phi, modulus, offset);
+        let indentation = ratio * critical(&system).indentation;
+        let state = pressed(
+            &system,
+            Control::Indentation(indentation),
+            Accuracy::Default,
+        );
+        let back = pressed(&system, Control::Force(state.force), Accuracy::Default);
+        let change = (back.indentation / indentation - 1.0).abs();
+        assert!(change < 1e-8, "{phi}: {change:e}");
+        assert!((share(&back) / share(&state) - 1.0).abs() < 1e-6);
+        assert!((back.force / state.force - 1.0).abs() < 1e-15);
+        let sum: f64 = back.pillars.iter().map(|pillar| pillar.force).sum();
+        let floor = back.floor.as_ref().unwrap().force;
+        assert!(((sum + floor) / back.force - 1.0).abs() < 1e-12);
+        assert!(back.error.force == 0.0 && back.error.indentation > 0.0);
+    }
+}
+
+/// The lens axis over another pillar, or on the other side of one, is the same.
+#[test]
+fn copies_of_an_offset_agree() {
+    let base = system(0.03, 2e6, 0.3);
+    let indentation = Control::Indentation(1.4 * critical(&base).indentation);
+    let state = pressed(&base, indentation, Accuracy::Default);
+    for (offset, tolerance) in [(0.3 + 3f64.sqrt(), 1e-9), (-0.3, 1e-5)] {
+        let other = pressed(&system(0.03, 2e6, offset), indentation, Accuracy::Default);
+        let force = (other.force / state.force - 1.0).abs();
+        let of_floor = (share(&other) / share(&state) - 1.0).abs();
+        assert!(
+            force < tolerance && of_floor < 30.0 * tolerance,
+            "{offset}: {force:e} {of_floor:e}"
+        );
+    }
+}
+
+/// Nothing but the ratios of lengths and of moduli matters.
+#[test]
+fn results_scale() {
+    use fakir::problem::{Lens, Material, Pillar, Texture};
+    let small = system(0.03, 2e6, 0.2);
+    let large = {
+        let pillar = Pillar {
+            diameter: 6e-3,
+            height: 2.2e-3,
+            compliance: PillarCompliance::Column,
+        };
+        let lens = Lens {
+            radius: 2.2,
+            material: Material::new(2e9, 0.5),
+        };
+        let mut lattice = paper_lattice(0.03, 0.2);
+        lattice.pitch *= 1e3;
+        System::new(lens, Material::new(2e9, 0.5), Texture { pillar, lattice }).unwrap()
+    };
+    let a = pressed(&small, Control::Indentation(6e-6), Accuracy::Default);
+    let b = pressed(&large, Control::Indentation(6e-3), Accuracy::Default);
+    assert!((b.force / a.force / 1e9 - 1.0).abs() < 1e-9);
+    let (a, b) = (a.floor.unwrap(), b.floor.unwrap());
+    assert!((b.area / a.area / 1e6 - 1.0).abs() < 1e-9);
+    assert_eq!((a.patches, a.cells.len()), (b.patches, b.cells.len()));
+    assert!((b.largest_pressure().0 / a.largest_pressure().0 / 1e3 - 1.0).abs() < 1e-6);
+}
+
+/// With the nearest pillars out of reach the contact is that of Hertz, 4/3 sqrt(R) depth^(3/2) E*; then pillars join, and bear as
+/// much more as the lens goes deeper.
+#[test]
+fn a_lens_may_meet_the_floor_first() {
+    // Between three pillars, 233 um from each, where the lens is 12 um above its lowest point.
+    let system = system(0.0002, 2e6, 1.0 / 3f64.sqrt());
+    let radius: f64 = 2.2e-3;
+    let first_pillar = {
+        let edge = system.lattice().pitch / 3f64.sqrt() - 3e-6;
+        radius - (radius * radius - edge * edge).sqrt()
+    };
+    assert!(first_pillar > 2.2e-6);
+    let hertz = |depth: f64| 4.0 / 3.0 * system.reduced_modulus() * radius.sqrt() * depth.powf(1.5);
+    for depth in [0.01e-6, 0.1e-6, 0.4e-6] {
+        let state = pressed(
+            &system,
+            Control::Indentation(2.2e-6 + depth),
+            Accuracy::Default,
+        );
+        let quotient = (state.force / hertz(depth) - 1.0).abs();
+        assert!(quotient < 1e-4, "{depth:e}: {quotient:e}");
+        assert!(state.error.force > quotient - 1e-5 && state.pillars_in_contact == 0);
+        assert!((share(&state) - 1.0).abs() < 1e-12);
+        let back = pressed(&system, Control::Force(state.force), Accuracy::Default);
+        assert!((back.indentation / state.indentation - 1.0).abs() < 1e-8);
+    }
+    // Nothing is touched at the height of the pillars.
+    let at = pressed(&system, Control::Indentation(2.2e-6), Accuracy::Default);
+    assert!(at.floor.is_none() && at.force == 0.0);
+    let deep = pressed(
+        &system,
+        Control::Indentation(1.6 * first_pillar),
+        Accuracy::Default,
+    );
+    assert!(deep.pillars_in_contact >= 3, "{}", deep.pillars_in_contact);
+    let on_pillars: f64 = deep.pillars.iter().map(|pillar| pillar.force).sum();
+    assert!(on_pillars > 0.0 && (share(&deep) * deep.force + on_pillars) / deep.force - 1.0 < 1e-9);
+    assert!(deep.force > hertz(deep.indentation - 2.2e-6));
+}
+
+#[test]
+fn the_pressure_bears_the_force_and_closes_the_gap() {
+    let system = system(0.03, 2e6, 0.0);
+    let load = Control::Indentation(1.4 * critical(&system).indentation);
+    let state = pressed(&system, load, Accuracy::Default);
+    let floor = state.floor.as_ref().unwrap();
+    let sum: f64 = floor.pressure.iter().sum::<f64>() * floor.cell()[0] * floor.cell()[1];
+    assert!((sum / floor.force - 1.0).abs() < 1e-9);
+    let fields = state.fields.as_ref().unwrap();
+    let (largest, at) = floor.largest_pressure();
+    assert!((fields.pressure(at) / largest - 1.0).abs() < 1e-12);
+    let mut widest = 0.0_f64;
+    for (centre, pressure) in floor.cells.centres().zip(&floor.pressure).step_by(37) {
+        assert!((fields.pressure(centre) / pressure - 1.0).abs() < 1e-12);
+        if *pressure > 0.3 * largest {
+            widest = widest.max(fields.gap(centre).abs());
+        }
+    }
+    // Means over cells vanish, centres differ by the curvature of the displacement within a cell.
+    assert!(widest < 2e-9, "{widest:e}");
+    assert!(state.smallest_floor_gap == 0.0);
+}
+
+#[test]
+fn what_is_asked_of_a_run_is_kept() {
+    use fakir::state::{CancelToken, SolveError, Stage};
+    use std::sync::Mutex;
+    let system = system(0.03, 2e6, 0.0);
+    let load = Control::Indentation(1.4 * critical(&system).indentation);
+    let press =
+        |run: &Run<'_>| fakir::press(&system, load, Method::Spectral(Accuracy::Default), run);
+    let run = Run {
+        memory_limit: Some(2_000_000),
+        ..Run::default()
+    };
+    match press(&run) {
+        Err(SolveError::TooManyCells {
+            bytes,
+            limit,
+            cell,
+            suggested_cell,
+            ..
+        }) => assert!(bytes > limit && suggested_cell > cell),
+        other => panic!("{other:?}"),
+    }
+    // Cancelled as soon as the floor is solved for.
+    let cancel = CancelToken::default();
+    let stages = Mutex::new(Vec::new());
+    let progress = |progress: fakir::state::Progress| {
+        stages.lock().unwrap().push(progress.stage);
+        if progress.stage == Stage::Floor {
+            cancel.cancel();
+        }
+    };
+    let run = Run {
+        cancel: cancel.clone(),
+        progress: Some(&progress),
+        ..Run::default()
+    };
+    assert_eq!(press(&run).unwrap_err(), SolveError::Interrupted);
+    assert!(stages.lock().unwrap().contains(&Stage::Floor));
+    // Threads change nothing.
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(2)
+        .build()
+        .unwrap();
+    let run = Run {
+        pool: Some(&pool),
+        ..Run::default()
+    };
+    let (alone, shared) = (press(&Run::default()).unwrap(), press(&run).unwrap());
+    assert_eq!(alone.force.to_bits(), shared.force.to_bits());
+    assert_eq!(share(&alone).to_bits(), share(&shared).to_bits());
+}
