@@ -115,12 +115,15 @@ fn check_row(row: &Row, accuracy: Accuracy, force_tolerance: f64, share_toleranc
         "{}: {partial} in part",
         row.name()
     );
-    let top = (state.contact_radius - v[15] * UM).abs();
-    assert!(
-        top < state.contact_radius_error + (v[16] + 0.2) * UM,
-        "{}: farthest top {top:e}",
-        row.name()
-    );
+    // Where the edge of the contact crosses pillars the table extrapolates a pressure that oscillates beyond it.
+    if partial == 0 {
+        let top = (state.contact_radius - v[15] * UM).abs();
+        assert!(
+            top < v[16] * UM + 1e-8,
+            "{}: farthest top {top:e}",
+            row.name()
+        );
+    }
     assert!(floor.energy_bound < 1e-7);
 }
 
@@ -191,13 +194,14 @@ fn before_the_transition_it_is_the_contact_with_the_tops() {
 /// Each first-touched point is a contact of Hertz, whose force goes as the power 3/2 of the depth.
 #[test]
 fn the_floor_takes_load_as_hertz_at_first() {
-    let system = system(0.01, 2e6, 0.0);
+    // Between three pillars, where one patch is alone up to 1.06 times that indentation.
+    let system = system(0.03, 2e6, 1.0 / 3f64.sqrt());
     let first = critical(&system);
-    let shares = [1e-4, 1e-3, 1e-2].map(|past: f64| {
+    let shares = [3e-4, 3e-3, 3e-2].map(|past: f64| {
         let state = pressed(
             &system,
             Load::Indentation((1.0 + past) * first.indentation),
-            Accuracy::Accurate,
+            Accuracy::Default,
         );
         share(&state)
     });
@@ -208,22 +212,27 @@ fn the_floor_takes_load_as_hertz_at_first() {
     assert!((over_both - 1.5).abs() < 0.03, "{over_both}");
 }
 
-/// The force and its derivative are continuous where the floor is reached.
+/// The force and its derivative are continuous where the floor is reached: what it adds to the stiffness goes as the root of the depth.
 #[test]
 fn force_and_stiffness_join_at_the_transition() {
-    let system = system(0.03, 2e6, 0.0);
+    let system = system(0.03, 2e6, 1.0 / 3f64.sqrt());
     let first = critical(&system);
-    let step = 1e-4;
-    let force = |past: f64| {
-        let load = Load::Indentation((1.0 + past) * first.indentation);
-        pressed(&system, load, Accuracy::Default).force
-    };
-    let [before, at, after] = [-step, 0.0, step].map(force);
+    let load = |past: f64| Load::Indentation((1.0 + past) * first.indentation);
+    let at = pressed(&system, load(0.0), Accuracy::Default).force;
     assert!((at / first.force - 1.0).abs() < 1e-7);
-    let (left, right) = (at - before, after - at);
-    // The floor adds the power 1/2 of the step to the stiffness.
-    assert!((right / left - 1.0).abs() < 2e-3, "{left} {right}");
-    assert!(right > left);
+    // Over what the tops alone bear.
+    let added = |past: f64| {
+        let state = pressed(&system, load(past), Accuracy::Default);
+        let tops = fakir::press(&system, load(past), Method::default(), &Run::default()).unwrap();
+        (state.force - tops.force) / at
+    };
+    let [near, far] = [2e-3, 3.2e-2].map(added);
+    // 16^(3/2) = 64.
+    assert!(
+        near > 0.0 && (50.0..80.0).contains(&(far / near)),
+        "{near:e} {far:e}"
+    );
+    assert!(near < 1e-3 * 2e-3_f64.sqrt());
 }
 
 /// Far past the transition the lens rests on the floor, as on a flat surface that is higher by the volume of the pillars, `h (1 - phi)` at the
@@ -276,8 +285,12 @@ fn copies_of_an_offset_agree() {
     let base = system(0.03, 2e6, 0.3);
     let indentation = Load::Indentation(1.4 * critical(&base).indentation);
     let state = pressed(&base, indentation, Accuracy::Default);
-    for (offset, tolerance) in [(0.3 + 3f64.sqrt(), 1e-9), (-0.3, 1e-5)] {
-        let other = pressed(&system(0.03, 2e6, offset), indentation, Accuracy::Default);
+    let across = std::f64::consts::PI;
+    for (offset, angle, tolerance) in [(0.3 + 3f64.sqrt(), 0.0, 1e-9), (0.3, across, 1e-5)] {
+        let mut lattice = paper_lattice(0.03, offset);
+        lattice.offset_angle = angle;
+        let copy = paper_system(lattice, 2e6, PillarCompliance::Column);
+        let other = pressed(&copy, indentation, Accuracy::Default);
         let force = (other.force / state.force - 1.0).abs();
         let of_floor = (share(&other) / share(&state) - 1.0).abs();
         assert!(
@@ -315,8 +328,8 @@ fn results_scale() {
     assert!((b.largest_pressure().0 / a.largest_pressure().0 / 1e3 - 1.0).abs() < 1e-6);
 }
 
-/// With the nearest pillars out of reach the contact is that of Hertz, 4/3 sqrt(R) depth^(3/2) E*; then pillars join, and bear as
-/// much more as the lens goes deeper.
+/// With the nearest pillars out of reach it is the contact of a sphere (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)); then pillars join, and
+/// bear their part.
 #[test]
 fn a_lens_may_meet_the_floor_first() {
     // Between three pillars, 233 um from each, where the lens is 12 um above its lowest point.
@@ -327,16 +340,34 @@ fn a_lens_may_meet_the_floor_first() {
         radius - (radius * radius - edge * edge).sqrt()
     };
     assert!(first_pillar > 2.2e-6);
-    let hertz = |depth: f64| 4.0 / 3.0 * system.reduced_modulus() * radius.sqrt() * depth.powf(1.5);
+    let sphere = |depth: f64| {
+        let logarithm = |a: f64| (2.0 * a / (radius - a)).ln_1p();
+        let (mut low, mut high) = (0.0, (2.0 * radius * depth).sqrt());
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if 0.5 * middle * logarithm(middle) < depth {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let force = 0.5 * (radius * radius + low * low) * logarithm(low) - low * radius;
+        system.reduced_modulus() * force
+    };
     for depth in [0.01e-6, 0.1e-6, 0.4e-6] {
         let state = pressed(
             &system,
             Load::Indentation(2.2e-6 + depth),
             Accuracy::Default,
         );
-        let quotient = (state.force / hertz(depth) - 1.0).abs();
+        let quotient = (state.force / sphere(depth) - 1.0).abs();
+        println!(
+            "{depth:e} {quotient:e} {:?} {:?}",
+            state.error,
+            state.floor.as_ref().unwrap().cells.len()
+        );
         assert!(quotient < 1e-4, "{depth:e}: {quotient:e}");
-        assert!(state.error.force > quotient - 1e-5 && state.pillars_in_contact == 0);
+        assert!(state.error.force > quotient && state.pillars_in_contact == 0);
         assert!((share(&state) - 1.0).abs() < 1e-12);
         let back = pressed(&system, Load::Force(state.force), Accuracy::Default);
         assert!((back.indentation / state.indentation - 1.0).abs() < 1e-8);
@@ -352,7 +383,7 @@ fn a_lens_may_meet_the_floor_first() {
     assert!(deep.pillars_in_contact >= 3, "{}", deep.pillars_in_contact);
     let on_pillars: f64 = deep.pillars.iter().map(|pillar| pillar.force).sum();
     assert!(on_pillars > 0.0 && (share(&deep) * deep.force + on_pillars) / deep.force - 1.0 < 1e-9);
-    assert!(deep.force > hertz(deep.indentation - 2.2e-6));
+    assert!(deep.force > sphere(deep.indentation - 2.2e-6));
 }
 
 #[test]

@@ -537,7 +537,7 @@ impl Transform for Together {
                         tops,
                         folded,
                         &mut work.reals,
-                    )
+                    );
                 },
             );
             self.plans
