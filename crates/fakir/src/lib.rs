@@ -32,7 +32,7 @@
 //!
 //! [`press`] and [`transition`] hand a [`System`](problem::System) to a [`Method`](problem::Method), coarse to exact:
 //! [homogenised lattice](theory::homogenised), punch lattice, [Love elements](solve::elements), spectral.
-//! [`verify()`] asks two for the same. A lens or plate on any height map, floor included and past the transition too, is a
+//! [`press_with_floor`] goes on past the transition: the floor between the pillars bears its part. [`verify()`] asks two for the same. A lens or plate on any height map, floor included and past the transition too, is a
 //! [`SurfaceSystem`](problem::SurfaceSystem).
 //!
 //! # From a case to a force

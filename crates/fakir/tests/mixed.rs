@@ -11,13 +11,18 @@ mod common;
 use common::{paper_lattice, paper_system};
 use fakir::problem::{Accuracy, Load, Method, PillarCompliance, System};
 use fakir::state::{ContactState, Run};
+use std::sync::LazyLock;
 
 const UM: f64 = 1e-6;
 
 struct Row {
-    system: System,
     values: Vec<f64>,
+    /// Computed, by default accuracy and accurately.
+    computed: [ContactState; 2],
 }
+
+/// The rows of the table, solved once for all tests.
+static ROWS: LazyLock<Vec<Row>> = LazyLock::new(Row::all);
 
 impl Row {
     fn all() -> Vec<Self> {
@@ -30,20 +35,15 @@ impl Row {
                     .iter()
                     .map(|v| v.parse().expect("a number"))
                     .collect();
+                let system = system(values[0], values[1] * 1e6, values[2]);
+                let load = Load::Indentation(values[4] * UM);
+                let solve = |accuracy| pressed(&system, load, accuracy);
                 Self {
-                    system: system(values[0], values[1] * 1e6, values[2]),
                     values,
+                    computed: [Accuracy::Default, Accuracy::Accurate].map(solve),
                 }
             })
             .collect()
-    }
-
-    fn solve(&self, accuracy: Accuracy) -> ContactState {
-        pressed(
-            &self.system,
-            Load::Indentation(self.values[4] * UM),
-            accuracy,
-        )
     }
 
     fn name(&self) -> String {
@@ -72,8 +72,7 @@ fn share(state: &ContactState) -> f64 {
     state.floor.as_ref().map_or(0.0, |floor| floor.share)
 }
 
-fn check_row(row: &Row, accuracy: Accuracy, force_tolerance: f64, share_tolerance: f64) {
-    let state = row.solve(accuracy);
+fn check_row(row: &Row, state: &ContactState, force_tolerance: f64, share_tolerance: f64) {
     let floor = state.floor.as_ref().expect("the floor is in contact");
     let v = &row.values;
     let force = (state.force / v[5] - 1.0).abs();
@@ -129,25 +128,24 @@ fn check_row(row: &Row, accuracy: Accuracy, force_tolerance: f64, share_toleranc
 
 #[test]
 fn the_default_reproduces_every_row() {
-    let rows = Row::all();
-    assert_eq!(rows.len(), 5);
-    for row in &rows {
-        check_row(row, Accuracy::Default, 2e-5, 1e-3);
+    assert_eq!(ROWS.len(), 5);
+    for row in ROWS.iter() {
+        check_row(row, &row.computed[0], 2e-5, 1e-3);
     }
 }
 
 #[test]
 fn accurate_reproduces_every_row() {
-    for row in &Row::all() {
-        check_row(row, Accuracy::Accurate, 5e-6, 2e-4);
+    for row in ROWS.iter() {
+        check_row(row, &row.computed[1], 5e-6, 2e-4);
     }
 }
 
 #[test]
 fn estimates_cover_the_rows() {
-    for row in &Row::all() {
-        for accuracy in [Accuracy::Default, Accuracy::Accurate] {
-            let state = row.solve(accuracy);
+    for row in ROWS.iter() {
+        for state in &row.computed {
+            let accuracy = state.method;
             let floor = state.floor.as_ref().expect("the floor is in contact");
             let v = &row.values;
             let force = (state.force / v[5] - 1.0).abs();

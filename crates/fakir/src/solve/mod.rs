@@ -38,6 +38,11 @@
 //! its state, the solution is found. This is Newton's method, and as the problem is convex without adhesion it needs no path: one to six
 //! steps are typical from the punch lattice, which is the same with one mode.
 //!
+//! **The floor.** Where the lens would enter the floor between the pillars, that is divided into rectangles of constant pressure on a grid
+//! aligned with the lattice, and the mean displacement of each is asked for. Rectangles that bear pressure follow the lens, the
+//! others bear none: one more rule, with unknowns of its own in the same frozen contact. Grids are nested, from one cell a pillar radius
+//! on; the last two tell the error of the cells, of the force by way of the energy, which converges smoothly.
+//!
 //! **How good it is.** Estimates come from what refinement would change, to first order, by way of the adjoint responses of force and
 //! indentation: other nodes or cells on partly touched pillars; the modes beyond the degree of the coupling, which neighbours excite
 //! on pillars that are touched in full, to which partly touched ones answer, and by which these act on others; the floor point
