@@ -384,7 +384,11 @@ impl Wanted {
         let radius = window_radius(problem, newton);
         let points = |half: usize| -> f64 {
             let division = Division::new(problem.lattice.pitch, half);
-            let period = FloorGrid::period(&division, radius, newton.tops.window.extent());
+            let period = FloorGrid::period(
+                &division,
+                radius,
+                newton.tops.window.extent(newton.pillar_reach()),
+            );
             let sides = [0, 1].map(|k| (period[k] * division.half[k]) as f64);
             sides[0] * sides[1]
         };
@@ -545,7 +549,7 @@ fn solve_level<'a>(
     let mut pressures = FloorPressures::of(&solution.newton);
     for growth in 0..GROWTHS {
         let newton = &mut solution.newton;
-        let pillars = newton.tops.window.extent();
+        let pillars = newton.tops.window.extent(newton.pillar_reach());
         let kept = grid_of(newton).is_some_and(|own| own >= radius);
         let grid = if kept {
             None
