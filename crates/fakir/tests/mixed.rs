@@ -347,7 +347,7 @@ fn a_lens_may_meet_the_floor_first() {
         let force = 0.5 * (radius * radius + low * low) * logarithm(low) - low * radius;
         system.reduced_modulus() * force
     };
-    for depth in [0.01e-6, 0.1e-6, 0.4e-6] {
+    for depth in [0.1e-6, 0.4e-6] {
         let state = pressed(
             &system,
             Load::Indentation(2.2e-6 + depth),

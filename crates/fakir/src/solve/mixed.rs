@@ -344,7 +344,9 @@ struct Wanted {
 impl Wanted {
     fn new(problem: &Problem, accuracy: Accuracy, patch_radius: Option<f64>) -> Self {
         let index = usize::from(accuracy == Accuracy::Accurate);
-        let of_patch = |radius: f64| radius / CELLS_PER_RADIUS[index];
+        // The grid repeats by half lattice cells: of wide lattices these may not hold too many cells.
+        let least = 0.5 * problem.lattice.pitch / (0.25 * MOST_POINTS[index].sqrt());
+        let of_patch = |radius: f64| (radius / CELLS_PER_RADIUS[index]).max(least);
         let cell = patch_radius.map_or(CELL[index], |radius| of_patch(radius).min(CELL[index]));
         let halves = 0.5 * problem.lattice.pitch / cell;
         Self { accuracy, halves }
@@ -352,8 +354,9 @@ impl Wanted {
 
     /// The coarsest grid: two levels are needed at the least.
     fn first(&self) -> usize {
-        let mut half = halves(self.halves);
-        while half.is_multiple_of(2) && half / 2 >= FEWEST_HALVES {
+        let finest = halves(self.halves);
+        let mut half = finest;
+        while half.is_multiple_of(2) && (half / 2 >= FEWEST_HALVES || half == finest) {
             half /= 2;
         }
         half
@@ -376,8 +379,9 @@ impl Wanted {
             // Half-way to it.
             next = halves((half as f64 * next as f64).sqrt());
         }
+        let second = || (mixed.levels.len() < 2).then_some(2 * half);
         if next <= half {
-            return (mixed.levels.len() < 2).then_some(2 * half);
+            return second();
         }
         // Small patches are not worth any number of points.
         let newton = &mixed.solution.newton;
@@ -399,7 +403,7 @@ impl Wanted {
                 .find(|n| halves(*n as f64) == *n)
                 .unwrap_or(whatever);
         }
-        (next > half).then_some(next)
+        if next > half { Some(next) } else { second() }
     }
 }
 
