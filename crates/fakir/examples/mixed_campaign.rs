@@ -39,7 +39,7 @@ fn row(seed: u64) -> Result<(), Box<dyn std::error::Error>> {
     loop {
         let phi = 10f64.powf(uniform(-3.0, 0.2f64.log10()));
         let modulus = 2e6 * 10f64.powf(uniform(-3.0, 3.0));
-        let (offset, angle) = (uniform(0.0, 1.0), uniform(0.0, 6.28));
+        let (offset, angle) = (uniform(0.0, 1.0), uniform(0.0, std::f64::consts::TAU));
         let ratio = 1.0 + 10f64.powf(uniform(-2.0, 4f64.log10()));
         let pillar = Pillar {
             diameter: 6e-6,

@@ -24,7 +24,7 @@
 //!
 //! * [`numerics`]: what mathematics and machines lend;
 //! * [`problem`]: what is asked: the bodies, the load, the method. Everything public is in SI units;
-//! * [`halfspace`]: how an elastic half-space gives way under pillar tops and rectangles;
+//! * [`halfspace`]: how an elastic half-space gives way under pillar tops and rectangles, and under both at once;
 //! * [`state`]: what comes back: forces, radii, every pillar, [fields](state::Fields), convergence, error
 //!   estimates, and why there is no answer;
 //! * [`theory`]: the closed forms of the paper with their errata, and the homogenised lattice;
@@ -32,7 +32,8 @@
 //!
 //! [`press`] and [`transition`] hand a [`System`](problem::System) to a [`Method`](problem::Method), coarse to exact:
 //! [homogenised lattice](theory::homogenised), punch lattice, [Love elements](solve::elements), spectral.
-//! [`verify()`] asks two for the same. A lens or plate on any height map, floor included and past the transition too, is a
+//! The spectral one goes on past the transition: the floor between the pillars bears its part, unless the system is
+//! [told](problem::System::with_floor) to ignore it. [`verify()`] asks two for the same. A lens or plate on any height map is a
 //! [`SurfaceSystem`](problem::SurfaceSystem).
 //!
 //! # From a case to a force

@@ -157,7 +157,13 @@ fn solve(
                 let state = {
                     let lowest = lowest_point(target, &mut punch);
                     assemble(
-                        system, problem, target, lattice, &punch, lowest, None, error,
+                        system,
+                        problem,
+                        target,
+                        lattice,
+                        &punch,
+                        OfFloor::Lowest(lowest),
+                        error,
                     )?
                 };
                 listener(&state);
@@ -171,7 +177,13 @@ fn solve(
             }
             if let Some(listener) = listener {
                 let mut state = assemble(
-                    system, problem, target, method, &solution, lowest, None, UNKNOWN,
+                    system,
+                    problem,
+                    target,
+                    method,
+                    &solution,
+                    OfFloor::Lowest(lowest),
+                    UNKNOWN,
                 )?;
                 listener(&state);
                 state.error = refined(&mut solution, target, run)?;
@@ -179,7 +191,13 @@ fn solve(
             } else {
                 let error = refined(&mut solution, target, run)?;
                 assemble(
-                    system, problem, target, method, &solution, lowest, None, error,
+                    system,
+                    problem,
+                    target,
+                    method,
+                    &solution,
+                    OfFloor::Lowest(lowest),
+                    error,
                 )
             }
         }
@@ -189,7 +207,13 @@ fn solve(
             let error = punch_error(form, target, &solution);
             let lowest = lowest_point(target, &mut solution);
             assemble(
-                system, problem, target, method, &solution, lowest, None, error,
+                system,
+                problem,
+                target,
+                method,
+                &solution,
+                OfFloor::Lowest(lowest),
+                error,
             )
         }
         PillarMethod::Love(mesh) => {
@@ -421,18 +445,28 @@ fn patch_state(
     )
 }
 
-/// The answer from a solution of all pillars, and of the floor where that is in contact. `lowest` is the lowest point of a floor that is not.
-#[allow(clippy::too_many_arguments)]
+/// What there is to say of the floor.
+pub(super) enum OfFloor {
+    /// It is not in contact: its lowest point.
+    Lowest(Option<FloorPoint>),
+    /// It is, if anything of it is.
+    Contact(Option<FloorContact>),
+}
+
+/// The answer from a solution of all pillars, and of the floor where that is in contact.
 pub(super) fn assemble(
     system: &System,
     problem: &Problem,
     target: Control,
     method: PillarMethod,
     solution: &Solution<'_>,
-    lowest: Option<FloorPoint>,
-    floor: Option<FloorContact>,
+    floor: OfFloor,
     error: ErrorEstimate,
 ) -> Result<ContactState, SolveError> {
+    let (lowest, floor) = match floor {
+        OfFloor::Lowest(lowest) => (lowest, None),
+        OfFloor::Contact(floor) => (None, floor),
+    };
     let Solution {
         newton,
         outcome,

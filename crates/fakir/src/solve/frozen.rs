@@ -88,7 +88,6 @@ pub(crate) struct FrozenContact<'a, O> {
     /// Response at the indentation `base`.
     pub(super) present: Response,
     base: f64,
-    pub(crate) products: usize,
     room: Room,
 }
 
@@ -118,7 +117,6 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             unit: Response::none(size),
             present: Response::none(size),
             base: 0.0,
-            products: 0,
             room: Room {
                 load: vector(),
                 residual: vector(),
@@ -407,7 +405,6 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 Judgement::TooLarge => {}
                 ended => return Ok(ended),
             }
-            self.products += 1;
             self.coupling
                 .apply(&room.direction, &mut room.product, workers);
             self.run.check_cancelled()?;

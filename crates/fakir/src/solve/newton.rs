@@ -369,13 +369,19 @@ impl<'a> Newton<'a> {
         let unit_cell = cells.unit_cell();
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
         let coefficients = |cell: usize| start(centres[cell]).map(|pressure| unit_cell * pressure);
-        let window = &self.tops.window;
+        let (window, reach) = (&self.tops.window, self.pillar_reach());
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
         let couple = |coupling: &mut SurfaceCoupling<'a>| {
             // The room of the one before it is needed.
             coupling.floor = None;
-            let floor =
-                FloorCoupling::new(&cells.grid, window, modes, degree, run.workers(), run.pool);
+            let floor = FloorCoupling::new(
+                &cells.grid,
+                (window, reach),
+                modes,
+                degree,
+                run.workers(),
+                run.pool,
+            );
             coupling.floor = Some(Box::new(floor));
         };
         let own_load = cells.lens_load(self.problem);
@@ -386,6 +392,14 @@ impl<'a> Newton<'a> {
             cells.set(self.contact.floor_load().map(|load| load > 0.0));
         }
         self.cells = Some(cells);
+    }
+
+    /// Distance of pillar centres from the lens axis beyond which none can be touched: there the undeformed lens is above the tops, and pressures
+    /// only move it away. With a margin for the indentation, where that is to be found.
+    pub(crate) fn pillar_reach(&self) -> f64 {
+        let lens = self.problem.lens.radius;
+        let depth = (1.1 * self.contact.indentation()).clamp(0.0, lens);
+        (depth * (2.0 * lens - depth)).sqrt() + 1.0
     }
 
     /// The pressure on the floor, where it bears any.

@@ -110,11 +110,11 @@ impl Window {
         pillars.contains(&pillar).then_some(pillar)
     }
 
-    /// Distance of the farthest centre from the lens axis along x, and along y.
-    pub(crate) fn extent(&self) -> Point {
-        [0, 1].map(|k| {
-            let along = self.centres.iter().map(|centre| centre[k].abs());
-            along.fold(0.0, f64::max)
+    /// Distance of the farthest centre within a radius from the lens axis along x, and along y.
+    pub(crate) fn extent(&self, within: f64) -> Point {
+        let near = self.centres.iter().filter(|[x, y]| x.hypot(*y) <= within);
+        near.fold([0.0, 0.0], |[along_x, along_y], [x, y]| {
+            [f64::max(along_x, x.abs()), f64::max(along_y, y.abs())]
         })
     }
 

@@ -60,8 +60,8 @@ pub(crate) struct FloorCoupling<'a> {
     cells: usize,
     /// Modes of a pillar, and how many of them see the floor.
     modes: usize,
-    /// Place of every pillar on the coarse grid.
-    places: Vec<usize>,
+    /// Place of every pillar on the coarse grid, if it can be touched.
+    places: Vec<Option<usize>>,
     convolution: Convolution<'a, Together>,
     coarse: Coarse,
 }
@@ -98,26 +98,26 @@ struct Together {
 }
 
 impl<'a> FloorCoupling<'a> {
-    /// Of a grid with the pillars of a window, whose first modes up to `degree` see the floor and have `modes` in all. If it is
+    /// Of a grid with the pillars of a window; those farther than `reach` can neither be touched nor need to know the floor. Their first modes up to `degree` see the floor; they have `modes` in all. If it is
     /// cancelled the kernels are nothing; solvers look before they ask for a product.
     pub(crate) fn new(
         grid: &FloorGrid,
-        window: &Window,
+        (window, reach): (&Window, f64),
         modes: usize,
         degree: usize,
         workers: Workers<'_>,
         pool: Option<&'a ThreadPool>,
     ) -> Self {
-        let coarse = FloorGrid::period(&grid.division, grid.radius, window.extent());
+        let coarse = FloorGrid::period(&grid.division, grid.radius, window.extent(reach));
         let together = Together::new(&grid.division, coarse, degree, workers);
         let places = (0..window.len())
             .map(|pillar| {
-                let [u, v] = grid.place_of(window.index(pillar));
-                let [u, v] = [
-                    u.rem_euclid(coarse[0] as i64),
-                    v.rem_euclid(coarse[1] as i64),
-                ];
-                v as usize * coarse[0] + u as usize
+                let [x, y] = window.centres()[pillar];
+                (x.hypot(y) <= reach).then(|| {
+                    let [u, v] = grid.place_of(window.index(pillar));
+                    let wrapped = |at: i64, k: usize| at.rem_euclid(coarse[k] as i64) as usize;
+                    wrapped(v, 1) * coarse[0] + wrapped(u, 0)
+                })
             })
             .collect();
         let coupled = mode_count(degree);
@@ -168,8 +168,10 @@ impl<'a> FloorCoupling<'a> {
         for (mode, &odd) in together.odd.iter().enumerate() {
             self.coarse.back(mode, odd);
             let far = far_tops.iter_mut().skip(mode).step_by(self.modes);
-            for (far, &place) in far.zip(&self.places) {
-                *far += self.coarse.grid[place];
+            for (far, place) in far.zip(&self.places) {
+                if let Some(place) = place {
+                    *far += self.coarse.grid[*place];
+                }
             }
         }
     }
@@ -194,15 +196,17 @@ impl Coarse {
     /// The transform of one mode of all pillars, into the columns of all modes.
     fn forward<'v>(
         &mut self,
-        places: &[usize],
+        places: &[Option<usize>],
         values: impl Iterator<Item = &'v f64>,
         mode: usize,
         spectra: &mut [f64],
     ) {
         let [columns, rows] = self.shape;
         self.grid.fill(0.0);
-        for (&place, value) in places.iter().zip(values) {
-            self.grid[place] = *value;
+        for (place, value) in places.iter().zip(values) {
+            if let Some(place) = place {
+                self.grid[*place] = *value;
+            }
         }
         for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
             // Lengths are those the plans were made for, so this cannot fail.
@@ -537,7 +541,7 @@ impl Transform for Together {
                         tops,
                         folded,
                         &mut work.reals,
-                    )
+                    );
                 },
             );
             self.plans
@@ -743,7 +747,7 @@ mod tests {
                     pool,
                     cancel: &CancelToken::default(),
                 };
-                let mut floor = FloorCoupling::new(&grid, &window, modes, 2, workers, pool);
+                let mut floor = FloorCoupling::new(&grid, (&window, 1e9), modes, 2, workers, pool);
                 // Twice, as nothing of the first product may be left in the second.
                 for _ in 0..2 {
                     let mut far = vec![0.0; coefficients.len()];
@@ -775,7 +779,12 @@ mod tests {
         let mut coupling = SurfaceCoupling {
             tops: LatticeCoupling::new(&window, &pair, workers),
             floor: Some(Box::new(FloorCoupling::new(
-                &grid, &window, 6, 2, workers, None,
+                &grid,
+                (&window, 1e9),
+                6,
+                2,
+                workers,
+                None,
             ))),
         };
         let size = window.len() * 6 + grid.len();

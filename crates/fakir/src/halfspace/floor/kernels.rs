@@ -176,7 +176,7 @@ mod tests {
             cell: [0.2, 0.2],
         };
         let root = 2f64.sqrt();
-        let expected = 4.0 * (1.0 + root).ln() - 4.0 * (root - 1.0) / 3.0;
+        let expected = 4.0 * root.ln_1p() - 4.0 * (root - 1.0) / 3.0;
         let found = Rectangles::new(&division).value(0, 0) * PI / 0.2;
         assert!((found / expected - 1.0).abs() < 1e-13, "{found} {expected}");
     }
@@ -190,7 +190,7 @@ mod tests {
                 let x = columns as f64 * division.cell[0];
                 let y = rows as f64 * division.cell[1];
                 let distance = x.hypot(y);
-                if distance < 0.9 * FAR * 0.37 || distance > FAR * 0.37 {
+                if !(0.9 * FAR * 0.37..=FAR * 0.37).contains(&distance) {
                     continue;
                 }
                 let (near, far) = (
