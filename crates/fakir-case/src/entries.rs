@@ -12,6 +12,7 @@ use toml::de::{DeFloat, DeInteger, DeString, DeTable, DeValue};
 pub(crate) enum Value {
     Text(String),
     Number(f64),
+    Flag(bool),
     /// A kind of value that no key takes, by its name in TOML: a list, say, or a date.
     Other(&'static str),
 }
@@ -157,6 +158,7 @@ pub(crate) fn plain_value(value: &DeValue<'_>) -> Value {
         DeValue::String(text) => Value::Text(text.clone().into_owned()),
         DeValue::Integer(number) => Value::Number(integer(number)),
         DeValue::Float(number) => Value::Number(float(number)),
+        DeValue::Boolean(flag) => Value::Flag(*flag),
         other => Value::Other(other.type_str()),
     }
 }
@@ -214,6 +216,7 @@ pub(crate) fn kind_name(value: &Value) -> String {
     match value {
         Value::Text(_) => "a string".to_owned(),
         Value::Number(_) => "a number".to_owned(),
+        Value::Flag(_) => "a boolean".to_owned(),
         Value::Other(name) => with_article(name),
     }
 }
@@ -227,6 +230,7 @@ pub(crate) fn with_article(noun: &str) -> String {
 pub(crate) fn accepted(key: Key) -> String {
     match key.kind() {
         Kind::Number(dimension) => dimension.accepted(),
+        Kind::Word if key.is_flag() => format!("give {}", key.words().join(" or ")),
         Kind::Word => one_of(&key.words()),
         Kind::Text => NAME_IN_QUOTES.to_owned(),
     }

@@ -7,7 +7,7 @@ use crate::entries::{
 use crate::error::{CaseError, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting};
-use crate::parts::Parts;
+use crate::parts::{Parts, TRUE_OR_FALSE};
 use crate::row::{Field, Presence, Range};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
@@ -211,7 +211,8 @@ impl CaseFile {
         };
         let pillar = texture.pillar;
         let system = System::new(parts.lens, parts.substrate, Texture { pillar, lattice })
-            .map_err(|invalid| self.impossible(&invalid))?;
+            .map_err(|invalid| self.impossible(&invalid))?
+            .with_floor(texture.floor);
         Ok(Case {
             system,
             method: parts.method.method(),
@@ -272,10 +273,14 @@ impl CaseFile {
                 let choice = place(parts);
                 let problem = match &entry.value {
                     Value::Text(text) if choice.choose(text) => return Ok(()),
+                    Value::Flag(flag) if choice.choose(TRUE_OR_FALSE[usize::from(!flag)]) => {
+                        return Ok(());
+                    }
                     Value::Text(text) => format!("\"{text}\" is not known"),
+                    other if key.is_flag() => format!("found {}", kind_name(other)),
                     other => format!("expected a word, found {}", kind_name(other)),
                 };
-                return Err(self.problem(key, problem).accepted(one_of(&choice.words())));
+                return Err(self.problem(key, problem).accepted(accepted(key)));
             }
             Field::Text(place) => match &entry.value {
                 Value::Text(text) => place(parts).clone_from(text),

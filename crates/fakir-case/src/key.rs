@@ -1,6 +1,6 @@
 //! What can be asked about a key: the answers are in the [table](crate::table).
 
-use crate::parts::Parts;
+use crate::parts::{Parts, TRUE_OR_FALSE};
 use crate::row::{Field, Presence, Range, Row};
 use crate::table::{Part, TABLE};
 use crate::unit::{Dimension, format_quantity};
@@ -154,6 +154,12 @@ impl Key {
         }
     }
 
+    /// Whether it is `true` or `false`, which stand without quotes in a file.
+    #[must_use]
+    pub fn is_flag(self) -> bool {
+        self.words() == TRUE_OR_FALSE
+    }
+
     /// The least and the greatest number that it can have, in SI units, as far as that does not
     /// depend on other keys.
     #[must_use]
@@ -231,6 +237,7 @@ impl Key {
     pub(crate) fn written(self, value: &Setting) -> String {
         match value {
             Setting::Number(value) => self.written_number(*value),
+            Setting::Word(word) if self.is_flag() => word.clone(),
             Setting::Word(word) => toml::Value::from(word.as_str()).to_string(),
         }
     }

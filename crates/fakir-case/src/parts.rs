@@ -4,8 +4,8 @@
 
 use crate::case::{Case, Spacing};
 use fakir::problem::{
-    Accuracy, Boundary, ElementMesh, HexagonalLattice, Lens, Material, MeshLayout, Method, Pillar,
-    PillarCompliance, PunchForm,
+    Accuracy, Boundary, ElementMesh, FloorModel, HexagonalLattice, Lens, Material, MeshLayout,
+    Method, Pillar, PillarCompliance, PunchForm,
 };
 
 /// The values of all keys. Required values are not numbers until they are set, all others have
@@ -26,6 +26,7 @@ pub(crate) struct TextureParts {
     pub(crate) surface_fraction: f64,
     pub(crate) lattice: HexagonalLattice,
     pub(crate) pillar: Pillar,
+    pub(crate) floor: FloorModel,
 }
 
 #[derive(Debug, Clone)]
@@ -100,6 +101,7 @@ impl Default for Parts {
                     height: NOT_GIVEN,
                     compliance: PillarCompliance::default(),
                 },
+                floor: FloorModel::default(),
             },
             method: MethodParts {
                 name: MethodName::Spectral,
@@ -157,6 +159,7 @@ impl Parts {
         };
         parts.texture.lattice = *case.system.lattice();
         parts.texture.pillar = *case.system.pillar();
+        parts.texture.floor = case.system.floor_model();
         parts.texture.surface_fraction = match case.spacing {
             Spacing::SurfaceFraction(fraction) => fraction,
             Spacing::Pitch(_) => case.system.texture().surface_fraction(),
@@ -261,6 +264,17 @@ pub(crate) enum TextureArrangement {
 impl Words for TextureArrangement {
     const WORDS: &'static [(&'static str, Self)] = &[("hexagonal", Self::Hexagonal)];
 }
+
+/// Whether the floor is in contact with the lens where that comes down to it.
+impl Words for FloorModel {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        (TRUE_OR_FALSE[0], Self::Contact),
+        (TRUE_OR_FALSE[1], Self::Ignored),
+    ];
+}
+
+/// The words of what is either so or not. In a file they stand without quotes.
+pub(crate) const TRUE_OR_FALSE: [&str; 2] = ["true", "false"];
 
 impl Words for PillarCompliance {
     const WORDS: &'static [(&'static str, Self)] =

@@ -197,6 +197,14 @@ impl CaseFile {
         {
             return Err(texture_and_surface(surface, texture));
         }
+        if let Some(floor) = self.place_of("floor") {
+            return Err(CaseError::at(
+                floor,
+                "the floor of a [surface] is always in contact where it is touched",
+            )
+            .key("floor")
+            .accepted("leave [floor] out: surface.floor says what is floor"));
+        }
         match self.place_of("method") {
             Some(method) => Err(
                 CaseError::at(method, "a [surface] has no choice of methods")

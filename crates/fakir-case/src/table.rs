@@ -106,6 +106,9 @@ keys! {
         PillarCompliance = "texture.pillar.compliance" is
             word("column: pillars shorten under load; or none", |p| &mut p.texture.pillar.compliance)
                 .optional();
+        FloorContact = "floor.contact" is
+            word("false: the lens goes through the floor, as in the paper; only the method spectral has floor contact", |p| &mut p.texture.floor)
+                .label("floor contact").optional();
     }
     HeightMap {
         HeightMap = "surface.height_map" is

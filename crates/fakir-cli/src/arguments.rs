@@ -5,11 +5,11 @@ use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::Control;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
-use fakir_case::{Key, Kind};
+use fakir_case::{CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_keys};
 use fakir_inverse::fit::{FitOptions, Measurements, Parameter};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
-use fakir_study::approach::LoadingPath;
+use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::fields::MOST_POINTS;
 use fakir_study::output::Replace;
 use fakir_study::{Existing, Shard};
@@ -53,18 +53,23 @@ pub(crate) enum Command {
     Transition(Transition),
     /// The contact at an indentation or under a force
     ///
-    /// Past the transition the contact is computed as if the floor were not there: the smallest
-    /// floor gap is then negative, and a warning names the critical load.
-    #[command(after_help = "Example: fakir press case.toml --force 20uN")]
+    /// Past the transition the floor between the pillars bears its part; the method spectral alone knows how much.
+    /// By the other methods, and with --without-floor, the lens goes through the floor, as in the
+    /// paper: the smallest floor gap is then negative, and a warning names the critical load.
+    #[command(after_help = "Examples:
+  fakir press case.toml --force 20uN
+  fakir press case.toml --indentation 6um --without-floor")]
     Press(Press),
-    /// Loading step by step, as in the experiment, up to the critical state
+    /// Loading step by step, as in the experiment: up to the critical state, or through it with --to
     ///
-    /// On a general surface (a case with a [surface]) the floor bears load past that state. A height
-    /// map without surface.floor has none: there the loading ends at --until. With --output the states are
-    /// saved as a table, and force and contact radius over the indentation as a figure.
-    #[command(
-        after_help = "Example: fakir approach case.toml --step 0.1um --output approach-to-floor"
-    )]
+    /// Past the critical state the floor bears its part: on a texture by the method spectral, and on a
+    /// general surface (a case with a [surface]). A height map without surface.floor has no critical state:
+    /// there the loading ends at --to. With --output the states are saved as a table, and force, contact radius
+    /// and the part of the floor over the indentation as a figure.
+    #[command(after_help = "Examples:
+  fakir approach case.toml --step 0.1um --output approach-to-floor
+  fakir approach case.toml --to 8um --output through-the-transition
+  fakir approach case.toml --to-force 2mN --without-floor")]
     Approach(Approach),
     /// A second opinion: the spectral method and Love elements on the same question
     ///
@@ -224,6 +229,8 @@ pub(crate) struct Press {
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     force: Option<f64>,
     #[command(flatten)]
+    pub(crate) floor: FloorArguments,
+    #[command(flatten)]
     fields: FieldArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
@@ -250,30 +257,46 @@ pub(crate) struct Approach {
     /// experiments unless given
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = length, allow_hyphen_values = true)]
     step: f64,
-    /// Stop at this indentation instead of the critical one, if it is reached earlier
+    /// Go on to this indentation, past the critical state if that comes earlier (m, mm, um, nm)
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with_all = ["to_force", "until"])]
+    to: Option<f64>,
+    /// Go on to this force, past the critical state if that comes earlier (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, conflicts_with = "until")]
+    to_force: Option<f64>,
+    /// Stop at this indentation, or at the critical state if that comes earlier
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     until: Option<f64>,
-    /// Go on past the critical state to the indentation of --until, on a texture as if the floor were
-    /// not there
-    #[arg(long, requires = "until")]
+    /// Makes --until go on as --to does
+    #[arg(long, requires = "until", hide = true)]
     past_transition: bool,
+    #[command(flatten)]
+    pub(crate) floor: FloorArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
 }
 
 impl Approach {
     pub(crate) fn path(&self) -> Result<LoadingPath, Failure> {
-        for (name, value) in [("--step", Some(self.step)), ("--until", self.until)] {
+        let lengths = [
+            ("--step", Some(self.step)),
+            ("--until", self.until),
+            ("--to", self.to),
+        ];
+        let force = ("--to-force", self.to_force);
+        for (kind, (name, value)) in lengths
+            .map(|length| ("length", length))
+            .into_iter()
+            .chain([("force", force)])
+        {
             if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
                 return Err(Failure::Argument(format!(
-                    "{name} must be a length greater than 0"
+                    "{name} must be a {kind} greater than 0"
                 )));
             }
         }
         Ok(LoadingPath {
             step: self.step,
-            until: self.until,
-            past_transition: self.past_transition,
+            end: LoadingEnd::of(self.until, self.past_transition, self.to, self.to_force)?,
         })
     }
 }
@@ -767,6 +790,24 @@ impl CaseArguments {
         } else {
             Replace::Refused
         }
+    }
+}
+
+/// What becomes of the floor.
+#[derive(Debug, Args)]
+pub(crate) struct FloorArguments {
+    /// Let the lens go through the floor past the transition, as in the paper: floor.contact=false
+    #[arg(long)]
+    without_floor: bool,
+}
+
+impl FloorArguments {
+    /// Overrides the key of the case that says so.
+    pub(crate) fn apply(&self, file: &mut CaseFile) -> Result<(), CaseError> {
+        if self.without_floor {
+            file.set(&format!("{}=false", Key::FloorContact))?;
+        }
+        Ok(())
     }
 }
 

@@ -59,7 +59,8 @@ fn run(command: &Command) -> Result<Status, Failure> {
         }
         Command::Press(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            let file = read_case(&options.case)?;
+            let mut file = read_case(&options.case)?;
+            options.floor.apply(&mut file)?;
             if file.is_surface() {
                 return deliver(command, &options.case, move || {
                     commands::surface::press(&file, options.control(), options.maps(), &session)
@@ -71,7 +72,8 @@ fn run(command: &Command) -> Result<Status, Failure> {
         }
         Command::Approach(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            let (file, path) = (read_case(&options.case)?, options.path()?);
+            let (mut file, path) = (read_case(&options.case)?, options.path()?);
+            options.floor.apply(&mut file)?;
             let saves = options.case.output.is_some();
             if file.is_surface() {
                 return deliver(command, &options.case, move || {

@@ -1,7 +1,8 @@
 //! The answer to one case, as it is kept: numbers only, each of which JSON gives back bit for bit.
 
+use crate::result::of_floor;
 use crate::surface_answer::{SurfaceCritical, SurfacePressed};
-use fakir::state::{ContactState, CriticalState, Normalized, Regime};
+use fakir::state::{ContactState, CriticalState, FloorContact, Normalized, Regime};
 use fakir_case::study::Coordinate;
 use serde::{Deserialize, Serialize};
 
@@ -109,11 +110,14 @@ pub struct Pressed {
     pub pillars_in_contact: usize,
     /// Number of pillars crossed by the edge of the contact.
     pub pillars_partially_in_contact: usize,
-    /// Smallest gap between lens and floor, m; negative past the transition.
+    /// Smallest gap between lens and floor, m; past the transition negative if the floor was to be ignored.
     #[serde(rename = "smallest_floor_gap_m", with = "exact")]
     pub smallest_floor_gap: f64,
-    /// Whether the floor would have been touched already.
+    /// Whether the floor is touched, or would be if it was not to be ignored.
     pub beyond_transition: bool,
+    /// What the floor bears; none past the transition if it was to be ignored, and in journals of before it could bear anything.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floor: Option<OnFloor>,
     /// Estimated relative error of the force.
     #[serde(with = "exact")]
     pub relative_error_estimate_force: f64,
@@ -127,6 +131,39 @@ pub struct Pressed {
     pub converged: bool,
     /// Steps of the solver.
     pub iterations: usize,
+}
+
+/// What the floor bears: nothing before the transition.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OnFloor {
+    /// Force, N.
+    #[serde(rename = "force_N", with = "exact")]
+    pub force: f64,
+    /// That over the whole force.
+    #[serde(with = "exact")]
+    pub share: f64,
+    /// Contact area, m^2.
+    #[serde(rename = "contact_area_m2", with = "exact")]
+    pub area: f64,
+    /// Estimated relative error of the share.
+    #[serde(with = "exact")]
+    pub relative_error_estimate_share: f64,
+    /// Estimated relative error of the area.
+    #[serde(with = "exact")]
+    pub relative_error_estimate_area: f64,
+}
+
+impl OnFloor {
+    fn of(state: &ContactState) -> Option<Self> {
+        let number = |of: fn(&FloorContact) -> f64| of_floor(state, of);
+        Some(Self {
+            force: number(|floor| floor.force)?,
+            share: number(|floor| floor.share)?,
+            area: number(|floor| floor.area)?,
+            relative_error_estimate_share: number(|floor| floor.error.share)?,
+            relative_error_estimate_area: number(|floor| floor.error.area)?,
+        })
+    }
 }
 
 impl From<&CriticalState> for Critical {
@@ -172,6 +209,7 @@ impl From<&ContactState> for Pressed {
             pillars_partially_in_contact: state.pillars_partially_in_contact,
             smallest_floor_gap: state.smallest_floor_gap,
             beyond_transition: state.beyond_transition(),
+            floor: OnFloor::of(state),
             relative_error_estimate_force: state.error.force,
             relative_error_estimate_indentation: state.error.indentation,
             relative_error_estimate_contact_radius: state.relative_contact_radius_error(),

@@ -18,10 +18,50 @@ const MOST_STATES: f64 = 1e4;
 pub struct LoadingPath {
     /// The indentation between two states, m; greater than 0.
     pub step: f64,
-    /// The last indentation, m, if the loading is to end before the critical state, or past it.
-    pub until: Option<f64>,
-    /// Whether it goes on past the critical state.
-    pub past_transition: bool,
+    /// The last state.
+    pub end: LoadingEnd,
+}
+
+/// Where a loading ends.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum LoadingEnd {
+    /// At the critical state.
+    #[default]
+    Critical,
+    /// At this indentation, m, or at the critical state if that is reached earlier.
+    CriticalOr(f64),
+    /// At this indentation, m, before the critical state or past it.
+    Indentation(f64),
+    /// Under this force, N, before the critical state or past it.
+    Force(f64),
+}
+
+impl LoadingEnd {
+    /// The end that is meant by what may be given of it: an indentation up to which the loading goes unless it reaches the
+    /// critical state, or past that; an indentation (m); a force (N).
+    ///
+    /// # Errors
+    /// [`ApproachError::Ends`] if there are several, [`ApproachError::NotPositive`] for what is not greater than 0.
+    pub fn of(
+        until: Option<f64>,
+        past_transition: bool,
+        to: Option<f64>,
+        to_force: Option<f64>,
+    ) -> Result<Self, ApproachError> {
+        for (name, value) in [("until", until), ("to", to), ("to_force", to_force)] {
+            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
+                return Err(ApproachError::NotPositive { name });
+            }
+        }
+        match (until, to, to_force) {
+            (None, None, None) => Ok(Self::Critical),
+            (Some(until), None, None) if past_transition => Ok(Self::Indentation(until)),
+            (Some(until), None, None) => Ok(Self::CriticalOr(until)),
+            (None, Some(to), None) => Ok(Self::Indentation(to)),
+            (None, None, Some(force)) => Ok(Self::Force(force)),
+            _ => Err(ApproachError::Ends),
+        }
+    }
 }
 
 impl LoadingPath {
@@ -29,12 +69,16 @@ impl LoadingPath {
     #[must_use]
     pub fn words(&self) -> String {
         let length = |value| format_quantity(value, Dimension::Length);
-        let end = match self.until {
-            None => "up to the critical state".to_owned(),
-            Some(until) if self.past_transition => {
-                format!("past the critical state to {}", length(until))
+        let end = match self.end {
+            LoadingEnd::Critical => "up to the critical state".to_owned(),
+            LoadingEnd::CriticalOr(until) => {
+                format!("up to {} or the critical state", length(until))
             }
-            Some(until) => format!("up to {} or the critical state", length(until)),
+            LoadingEnd::Indentation(to) => format!("up to an indentation of {}", length(to)),
+            LoadingEnd::Force(force) => {
+                let force = format_quantity(force, Dimension::Force);
+                format!("up to a force of {force}")
+            }
         };
         format!("loading in steps of {}, {end}", length(self.step))
     }
@@ -51,9 +95,29 @@ pub enum ApproachError {
     #[error(
         "up to where the loading goes is not known: a height map has no pillars that would tell which \
          part of it is the floor; give surface.floor, the height at or below which it is, or the last \
-         indentation (until)"
+         indentation (to)"
     )]
     NoEnd,
+    /// Several ends.
+    #[error("a loading has one end: give one of until, to and to_force")]
+    Ends,
+    /// A length or force that must be greater than 0.
+    #[error("{name} must be greater than 0")]
+    NotPositive {
+        /// What it is called.
+        name: &'static str,
+    },
+    /// A loading that ends before anything is touched.
+    #[error(
+        "the lens first touches a pillar at an indentation of {}: up to {} there is no contact; give more",
+        rounded_length(*first_touch), rounded_length(*end)
+    )]
+    BelowFirstTouch {
+        /// The indentation at which it is to end, m.
+        end: f64,
+        /// That of the first touch, m.
+        first_touch: f64,
+    },
     /// A step so short that the loading would have too many states.
     #[error(
         "a step of {} makes {states:.0} states up to an indentation of {}: at most {MOST_STATES} are \
@@ -96,6 +160,9 @@ pub trait Loadable {
     /// Whether it is known what the floor is.
     fn has_floor(&self) -> bool;
 
+    /// An indentation before which nothing is touched, m.
+    fn first_touch(&self) -> f64;
+
     /// The row of a contact: whether it is the critical state, and whether it is past that, if that is known.
     fn row(contact: &Self::Contact, critical: bool, beyond: Option<bool>) -> Self::Row;
 }
@@ -115,6 +182,10 @@ impl Loadable for (System, Method) {
 
     fn has_floor(&self) -> bool {
         true
+    }
+
+    fn first_touch(&self) -> f64 {
+        self.0.first_touch().min(self.0.pillar().height)
     }
 
     fn row(contact: &ContactState, critical: bool, _: Option<bool>) -> LoadingRow {
@@ -137,6 +208,10 @@ impl Loadable for SurfaceSystem {
 
     fn has_floor(&self) -> bool {
         self.floor().is_some()
+    }
+
+    fn first_touch(&self) -> f64 {
+        0.0
     }
 
     fn row(contact: &SurfaceContact, critical: bool, beyond: Option<bool>) -> SurfaceLoadingRow {
@@ -174,8 +249,15 @@ pub fn approach<P: Loadable>(
     keep: &mut dyn FnMut(P::Contact, f64),
 ) -> Result<Approach<P>, ApproachError> {
     let start = Instant::now();
-    if !problem.has_floor() && path.until.is_none() {
-        return Err(ApproachError::NoEnd);
+    match path.end {
+        LoadingEnd::Critical if !problem.has_floor() => return Err(ApproachError::NoEnd),
+        LoadingEnd::Indentation(end) | LoadingEnd::CriticalOr(end)
+            if end <= problem.first_touch() =>
+        {
+            let first_touch = problem.first_touch();
+            return Err(ApproachError::BelowFirstTouch { end, first_touch });
+        }
+        _ => {}
     }
     if problem.has_floor() {
         next("critical state");
@@ -190,7 +272,24 @@ pub fn approach<P: Loadable>(
     };
     let mut converged = reached.is_none_or(Contact::converged);
     let mut warned = reached.map_or(Vec::new(), warnings);
-    let steps = steps(path, critical_indentation)?;
+    // The last state of a loading up to a force tells which indentations there are.
+    let begun = Instant::now();
+    let mut last = None;
+    if let LoadingEnd::Force(force) = path.end {
+        next("state under the last force");
+        let contact = problem.press(Control::Force(force), run)?;
+        last = Some((contact, begun.elapsed()));
+    }
+    let end = match (path.end, &last, critical_indentation) {
+        (LoadingEnd::Force(_), Some((contact, _)), _) => contact.indentation(),
+        (LoadingEnd::Indentation(to), ..) => to,
+        (LoadingEnd::CriticalOr(until), _, critical) => {
+            critical.map_or(until, |critical| critical.min(until))
+        }
+        (_, _, Some(critical)) => critical,
+        (_, _, None) => return Err(ApproachError::NoEnd),
+    };
+    let steps = steps(path.step, end, critical_indentation)?;
     let mut rows = Vec::with_capacity(steps.len());
     for (number, step) in steps.iter().enumerate() {
         let indentation = match (step, reached) {
@@ -203,12 +302,19 @@ pub fn approach<P: Loadable>(
         };
         next(&format!("state {} of {}", number + 1, steps.len()));
         let begun = Instant::now();
-        let contact = problem.press(Control::Indentation(indentation), run)?;
+        let (contact, time) = match last.take() {
+            Some(found) if number + 1 == steps.len() => found,
+            later => {
+                last = later;
+                let contact = problem.press(Control::Indentation(indentation), run)?;
+                (contact, begun.elapsed())
+            }
+        };
         let of_contact = warnings(&contact);
         warned.extend(of_contact.iter().map(|text| at(indentation, text)));
         converged &= contact.converged();
         rows.push(row(&contact, false));
-        keep(contact, begun.elapsed().as_secs_f64());
+        keep(contact, time.as_secs_f64());
     }
     Ok(Approach {
         rows,
@@ -237,14 +343,7 @@ enum Step {
 
 /// Multiples of the step, with the critical state in its place among them and the end of the path
 /// last.
-fn steps(path: &LoadingPath, critical: Option<f64>) -> Result<Vec<Step>, ApproachError> {
-    let step = path.step;
-    let end = match (path.until, critical) {
-        (Some(until), None) => until,
-        (Some(until), Some(critical)) if path.past_transition || until < critical => until,
-        (_, Some(critical)) => critical,
-        (None, None) => return Err(ApproachError::NoEnd),
-    };
+fn steps(step: f64, end: f64, critical: Option<f64>) -> Result<Vec<Step>, ApproachError> {
     // Where there is no critical state none of the indentations is taken for one.
     let critical = critical.unwrap_or(f64::INFINITY);
     if end / step > MOST_STATES {
@@ -282,56 +381,47 @@ fn steps(path: &LoadingPath, critical: Option<f64>) -> Result<Vec<Step>, Approac
 mod tests {
     use super::*;
 
-    fn path(step: f64, until: Option<f64>, past_transition: bool) -> Vec<Step> {
-        let path = LoadingPath {
-            step,
-            until,
-            past_transition,
-        };
-        steps(&path, Some(2.5)).unwrap()
+    fn path(step: f64, end: f64) -> Vec<Step> {
+        steps(step, end, Some(2.5)).unwrap()
     }
 
     #[test]
     fn the_critical_state_ends_the_path_or_has_its_place_in_it() {
         use Step::{At, Critical};
+        assert_eq!(path(1.0, 2.5), [At(0.0), At(1.0), At(2.0), Critical]);
+        assert_eq!(path(1.25, 2.5), [At(0.0), At(1.25), Critical]);
+        assert_eq!(path(1.0, 1.5), [At(0.0), At(1.0), At(1.5)]);
         assert_eq!(
-            path(1.0, None, false),
-            [At(0.0), At(1.0), At(2.0), Critical]
-        );
-        assert_eq!(path(1.25, None, false), [At(0.0), At(1.25), Critical]);
-        assert_eq!(path(1.0, Some(1.5), false), [At(0.0), At(1.0), At(1.5)]);
-        assert_eq!(
-            path(1.0, Some(9.0), false),
-            [At(0.0), At(1.0), At(2.0), Critical]
-        );
-        assert_eq!(
-            path(1.0, Some(3.5), true),
+            path(1.0, 3.5),
             [At(0.0), At(1.0), At(2.0), Critical, At(3.0), At(3.5)]
         );
-        assert_eq!(path(2.0, Some(2.5), true), [At(0.0), At(2.0), Critical]);
+        assert_eq!(path(2.0, 2.5), [At(0.0), At(2.0), Critical]);
     }
 
     #[test]
     fn steps_in_the_wrong_unit_are_refused() {
-        let path = LoadingPath {
-            step: 1e-9,
-            until: None,
-            past_transition: false,
-        };
-        assert!(steps(&path, Some(2.5)).is_err());
+        assert!(steps(1e-9, 2.5, Some(2.5)).is_err());
     }
 
     #[test]
     fn without_a_critical_state_the_path_ends_where_it_is_told_to() {
         use Step::At;
-        let mut path = LoadingPath {
-            step: 1.0,
-            until: Some(2.5),
-            past_transition: false,
-        };
-        let found = steps(&path, None).unwrap();
+        let found = steps(1.0, 2.5, None).unwrap();
         assert_eq!(found, [At(0.0), At(1.0), At(2.0), At(2.5)]);
-        path.until = None;
-        assert_eq!(steps(&path, None), Err(ApproachError::NoEnd));
+    }
+
+    #[test]
+    fn a_loading_has_one_end() {
+        let of = |until, past, to, force| LoadingEnd::of(until, past, to, force).ok();
+        assert_eq!(of(None, false, None, None), Some(LoadingEnd::Critical));
+        let until = Some(LoadingEnd::CriticalOr(2.0));
+        assert_eq!(of(Some(2.0), false, None, None), until);
+        let to = Some(LoadingEnd::Indentation(2.0));
+        assert_eq!(of(Some(2.0), true, None, None), to);
+        assert_eq!(of(None, false, Some(2.0), None), to);
+        let force = Some(LoadingEnd::Force(3.0));
+        assert_eq!(of(None, false, None, Some(3.0)), force);
+        assert_eq!(of(None, false, Some(2.0), Some(3.0)), None);
+        assert_eq!(of(None, false, Some(-2.0), None), None);
     }
 }

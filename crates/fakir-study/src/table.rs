@@ -290,6 +290,9 @@ fn pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
     });
     of.number("smallest_floor_gap_m", |it| it.smallest_floor_gap);
     of.flag("beyond_transition", |it| it.beyond_transition);
+    of.number_if_any("floor_force_N", |it| Some(it.floor?.force));
+    of.number_if_any("floor_share", |it| Some(it.floor?.share));
+    of.number_if_any("floor_contact_area_m2", |it| Some(it.floor?.area));
     of.number("relative_error_estimate_force", |it| {
         it.relative_error_estimate_force
     });
@@ -298,6 +301,12 @@ fn pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
     });
     of.number("relative_error_estimate_contact_radius", |it| {
         it.relative_error_estimate_contact_radius
+    });
+    of.number_if_any("relative_error_estimate_floor_share", |it| {
+        Some(it.floor?.relative_error_estimate_share)
+    });
+    of.number_if_any("relative_error_estimate_floor_contact_area", |it| {
+        Some(it.floor?.relative_error_estimate_area)
     });
     of.count("iterations", |it| it.iterations);
 }

@@ -38,9 +38,9 @@ pub(crate) fn run(
         let point = |row: &LoadingRow| LoadingPoint {
             indentation: row.indentation_m,
             force: row.force_N,
-            floor_force: None,
+            floor_force: row.floor_force_N,
             contact_radius: Some(row.contact_radius_m),
-            without_floor: row.beyond_transition,
+            without_floor: row.smallest_floor_gap_m < 0.0,
         };
         tables.extend(of_loading(&found, point, &provenance));
     }
@@ -69,8 +69,8 @@ fn text(case: &Case, critical: Option<&CriticalState>, rows: &[LoadingRow]) -> S
     )
 }
 
-fn columns(rows: &[LoadingRow]) -> [Column<LoadingRow>; 7] {
-    [
+fn columns(rows: &[LoadingRow]) -> Vec<Column<LoadingRow>> {
+    let mut columns = vec![
         Column::quantity("indentation", Dimension::Length, rows, |row| {
             Some(row.indentation_m)
         }),
@@ -80,6 +80,16 @@ fn columns(rows: &[LoadingRow]) -> [Column<LoadingRow>; 7] {
             |row| Some(row.force_N),
             |row| digits(row.force_error_estimate),
         ),
+    ];
+    if rows.iter().any(|row| row.beyond_transition) {
+        columns.push(Column::force(
+            "on the floor",
+            rows,
+            |row| row.floor_force_N,
+            |row| digits(row.floor_share_error_estimate.unwrap_or(0.0)),
+        ));
+    }
+    columns.extend([
         Column::radius(
             "contact radius",
             rows,
@@ -96,5 +106,6 @@ fn columns(rows: &[LoadingRow]) -> [Column<LoadingRow>; 7] {
         Column::text("", |row| {
             loading_remark(row.converged, row.critical, row.beyond_transition).to_owned()
         }),
-    ]
+    ]);
+    columns
 }

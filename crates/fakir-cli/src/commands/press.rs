@@ -7,7 +7,7 @@ use crate::report::figures;
 use crate::report::maps::Maps;
 use crate::report::state::{QuantityList, radius_digits, texture_line};
 use crate::session::Session;
-use fakir::problem::Control;
+use fakir::problem::{Control, FloorModel, Method};
 use fakir::state::{ContactState, CriticalState, Normalized, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
@@ -27,7 +27,7 @@ pub(crate) fn run(
     let state = fakir::press(&case.system, control, case.method, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
     let mut warnings = warnings(&state);
-    if state.beyond_transition() {
+    if state.smallest_floor_gap < 0.0 {
         session.part("critical state");
         warnings.push(beyond(case, session)?);
     }
@@ -51,16 +51,22 @@ pub(crate) fn run(
     })
 }
 
-/// The warning past the transition, with the load that should not have been exceeded.
+/// The warning past the transition where the floor is ignored, with the load that should not have been exceeded.
 fn beyond(case: &Case, session: &Session) -> Result<String, Failure> {
     let critical = match fakir::transition(&case.system, case.method, &session.run()) {
         Ok(critical) => critical_load(&critical),
         Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
         Err(error) => format!("at a load that could not be computed ({error})"),
     };
+    let advice = match (case.system.floor_model(), case.method) {
+        (FloorModel::Contact, Method::Love(_) | Method::Punch(_) | Method::Homogenised) => {
+            ": only the method spectral knows what it bears"
+        }
+        _ => "",
+    };
     Ok(format!(
         "past the transition: the lens reaches the floor {critical}; this contact is computed as \
-         if the floor were not there"
+         if the floor were not there{advice}"
     ))
 }
 
@@ -79,7 +85,9 @@ fn text(state: &ContactState, wall_time: f64) -> String {
         state.contact_radius,
         state.indentation,
     );
-    let gap = if state.beyond_transition() {
+    let gap = if state.floor.is_some() {
+        "in contact: past the transition"
+    } else if state.beyond_transition() {
         "negative: past the transition"
     } else {
         ""
@@ -102,6 +110,7 @@ fn text(state: &ContactState, wall_time: f64) -> String {
             state.smallest_floor_gap,
             gap.to_owned(),
         )
+        .floor(state)
         .solution(state, wall_time);
     format!(
         "Contact under load\n{}\n{}\n\n{}",

@@ -4,7 +4,7 @@ use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
 use fakir::Difference;
 use fakir::problem::{Method, System};
-use fakir::state::{ContactState, ErrorEstimate, Normalized};
+use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Normalized};
 use fakir_case::unit::Dimension;
 
 /// Most digits shown of contact radii.
@@ -155,6 +155,73 @@ impl QuantityList {
             Dimension::Length,
             known(indentation),
             remark("zeta/h", reduced.indentation, indentation),
+        )
+    }
+
+    /// What the floor bears, if it is touched.
+    pub(crate) fn floor(&mut self, state: &ContactState) -> &mut Self {
+        let Some(floor) = &state.floor else {
+            return self;
+        };
+        let FloorErrors { share, area } = floor.error;
+        let known = |error| digits(error).min(DIGITS);
+        let remark = |error| {
+            error_remark(error)
+                .trim_start_matches([',', ' '])
+                .to_owned()
+        };
+        let [x, y] = floor.cell();
+        let cells = format!(
+            "on cells of {} by {}",
+            with_unit(x, Dimension::Length, 3),
+            with_unit(y, Dimension::Length, 3)
+        );
+        self.quantity(
+            "force on the floor",
+            floor.force,
+            Dimension::Force,
+            known(share),
+            remark(share),
+        )
+        .row(
+            "share of the floor",
+            significant(floor.share, known(share)),
+            "",
+            "",
+        )
+        .area(
+            "contact area on the floor",
+            floor.area,
+            known(area),
+            remark(area),
+        )
+        .length("radius of the floor contact", floor.radius, cells)
+        .length(
+            "its distance from a rim",
+            floor.smallest_distance_to_rim,
+            String::new(),
+        );
+        if floor.patches_agree {
+            self.row("patches on the floor", floor.patches.to_string(), "", "");
+        }
+        self
+    }
+
+    /// An area, in the square of the unit that suits its root.
+    pub(crate) fn area(
+        &mut self,
+        name: &str,
+        area: f64,
+        digits: usize,
+        remark: String,
+    ) -> &mut Self {
+        let unit = Dimension::Length.unit_for(area.sqrt());
+        let (size, symbol) = unit.map_or((1.0, "m"), |unit| (unit.in_si(), unit.symbol));
+        self.row(
+            name,
+            significant(area / (size * size), digits),
+            &format!("{symbol}^2"),
+            &remark,
         )
     }
 

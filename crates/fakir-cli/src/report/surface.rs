@@ -317,23 +317,16 @@ fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
 }
 
 fn add_area(list: &mut QuantityList, contact: &SurfaceContact) {
-    add_one_area(list, "contact area", contact.contact_area, "");
+    list.area(
+        "contact area",
+        contact.contact_area,
+        AREA_DIGITS,
+        String::new(),
+    );
     if let Some(radius) = contact.contact_radius {
         let error = contact.relative_contact_radius_error().unwrap_or(0.0);
         list.radius("contact radius", radius, error, String::new());
     }
-}
-
-/// An area in the square of the unit that suits its root.
-fn add_one_area(list: &mut QuantityList, name: &str, area: f64, remark: &str) {
-    let unit = Dimension::Length.unit_for(area.sqrt());
-    let (size, symbol) = unit.map_or((1.0, "m"), |unit| (unit.in_si(), unit.symbol));
-    list.row(
-        name,
-        significant(area / (size * size), AREA_DIGITS),
-        &format!("{symbol}^2"),
-        remark,
-    );
 }
 
 fn add_shares(list: &mut QuantityList, shares: &Shares, contact: &SurfaceContact) {
@@ -355,11 +348,11 @@ fn add_shares(list: &mut QuantityList, shares: &Shares, contact: &SurfaceContact
             known.min(AREA_DIGITS),
             part(share.force, contact.force),
         );
-        add_one_area(
-            list,
+        list.area(
             &format!("contact area on the {name}"),
             share.area,
-            &part(share.area, contact.contact_area),
+            AREA_DIGITS,
+            part(share.area, contact.contact_area),
         );
     }
 }

@@ -1,5 +1,6 @@
 //! Loading step by step.
 
+use super::contact::of_floor;
 use super::surface::{GridObject, METHOD, boundary_name, indenter_name};
 use super::{SurfaceTransitionSummary, TransitionSummary};
 use crate::VERSION;
@@ -22,15 +23,27 @@ pub struct LoadingRow {
     pub pillars_in_contact: usize,
     /// Number of pillars crossed by the edge of the contact.
     pub pillars_partially_in_contact: usize,
-    /// Smallest gap between lens and floor, m; negative past the transition.
+    /// Smallest gap between lens and floor, m; past the transition negative if the floor was to be ignored.
     pub smallest_floor_gap_m: f64,
+    /// Force on the floor, N; none past the transition if it was to be ignored.
+    pub floor_force_N: Option<f64>,
+    /// That over the whole force.
+    pub floor_share: Option<f64>,
+    /// Contact area on the floor, m^2.
+    pub floor_contact_area_m2: Option<f64>,
+    /// Distance of the farthest contact with the floor from the lens axis, m.
+    pub floor_radius_m: Option<f64>,
     /// Estimated relative error of the force.
     pub force_error_estimate: f64,
     /// Estimated relative error of the contact radius.
     pub contact_radius_error_estimate: f64,
+    /// Estimated relative error of the floor's share; none where the floor bears nothing.
+    pub floor_share_error_estimate: Option<f64>,
+    /// Estimated relative error of the contact area on the floor.
+    pub floor_contact_area_error_estimate: Option<f64>,
     /// Whether it is the critical state.
     pub critical: bool,
-    /// Whether the floor would have been touched already.
+    /// Whether the floor is touched, or would be if it was not to be ignored.
     pub beyond_transition: bool,
     /// Whether the numbers are the solution.
     pub converged: bool,
@@ -45,8 +58,14 @@ impl LoadingRow {
             pillars_in_contact: state.pillars_in_contact,
             pillars_partially_in_contact: state.pillars_partially_in_contact,
             smallest_floor_gap_m: state.smallest_floor_gap,
+            floor_force_N: of_floor(state, |floor| floor.force),
+            floor_share: of_floor(state, |floor| floor.share),
+            floor_contact_area_m2: of_floor(state, |floor| floor.area),
+            floor_radius_m: of_floor(state, |floor| floor.radius),
             force_error_estimate: state.error.force,
             contact_radius_error_estimate: state.relative_contact_radius_error(),
+            floor_share_error_estimate: state.floor.as_ref().map(|floor| floor.error.share),
+            floor_contact_area_error_estimate: state.floor.as_ref().map(|floor| floor.error.area),
             critical,
             beyond_transition: state.beyond_transition(),
             converged: state.converged(),

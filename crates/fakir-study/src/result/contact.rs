@@ -2,8 +2,56 @@
 
 use super::RelativeErrors;
 use crate::VERSION;
-use fakir::state::ContactState;
+use fakir::state::{ContactState, FloorContact};
 use serde::Serialize;
+
+/// What the floor bears past the transition.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct FloorObject {
+    force_N: f64,
+    share: f64,
+    contact_area_m2: f64,
+    /// Distance of the farthest contact with the floor from the lens axis.
+    radius_m: f64,
+    smallest_distance_to_rim_m: f64,
+    /// None where two grids differ.
+    patches: Option<usize>,
+    cell_m: [f64; 2],
+    relative_error_estimate: FloorErrorsObject,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct FloorErrorsObject {
+    share: f64,
+    contact_area: f64,
+}
+
+impl From<&FloorContact> for FloorObject {
+    fn from(floor: &FloorContact) -> Self {
+        Self {
+            force_N: floor.force,
+            share: floor.share,
+            contact_area_m2: floor.area,
+            radius_m: floor.radius,
+            smallest_distance_to_rim_m: floor.smallest_distance_to_rim,
+            patches: floor.patches_agree.then_some(floor.patches),
+            cell_m: floor.cell(),
+            relative_error_estimate: FloorErrorsObject {
+                share: floor.error.share,
+                contact_area: floor.error.area,
+            },
+        }
+    }
+}
+
+/// A number of what the floor bears: zero before it is touched, none past that if it was to be ignored.
+pub(crate) fn of_floor(state: &ContactState, number: impl Fn(&FloorContact) -> f64) -> Option<f64> {
+    match &state.floor {
+        Some(floor) => Some(number(floor)),
+        None => (!state.beyond_transition()).then_some(0.0),
+    }
+}
 
 /// A contact under a load: what `fakir press --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -17,6 +65,8 @@ pub struct PressSummary {
     pillars_partially_in_contact: usize,
     smallest_floor_gap_m: f64,
     beyond_transition: bool,
+    /// None before the transition, and past it if the floor was to be ignored.
+    floor: Option<FloorObject>,
     relative_error_estimate: RelativeErrors,
     converged: bool,
     iterations: usize,
@@ -37,6 +87,7 @@ impl PressSummary {
             pillars_partially_in_contact: state.pillars_partially_in_contact,
             smallest_floor_gap_m: state.smallest_floor_gap,
             beyond_transition: state.beyond_transition(),
+            floor: state.floor.as_ref().map(FloorObject::from),
             relative_error_estimate: RelativeErrors::new(
                 state.error,
                 Some(state.relative_contact_radius_error()),

@@ -16,7 +16,8 @@ mod verify;
 
 pub use approach::{ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow};
 pub use compare::{CompareSummary, MethodRow};
-pub use contact::PressSummary;
+pub(crate) use contact::of_floor;
+pub use contact::{FloorObject, PressSummary};
 pub use critical::TransitionSummary;
 pub use pillars::pillars;
 pub(crate) use surface::METHOD as SURFACE_METHOD;
