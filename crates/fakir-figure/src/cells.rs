@@ -135,6 +135,7 @@ impl SurfaceState<'_> {
             lens: Vec::new(),
             surface: Vec::new(),
             floor_contacts: Vec::new(),
+            floor_patches: Vec::new(),
         };
         let mut push = |x: f64, lens: f64, surface: f64| {
             section.x.push(x);

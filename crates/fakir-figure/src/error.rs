@@ -15,6 +15,9 @@ pub enum FigureError {
         /// Name of the method.
         method: &'static str,
     },
+    /// The floor is not touched, or is to be ignored.
+    #[error("this figure shows what the floor bears, but in this state it bears nothing")]
+    NoFloorContact,
     /// Fewer data than the figure needs.
     #[error("this figure needs at least {fewest} values, but there are {given}")]
     TooFewData {

@@ -33,6 +33,7 @@ mod font;
 mod frame;
 mod legend;
 mod map;
+mod patches;
 mod png;
 mod raster;
 mod scene;
@@ -53,6 +54,7 @@ pub use figures::critical_curves::{
 };
 pub use figures::fit_curves::{FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 pub use figures::floor_gap_map::floor_gap_map;
+pub use figures::floor_pressure_map::floor_pressure_map;
 pub use figures::histogram::{Histogram, histogram};
 pub use figures::lattice_sums::lattice_sums;
 pub use figures::lines::{LineChart, lines};

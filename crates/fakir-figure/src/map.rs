@@ -321,6 +321,8 @@ pub(crate) enum KeySign {
     Edge,
     /// A disc with an outline.
     Outline,
+    /// A patch of this colour.
+    Patch(Colour),
 }
 
 /// Signs and what they mean, in a line that ends at a place.
@@ -337,6 +339,10 @@ pub(crate) fn key(entries: &[(KeySign, &str)], [right, middle]: Place, items: &m
             KeySign::Edge => items.push(Item::stroked(
                 Path::line([[x - SIGN, middle], [x, middle]]),
                 edge_stroke(),
+            )),
+            KeySign::Patch(colour) => items.push(Item::filled(
+                Path::rectangle(&Bounds::new(x - 7.0, middle - 2.5, 7.0, 5.0)),
+                *colour,
             )),
             KeySign::Outline => items.push(Item::Disc {
                 centre: [x - 2.5, middle],

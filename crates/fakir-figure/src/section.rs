@@ -3,6 +3,7 @@
 
 use crate::error::FigureError;
 use crate::map::symmetric_copies;
+use crate::patches::on_axis;
 use fakir::problem::Point;
 use fakir::state::{ContactState, Run};
 use std::collections::HashMap;
@@ -52,8 +53,10 @@ pub struct Section {
     /// Height of the surface at each place, m: of the pillar top where a pillar is cut, of the floor
     /// elsewhere.
     pub surface: Vec<f64>,
-    /// Where the floor is touched in this plane: x and height, m.
+    /// Where the floor is just touched in this plane: x and height, m.
     pub floor_contacts: Vec<Point>,
+    /// From which x to which the floor bears a part of the load in this plane, m.
+    pub floor_patches: Vec<[f64; 2]>,
 }
 
 impl Section {
@@ -104,6 +107,7 @@ impl Section {
             lens,
             surface,
             floor_contacts,
+            floor_patches: state.floor.as_ref().map_or_else(Vec::new, on_axis),
         })
     }
 
@@ -111,8 +115,12 @@ impl Section {
     #[must_use]
     pub fn half_width(state: &ContactState) -> f64 {
         let [x, y] = state.smallest_gap_position;
+        let reach = state
+            .floor
+            .as_ref()
+            .map_or(3.0 * x.hypot(y), |floor| 1.3 * floor.radius);
         (1.3 * state.contact_radius)
-            .max(3.0 * x.hypot(y))
+            .max(reach)
             .max(6.0 * state.system.pillar().diameter)
             .min(0.99 * state.system.lens().radius)
     }

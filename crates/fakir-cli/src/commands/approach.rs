@@ -40,6 +40,7 @@ pub(crate) fn run(
             force: row.force_N,
             floor_force: row.floor_force_N,
             contact_radius: Some(row.contact_radius_m),
+            pillars: Some([row.pillars_in_contact, row.pillars_partially_in_contact]),
             without_floor: row.smallest_floor_gap_m < 0.0,
         };
         tables.extend(of_loading(&found, point, &provenance));

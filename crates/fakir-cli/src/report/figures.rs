@@ -7,8 +7,8 @@ use fakir::problem::{Point, SurfaceSystem};
 use fakir::state::{Contact, ContactState, SurfaceContact};
 use fakir_figure::{
     Figure, FigureError, LoadingPoint, ProfileState, SurfaceState, Text, View, approach,
-    floor_gap_map, pillar_pressure, pressure_map, profiles, surface_gap_map, surface_pressure_map,
-    surface_profiles, top_view,
+    floor_gap_map, floor_pressure_map, pillar_pressure, pressure_map, profiles, surface_gap_map,
+    surface_pressure_map, surface_profiles, top_view,
 };
 use fakir_study::approach::{Approach, Loadable};
 use fakir_study::output::File;
@@ -37,6 +37,7 @@ pub(crate) fn files(
         pressure_map(state, floor_contact),
         pillar_pressure(state, &run),
         floor_gap_map(state, &run),
+        floor_pressure_map(state),
         top_view(state, View::Contact, &run),
     ];
     let mut files = Vec::new();
@@ -88,6 +89,7 @@ pub(crate) fn of_loading<P: Loadable>(
         force: critical.contact.force(),
         floor_force: None,
         contact_radius: critical.contact.contact_radius(),
+        pillars: None,
         without_floor: false,
     });
     let figure = approach(&points, critical);

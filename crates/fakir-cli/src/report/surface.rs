@@ -108,6 +108,7 @@ pub(crate) fn loaded(
             force: row.force_N,
             floor_force: row.floor_force_N,
             contact_radius: row.contact_radius_m,
+            pillars: None,
             without_floor: false,
         };
         tables.extend(figures::of_loading(&found, point, &provenance));

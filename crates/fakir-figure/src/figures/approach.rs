@@ -19,12 +19,14 @@ pub struct LoadingPoint {
     pub floor_force: Option<f64>,
     /// Contact radius, m; none under a plate.
     pub contact_radius: Option<f64>,
+    /// Pillars touched, and how many of them partially, where that is known.
+    pub pillars: Option<[usize; 2]>,
     /// Whether the floor is left out beyond where it is touched, and this state is there.
     pub without_floor: bool,
 }
 
-/// Force over indentation, and below it the contact radius, if there is one. The critical state is
-/// marked, also if the loading ends before it; what the floor bears has a curve of its own. States
+/// Force over indentation, and below it the contact radius, the share of the floor and how many pillars are touched, as far as there
+/// are such. The critical state is marked, also if the loading ends before it; what the floor bears has a curve of its own. States
 /// without the floor that they would touch are joined by a grey dashed line.
 ///
 /// # Errors
@@ -60,24 +62,55 @@ pub fn approach(
         upper.series.insert(1, on_floor);
     }
     let mut charts = vec![upper];
-    if all().any(|point| point.contact_radius.is_some()) {
-        charts.push(curve(
-            "contact radius",
-            radius,
-            Tint::Blue,
-            |p| p.contact_radius,
-            "contact radius *a*",
-        ));
-        // The legend above explains both.
-        for series in &mut charts[1].series {
+    let mut heights = vec![122.0];
+    // The legend above explains all curves of the one colour.
+    let unnamed = |mut chart: Chart| {
+        for series in &mut chart.series {
             series.label = None;
         }
+        chart
+    };
+    if all().any(|point| point.contact_radius.is_some()) {
+        let symbol = "contact radius *a*";
+        let value: Value = |point| point.contact_radius;
+        charts.push(unnamed(curve("", radius, Tint::Blue, value, symbol)));
+        heights.push(104.0);
+    }
+    if all().any(|point| share(point).is_some_and(|share| share > 0.0)) {
+        let points = points
+            .iter()
+            .filter_map(|point| Some([across.of(point.indentation), share(point)?]));
+        let style = Style::line(1).in_tint(Tint::Vermillion);
+        let x = Axis::linear(format!("indentation *ζ* ({})", across.name));
+        let y = Axis::linear("share of the floor");
+        let line = Series::new("", points.collect(), style);
+        charts.push(unnamed(Chart::new(x, y, vec![line])));
+        heights.push(80.0);
+    }
+    if points.iter().any(|point| point.pillars.is_some()) {
+        let series = |label: &str, style, count: fn([usize; 2]) -> usize| {
+            let points = points.iter().filter_map(|point| {
+                let count = count(point.pillars?) as f64;
+                Some([across.of(point.indentation), count])
+            });
+            Series::new(label, points.collect(), style)
+        };
+        let touched = series("touched", Style::line(0), |[all, _]| all);
+        let partial = Style::line(2).in_tint(Tint::Black);
+        let partial = series("partially", partial, |[_, partial]| partial);
+        let x = Axis::linear(format!("indentation *ζ* ({})", across.name));
+        charts.push(Chart::new(
+            x,
+            Axis::linear("pillars"),
+            vec![touched, partial],
+        ));
+        heights.push(80.0);
     }
     let figure = Grid {
         name: "approach",
         width: COLUMN,
         columns: 1,
-        heights: [122.0, 104.0][..charts.len()].to_vec(),
+        heights,
         charts,
         common_x: true,
         common_y: false,
@@ -87,9 +120,20 @@ pub fn approach(
     .figure();
     Ok(figure.with_description(
         "Loading of the surface",
-        "Force over indentation, and below it the contact radius; the critical state, in which the \
-         floor is just reached, is marked.",
+        "Force over indentation, and below it the contact radius, the share of the floor and the \
+         pillars that are touched, as far as there are such; the critical state, in which the floor \
+         is just reached, is marked.",
     ))
+}
+
+/// What the floor bears over the whole force.
+fn share(point: &LoadingPoint) -> Option<f64> {
+    let on_floor = point.floor_force?;
+    Some(if point.force > 0.0 {
+        on_floor / point.force
+    } else {
+        0.0
+    })
 }
 
 type Value = fn(&LoadingPoint) -> Option<f64>;

@@ -4,6 +4,7 @@ use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::Figure;
 use crate::map::{ColourBar, KeySign, Sheet, Window, crosses, symmetric_copies};
+use crate::patches::{ON_FLOOR, patches};
 use crate::scene::{Colour, Item, Stroke};
 use crate::unit::Unit;
 use fakir::state::{ContactState, Run};
@@ -20,7 +21,7 @@ const UNTOUCHED: Colour = Colour::grey(225);
 
 /// Map of the gap between lens and floor around the lens axis, `h + f + w - zeta`, with the pillars
 /// on it: dark grey if touched, light grey if not. Crosses mark where it is smallest, with the
-/// symmetric copies of that place. Gaps larger than on most of the floor, as close to the pillars,
+/// symmetric copies of that place; past the transition the floor in contact is grey. Gaps larger than on most of the floor, as close to the pillars,
 /// have the last colour.
 ///
 /// # Errors
@@ -32,7 +33,11 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     let system = &state.system;
     let (lattice, pillar) = (system.lattice(), system.pillar());
     let [x, y] = state.smallest_gap_position;
-    let half_width = (1.7 * lattice.pitch).max(x.hypot(y) + 0.6 * lattice.pitch);
+    let reach = state
+        .floor
+        .as_ref()
+        .map_or(x.hypot(y), |floor| floor.radius);
+    let half_width = (1.7 * lattice.pitch).max(reach + 0.6 * lattice.pitch);
     let anywhere = Window::new([0.0, 0.0], 1.0, [0.0, 0.0], half_width);
     let [across, up] = anywhere.pixel_coordinates(PIXELS);
     let samples = fields.on_grid(&across, &up, run)?;
@@ -65,6 +70,9 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     let window = sheet.window;
     let colours: Vec<Colour> = gaps.iter().map(|gap| bar.colour(unit.of(*gap))).collect();
     let mut inside = vec![window.image(PIXELS, &colours)];
+    if let Some(floor) = &state.floor {
+        inside.push(Item::filled(patches(&window, floor), ON_FLOOR));
+    }
     let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
     for (index, centre) in window.pillars(lattice, pillar.diameter) {
         let fill = if touched.contains(&index) {
@@ -79,17 +87,27 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
             stroke: Some(Stroke::solid(Colour::BLACK, 0.4)),
         });
     }
-    let copies = symmetric_copies(lattice, state.smallest_gap_position);
-    let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
-    crosses(&places, &mut inside);
-    let signs = [(KeySign::Cross, "smallest gap")];
+    let signs = if state.floor.is_some() {
+        [(KeySign::Patch(ON_FLOOR), "in contact")]
+    } else {
+        let copies = symmetric_copies(lattice, state.smallest_gap_position);
+        let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
+        crosses(&places, &mut inside);
+        [(KeySign::Cross, "smallest gap")]
+    };
     let figure = sheet.figure("floor-gap-map", &bar, inside, &signs);
     Ok(figure.with_description(
         "Gap between the lens and the floor",
         &format!(
             "Map of the gap between lens and floor around the lens axis. Grey discs are pillars, \
-             dark where touched; crosses mark the smallest gap, {}.",
-            Unit::of_length(state.smallest_floor_gap).text(state.smallest_floor_gap, 3)
+             dark where touched; {}.",
+            match state.floor {
+                Some(_) => "grey patches are the floor in contact".to_owned(),
+                None => format!(
+                    "crosses mark the smallest gap, {}",
+                    Unit::of_length(state.smallest_floor_gap).text(state.smallest_floor_gap, 3)
+                ),
+            }
         ),
     ))
 }

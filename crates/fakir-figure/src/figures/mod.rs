@@ -4,6 +4,7 @@ pub(crate) mod approach;
 pub(crate) mod critical_curves;
 pub(crate) mod fit_curves;
 pub(crate) mod floor_gap_map;
+pub(crate) mod floor_pressure_map;
 pub(crate) mod histogram;
 pub(crate) mod lattice_sums;
 pub(crate) mod lines;

@@ -11,6 +11,7 @@ use crate::legend::Legend;
 use crate::map::{
     ColourBar, KeySign, SCALE_BAR_ROOM, Window, crosses, edge_stroke, key, symmetric_copies,
 };
+use crate::patches::patches;
 use crate::scene::{Colour, Item, Stroke};
 use crate::series::{Marker, Series, Style};
 use crate::text::Text;
@@ -25,6 +26,8 @@ const SIDE: f64 = 208.0;
 const FEWEST_FOR_CURVE: usize = 7;
 
 const GREY: Colour = Colour::grey(226);
+/// The floor where it is in contact, which bears less than pillar tops do.
+const FLOOR_CONTACT: Colour = Colour([250, 205, 170]);
 
 /// Mean pressure on every pillar top as a map, and the pressure at the centre of every pillar top
 /// against its distance from the lens axis.
@@ -73,7 +76,7 @@ pub fn pressure_map(
         &format!(
             "Left: map of the {} touched pillars, coloured by mean pressure; partially touched \
              ones are outlined, the dashed circle is the edge of the contact, crosses mark where \
-             the floor is touched. Right: pressure at the centre of every pillar top against the \
+             the floor is just touched; where it bears a part of the load it is tinted. Right: pressure at the centre of every pillar top against the \
              distance from the lens axis, with a Hertz-like distribution of the same force.",
             state.pillars_in_contact
         ),
@@ -105,6 +108,9 @@ fn draw_map(
     let lattice = state.system.lattice();
     let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
     let mut inside = Vec::new();
+    if let Some(floor) = &state.floor {
+        inside.push(Item::filled(patches(window, floor), FLOOR_CONTACT));
+    }
     for (index, centre) in window.pillars(lattice, pillar.diameter) {
         if !touched.contains(&index) {
             inside.push(disc(window.place(centre), radius, GREY, None));
@@ -135,6 +141,9 @@ fn draw_map(
         signs.push((KeySign::Outline, "partial"));
     }
     signs.push((KeySign::Edge, "edge"));
+    if state.floor.is_some() {
+        signs.push((KeySign::Patch(FLOOR_CONTACT), "floor in contact"));
+    }
     if floor_contact.is_some() {
         signs.push((KeySign::Cross, "floor contact"));
     }
@@ -199,7 +208,8 @@ fn profile_series(state: &ContactState, unit: Unit) -> Vec<Series> {
     };
     let weights: f64 = state.pillars.iter().map(|p| weight(ratio(p))).sum();
     let top_area = 0.25 * PI * state.system.pillar().diameter.powi(2);
-    let largest = 0.5 * state.force / (weights * top_area);
+    let on_pillars = state.force - state.floor.as_ref().map_or(0.0, |floor| floor.force);
+    let largest = 0.5 * on_pillars / (weights * top_area);
     let curve = (0..=200)
         .map(|k| {
             let ratio = f64::from(k) / 200.0;

@@ -32,8 +32,8 @@ pub struct ProfileState<'a> {
 /// Section through lens and substrate along x, through the lens axis, one panel for every state,
 /// all on the same scales.
 ///
-/// The outlines are those of [`Section`]. The vertical exaggeration is stated. An arrow marks the floor
-/// contact if it is in the section or a symmetric copy of it is.
+/// The outlines are those of [`Section`]. The vertical exaggeration is stated. An arrow marks where the floor is just touched
+/// if that is in the section or a symmetric copy of it is; past the transition the floor in contact is red.
 ///
 /// # Errors
 /// [`FigureError::TooFewData`] without states, [`FigureError::NoPillars`] if one carries a force but
@@ -226,6 +226,12 @@ impl Page {
         let mut inside = Vec::new();
         inside.extend(body(&section.lens, bounds.top - 5.0, LENS));
         inside.extend(body(&section.surface, bounds.bottom + 5.0, SUBSTRATE));
+        for [start, end] in &section.floor_patches {
+            let outline = section.x.iter().zip(&section.surface);
+            let within = outline.filter(|(x, _)| (*start..=*end).contains(x));
+            let places = within.map(|(x, z)| self.place([*x, *z]));
+            inside.push(Item::stroked(Path::line(places), Stroke::solid(RED, 1.6)));
+        }
         for contact in &section.floor_contacts {
             self.arrow(*contact, &mut inside);
         }
@@ -292,6 +298,9 @@ fn or_zero(unit: Unit, value: f64) -> String {
 
 /// Where the floor is touched, if the section does not show it.
 fn floor_note(panel: &Panel) -> Option<String> {
+    if !panel.section.floor_patches.is_empty() {
+        return Some("red: floor in contact; ".to_owned());
+    }
     let [x, y] = panel.floor_contact?;
     if !panel.section.floor_contacts.is_empty() {
         return Some("arrows: floor contact; ".to_owned());

@@ -5,6 +5,7 @@ use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::{COLUMN, Figure};
 use crate::map::{SCALE_BAR_ROOM, Window};
+use crate::patches::{ON_FLOOR, patches};
 use crate::scene::{Colour, Item, Path};
 use crate::unit::Unit;
 use fakir::problem::Point;
@@ -69,7 +70,8 @@ pub fn top_view(state: &ContactState, view: View, run: &Run<'_>) -> Result<Figur
     let (name, description) = match view {
         View::Contact => (
             "top-view",
-            "The contact from above: touched parts of pillar tops dark, untouched tops light."
+            "The contact from above: touched parts of pillar tops dark, untouched tops light, the \
+             floor in contact grey."
                 .to_owned(),
         ),
         View::NewtonRings { wavelength } => (
@@ -102,6 +104,9 @@ fn contact(state: &ContactState, window: &Window) -> Result<Vec<Item>, FigureErr
     };
     let mut items = vec![Item::filled(Path::rectangle(&window.frame.bounds), FLOOR)];
     let pillars = window.pillars(state.system.lattice(), diameter);
+    if let Some(floor) = &state.floor {
+        items.push(Item::filled(patches(window, floor), ON_FLOOR));
+    }
     items.extend(pillars.into_iter().map(|(_, centre)| disc(centre, PILLAR)));
     let full = |pillar: &&PillarState| pillar.status == PillarStatus::Full;
     let pillars = state.pillars.iter();

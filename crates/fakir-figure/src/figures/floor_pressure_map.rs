@@ -1,0 +1,94 @@
+//! The pressure on the floor between the pillars.
+
+use crate::colour::ColourMap;
+use crate::error::FigureError;
+use crate::figure::Figure;
+use crate::map::{ColourBar, KeySign, Sheet, Window, edge_stroke};
+use crate::scene::{Colour, Item};
+use crate::unit::Unit;
+use fakir::state::{ContactState, FloorContact};
+use std::collections::HashSet;
+
+const FLOOR: Colour = Colour::grey(246);
+const TOUCHED: Colour = Colour::grey(120);
+const UNTOUCHED: Colour = Colour::grey(215);
+
+/// Pixels of the map, along a side.
+const PIXELS: usize = 440;
+
+/// Map of the pressure on the floor past the transition, around the lens axis, with the pillars on it: dark grey if touched, light grey
+/// if not. The dashed circle is the edge of the contact on the pillar tops.
+///
+/// # Errors
+/// [`FigureError::NoFloorContact`] of a state without.
+pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
+    let floor = state.floor.as_ref().ok_or(FigureError::NoFloorContact)?;
+    let (highest, _) = floor.largest_pressure();
+    let unit = Unit::of_pressure(highest);
+    let bar = ColourBar::over(
+        ColourMap::Viridis,
+        0.0,
+        unit.of(highest),
+        format!("pressure on the floor ({})", unit.name),
+    );
+    let (lattice, pillar) = (state.system.lattice(), state.system.pillar());
+    let half_width = (1.1 * floor.radius)
+        .max(1.05 * state.contact_radius.min(1.5 * floor.radius))
+        .max(1.4 * lattice.pitch);
+    let sheet = Sheet::new([0.0, 0.0], half_width, &bar);
+    let window = sheet.window;
+    let colours = pixels(&window, floor).map(|pressure| match pressure {
+        pressure if pressure > 0.0 => bar.colour(unit.of(pressure)),
+        _ => FLOOR,
+    });
+    let mut inside = vec![window.image(PIXELS, &colours.collect::<Vec<Colour>>())];
+    let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
+    for (index, centre) in window.pillars(lattice, pillar.diameter) {
+        let fill = if touched.contains(&index) {
+            TOUCHED
+        } else {
+            UNTOUCHED
+        };
+        inside.push(Item::Disc {
+            centre: window.place(centre),
+            radius: window.length(0.5 * pillar.diameter),
+            fill: Some(fill),
+            stroke: None,
+        });
+    }
+    let is_seen = state.contact_radius < half_width;
+    if is_seen {
+        inside.push(Item::Disc {
+            centre: window.place([0.0, 0.0]),
+            radius: window.length(state.contact_radius),
+            fill: None,
+            stroke: Some(edge_stroke()),
+        });
+    }
+    let signs = [(KeySign::Edge, "edge on the tops")];
+    let signs = if is_seen { &signs[..] } else { &[] };
+    let figure = sheet.figure("floor-pressure-map", &bar, inside, signs);
+    Ok(figure.with_description(
+        "Pressure on the floor",
+        "Map of the pressure on the floor between the pillars around the lens axis, on the cells by which it was solved. Grey discs are \
+         pillars, dark where touched.",
+    ))
+}
+
+/// The pressure at every pixel, row by row from the bottom: that of the cell there.
+fn pixels(window: &Window, floor: &FloorContact) -> impl Iterator<Item = f64> {
+    let grid = *floor.cells.grid();
+    let mut pressure = vec![0.0; grid.cell_count()];
+    floor.cells.scatter(&floor.pressure, &mut pressure);
+    let place = move |coordinate: f64, axis: usize, count: usize| {
+        let cell = ((coordinate - grid.origin()[axis]) / grid.cell()[axis]).floor();
+        (cell >= 0.0 && cell < count as f64).then_some(cell as usize)
+    };
+    let [across, up] = window.pixel_coordinates(PIXELS);
+    up.into_iter().flat_map(move |y| {
+        let row = place(y, 1, grid.rows());
+        let at = |x: &f64| Some(pressure[row? * grid.columns() + place(*x, 0, grid.columns())?]);
+        let of_row: Vec<f64> = across.iter().map(|x| at(x).unwrap_or(0.0)).collect();
+        of_row
+    })
+}
