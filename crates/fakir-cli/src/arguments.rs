@@ -132,8 +132,9 @@ pub(crate) enum Command {
     /// estimated from the residuals. Cells may be empty; lines that begin with # are passed over.
     ///
     /// With a displacement or indentation that is the load, otherwise the force. The indentation is
-    /// displacement - contact_point - machine_compliance * force. States past the transition are left
-    /// out. A parameter that the data do not determine gets no confidence interval.
+    /// displacement - contact_point - machine_compliance * force. States past the transition are used by
+    /// the method spectral, which knows what the floor bears, and left out by the others and with
+    /// floor.contact=false. A parameter that the data do not determine gets no confidence interval.
     #[command(after_help = "Examples:
   fakir fit data.csv --case case.toml --free substrate.young_modulus,contact_point
   fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\

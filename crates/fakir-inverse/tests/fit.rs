@@ -182,8 +182,8 @@ fn what_the_load_does_not_show() {
 }
 
 #[test]
-fn states_past_the_transition_are_left_out() {
-    let file = case_file(&[SPECTRAL]);
+fn states_past_the_transition_are_left_out_where_the_floor_is_ignored() {
+    let file = case_file(&[SPECTRAL, "floor.contact=false"]);
     let mut depths = indentations(10);
     depths.extend([4e-6, 5e-6]);
     let [displacement, mut force, _] = loading(&file, &depths);
@@ -208,6 +208,28 @@ fn states_past_the_transition_are_left_out() {
         .collect();
     assert_eq!(left_out, [11, 12]);
     assert!(close(fitted.estimates[0].value, 2e6, 1e-6));
+}
+
+/// Of states of which most are past the transition.
+#[test]
+fn states_past_the_transition_are_used_with_the_floor() {
+    let truth = case_file(&[SPECTRAL, "substrate.young_modulus=1.3MPa"]);
+    let depths = [1e-6, 2e-6, 3.5e-6, 4e-6, 4.5e-6, 5e-6];
+    let [displacement, force, _] = loading(&truth, &depths);
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns).unwrap();
+    let options = FitOptions {
+        contact_point: Some(CONTACT_POINT),
+        machine_compliance: COMPLIANCE,
+    };
+    let file = case_file(&[SPECTRAL]);
+    let fitted = fit(&file, &data, &[SUBSTRATE], &options, &Run::default()).unwrap();
+    assert_eq!(fitted.past_transition().count(), 0);
+    assert!(
+        close(fitted.estimates[0].value, 1.3e6, 1e-5),
+        "{:?}",
+        fitted.estimates
+    );
 }
 
 #[test]

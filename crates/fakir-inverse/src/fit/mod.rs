@@ -4,7 +4,8 @@
 //! radius: see [`Measurements`]. Where the position is measured it is the load, and force and
 //! contact radius are compared with the contact at the indentation
 //! `zeta = displacement - contact_point - machine_compliance F`; elsewhere the force is the load.
-//! States past the transition, where the lens rests on the floor too, are left out.
+//! States past the transition, where the lens rests on the floor too, are used where the floor bears its part: by the spectral
+//! method, unless the case ignores the floor. Otherwise they are left out.
 //!
 //! # Method
 //! The sum of squares of (measured - computed)/error is minimised by the method of Levenberg and
@@ -241,9 +242,9 @@ pub struct FittedRow {
     pub force: Option<Compared>,
     /// Contact radius, m.
     pub contact_radius: Option<Compared>,
-    /// Smallest gap between lens and floor, m; negative past the transition.
+    /// Smallest gap between lens and floor, m; negative past the transition if the floor was to be ignored.
     pub smallest_floor_gap: f64,
-    /// Whether it went into the fit: it did unless it is past the transition.
+    /// Whether it went into the fit: it did unless the lens is below a floor that was to be ignored.
     pub used: bool,
     /// Whether the contact was solved.
     pub converged: bool,
@@ -310,7 +311,7 @@ impl Fit {
         self.termination == Termination::Converged && self.rows.iter().all(|row| row.converged)
     }
 
-    /// Rows left out because they are past the transition.
+    /// Rows left out because they are past the transition, where the method or the case ignores the floor.
     pub fn past_transition(&self) -> impl Iterator<Item = &FittedRow> {
         self.rows.iter().filter(|row| !row.used)
     }
@@ -423,7 +424,7 @@ struct Search<'a> {
     unknowns: Vec<f64>,
     states: Vec<State>,
     derivatives: Vec<Derivatives>,
-    /// For every row, whether it is before the transition and so used.
+    /// For every row, whether it is used: before the transition, or with the floor.
     used: Vec<bool>,
     data: Vec<Datum>,
     errors: Vec<f64>,
@@ -464,16 +465,16 @@ impl<'a> Search<'a> {
         Ok(search)
     }
 
-    /// The rows before the transition and their values; whether they are others than before.
+    /// The rows that are used and their values; whether they are others than before.
     fn select(&mut self) -> bool {
         // After many steps a row that was left out stays out, or a row at the transition might come and go for ever.
         let stays_out = |row: usize| self.iterations > PATIENCE && !self.used[row];
-        let before_transition = |state: &State| state.smallest_floor_gap >= 0.0;
+        let above_floor = |state: &State| state.smallest_floor_gap >= 0.0;
         let used: Vec<bool> = self
             .states
             .iter()
             .enumerate()
-            .map(|(row, state)| before_transition(state) && !stays_out(row))
+            .map(|(row, state)| above_floor(state) && !stays_out(row))
             .collect();
         let changed = used != self.used;
         self.used = used;

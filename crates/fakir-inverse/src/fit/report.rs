@@ -9,6 +9,9 @@ use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+/// How states past the transition would be used.
+const WITH_FLOOR: &str = "the method spectral uses them, unless the case has floor.contact = false";
+
 impl Fit {
     /// What a reader of the result must know: parameters that are not determined, rows left out, and
     /// whatever else speaks against it.
@@ -27,11 +30,11 @@ impl Fit {
             [] => {}
             [line] => warnings.push(format!(
                 "1 state (line {line}) is past the transition, where the lens touches the floor, and \
-                 left out"
+                 left out: {WITH_FLOOR}"
             )),
             [first, .., last] => warnings.push(format!(
                 "{} states (lines {first} to {last}) are past the transition, where the lens touches \
-                 the floor, and left out",
+                 the floor, and left out: {WITH_FLOOR}",
                 out.len()
             )),
         }
