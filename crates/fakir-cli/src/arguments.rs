@@ -74,7 +74,8 @@ pub(crate) enum Command {
     /// A second opinion: the spectral method and Love elements on the same question
     ///
     /// Elements of constant pressure on two meshes against the accurate spectral method; both
-    /// methods estimate their errors. Exit status 1 says that they differ by more, or that it cannot
+    /// methods estimate their errors. Past the transition elements cover pillar tops and floor, and what
+    /// the floor bears is compared too. Exit status 1 says that they differ by more, or that it cannot
     /// be told, as one of them did not converge or knows no digit. Of the case's [method] only the
     /// mesh of elements counts. On a general surface (a case with a [surface]) there are elements only:
     /// pillars on a lattice are solved on both meshes; a height map, which has one, and pillars at random
@@ -316,6 +317,8 @@ pub(crate) struct Verify {
     /// Squares across a pillar on the finer mesh; the other has half as many
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = cells)]
     pub(crate) cells: usize,
+    #[command(flatten)]
+    pub(crate) floor: FloorArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
 }

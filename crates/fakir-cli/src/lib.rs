@@ -86,7 +86,8 @@ fn run(command: &Command) -> Result<Status, Failure> {
         }
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
-            let file = read_case(&options.case)?;
+            let mut file = read_case(&options.case)?;
+            options.floor.apply(&mut file)?;
             if file.is_surface() {
                 return deliver(command, &options.case, move || {
                     commands::surface::verify(&file, options.control(), options.cells, &session)

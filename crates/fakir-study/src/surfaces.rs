@@ -156,7 +156,7 @@ impl SurfaceVerification {
             let reason = "there are too few cells to estimate the error";
             return (name, Some(reason.to_owned()));
         }
-        let verdict = Verdict::of(failed, self.force, self.indentation);
+        let verdict = Verdict::of(failed, &[self.force, self.indentation]);
         let reason = verdict.doubt().map(|doubt| doubt.to_string());
         (verdict.name(), reason)
     }

@@ -5,9 +5,11 @@
 //! into squares. Where they agree within their own error estimates, both can be believed; where one
 //! of them did not converge, or knows no digit, they cannot tell.
 
+use crate::method::press;
 use crate::numerics::convergence::{larger, within};
 use crate::problem::{Accuracy, Control, ElementMesh, FloorModel, Method, System};
-use crate::state::{ContactState, Run, SolveError, Termination};
+use crate::solve::elements::texture;
+use crate::state::{ContactState, FloorContact, FloorErrors, Run, SolveError, Termination};
 
 /// The answers of both methods, and what they differ by.
 #[derive(Debug, Clone)]
@@ -20,6 +22,8 @@ pub struct Verification {
     pub force: Difference,
     /// Indentation by elements over that of the spectral method, minus 1.
     pub indentation: Difference,
+    /// Share of the floor by elements over that of the spectral method, minus 1; none where the floor bears nothing.
+    pub floor_share: Option<Difference>,
 }
 
 /// A relative difference, and what the error estimates allow.
@@ -43,14 +47,14 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// What is to be said of the differences in force and indentation between two answers, of which one may have
-    /// `failed`.
+    /// What is to be said of the differences between two answers, of which one may have `failed`.
     #[must_use]
-    pub fn of(failed: Option<Doubt>, force: Difference, indentation: Difference) -> Self {
-        let allowed = larger(force.allowed, indentation.allowed);
+    pub fn of(failed: Option<Doubt>, differences: &[Difference]) -> Self {
+        let allowed = differences.iter().map(|difference| difference.allowed);
+        let allowed = allowed.fold(0.0, larger);
         if let Some(doubt) = failed {
             Self::CannotTell(doubt)
-        } else if !(force.is_allowed() && indentation.is_allowed()) {
+        } else if !differences.iter().all(Difference::is_allowed) {
             Self::Disagree
         } else if within(NO_DIGITS, allowed) {
             Self::CannotTell(Doubt::NoDigits { allowed })
@@ -167,7 +171,9 @@ impl Verification {
             method: state.method,
             termination: state.termination,
         });
-        Verdict::of(failed, self.force, self.indentation)
+        let differences = [self.force, self.indentation].into_iter();
+        let differences: Vec<Difference> = differences.chain(self.floor_share).collect();
+        Verdict::of(failed, &differences)
     }
 
     /// Whether both methods converged and agree within their error estimates.
@@ -179,7 +185,8 @@ impl Verification {
 
 /// Answers a question by the accurate spectral method and by elements on two meshes.
 ///
-/// Elements on a texture are on its pillar tops alone: past the transition both are asked without the floor.
+/// Elements are on the pillar tops alone, unless the floor bears a part by the spectral method: then they cover tops and floor, on a
+/// grid that is wide enough for all of the contact, and the share of the floor is compared too.
 ///
 /// `mesh` is the finer of them; the other has half as many cells across a pillar, and a mesh of
 /// 16 or more is needed for that.
@@ -192,15 +199,33 @@ pub fn verify(
     mesh: ElementMesh,
     run: &Run<'_>,
 ) -> Result<Verification, SolveError> {
-    let system = &system.with_floor(FloorModel::Ignored);
-    let answer = |method| crate::method::press(system, control, method, run);
-    let spectral = answer(Method::Spectral(Accuracy::Accurate))?;
-    let coarse = ElementMesh {
-        cells_per_diameter: mesh.cells_per_diameter / 2,
-        ..mesh
+    let spectral = press(system, control, Method::Spectral(Accuracy::Accurate), run)?;
+    let cells = [mesh.cells_per_diameter / 2, mesh.cells_per_diameter];
+    let answer = |cells_per_diameter: usize| match &spectral.floor {
+        Some(floor) => {
+            let reach = spectral.contact_radius.max(floor.radius) + 1.5 * system.lattice().pitch;
+            texture::press_with_floor(system, control, cells_per_diameter, reach, run)
+        }
+        None => {
+            let system = system.with_floor(FloorModel::Ignored);
+            let mesh = ElementMesh {
+                cells_per_diameter,
+                ..mesh
+            };
+            press(&system, control, Method::Love(mesh), run)
+        }
     };
-    let elements = [answer(Method::Love(coarse))?, answer(Method::Love(mesh))?];
+    let mut elements = [answer(cells[0])?, answer(cells[1])?];
+    compare_floors(&mut elements);
     let fine = &elements[1];
+    let floor_share = spectral.floor.as_ref().map(|floor| match &fine.floor {
+        Some(other) => Difference::of(
+            other.share,
+            floor.share,
+            other.error.share + floor.error.share,
+        ),
+        None => Difference::of(0.0, floor.share, floor.error.share),
+    });
     Ok(Verification {
         force: Difference::of(
             fine.force,
@@ -212,9 +237,26 @@ pub fn verify(
             spectral.indentation,
             fine.error.indentation + spectral.error.indentation,
         ),
+        floor_share,
         spectral,
         elements,
     })
+}
+
+/// What the floor bears on cells converges in proportion to their size at least: the error on the smaller ones is no more than the
+/// difference.
+fn compare_floors([coarse, fine]: &mut [ContactState; 2]) {
+    let (Some(coarse), Some(fine)) = (&mut coarse.floor, &mut fine.floor) else {
+        return;
+    };
+    let change = |of: fn(&FloorContact) -> f64| (of(coarse) - of(fine)).abs();
+    let [share, area] = [change(|floor| floor.share), change(|floor| floor.area)];
+    for (floor, times) in [(coarse, 2.0), (fine, 1.0)] {
+        floor.error = FloorErrors {
+            share: times * share / floor.share,
+            area: times * area / floor.area,
+        };
+    }
 }
 
 #[cfg(test)]
@@ -237,6 +279,22 @@ mod tests {
             assert!(verification.force.relative.abs() < 1e-4);
             assert!(verification.indentation.relative.abs() < 1e-4);
         }
+    }
+
+    /// Past the transition elements cover the floor too.
+    #[test]
+    fn both_methods_agree_on_what_the_floor_bears() {
+        let system = intermediate(0.01);
+        let run = Run::default();
+        let question = Control::Indentation(5e-6);
+        let verification = verify(&system, question, ElementMesh::default(), &run).unwrap();
+        assert_eq!(verification.verdict(), Verdict::Agree, "{verification:?}");
+        let share = verification.floor_share.unwrap();
+        assert!(verification.force.relative.abs() < 2e-3);
+        assert!(share.relative.abs() < 2e-2, "{share:?}");
+        let shares = [&verification.spectral, &verification.elements[1]]
+            .map(|state| state.floor.as_ref().unwrap().share);
+        assert!(shares[0] > 0.1, "{shares:?}");
     }
 
     #[test]
@@ -321,7 +379,7 @@ mod tests {
         let run = Run::default();
         // The nearest of 16 cells is some 0.19 um from the axis: 8 pm of sag.
         let load = Control::Indentation(1e-12);
-        let state = crate::method::press(&system, load, Method::Love(ElementMesh::default()), &run);
+        let state = press(&system, load, Method::Love(ElementMesh::default()), &run);
         let state = state.unwrap();
         assert_eq!(state.pillars_in_contact, 0);
         assert!(state.error.force >= 1.0);

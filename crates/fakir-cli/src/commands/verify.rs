@@ -1,7 +1,7 @@
 //! `fakir verify`: the spectral method and Love elements on the same question.
 
 use crate::failure::Failure;
-use crate::numbers::{seconds, significant};
+use crate::numbers::{DIGITS, seconds, significant};
 use crate::report::Report;
 use crate::report::state::{difference, radius_digits, texture_line};
 use crate::report::table::{Column, table};
@@ -59,7 +59,7 @@ fn answers(verification: &Verification) -> impl Iterator<Item = &ContactState> {
 }
 
 fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time: f64) -> String {
-    let columns = [
+    let mut columns = vec![
         Column::text("Answer", |row: &AnswerRow| row.name.clone()),
         Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
         Column::right("error", |row| error(row.force_error_estimate)),
@@ -67,6 +67,16 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
             Some(row.indentation_m)
         }),
         Column::right("error", |row| error(row.indentation_error_estimate)),
+    ];
+    if verification.floor_share.is_some() {
+        columns.push(Column::number("on the floor", DIGITS, |row| {
+            row.floor_share
+        }));
+        columns.push(Column::right("error", |row| {
+            row.floor_share_error_estimate.map_or("-".to_owned(), error)
+        }));
+    }
+    columns.extend([
         Column::radius(
             "radius",
             rows,
@@ -77,18 +87,24 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
         Column::right("partially", |row| {
             row.pillars_partially_in_contact.to_string()
         }),
-    ];
+    ]);
     let verdict = match verification.verdict() {
         Verdict::Agree => "The two methods agree within their error estimates".to_owned(),
         Verdict::Disagree => "THE TWO METHODS DISAGREE beyond their error estimates".to_owned(),
         Verdict::CannotTell(doubt) => format!("IT CANNOT BE TOLD whether they agree: {doubt}"),
     };
     format!(
-        "Verification by an independent method\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",
+        "Verification by an independent method\n{}\n\n{}\n{}{}{}\n{verdict}, in {}.\n",
         texture_line(&case.system),
         table(rows, &columns),
         difference("force", verification.force),
         difference("indentation", verification.indentation),
+        verification
+            .floor_share
+            .map_or(String::new(), |share| difference(
+                "the share of the floor",
+                share
+            )),
         seconds(wall_time)
     )
 }

@@ -96,6 +96,9 @@ pub struct RelativeErrors {
     /// Relative error of the radius of the contact on the pillar tops, of a critical state.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub top_contact_radius: Option<f64>,
+    /// Relative error of the floor's share, where it is compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_share: Option<f64>,
 }
 
 impl RelativeErrors {
@@ -107,6 +110,7 @@ impl RelativeErrors {
             indentation: error.indentation,
             contact_radius,
             top_contact_radius: None,
+            floor_share: None,
         }
     }
 }

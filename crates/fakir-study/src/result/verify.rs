@@ -1,6 +1,7 @@
 //! A second opinion: two independent answers to one question.
 
 use super::RelativeErrors;
+use super::contact::of_floor;
 use super::surface::{METHOD, boundary_name, indenter_name};
 use crate::VERSION;
 use crate::surfaces::SurfaceVerification;
@@ -28,6 +29,10 @@ pub struct AnswerRow {
     pub contact_radius_m: f64,
     /// Smallest gap between lens and floor, m.
     pub smallest_floor_gap_m: f64,
+    /// Force on the floor, N; none past the transition if it was to be ignored.
+    pub floor_force_N: Option<f64>,
+    /// That over the whole force.
+    pub floor_share: Option<f64>,
     /// Number of pillars touched.
     pub pillars_in_contact: usize,
     /// Number of pillars crossed by the edge of the contact.
@@ -38,6 +43,8 @@ pub struct AnswerRow {
     pub indentation_error_estimate: f64,
     /// Estimated relative error of the contact radius.
     pub contact_radius_error_estimate: f64,
+    /// Estimated relative error of the floor's share; none where the floor bears nothing.
+    pub floor_share_error_estimate: Option<f64>,
     /// Whether the numbers are the solution.
     pub converged: bool,
     /// Steps of the solver.
@@ -67,7 +74,10 @@ impl VerifySummary {
     #[must_use]
     pub fn new(control: Control, verification: &Verification, wall_time: f64) -> Self {
         let verdict = verification.verdict();
-        let differences = |of| differences(&verification.force, &verification.indentation, of);
+        let differences = |of: fn(&Difference) -> f64| RelativeErrors {
+            floor_share: verification.floor_share.as_ref().map(of),
+            ..differences(&verification.force, &verification.indentation, of)
+        };
         Self {
             question: question_name(control),
             agree: verification.agrees(),
@@ -108,11 +118,14 @@ impl AnswerRow {
             indentation_m: state.indentation,
             contact_radius_m: state.contact_radius,
             smallest_floor_gap_m: state.smallest_floor_gap,
+            floor_force_N: of_floor(state, |floor| floor.force),
+            floor_share: of_floor(state, |floor| floor.share),
             pillars_in_contact: state.pillars_in_contact,
             pillars_partially_in_contact: state.pillars_partially_in_contact,
             force_error_estimate: state.error.force,
             indentation_error_estimate: state.error.indentation,
             contact_radius_error_estimate: state.relative_contact_radius_error(),
+            floor_share_error_estimate: state.floor.as_ref().map(|floor| floor.error.share),
             converged: state.converged(),
             iterations: state.iterations,
         }
@@ -138,6 +151,7 @@ fn differences(
         indentation: of(indentation),
         contact_radius: None,
         top_contact_radius: None,
+        floor_share: None,
     }
 }
 

@@ -11,3 +11,4 @@ pub(crate) mod pillars;
 pub mod solver;
 pub mod surface;
 mod surface_level;
+pub(crate) mod texture;
