@@ -158,5 +158,6 @@ fn phase(case: &Case, state: &ContactState) -> Figure {
             Style::marks(0),
         )],
         paths: Vec::new(),
+        shares: Vec::new(),
     })
 }

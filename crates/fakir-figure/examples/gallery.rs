@@ -140,6 +140,7 @@ fn phases() -> Result<Figure, Box<dyn Error>> {
         system: system(2e6, 0.01, 0.0)?,
         critical,
         paths,
+        shares: Vec::new(),
     }))
 }
 

@@ -146,6 +146,7 @@ fn figures_of_many_states() -> Vec<Figure> {
             vec![[0.1, 0.01], [0.8, 0.5], [2.0, 4.0]],
             Style::line(1),
         )],
+        shares: Vec::new(),
     };
     vec![
         critical_curves(std::slice::from_ref(&intermediate)),

@@ -4,6 +4,7 @@ use crate::analysis::{
     PowerLaw, Quantity, merged_from, nearest_to, offset_spread, one_pillar_end, state_near,
 };
 use crate::grid::{Grid, Substrate, system};
+use crate::states::PAST;
 use fakir::problem::System;
 use fakir::state::{ContactState, Normalized};
 use fakir::theory::closed_forms;
@@ -69,6 +70,8 @@ pub struct Evidence<'a> {
     pub fit: &'a SumFit,
     /// The contact under rising loads at a surface fraction of 0.2.
     pub loading: &'a [ContactState],
+    /// A mixed contact on the intermediate substrate.
+    pub mixed: &'a ContactState,
 }
 
 /// Values of a claim about the three substrates.
@@ -146,6 +149,7 @@ pub fn claims(evidence: &Evidence<'_>) -> Result<Vec<Claim>, CaseError> {
         power_law(evidence.grid, Quantity::ContactRadius),
         power_law(evidence.grid, Quantity::Indentation),
         dense_textures(evidence.grid),
+        mixed_contact(evidence.mixed),
     ]);
     Ok(claims.into_iter().flatten().collect())
 }
@@ -706,6 +710,46 @@ fn transition_curve(grid: &Grid) -> Result<Option<Claim>, CaseError> {
             ("transition_curve_ratio_high".to_owned(), high.0),
         ],
     }))
+}
+
+/// What the floor bears past the transition, where the paper has a sketch.
+fn mixed_contact(state: &ContactState) -> Option<Claim> {
+    let floor = state.floor.as_ref()?;
+    let reach = floor.radius / state.contact_radius;
+    let numbers = [
+        ("mixed_floor_share", floor.share),
+        ("mixed_floor_contact_area_m2", floor.area),
+        ("mixed_floor_radius_over_contact_radius", reach),
+        (
+            "mixed_smallest_distance_to_rim_m",
+            floor.smallest_distance_to_rim,
+        ),
+    ];
+    Some(Claim {
+        name: "mixed-contact",
+        claim: "Above the critical load the contact is mixed: the lens touches pillar tops and, around \
+                its axis, the floor between them (a sketch, figure 2b)."
+            .to_owned(),
+        finding: format!(
+            "Intermediate substrate, φ = {}, at {} of the critical indentation: the floor bears {} of \
+             the load on {} µm², out to {} of the radius of the contact on the tops; a ring of {} µm \
+             or more around every pillar stays free.",
+            short(state.system.texture().surface_fraction()),
+            short(PAST),
+            percent(floor.share),
+            short(1e12 * floor.area),
+            short(reach),
+            short(1e6 * floor.smallest_distance_to_rim)
+        ),
+        verdict: Verdict::Beyond,
+        reason: "The paper's theory ends where the floor is first touched. Adhesion, which lets the floor \
+                 jump into contact, is left out here too."
+            .to_owned(),
+        numbers: numbers
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect(),
+    })
 }
 
 /// Surface fractions over which power laws are sought: from where offsets merge to where the

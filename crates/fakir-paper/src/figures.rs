@@ -3,7 +3,7 @@
 use crate::analysis::{PowerLaw, Quantity};
 use crate::claims::LAW_RANGES;
 use crate::grid::{Grid, OFFSETS, Substrate, system};
-use crate::states::{Approach, States};
+use crate::states::{Approach, PAST, SHARES, States};
 use fakir::problem::Method;
 use fakir::state::{ContactState, Normalized, Run, SolveError};
 use fakir::theory::closed_forms;
@@ -13,8 +13,8 @@ use fakir_case::CaseError;
 use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, Dash, Figure, FigureError, LineChart,
     Measured, PhaseDiagram, ProfileState, Series, Style, Text, Tint, View, critical_curves,
-    floor_gap_map, lattice_sums, lines, phase_diagram, phase_points, pillar_pressure, pressure_map,
-    profiles, top_view,
+    floor_gap_map, floor_pressure_map, lattice_sums, lines, phase_diagram, phase_points,
+    pillar_pressure, pressure_map, profiles, top_view,
 };
 use fakir_study::Critical;
 use fakir_study::closed_forms::touches_one_pillar;
@@ -122,6 +122,8 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
             &caption,
         )])
     }));
+    let mixed = &m.states.mixed;
+    parts.push(Box::new(move || mixed_contact(mixed, single)));
     if let Some(approach) = m.states.intermediate() {
         let contact = &approach.critical.contact;
         parts.push(Box::new(move || {
@@ -347,9 +349,12 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         .iter()
         .enumerate()
         .map(|(k, loading)| {
+            let past = material.states.shared.iter();
+            let past = past.filter(|s| s.surface_fraction == loading.surface_fraction);
             let states: Vec<Normalized> = loading
                 .states
                 .iter()
+                .chain(past.map(|shared| &shared.state))
                 .map(|s| Normalized::new(&s.system, s.force, s.contact_radius, s.indentation))
                 .collect();
             let label = format!("loading, *φ* = {}", loading.surface_fraction);
@@ -357,10 +362,23 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
             Series::new(label, phase_points(&states), style)
         })
         .collect();
+    let shares = SHARES.into_iter().enumerate().map(|(k, share)| {
+        let states = material.states.shared.iter();
+        let states = states.filter(|shared| shared.share == share);
+        let states: Vec<Normalized> = states
+            .map(|shared| &shared.state)
+            .map(|s| Normalized::new(&s.system, s.force, s.contact_radius, s.indentation))
+            .collect();
+        let label = format!("{:.0} % on the floor", 100.0 * share);
+        let style = Style::line(k + 2).in_tint(Tint::Grey);
+        Series::new(label, phase_points(&states), style)
+    });
+    let shares = shares.collect();
     let figure = phase_diagram(&PhaseDiagram {
         system: system(Substrate::Intermediate, 0.0, 0.01)?,
         critical,
         paths,
+        shares,
     });
     Ok(Plate::new(
         figure,
@@ -368,9 +386,54 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         "Phase diagram",
         "Reduced force against contact radius in pitches, intermediate substrate: where the lens \
          rests on pillar tops only and where it touches the floor too, with the paper's transition \
-         curve, computed critical states of six offsets, and two loading paths. Left of one pitch \
-         it matters where the lens lands.",
+         curve, computed critical states of six offsets, and two loading paths, of which that at the \
+         smaller surface fraction goes on into mixed contact. Grey lines join states in which the floor \
+         bears the same share of the load. Left of one pitch it matters where the lens lands.",
     ))
+}
+
+/// The contact past the transition: from above, in the section, and the pressure on the floor.
+fn mixed_contact(state: &ContactState, run: &Run<'_>) -> Result<Vec<Plate>, DrawingError> {
+    let where_and_when = format!(
+        "intermediate substrate, {}, at {PAST} times the critical indentation",
+        fraction_label(state)
+    );
+    let section = ProfileState {
+        label: Text::from("mixed contact"),
+        state,
+        floor_contact: None,
+    };
+    let plate = |figure: Figure, name: &str, title: &str, caption: String| {
+        Plate::new(figure, name, title, &caption)
+    };
+    Ok(vec![
+        plate(
+            top_view(state, View::Contact, run)?,
+            "top-view-mixed",
+            "Mixed contact from above",
+            format!(
+                "The contact past the transition as seen from above, {where_and_when}: contact on \
+                 pillar tops dark, on the floor grey. It is what figure 2b of the paper sketches."
+            ),
+        ),
+        plate(
+            profiles(&[section], run)?,
+            "profiles-mixed",
+            "Mixed contact in section",
+            format!(
+                "Section along x through the lens axis, {where_and_when}: the floor in contact is red."
+            ),
+        ),
+        plate(
+            floor_pressure_map(state)?,
+            "floor-pressure-map",
+            "Pressure on the floor",
+            format!(
+                "Pressure on the floor, {where_and_when}: around every pillar, which holds the lens up, \
+                 the floor stays free."
+            ),
+        ),
+    ])
 }
 
 fn sums(material: Material<'_>) -> Plate {

@@ -185,6 +185,7 @@ pub fn reproduce(
             .loadings
             .last()
             .map_or(&[], |loading| &loading.states),
+        mixed: &states.mixed,
     };
     let claims = claims(&evidence)?;
     let rows = || parts.iter().flat_map(|(_, rows)| rows);

@@ -46,7 +46,37 @@ pub struct States {
     pub dense: CriticalState,
     /// The intermediate substrate at each of [`LOADINGS`].
     pub loadings: Vec<Loading>,
+    /// The intermediate substrate at [`SECTION`], at [`PAST`] times the critical indentation: mixed contact.
+    pub mixed: ContactState,
+    /// Mixed contact on the intermediate substrate at each of [`MIXED`] with each of [`SHARES`], as far as it was found.
+    pub shared: Vec<SharedLoad>,
 }
+
+/// A state in which the floor bears a wanted share of the load, to within [`SHARE_TOLERANCE`].
+#[derive(Debug, Clone)]
+pub struct SharedLoad {
+    /// Surface fraction.
+    pub surface_fraction: f64,
+    /// The share that was wanted.
+    pub share: f64,
+    /// The state.
+    pub state: ContactState,
+}
+
+/// Indentation of the mixed contact that is shown, over the critical one.
+pub const PAST: f64 = 1.5;
+
+/// Surface fractions of the lines of equal share.
+pub const MIXED: [f64; 5] = [0.001, 0.003, 0.01, 0.03, 0.08];
+
+/// Shares of the floor on these lines.
+pub const SHARES: [f64; 3] = [0.1, 0.3, 0.5];
+
+/// Relative tolerance of these shares.
+pub const SHARE_TOLERANCE: f64 = 0.01;
+
+/// The most steps in which a share is sought.
+const MOST_SHARE_STEPS: usize = 10;
 
 /// Surface fraction of the sections and the maps of the floor gap.
 pub const SECTION: f64 = 0.03;
@@ -79,7 +109,7 @@ impl States {
             None => work(),
         };
         shared(&mut || {
-            let (dense, (approaches, loadings)) = rayon::join(
+            let (dense, (approaches, loadings, mixed, shared)) = rayon::join(
                 || critical(Substrate::Intermediate, DENSE, &single),
                 || {
                     let approaches: Result<Vec<_>, StateError> = Substrate::ALL
@@ -91,14 +121,26 @@ impl States {
                         .into_iter()
                         .map(|phi| loading(phi, &single))
                         .collect();
+                    done(0.4);
+                    let mixed = past_transition(&single);
+                    let wanted: Vec<(f64, f64)> = MIXED
+                        .into_iter()
+                        .flat_map(|fraction| SHARES.map(|share| (fraction, share)))
+                        .collect();
+                    let shared: Result<Vec<_>, StateError> = wanted
+                        .into_par_iter()
+                        .map(|(fraction, share)| shared_load(fraction, share, &single))
+                        .collect();
                     done(1.0);
-                    (approaches, loadings)
+                    (approaches, loadings, mixed, shared)
                 },
             );
             Ok(Self {
                 approaches: approaches?,
                 dense: dense?,
                 loadings: loadings?,
+                mixed: mixed?,
+                shared: shared?.into_iter().flatten().collect(),
             })
         })
     }
@@ -149,4 +191,58 @@ fn loading(surface_fraction: f64, run: &Run<'_>) -> Result<Loading, StateError> 
         surface_fraction,
         states,
     })
+}
+
+/// The mixed contact that is shown.
+fn past_transition(run: &Run<'_>) -> Result<ContactState, StateError> {
+    let critical = critical(Substrate::Intermediate, SECTION, run)?.contact;
+    let control = Control::Indentation(PAST * critical.indentation);
+    Ok(fakir::press(
+        &critical.system,
+        control,
+        Method::default(),
+        run,
+    )?)
+}
+
+/// The state in which the floor bears a share of the load, by secants: the logarithm of the share is nearly linear in that of the
+/// indentation beyond the critical one.
+fn shared_load(
+    surface_fraction: f64,
+    share: f64,
+    run: &Run<'_>,
+) -> Result<Option<SharedLoad>, StateError> {
+    let critical = critical(Substrate::Intermediate, surface_fraction, run)?.contact;
+    let press = |beyond: f64| {
+        let control = Control::Indentation((1.0 + beyond.exp()) * critical.indentation);
+        fakir::press(&critical.system, control, Method::default(), run)
+    };
+    let excess = |state: &ContactState| {
+        let found = state.floor.as_ref().map_or(0.0, |floor| floor.share);
+        (found / share).ln()
+    };
+    // Shares grow as the power 3/2 at first.
+    let mut position = (2.0 * share).ln() / 1.5;
+    let mut last: Option<[f64; 2]> = None;
+    for _ in 0..MOST_SHARE_STEPS {
+        let state = press(position)?;
+        let value = excess(&state);
+        if !state.converged() || !value.is_finite() {
+            return Ok(None);
+        }
+        if value.abs() < SHARE_TOLERANCE {
+            return Ok(Some(SharedLoad {
+                surface_fraction,
+                share,
+                state,
+            }));
+        }
+        let slope = match last {
+            Some([before, value_before]) => (value - value_before) / (position - before),
+            None => 1.3,
+        };
+        last = Some([position, value]);
+        position -= (value / slope.max(0.2)).clamp(-1.0, 1.0);
+    }
+    Ok(None)
 }

@@ -57,6 +57,18 @@ struct PillarRow {
     centre_pressure_Pa: f64,
 }
 
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct SharedRow {
+    surface_fraction: f64,
+    indentation_m: f64,
+    force_N: f64,
+    contact_radius_m: f64,
+    floor_share: f64,
+    floor_contact_area_m2: f64,
+    floor_share_error_estimate: f64,
+}
+
 /// All tables.
 #[must_use]
 pub fn tables(grid: &Grid, states: &States, claims: &[Claim]) -> Vec<File> {
@@ -66,6 +78,7 @@ pub fn tables(grid: &Grid, states: &States, claims: &[Claim]) -> Vec<File> {
         csv("tables/offset-spread.csv", spread_rows(grid)),
         csv("tables/loading-paths.csv", loading_rows(states)),
         csv("tables/pillars.csv", pillar_rows(states)),
+        csv("tables/floor-shares.csv", shared_rows(states)),
     ]
 }
 
@@ -137,6 +150,21 @@ fn loading_rows(states: &States) -> impl Iterator<Item = LoadingRow> + '_ {
             contact_radius_m: state.contact_radius,
             pillars_in_contact: state.pillars_in_contact,
             smallest_floor_gap_m: state.smallest_floor_gap,
+        })
+    })
+}
+
+fn shared_rows(states: &States) -> impl Iterator<Item = SharedRow> + '_ {
+    states.shared.iter().filter_map(|shared| {
+        let (state, floor) = (&shared.state, shared.state.floor.as_ref()?);
+        Some(SharedRow {
+            surface_fraction: shared.surface_fraction,
+            indentation_m: state.indentation,
+            force_N: state.force,
+            contact_radius_m: state.contact_radius,
+            floor_share: floor.share,
+            floor_contact_area_m2: floor.area,
+            floor_share_error_estimate: floor.error.share,
         })
     })
 }

@@ -25,6 +25,8 @@ pub struct PhaseDiagram {
     /// Loading paths: points (`a/e`, `F gamma_int/(h d)`) by rising load, such as a series for
     /// every surface fraction.
     pub paths: Vec<Series>,
+    /// Lines in the mixed region: points (`a/e`, `F gamma_int/(h d)`) of equal share of the floor.
+    pub shares: Vec<Series>,
 }
 
 /// Points (`a/e`, `F gamma_int/(h d)`) of states, for the series of a [`PhaseDiagram`].
@@ -49,6 +51,7 @@ const MIXED: Colour = Colour([250, 228, 208]);
 #[must_use]
 pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     let mut series = diagram.paths.clone();
+    series.extend(diagram.shares.iter().cloned());
     series.extend(diagram.critical.iter().cloned());
     let x = Axis::logarithmic("*a*/*e*");
     let y = Axis::logarithmic("*F* *γ*_{int}/(*h* *d*)");
