@@ -2,6 +2,7 @@
 //! estimates, and [`elements`].
 #![doc = ""]
 #![doc = include_str!("../../doc/rendered/spectral.md")]
+#![doc = include_str!("../../doc/rendered/mixed.md")]
 #![doc = include_str!("../../doc/rendered/punch.md")]
 
 pub(crate) mod answers;
