@@ -15,10 +15,10 @@ use fakir::theory::lattice_sums::SumFit;
 use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, Figure, FigureError, FittedCurve,
     FittedLoad, FittedPoint, FittedQuantity, Histogram, LineChart, LoadingPoint, Measured,
-    PhaseDiagram, ProfileState, RESOLUTION, Series, Style, SurfaceState, Text, View, approach,
-    critical_curves, fit_curves, floor_gap_map, histogram, lattice_sums, lines, phase_diagram,
-    phase_points, pillar_pressure, pressure_map, profiles, surface_gap_map, surface_pressure_map,
-    surface_profiles, top_view,
+    PhaseDiagram, ProfileState, RESOLUTION, Section, SectionDetail, Series, Style, SurfaceState,
+    Text, View, approach, critical_curves, fit_curves, floor_gap_map, floor_pressure_map,
+    histogram, lattice_sums, lines, phase_diagram, phase_points, pillar_pressure, pressure_map,
+    profiles, surface_gap_map, surface_pressure_map, surface_profiles, top_view,
 };
 use png::{ColorType, Decoder};
 use resvg::tiny_skia::{Pixmap, Transform};
@@ -237,6 +237,7 @@ fn figures_of_loadings() -> Vec<Figure> {
         force: 1e3 * indentation.powf(1.5),
         floor_force: None,
         contact_radius: Some((1e-3 * indentation).sqrt()),
+        pillars: Some([(2e6 * indentation) as usize, 1]),
         without_floor: indentation > 4.2e-6,
     };
     let path = |last: i32| -> Vec<LoadingPoint> {
@@ -245,10 +246,17 @@ fn figures_of_loadings() -> Vec<Figure> {
     let on_plate = |point: LoadingPoint| LoadingPoint {
         contact_radius: None,
         floor_force: Some((point.force - 5e-6).max(0.0)),
+        pillars: None,
         without_floor: false,
         ..point
     };
     let plate: Vec<LoadingPoint> = path(10).into_iter().map(on_plate).collect();
+    let with_floor = |point: LoadingPoint| LoadingPoint {
+        pillars: point.pillars,
+        contact_radius: point.contact_radius,
+        ..on_plate(point)
+    };
+    let texture: Vec<LoadingPoint> = path(12).into_iter().map(with_floor).collect();
     let critical = Some(point(4.2e-6));
     vec![
         approach(&path(8), critical).unwrap(),
@@ -256,6 +264,7 @@ fn figures_of_loadings() -> Vec<Figure> {
         approach(&path(3), critical).unwrap(),
         approach(&plate, critical.map(on_plate)).unwrap(),
         approach(&plate, None).unwrap(),
+        approach(&texture, critical.map(with_floor)).unwrap(),
     ]
 }
 
@@ -436,6 +445,47 @@ fn one_pillar() {
     )));
 }
 
+/// Past the transition the floor is shown too.
+#[test]
+fn mixed_contact() {
+    let run = Run::default();
+    let critical = transition(&system(2e6, 0.02, 0.0), Method::default()).contact;
+    let state = press(&critical.system, 1.5 * critical.force);
+    let floor = state.floor.as_ref().unwrap();
+    let section = ProfileState {
+        label: Text::from("mixed contact"),
+        state: &state,
+        floor_contact: None,
+    };
+    check(&[
+        pressure_map(&state, None).unwrap(),
+        floor_pressure_map(&state).unwrap(),
+        floor_gap_map(&state, &run).unwrap(),
+        top_view(&state, View::Contact, &run).unwrap(),
+        profiles(&[section], &run).unwrap(),
+    ]);
+    // In the section lens and floor are together where the floor bears, as well as its cells tell.
+    let half_width = Section::half_width(&state);
+    let section = Section::new(&state, half_width, None, SectionDetail::Screen, &run).unwrap();
+    assert!(!section.floor_patches.is_empty());
+    let [across, _] = floor.cell();
+    for (x, (lens, surface)) in section
+        .x
+        .iter()
+        .zip(section.lens.iter().zip(&section.surface))
+    {
+        let inside = |[start, end]: &[f64; 2]| start + across < *x && *x < end - across;
+        if section.floor_patches.iter().any(inside) {
+            assert!((lens - surface).abs() < 5e-3 * 2.2e-6, "at {x}");
+        }
+    }
+    // Without the floor nothing of it can be shown.
+    assert_eq!(
+        floor_pressure_map(&critical).unwrap_err(),
+        FigureError::NoFloorContact
+    );
+}
+
 #[test]
 fn some_pillars_off_the_axis() {
     check(&figures_of(&transition(
@@ -579,6 +629,7 @@ fn loadings() {
         force: 0.0,
         floor_force: None,
         contact_radius: None,
+        pillars: None,
         without_floor: false,
     };
     let too_few = approach(&[alone], None).unwrap_err();

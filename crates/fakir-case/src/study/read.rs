@@ -440,6 +440,7 @@ fn refuse_duplicates(varied: &[Varied]) -> Result<(), CaseError> {
 fn text(path: &str, entry: &Entry) -> Result<String, CaseError> {
     match &entry.value {
         Value::Text(text) => Ok(text.clone()),
+        Value::Flag(flag) => Ok(flag.to_string()),
         other => Err(CaseError::at(
             &entry.place,
             format!("expected a word, found {}", kind_name(other)),
