@@ -348,7 +348,7 @@ mod tests {
         }
         assert_eq!(
             names_in(""),
-            ["lens", "substrate", "texture", "surface", "method"]
+            ["lens", "substrate", "texture", "floor", "surface", "method"]
         );
         assert!(names_in("texture").contains(&"pillar"));
     }

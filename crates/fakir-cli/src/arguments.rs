@@ -56,9 +56,7 @@ pub(crate) enum Command {
     /// Past the transition the floor between the pillars bears its part; the method spectral alone knows how much.
     /// By the other methods, and with --without-floor, the lens goes through the floor, as in the
     /// paper: the smallest floor gap is then negative, and a warning names the critical load.
-    #[command(after_help = "Examples:
-  fakir press case.toml --force 20uN
-  fakir press case.toml --indentation 6um --without-floor")]
+    #[command(after_help = "Example: fakir press case.toml --force 20uN")]
     Press(Press),
     /// Loading step by step, as in the experiment: up to the critical state, or through it with --to
     ///
@@ -66,10 +64,9 @@ pub(crate) enum Command {
     /// general surface (a case with a [surface]). A height map without surface.floor has no critical state:
     /// there the loading ends at --to. With --output the states are saved as a table, and force, contact radius
     /// and the part of the floor over the indentation as a figure.
-    #[command(after_help = "Examples:
-  fakir approach case.toml --step 0.1um --output approach-to-floor
-  fakir approach case.toml --to 8um --output through-the-transition
-  fakir approach case.toml --to-force 2mN --without-floor")]
+    #[command(
+        after_help = "Example: fakir approach case.toml --to 18um --output through-the-transition"
+    )]
     Approach(Approach),
     /// A second opinion: the spectral method and Love elements on the same question
     ///

@@ -299,8 +299,10 @@ fn loads_too_small_for_a_contact_are_refused() {
             let arguments = ["press", &case, load, "--set", offset, "--json", "--quiet"];
             let outcome = bench.run(&arguments);
             assert!(!outcome.stdout.is_empty(), "{}", outcome.stderr);
+            // The floor, which is not touched, is all that there is not.
+            let numbers = outcome.stdout.replace("\"floor\": null", "");
             for odd in ["null", "-0.0"] {
-                assert!(!outcome.stdout.contains(odd), "{load}: {}", outcome.stdout);
+                assert!(!numbers.contains(odd), "{load}: {numbers}");
             }
         }
     }

@@ -164,7 +164,7 @@ fn commands_answer_as_recorded() {
         .lines()
         .filter(|line| !line.starts_with('#'))
         .collect();
-    assert_eq!(commands.len(), 60);
+    assert_eq!(commands.len(), 63);
     let answers: Vec<Value> = commands.par_iter().map(|line| answer(line)).collect();
     let path = folder().join("answers.jsonl");
     if std::env::var_os("FAKIR_RECORD").is_some() {
