@@ -1,7 +1,7 @@
 //! The figures of the paper, from the computed numbers.
 
 use crate::analysis::{PowerLaw, Quantity};
-use crate::claims::LAW_RANGES;
+use crate::claims::{LAW_RANGES, percent};
 use crate::grid::{Grid, OFFSETS, Substrate, system};
 use crate::states::{Approach, States};
 use fakir::problem::Method;
@@ -13,7 +13,7 @@ use fakir_case::CaseError;
 use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, Dash, Figure, FigureError, LineChart,
     Measured, PhaseDiagram, ProfileState, Series, Style, Text, Tint, View, critical_curves,
-    floor_gap_map, lattice_sums, lines, phase_diagram, phase_points, pillar_pressure, pressure_map,
+    floor_gap_map, lattice_sums, lines, phase_diagram, phase_point, pillar_pressure, pressure_map,
     profiles, top_view,
 };
 use fakir_study::Critical;
@@ -295,8 +295,9 @@ fn power_laws(material: Material<'_>) -> Plate {
         };
         let ends = law.range.map(|phi| [phi, 1e6 * law.at(phi)]);
         let label = format!(
-            "*F*_{{c}} ~ *φ*^{{{:.2} ± {:.2}}}",
-            law.exponent, law.uncertainty
+            "*F*_{{c}} ~ *φ*^{{{:.2}}}, within {}",
+            law.exponent,
+            percent(law.largest_deviation)
         );
         series.push(Series::new(label, ends.to_vec(), Style::line(k + 1)));
     }
@@ -310,7 +311,8 @@ fn power_laws(material: Material<'_>) -> Plate {
         "power-laws",
         "Power laws of the critical force",
         "Critical force on the intermediate substrate, lens axis on a pillar, with power laws found \
-         by least squares over two ranges of the surface fraction: there is not one exponent.",
+         by least squares over two ranges of the surface fraction, and how far the curve is from \
+         them at most: there is not one exponent.",
     )
 }
 
@@ -333,10 +335,15 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         .grid
         .of(Substrate::Intermediate)
         .map(|curve| {
-            let states: Vec<Normalized> = curve.states.iter().map(normalized).collect();
+            let points = curve.states.iter().map(|state| {
+                [
+                    state.top_contact_radius / state.pitch,
+                    state.normalized_force,
+                ]
+            });
             Series::new(
                 offset_label(curve.offset),
-                phase_points(&states),
+                points.collect::<Vec<_>>(),
                 Style::marks(curve.offset),
             )
         })
@@ -347,14 +354,11 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         .iter()
         .enumerate()
         .map(|(k, loading)| {
-            let states: Vec<Normalized> = loading
-                .states
-                .iter()
-                .map(|s| Normalized::new(&s.system, s.force, s.contact_radius, s.indentation))
-                .collect();
+            let states = loading.states.iter();
+            let points = states.map(|s| phase_point(&s.system, s.force, s.contact_radius));
             let label = format!("loading, *φ* = {}", loading.surface_fraction);
             let style = PATHS[k % PATHS.len()];
-            Series::new(label, phase_points(&states), style)
+            Series::new(label, points.collect::<Vec<_>>(), style)
         })
         .collect();
     let figure = phase_diagram(&PhaseDiagram {
@@ -366,7 +370,8 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         figure,
         "phase-diagram",
         "Phase diagram",
-        "Reduced force against contact radius in pitches, intermediate substrate: where the lens \
+        "Reduced force against the radius of the contact on the pillar tops in pitches, \
+         intermediate substrate: where the lens \
          rests on pillar tops only and where it touches the floor too, with the paper's transition \
          curve, computed critical states of six offsets, and two loading paths. Left of one pitch \
          it matters where the lens lands.",

@@ -1,7 +1,7 @@
 //! `report.html`: every claim in a row, every figure, the numbers. One file, nothing to load.
 
 use crate::analysis::{PowerLaw, Quantity, state_near};
-use crate::claims::{Claim, LAW_RANGES, Verdict};
+use crate::claims::{Claim, LAW_RANGES, Verdict, percent};
 use crate::figures::Plate;
 use crate::grid::{Grid, Substrate};
 use fakir_figure::font_css;
@@ -125,9 +125,8 @@ impl Report<'_> {
         html! {
             h2 { "Power laws in the surface fraction" }
             p {
-                "Exponents by least squares in logarithms, lens axis on a pillar, with 95 % \
-                 confidence intervals: of a curve without noise they say how far it is from a power \
-                 law. Printed: the paper's large-contact formulas far beyond kφ = 1. Dense: the \
+                "Exponents by least squares in logarithms, lens axis on a pillar, and how far the curve \
+                 is from the power law at most. Printed: the paper's large-contact formulas far beyond kφ = 1. Dense: the \
                  limit of a lens on a bare half-space."
             }
             div.scroll { table {
@@ -250,7 +249,11 @@ fn class(verdict: Verdict) -> &'static str {
 
 fn law(grid: &Grid, substrate: Substrate, quantity: Quantity, range: [f64; 2]) -> String {
     PowerLaw::of(grid.on_pillar(substrate), quantity, range).map_or("-".to_owned(), |law| {
-        format!("{:.3} ± {:.3}", law.exponent, law.uncertainty)
+        format!(
+            "{:.3}, within {}",
+            law.exponent,
+            percent(law.largest_deviation)
+        )
     })
 }
 
