@@ -43,8 +43,9 @@ function phaseContents(state) {
         return null;
     const older = isBefore(phase, critical);
     const { transition } = phase.is;
+    // The radius is that of the contact on the pillar tops, as on the way there.
     const placeOf = ({ is }) => [
-        is.normalized.contact_radius,
+        is.top_contact_radius_m / is.pitch_m,
         is.normalized.force,
     ];
     const at = placeOf(critical);
