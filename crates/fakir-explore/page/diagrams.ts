@@ -6,7 +6,7 @@ import { byId } from "./screen.js";
 import { isBeyond, isCritical, isOlder, type Of, type State } from "./store.js";
 
 const PHASE: Axes = {
-  xLabel: "contact radius over pitch, a/e",
+  xLabel: "contact radius on the tops over pitch, a/e",
   yLabel: "F γ_{int}/(h d)",
   yDimension: "number",
 };

@@ -3,7 +3,7 @@ import { drawChart, range } from "./charts.js";
 import { byId } from "./screen.js";
 import { isBeyond, isCritical, isOlder } from "./store.js";
 const PHASE = {
-    xLabel: "contact radius over pitch, a/e",
+    xLabel: "contact radius on the tops over pitch, a/e",
     yLabel: "F γ_{int}/(h d)",
     yDimension: "number",
 };
