@@ -129,6 +129,9 @@ fn the_report_says_what_the_tables_say() {
     assert!((number(law, "largest_deviation") - largest).abs() < 1e-12);
     assert!(report.contains(&format!("{exponent:.3}, within ")));
     assert!(!report.contains('±'));
+    for symbol in ["γ<sub>int</sub>", "δx/e", "φ", "r<sub>c</sub>"] {
+        assert!(report.contains(&format!("<td>{symbol}</td>")), "{symbol}");
+    }
 
     // A folder that is not empty is refused.
     let again = reproduce(&scope, &folder, Existing::Refuse, &run, &|_| {});

@@ -63,9 +63,9 @@ fn constants_text(constants: &Constants, no_homogenised: Option<&SolveError>) ->
     let answer = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
     let homogenised = if constants.homogenised_limit < MAXIMUM_SURFACE_FRACTION {
         let limit = significant(constants.homogenised_limit, 4);
-        format!("yes below a surface fraction of {limit}")
+        format!("only below a surface fraction of {limit}")
     } else {
-        "yes at every surface fraction".to_owned()
+        "at every surface fraction".to_owned()
     };
     let mut list = QuantityList::default();
     list.quantity(
@@ -98,7 +98,7 @@ fn constants_text(constants: &Constants, no_homogenised: Option<&SolveError>) ->
         answer(constants.touches_one_pillar),
         "",
         &format!(
-            "yes below a surface fraction of {}",
+            "only below a surface fraction of {}",
             significant(constants.small_contact_limit, 4)
         ),
     )
@@ -127,7 +127,7 @@ fn critical_text(rows: &[FormulaRow], constants: &Constants) -> String {
     ];
     let in_text = with_unit(constants.contact_radius_in_text_m, Dimension::Length, 6);
     format!(
-        "{}\nThe top radius is that of the contact on the pillar tops, the floor radius the distance of\n\
+        "{}\nThe top radius is that of the contact on the pillar tops, the floor radius r_c the distance of\n\
          the floor contact from the lens axis. A formula is given even where it does not apply.\n\
          The contact radius of the paper's text, sqrt(e^2 + phi R h), would be {in_text}: e is the pitch,\n\
          phi the surface fraction, R the lens radius, h the height of a pillar.\n",
