@@ -271,7 +271,7 @@ fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, S
             .env("CARGO_TARGET_DIR", target)
             .env("CARGO_PROFILE_DEV_OPT_LEVEL", "1"))
     };
-    maturin(&["sdist", "--quiet"], Path::new("python"))?;
+    maturin(&["sdist"], Path::new("python"))?;
     let source = only(&packed, "gz")?;
     let known = in_repository()?;
     let held = listed(&source)?;
