@@ -379,9 +379,11 @@ fn listed(archive: &Path) -> Result<BTreeSet<String>, String> {
     Ok(inside.map(|(_, file)| file.to_owned()).collect())
 }
 
+/// Unpacks with the present time on every file: cargo packs all of them with the same one, by which it would take
+/// what it once built from others for up to date.
 fn unpack(archive: &Path, folder: &Path) -> Result<(), String> {
     run(Command::new("tar")
-        .arg("-xzf")
+        .arg("-xzmf")
         .arg(archive)
         .arg("-C")
         .arg(folder))
