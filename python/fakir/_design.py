@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -88,11 +89,13 @@ def design(
     system: System,
     free: str,
     *,
-    force: Quantity | None = None,
-    contact_radius: Quantity | None = None,
+    critical_force: Quantity | None = None,
+    critical_contact_radius: Quantity | None = None,
     threads: int = 1,
     progress: Progress | None = None,
     memory_limit: int | None = None,
+    force: Quantity | None = None,
+    contact_radius: Quantity | None = None,
 ) -> Design:
     """The value of one quantity that gives a wanted critical force or contact radius.
 
@@ -104,19 +107,29 @@ def design(
         Key of the quantity: ``"texture.pitch"``, ``"texture.surface_fraction"``,
         ``"texture.pillar.height"``, ``"texture.pillar.diameter"``, ``"lens.radius"``,
         ``"lens.young_modulus"`` or ``"substrate.young_modulus"``.
-    force, contact_radius
+    critical_force, critical_contact_radius
         What is wanted of the critical state (N, m): exactly one of them.
+    force, contact_radius
+        The older names of these.
 
     Raises
     ------
     OutOfReach
         If no value gives it; it says what comes nearest, and why there is nothing nearer.
     """
-    if (force is None) == (contact_radius is None):
-        raise TypeError("give exactly one of force and contact_radius")
-    wanted_force = None if force is None else si(force, "force", "force")
+    critical_force = _renamed("force", force, "critical_force", critical_force)
+    critical_contact_radius = _renamed(
+        "contact_radius", contact_radius, "critical_contact_radius", critical_contact_radius
+    )
+    if (critical_force is None) == (critical_contact_radius is None):
+        raise TypeError("give exactly one of critical_force and critical_contact_radius")
+    wanted_force = (
+        None if critical_force is None else si(critical_force, "force", "critical_force")
+    )
     wanted_radius = (
-        None if contact_radius is None else si(contact_radius, "length", "contact_radius")
+        None
+        if critical_contact_radius is None
+        else si(critical_contact_radius, "length", "critical_contact_radius")
     )
     run = options(threads, progress, memory_limit)
     summary, found = _fakir.design(system._case, free, wanted_force, wanted_radius, run)
@@ -128,6 +141,18 @@ def design(
     if answer["design"]["status"] == "found":
         return Design(answer, candidates[0])
     raise OutOfReach(answer["design"]["statement"], candidates)
+
+
+def _renamed(
+    old: str, given: Quantity | None, name: str, value: Quantity | None
+) -> Quantity | None:
+    """The value of an argument that may be given under its older name, which is told."""
+    if given is None:
+        return value
+    if value is not None:
+        raise TypeError(f"{old} is the older name of {name}: give only {name}")
+    warnings.warn(f"{old} is now called {name}", FutureWarning, stacklevel=3)
+    return given
 
 
 class Spread:
@@ -198,12 +223,15 @@ class Spread:
         return html_table("Spread of the critical state", self._rows())
 
 
+_SAMPLES, _SEED = _fakir.sampling_defaults()
+
+
 def spread(
     system: System,
     tolerances: Mapping[str, Quantity],
     *,
-    samples: int = 1000,
-    seed: int = 0,
+    samples: int = _SAMPLES,
+    seed: int = _SEED,
     landing: str = "anywhere",
     threads: int = 0,
     progress: Progress | None = None,
@@ -217,7 +245,8 @@ def spread(
         Standard deviations by key: ``{"texture.pillar.height": "5 %", "texture.pitch": "0.1 um"}``,
         as a part of the value with ``%``, otherwise in SI units or with a unit.
     samples, seed
-        Number of samples, and what decides all that is random.
+        Number of samples, and what decides all that is random: 500 and 1 unless given, as on the command
+        line.
     landing
         Where the lens lands on the lattice: ``"anywhere"`` or ``"as_given"``.
     """
@@ -232,13 +261,9 @@ def spread(
 
 
 def _tolerance(key: str, value: Quantity) -> tuple[str, float, bool]:
-    if isinstance(value, str) and value.strip().endswith("%"):
-        return key, si(value.strip()[:-1].strip(), "number", key) / 100.0, True
-    if key.endswith("modulus"):
-        return key, si(value, "pressure", key), False
-    if key.endswith(("ratio", "fraction", "offset")):
-        return key, si(value, "number", key), False
-    return key, si(value, "angle" if key.endswith("angle") else "length", key), False
+    if isinstance(value, str):
+        return key, *_fakir.parse_deviation(key, value)
+    return key, si(value, _fakir.dimension(key), key), False
 
 
 class Citation(NamedTuple):

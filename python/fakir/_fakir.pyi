@@ -7,6 +7,8 @@ from typing import Any, TypedDict, final
 import numpy as np
 import numpy.typing as npt
 
+from ._quantity import Dimension
+
 _Floats = npt.NDArray[np.float64]
 _Path = str | PathLike[str]
 
@@ -18,6 +20,7 @@ class Options(TypedDict):
 __version__: str
 
 def command(arguments: Sequence[str]) -> int: ...
+def dimension(path: str) -> Dimension: ...
 def parse_quantity(text: str, dimension: str) -> float: ...
 @final
 class Case:
@@ -174,6 +177,8 @@ def design(
     contact_radius: float | None,
     options: Options,
 ) -> tuple[str, list[tuple[float, Case, Critical]]]: ...
+def sampling_defaults() -> tuple[int, int]: ...
+def parse_deviation(path: str, text: str) -> tuple[float, bool]: ...
 def spread(
     case: Case,
     tolerances: Sequence[tuple[str, float, bool]],

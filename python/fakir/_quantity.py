@@ -11,13 +11,14 @@ import numpy.typing as npt
 
 from . import _fakir
 
-Dimension: TypeAlias = Literal["length", "pressure", "force", "angle", "number"]
+Dimension: TypeAlias = Literal["length", "pressure", "force", "angle", "fraction", "number"]
 
 UNITS: dict[Dimension, str] = {
     "length": "m",
     "pressure": "Pa",
     "force": "N",
     "angle": "rad",
+    "fraction": "dimensionless",
     "number": "dimensionless",
 }
 
@@ -100,6 +101,8 @@ def _accepted(dimension: Dimension) -> str:
     }
     if dimension == "number":
         return "give a plain number"
+    if dimension == "fraction":
+        return 'give a plain number, or a text in per cent such as "3 %"'
     return (
         f"give a number in {UNITS[dimension]}, a text with a unit such as {examples[dimension]}, "
         "or a pint quantity"

@@ -378,7 +378,7 @@ class CriticalState:
     @property
     def floor_contact(self) -> tuple[float, float]:
         """Where the floor is touched, m from the lens axis (one of its symmetric copies)."""
-        x, y = self._summary["bottom_contact_m"]
+        x, y = self._summary["floor_contact_m"]
         return float(x), float(y)
 
     @property

@@ -115,7 +115,7 @@ class HexagonalTexture:
         fraction = surface_fraction
         put(
             "surface_fraction",
-            None if fraction is None else si(fraction, "number", "texture.surface_fraction"),
+            None if fraction is None else si(fraction, "fraction", "texture.surface_fraction"),
         )
         put("offset", si(offset, "number", "texture.offset"))
         put("offset_angle", si(offset_angle, "angle", "texture.offset_angle"))

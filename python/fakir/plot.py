@@ -362,33 +362,38 @@ def phase_diagram(
     paths: Iterable[Approach] = (),
     ax: Axes | None = None,
 ) -> Axes:
-    """Reduced force against reduced contact radius: where the lens rests on pillar tops only.
+    """Reduced force against the radius of the contact on the pillar tops: where the lens rests on these only.
 
     Below the transition curve of the paper the lens is on tops alone, above it also on the floor;
-    left of one pitch it depends on the place where the lens lands.
+    left of one pitch it depends on the place where the lens lands. Critical states stand at their
+    ``top_contact_radius``, where loading paths end.
     """
     axis = _axis(ax)
     texture = system.texture
     unit = texture.height * texture.diameter / theory.constants(system).internal_compliance
-    radii = np.geomspace(0.3, 40.0, 300)
+    loadings = [[state for state in path if state.force > 0.0] for path in paths]
+    points = [state for state in critical if state.force > 0.0]
+    reached = [state.contact_radius / state.system.pitch for path in loadings for state in path]
+    reached += [point.top_contact_radius / point.system.pitch for point in points]
+    ends = min([0.3, *(0.7 * a for a in reached)]), max([40.0, *(1.4 * a for a in reached)])
+    radii = np.geomspace(*ends, 300)
     curve = theory.transition_force(system, radii * system.pitch) / unit
     axis.fill_between(radii, 1e-3, curve, color="#ddebf7", lw=0)
     axis.fill_between(radii, curve, 1e6, color="#fae4d0", lw=0)
     axis.plot(radii, curve, "k", lw=1.0, label="transition, formula of the paper")
     axis.axvline(1.0, color="k", ls=":", lw=0.8)
-    for path in paths:
-        loaded = [state for state in path if state.force > 0.0]
+    for loaded in loadings:
         across = [state.contact_radius / state.system.pitch for state in loaded]
         axis.plot(across, [state.force / unit for state in loaded], ".-", ms=3, lw=0.8)
-    points = [state.normalized for state in critical if state.force > 0.0]
     if points:
-        across = [point.contact_radius for point in points]
-        axis.plot(across, [point.force for point in points], "o", ms=4, label="critical states")
+        across = [point.top_contact_radius / point.system.pitch for point in points]
+        forces = [point.normalized.force for point in points]
+        axis.plot(across, forces, "o", ms=4, label="critical states")
     axis.set_xscale("log")
     axis.set_yscale("log")
-    axis.set_xlim(0.3, 40.0)
+    axis.set_xlim(*ends)
     axis.set_ylim(0.3, 1e4)
-    axis.set_xlabel(r"$a/e$")
+    axis.set_xlabel(r"radius of the contact on the tops $a/e$")
     axis.set_ylabel(r"$F\,\gamma_{int}/(h\,d)$")
     axis.text(0.97, 0.05, "on pillar tops", ha="right", transform=axis.transAxes)
     axis.text(0.03, 0.95, "on tops and floor", va="top", transform=axis.transAxes)

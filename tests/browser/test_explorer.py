@@ -264,6 +264,24 @@ def test_results_are_announced(explore):
     page.until("document.getElementById('announcement').textContent.includes('Critical force')")
 
 
+@pytest.mark.parametrize("width, height", [(1400, 900), (1000, 850)])
+def test_nothing_covers_the_command(explore, width, height):
+    page = explore("#" + "&".join(paper(0.02)), width, height)
+    covered = page.page.evaluate(
+        """() => {
+            scrollTo(0, document.documentElement.scrollHeight);
+            const box = document.getElementById("command").closest("figure");
+            const { left, top, width, height } = box.getBoundingClientRect();
+            const parts = [0.02, 0.25, 0.5, 0.75, 0.98];
+            return parts.flatMap((x) => parts.map((y) => {
+                const found = document.elementFromPoint(left + x * width, top + y * height);
+                return box.contains(found) ? null : found?.outerHTML.slice(0, 80);
+            })).filter((found) => found !== null);
+        }"""
+    )
+    assert not covered
+
+
 @pytest.mark.parametrize("width, height", [(360, 800), (820, 1180), (1280, 800), (3840, 2160)])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_fits_every_screen(explore, width, height, scheme, tmp_path):
@@ -276,7 +294,7 @@ def test_fits_every_screen(explore, width, height, scheme, tmp_path):
     assert dark == (scheme == "dark")
     overlapping = page.page.evaluate(
         """() => {
-            const boxes = [...document.querySelectorAll("main > section, header, footer")]
+            const boxes = [...document.querySelectorAll("main section, header, footer")]
                 .map((x) => x.getBoundingClientRect());
             return boxes.some((a, i) => boxes.some((b, j) => i < j
                 && a.left < b.right - 1 && b.left < a.right - 1

@@ -77,7 +77,7 @@ def test_the_lens_just_reaches_the_floor(critical):
         floor = data.gap.where(data.on_pillar == 0)
         # Quadratic around the floor contact: far less than the height of 2.2 um, never negative.
         assert 0.0 <= float(floor.min()) < 1e-4 * 2.2e-6
-        x, y = summary["bottom_contact_m"]
+        x, y = summary["floor_contact_m"]
         nearest = floor.sel(x=x, y=y, method="nearest")
         assert float(nearest) < 1e-3 * 2.2e-6
         # In contact the gap is zero.

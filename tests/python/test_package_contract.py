@@ -205,7 +205,7 @@ def test_tables_and_other_answers_are_the_same(tmp_path):
     assert fakir.theory.small_contact(system).force > 0.0
 
     _, expected = saved("design", "--free=pitch", "--critical-force=50uN")
-    found = fakir.design(system, "texture.pitch", force="50 uN")
+    found = fakir.design(system, "texture.pitch", critical_force="50 uN")
     assert found.to_dict()["design"]["statement"] == expected["design"]["statement"]
     assert timeless(found.to_dict()) == timeless(expected)
 

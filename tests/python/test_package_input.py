@@ -148,3 +148,36 @@ def test_arrays_of_points():
         state.pressure(np.zeros(3), np.zeros(2))
     with pytest.raises(ValueError, match=r"x has the shape \(2, 2\)"):
         state.on_grid(np.zeros((2, 2)), [0.0])
+
+
+def test_fractions_in_per_cent():
+    texture = fakir.HexagonalTexture(6e-6, 2.2e-6, surface_fraction="3 %")
+    assert texture.surface_fraction == 0.03
+    overridden = system().replace({"texture.surface_fraction": "3%"})
+    assert overridden.surface_fraction == system().replace({"texture.surface_fraction": 0.03}).surface_fraction
+    with pytest.raises(ValueError, match="not of length"):
+        fakir.Lens("3 %", 1, 0.5)
+
+
+def test_older_names_of_arguments_are_told():
+    with pytest.warns(FutureWarning, match="force is now called critical_force"):
+        older = fakir.design(system(), "pitch", force="50 uN")
+    assert older.value == fakir.design(system(), "texture.pitch", critical_force="50 uN").value
+    with pytest.raises(TypeError, match="give only critical_force"):
+        fakir.design(system(), "pitch", force="50 uN", critical_force="50 uN")
+
+
+def test_spread_draws_what_the_command_line_draws(tmp_path):
+    import json
+    import os
+    import subprocess
+
+    case = tmp_path / "case.toml"
+    case.write_text(system().replace({"texture.surface_fraction": "0.05 %"}).to_toml())
+    told = subprocess.run(
+        [os.environ["FAKIR"], "design", case, "--tolerance", "texture.pillar.height=3%", "--json", "--quiet"],
+        stdout=subprocess.PIPE,
+        check=True,
+    )
+    drawn = fakir.spread(fakir.System.from_file(case), {"texture.pillar.height": "3%"})
+    assert drawn.to_dict()["spread"] == json.loads(told.stdout)["spread"]

@@ -62,6 +62,12 @@ def test_critical_curves_and_phase_diagram(system):
     assert fakir.plot.critical_curves({"offset 0": [system.transition()]})[0].get_legend()
     diagram = fakir.plot.phase_diagram(system, [system.transition()], [system.approach("2 um")])
     assert diagram.has_data()
+    # The floor is reached farther from the axis than a lone pillar is wide, but the radius is one and the same.
+    thin = system.replace({"texture.surface_fraction": "0.1 %"})
+    alone = fakir.plot.phase_diagram(thin, [thin.transition()], [thin.approach("1 um")])
+    path, point = (line for line in alone.lines if line.get_marker() in (".", "o"))
+    assert path.get_xdata()[-1] == pytest.approx(point.get_xdata()[0], rel=1e-6)
+    assert alone.get_xlim()[0] < point.get_xdata()[0]
 
 
 def test_states_without_pillars(system):

@@ -171,11 +171,11 @@ def test_theory(system):
 
 
 def test_design_and_spread_and_citations(system):
-    found = fakir.design(system, "texture.surface_fraction", force="200 uN")
+    found = fakir.design(system, "texture.surface_fraction", critical_force="200 uN")
     assert found.critical.force == pytest.approx(200e-6, rel=1e-8)
     assert found.system.transition().force == found.critical.force
     with pytest.raises(fakir.OutOfReach) as error:
-        fakir.design(system, "texture.surface_fraction", force="1 nN")
+        fakir.design(system, "texture.surface_fraction", critical_force="1 nN")
     assert error.value.nearest
     spread = fakir.spread(system, {"texture.pillar.height": "3 %"}, samples=8, seed=1)
     again = fakir.spread(system, {"texture.pillar.height": "3 %"}, samples=8, seed=1, threads=1)

@@ -1,5 +1,5 @@
 //! `cargo xtask test`: every check, as continuous integration runs it; `cargo xtask campaign`: as many random
-//! systems as there is time for; `cargo xtask book`: the manual.
+//! systems as there is time for; `cargo xtask book`: the manual; `cargo xtask package`: what is published, tried.
 
 mod book;
 mod browser;
@@ -7,6 +7,7 @@ mod campaign;
 mod instructions;
 mod package;
 mod python;
+mod release;
 mod structure;
 
 use std::ffi::{OsStr, OsString};
@@ -64,6 +65,7 @@ fn main() -> ExitCode {
         }
         ["book"] => run_one(&cargo(), "book", book::check),
         ["book", "--update"] => run_one(&cargo(), "book", book::update),
+        ["package"] => run_one(&cargo(), "package", release::check),
         ["test"] => run_checks(|_| true),
         ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
         _ => {
@@ -72,6 +74,7 @@ fn main() -> ExitCode {
                 "usage: cargo xtask test [CHECK]          every check, or one of: {names}\n       \
                  cargo xtask book [--update]        the manual, in target/book; pages rewritten to say\n       \
                                                     what their commands print\n       \
+                 cargo xtask package                what is published: packaged, built, installed and tried\n       \
                  cargo xtask record instructions    the counts to compare with from now on\n       \
                  cargo xtask campaign [--seconds T] [--systems N] [--seed S] [--only NUMBER]\n       \
                                                     random systems: do estimates cover their errors?"

@@ -87,7 +87,7 @@ fn wheel(python: &Path, target: &Path) -> Result<PathBuf, String> {
 }
 
 /// The Python of an environment in `folder`, with the packages that the tests need.
-fn environment(folder: &Path, tests: &str) -> Result<PathBuf, String> {
+pub(crate) fn environment(folder: &Path, tests: &str) -> Result<PathBuf, String> {
     let system = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let version = version(&system)?;
     let list = Path::new(tests).join("requirements.txt");

@@ -246,7 +246,7 @@ impl Key {
     pub(crate) fn written_number(self, value: f64) -> String {
         let text = format_quantity(value, self.dimension());
         match self.dimension() {
-            Dimension::Number => text,
+            Dimension::Fraction | Dimension::Number => text,
             _ => format!("\"{text}\""),
         }
     }

@@ -287,6 +287,10 @@ pub(super) const fn number(summary: &'static str, place: fn(&mut Parts) -> &mut 
     Row::number(Dimension::Number, summary, place)
 }
 
+pub(super) const fn fraction(summary: &'static str, place: fn(&mut Parts) -> &mut f64) -> Row {
+    Row::number(Dimension::Fraction, summary, place)
+}
+
 pub(super) const fn word(summary: &'static str, place: fn(&mut Parts) -> &mut dyn Choice) -> Row {
     Row::new(summary, Field::Word(place))
 }

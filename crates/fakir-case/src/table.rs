@@ -3,7 +3,7 @@
 //! From it files are read and written, overrides and requests are taken, errors are worded, and
 //! the [reference](crate::reference) is made. To add a key, add a row.
 
-use crate::row::{Presence, Range, Row, angle, length, number, pressure, text, word};
+use crate::row::{Presence, Range, Row, angle, fraction, length, number, pressure, text, word};
 use fakir::problem::Quantity;
 use fakir::problem::pattern::PatternQuantity as Q;
 use std::f64::consts::FRAC_PI_2;
@@ -80,7 +80,7 @@ keys! {
             word("arrangement of the pillars: hexagonal", |p| &mut p.texture.arrangement)
                 .optional();
         SurfaceFraction = "texture.surface_fraction" is
-            number("part of the surface that is pillar top; or give pitch instead", |p| &mut p.texture.surface_fraction)
+            fraction("part of the surface that is pillar top; or give pitch instead", |p| &mut p.texture.surface_fraction)
                 .symbol("φ").usual(3e-4, 0.3)
                 .range(Range::SurfaceFraction).or(Key::Pitch).of(Quantity::SurfaceFraction);
         Pitch = "texture.pitch" is
@@ -132,7 +132,7 @@ keys! {
             word("of pillars: hexagonal, square or random; or give height_map instead", |p| &mut p.surface.placement)
                 .presence(Presence::EitherSurface(Key::HeightMap));
         PatternFraction = "surface.surface_fraction" is
-            number("part of the surface that is pillar; or give pitch instead", |p| &mut p.surface.surface_fraction)
+            fraction("part of the surface that is pillar; or give pitch instead", |p| &mut p.surface.surface_fraction)
                 .range(Range::Between(Excluded(0.0), Excluded(1.0))).or(Key::PatternPitch).of_pattern(Q::SurfaceFraction);
         PatternPitch = "surface.pitch" is
             length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.surface.lattice.pitch)
@@ -148,10 +148,10 @@ keys! {
             angle("direction of the offset from x", |p| &mut p.surface.lattice.offset_angle)
                 .optional().with(Key::Arrangement, LATTICES).of_pattern(Q::OffsetAngle);
         Missing = "surface.missing" is
-            number("part of the pillars that are missing", |p| &mut p.surface.missing)
+            fraction("part of the pillars that are missing", |p| &mut p.surface.missing)
                 .range(FRACTION).optional().of_pattern(Q::Missing);
         HeightSpread = "surface.height_spread" is
-            number("relative variation of the heights of pillars", |p| &mut p.surface.height_spread)
+            fraction("relative variation of the heights of pillars", |p| &mut p.surface.height_spread)
                 .range(FRACTION).optional().of_pattern(Q::HeightSpread);
         // The whole numbers that a number in a case file holds exactly.
         Seed = "surface.seed" is
@@ -215,7 +215,7 @@ keys! {
             number("cells across the narrowest diameter of a pillar, 4 or more", |p| &mut p.surface.grid_cells)
                 .range(Range::Whole(4, 1024)).optional();
         GridWidth = "surface.grid.width" is
-            length("extent of the grid around the lens axis; of a periodic lattice whole periods", |p| &mut p.surface.grid_width)
+            length("extent of the grid, around the axis of a lens; of a periodic lattice whole periods", |p| &mut p.surface.grid_width)
                 .positive();
     }
     Texture {

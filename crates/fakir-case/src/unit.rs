@@ -18,6 +18,8 @@ pub enum Dimension {
     Force,
     /// An angle, in rad.
     Angle,
+    /// A part of a whole: a plain number, or in per cent.
+    Fraction,
     /// A plain number, without a unit.
     Number,
 }
@@ -37,7 +39,7 @@ enum Scale {
     Degrees,
 }
 
-const UNITS: [Unit; 14] = [
+const UNITS: [Unit; 15] = [
     unit("m", Dimension::Length, Scale::PowerOfTen(0)),
     unit("mm", Dimension::Length, Scale::PowerOfTen(-3)),
     unit("um", Dimension::Length, Scale::PowerOfTen(-6)),
@@ -52,6 +54,7 @@ const UNITS: [Unit; 14] = [
     unit("nN", Dimension::Force, Scale::PowerOfTen(-9)),
     unit("deg", Dimension::Angle, Scale::Degrees),
     unit("rad", Dimension::Angle, Scale::PowerOfTen(0)),
+    unit("%", Dimension::Fraction, Scale::PowerOfTen(-2)),
 ];
 
 const fn unit(symbol: &'static str, dimension: Dimension, scale: Scale) -> Unit {
@@ -110,11 +113,12 @@ impl Dimension {
             Self::Pressure => "pressure",
             Self::Force => "force",
             Self::Angle => "angle",
+            Self::Fraction => "fraction",
             Self::Number => "number",
         }
     }
 
-    /// What the names of its columns and JSON keys end in: `"_m"`; nothing for plain numbers.
+    /// What the names of its columns and JSON keys end in: `"_m"`; nothing for numbers and fractions.
     #[must_use]
     pub fn suffix(self) -> &'static str {
         match self {
@@ -122,7 +126,7 @@ impl Dimension {
             Self::Pressure => "_Pa",
             Self::Force => "_N",
             Self::Angle => "_rad",
-            Self::Number => "",
+            Self::Fraction | Self::Number => "",
         }
     }
 
@@ -134,6 +138,10 @@ impl Dimension {
             Self::Pressure => ("2 MPa", "Pa"),
             Self::Force => ("20 uN", "N"),
             Self::Angle => ("30 deg", "rad"),
+            Self::Fraction => {
+                return "give a fraction as a bare number such as 0.03, or in per cent, written like \"3 %\""
+                    .to_owned();
+            }
             Self::Number => return "give a number without a unit and without quotes".to_owned(),
         };
         format!(
@@ -143,7 +151,7 @@ impl Dimension {
     }
 
     /// The unit in which `value` (SI) has one to three digits before the point, as far as there
-    /// is one; `None` for plain numbers.
+    /// is one; `None` for numbers and fractions, which are written without.
     #[must_use]
     pub fn unit_for(self, value: f64) -> Option<Unit> {
         let size = value.abs();
@@ -158,7 +166,8 @@ impl Dimension {
             .max_by_key(power);
         let smallest = || self.units().min_by_key(|unit| power(unit).unwrap_or(1));
         match self {
-            Self::Angle | Self::Number => self.units().next(),
+            Self::Fraction | Self::Number => None,
+            Self::Angle => self.units().next(),
             _ if size > 0.0 => fitting.or_else(smallest),
             _ => self.units().max_by_key(|unit| power(unit) == Some(0)),
         }
@@ -344,6 +353,15 @@ mod tests {
         assert_eq!(pressure.to_bits(), 2000f64.to_bits());
         let angle = parse_quantity("180 deg", Dimension::Angle).unwrap();
         assert_eq!(angle.to_bits(), std::f64::consts::PI.to_bits());
+        for (text, fraction) in [
+            ("2%", 0.02),
+            ("0.3 %", 0.003),
+            ("7e-1 %", 0.007),
+            ("29%", 0.29),
+        ] {
+            let read = parse_quantity(text, Dimension::Fraction).unwrap();
+            assert_eq!(read.to_bits(), f64::to_bits(fraction), "{text}");
+        }
         assert!(length("nan m").unwrap().is_nan());
         assert!(length("1e999999999999 um").unwrap().is_infinite());
     }
@@ -365,6 +383,10 @@ mod tests {
         assert_eq!(
             length("6 MPa").to_string(),
             "MPa is a unit of pressure, not of length"
+        );
+        assert_eq!(
+            length("6 %").to_string(),
+            "% is a unit of fraction, not of length"
         );
         assert!(parse_argument("6", Dimension::Length).is_ok());
     }
@@ -391,8 +413,10 @@ mod tests {
                 let text = format_quantity(value, dimension);
                 prop_assert_eq!(parse_quantity(&text, dimension).unwrap().to_bits(), value.to_bits());
             }
-            let text = format_quantity(value, Dimension::Number);
-            prop_assert_eq!(text.parse::<f64>().unwrap().to_bits(), value.to_bits());
+            for dimension in [Dimension::Number, Dimension::Fraction] {
+                let text = format_quantity(value, dimension);
+                prop_assert_eq!(text.parse::<f64>().unwrap().to_bits(), value.to_bits());
+            }
         }
     }
 }

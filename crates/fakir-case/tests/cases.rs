@@ -108,6 +108,27 @@ fn overrides_take_bare_quantities() {
     assert_eq!(system.substrate().young_modulus, 1e9);
 }
 
+/// Per cent moves the decimal point, so that "29 %" is the decimal number 0.29 to the bit.
+#[test]
+fn fractions_are_taken_in_per_cent() {
+    for (text, number) in [("3%", "0.03"), ("29 %", "0.29"), ("0.7 %", "0.007")] {
+        let bare = with(&[&format!("texture.surface_fraction={number}")]).unwrap();
+        let given = with(&[&format!("texture.surface_fraction={text}")]).unwrap();
+        assert_eq!(given, bare);
+        let example = Case::example().to_toml();
+        let line = example
+            .lines()
+            .find(|line| line.contains("surface_fraction ="))
+            .unwrap();
+        let file = example.replace(line, &format!("surface_fraction = \"{text}\""));
+        assert_eq!(parse(&file), bare);
+    }
+    let error = with(&["lens.poisson_ratio=50%"]).unwrap_err();
+    assert!(error.to_string().contains("expected a number"), "{error}");
+    let error = with(&["texture.surface_fraction=120 %"]).unwrap_err();
+    assert!(error.to_string().contains("cannot be 1.2"), "{error}");
+}
+
 #[test]
 fn the_example_as_written() {
     insta::assert_snapshot!(Case::example().to_toml());

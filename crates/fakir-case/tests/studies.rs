@@ -87,6 +87,18 @@ fn ranges_begin_and_end_where_they_say() {
 }
 
 #[test]
+fn axes_take_per_cent() {
+    let listed = study("[axes]\nsurface_fraction = [\"1 %\", 0.03]");
+    let bare = study("[axes]\nsurface_fraction = [0.01, 0.03]");
+    let ends = study("[axes]\nsurface_fraction = { from = \"1%\", to = \"3%\", points = 2 }");
+    for index in 0..2 {
+        let expected = bare.coordinates(index);
+        assert_eq!(listed.coordinates(index), expected);
+        assert_eq!(ends.coordinates(index), expected);
+    }
+}
+
+#[test]
 fn a_value_of_an_axis_is_that_of_a_case_file_bit_for_bit() {
     let study = study(
         "[axes]\n\"substrate.young_modulus\" = [\"0.0021 MPa\", 1000000000]\npitch = [\"18.07 um\"]\n\

@@ -6,7 +6,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::Control;
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{CaseError, CaseFile, Key, Kind};
-use fakir_inverse::design::{Wanted, free_keys};
+use fakir_inverse::design::{Wanted, free_key};
 use fakir_inverse::fit::{FitOptions, Measurements, Parameter};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
@@ -427,11 +427,12 @@ pub(crate) struct Design {
     /// in per cent: texture.pillar.height=0.05um, substrate.young_modulus=10%; may be repeated
     #[arg(long, value_name = "KEY=DEVIATION", value_parser = tolerance)]
     tolerance: Vec<Tolerance>,
-    /// Samples drawn with these tolerances; 500 if there are any
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help = format!(
+        "Samples drawn with these tolerances; {} if there are any", Sampling::SAMPLES
+    ))]
     samples: Option<usize>,
     /// Decides which samples are drawn
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = Sampling::SEED)]
     seed: u64,
     /// Let the lens land where the case file says, instead of anywhere on the lattice
     #[arg(long)]
@@ -469,7 +470,7 @@ impl Design {
             } else {
                 Landing::Anywhere
             },
-            samples: self.samples.unwrap_or(500),
+            samples: self.samples.unwrap_or(Sampling::SAMPLES),
             seed: self.seed,
         })
     }
@@ -582,22 +583,6 @@ fn fitted(text: &str) -> Result<Parameter, String> {
     })
 }
 
-/// A key that can be sought, by its path or by its last name.
-fn free_key(text: &str) -> Result<Key, String> {
-    let named: Vec<Key> = free_keys()
-        .into_iter()
-        .filter(|key| key.path() == text || key.name() == text)
-        .collect();
-    match named[..] {
-        [key] => Ok(key),
-        _ => {
-            let keys = if named.is_empty() { free_keys() } else { named };
-            let paths: Vec<_> = keys.iter().map(|key| key.path()).collect();
-            Err(format!("give one of {}", paths.join(", ")))
-        }
-    }
-}
-
 /// `KEY=DEVIATION`, the deviation as a quantity or in per cent.
 fn tolerance(text: &str) -> Result<Tolerance, String> {
     let (path, deviation) = text
@@ -605,22 +590,10 @@ fn tolerance(text: &str) -> Result<Tolerance, String> {
         .ok_or("give KEY=DEVIATION, as in texture.pillar.height=3%")?;
     let path = path.trim();
     let key = Key::at(path).ok_or_else(|| format!("{path} is no key of a case file"))?;
-    let Kind::Number(dimension) = key.kind() else {
+    if !matches!(key.kind(), Kind::Number(_)) {
         return Err(format!("{path} is no number"));
-    };
-    let deviation = match deviation.trim().strip_suffix('%') {
-        Some(percent) => {
-            let percent: f64 = percent
-                .trim()
-                .parse()
-                .map_err(|_| format!("{percent} is no number of per cent"))?;
-            Deviation::Relative(percent / 100.0)
-        }
-        None => {
-            let value = parse_argument(deviation.trim(), dimension);
-            Deviation::Absolute(value.map_err(|error| error.to_string())?)
-        }
-    };
+    }
+    let deviation = Deviation::parse(key, deviation).map_err(|error| error.to_string())?;
     Ok(Tolerance { key, deviation })
 }
 

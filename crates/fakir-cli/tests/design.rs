@@ -31,6 +31,44 @@ fn what_is_designed_has_the_wanted_force() {
     }
 }
 
+/// A tolerance of 3 % is one of 0.066 um on a height of 2.2 um; the seed and the number of samples are
+/// those that the help tells.
+#[test]
+fn tolerances_in_per_cent_and_what_is_drawn_unless_asked() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let drawn = |tolerance: &str, more: &[&str]| {
+        let thin = "texture.surface_fraction=0.05 %";
+        let arguments = ["design", &case, "--set", thin, "--tolerance", tolerance];
+        bench.json(&[&arguments[..], more].concat())["spread"].clone()
+    };
+    let relative = drawn("texture.pillar.height=3 %", &["--samples", "6"]);
+    let absolute = drawn(
+        "texture.pillar.height=0.066um",
+        &["--samples", "6", "--seed", "1"],
+    );
+    assert_eq!(relative, absolute);
+    let help = bench.result(&["design", "--help"]);
+    let all = drawn("texture.pillar.height=3%", &[]);
+    let told = format!("; {} if there are any", all["samples"]);
+    let help: Vec<_> = help.split_whitespace().collect();
+    assert!(help.join(" ").contains(&told), "{told}");
+}
+
+/// A key may be named without its tables where only one has that last name.
+#[test]
+fn last_names_are_enough_where_one_key_has_them() {
+    use fakir_inverse::design::free_key;
+    use fakir_inverse::fit::Parameter;
+    assert_eq!(
+        free_key("surface_fraction"),
+        free_key("texture.surface_fraction")
+    );
+    assert!(free_key("young_modulus").is_err_and(|told| told.contains("lens.young_modulus")));
+    assert_eq!(Parameter::named("pitch"), Parameter::named("texture.pitch"));
+    assert!(Parameter::named("pitch").is_some() && Parameter::named("young_modulus").is_none());
+}
+
 #[test]
 fn what_cannot_be_had_is_status_3_with_the_nearest() {
     let bench = Bench::new();

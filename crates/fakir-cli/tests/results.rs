@@ -45,6 +45,7 @@ fn keys_of_transition_are_the_contract() {
         "critical_contact_radius_m",
         "top_contact_radius_m",
         "bottom_contact_m",
+        "floor_contact_m",
         "pillars_in_contact",
         "pillars_partially_in_contact",
         "normalized",
@@ -255,6 +256,37 @@ fn approach_ends_at_the_critical_state() {
     let shorter = [&arguments[..], &["--until", "0.5um", "--step", "0.5um"]].concat();
     let result = bench.json(&shorter);
     assert_eq!(result["states"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn theory_says_where_models_hold() {
+    let bench = Bench::new();
+    let theory = |setting| {
+        let case = example("paper-intermediate.toml");
+        bench.result(&["theory", &case, "--set", setting])
+    };
+    let thin = theory("texture.surface_fraction=0.1 %");
+    let row = |text: &str, name: &str| -> String {
+        let line = text.lines().find(|line| line.starts_with(name));
+        let words: Vec<_> = line.unwrap_or_default().split_whitespace().collect();
+        words.join(" ")
+    };
+    // pi/(2 sqrt3)/(1/2 + sqrt(2 R h)/d)^2 = 0.003176, from the criterion of the paper; the other limit is that
+    // of `largest_surface_fraction`.
+    assert_eq!(
+        row(&thin, "touches one"),
+        "touches one pillar only yes only below a surface fraction of 0.003176"
+    );
+    assert_eq!(
+        row(&thin, "homogenised lattice possible"),
+        "homogenised lattice possible yes only below a surface fraction of 0.8669"
+    );
+    // Higher pillars shorten more, so that the limit is more than discs can cover: no limit at all.
+    let high = theory("texture.pillar.height=20um");
+    assert_eq!(
+        row(&high, "homogenised lattice possible"),
+        "homogenised lattice possible yes at every surface fraction"
+    );
 }
 
 #[test]

@@ -182,6 +182,38 @@ fn saved_fields_are_a_case_again() {
     assert!(number(&run("transition", &["--json"]), "/critical_force_N") > 0.0);
 }
 
+/// A plate has no axis: nothing that is said of it counts from one.
+#[test]
+fn plates_have_no_lens_axis() {
+    let bench = tempfile::tempdir().unwrap();
+    let case = example("square-pillars.toml");
+    let settings = [
+        "--set",
+        "surface.indenter=plate",
+        "--set",
+        "surface.boundary=periodic",
+        "--set",
+        "surface.grid.width=40um",
+        "--quiet",
+    ];
+    let said = |command: &str, more: &[&str]| {
+        let outcome = fakir(command, &case, &[&settings[..], more].concat());
+        assert!(outcome.status.success());
+        String::from_utf8(outcome.stdout).unwrap()
+    };
+    let folder = bench.path().join("plate");
+    let critical = said("transition", &["--output", folder.to_str().unwrap()]);
+    let loading = said("approach", &["--step", "0.2um"]);
+    assert!(critical.contains("floor contact, x"), "{critical}");
+    assert!(!loading.contains("contact radius"), "{loading}");
+    for file in std::fs::read_dir(&folder).unwrap() {
+        let text = std::fs::read(file.unwrap().path()).unwrap();
+        let text = String::from_utf8_lossy(&text);
+        assert!(!text.contains("lens axis"), "{text}");
+    }
+    assert!(!critical.contains("lens axis"), "{critical}");
+}
+
 #[test]
 fn plates_and_periods() {
     let arguments = [

@@ -6,7 +6,7 @@ import { byId } from "./screen.js";
 import { isBeyond, isCritical, isOlder, type Of, type State } from "./store.js";
 
 const PHASE: Axes = {
-  xLabel: "contact radius over pitch, a/e",
+  xLabel: "contact radius on the tops over pitch, a/e",
   yLabel: "F γ_{int}/(h d)",
   yDimension: "number",
 };
@@ -55,8 +55,9 @@ function phaseContents(state: State): Contents | null {
   if (phase === null || critical === null) return null;
   const older = isBefore(phase, critical);
   const { transition } = phase.is;
+  // The radius is that of the contact on the pillar tops, as on the way there.
   const placeOf = ({ is }: { is: typeof critical.is }): Place => [
-    is.normalized.contact_radius,
+    is.top_contact_radius_m / is.pitch_m,
     is.normalized.force,
   ];
   const at = placeOf(critical);

@@ -1,6 +1,6 @@
 // Numbers for people: units with prefixes, and as many digits as are known.
 
-export type Dimension = "length" | "pressure" | "force" | "angle" | "number";
+export type Dimension = "length" | "pressure" | "force" | "angle" | "fraction" | "number";
 
 interface Unit {
   readonly symbol: string;
@@ -28,6 +28,8 @@ const UNITS: Record<Dimension, readonly Unit[]> = {
     { symbol: "nN", power: -9 },
   ],
   angle: [{ symbol: "°", power: null }],
+  // Per cent and what else can be typed is read by the program.
+  fraction: [],
   number: [],
 };
 
@@ -100,7 +102,7 @@ export function engineeringText(value: number, dimension: Dimension, digits: num
 
 /** A value to be edited: its shortest digits, with the decimal point moved for the unit. */
 export function editable(value: number, dimension: Dimension): string {
-  if (dimension === "number") return String(value);
+  if (dimension === "number" || dimension === "fraction") return String(value);
   if (dimension === "angle") return `${Number((value / DEGREE).toPrecision(12))} deg`;
   const unit = unitFor(value, dimension);
   if (unit === null || unit.power === null) return String(value);

@@ -5,11 +5,11 @@ use crate::jobs::{Failure, File, Worker};
 use crate::refusal::Refusal;
 use crate::request;
 use fakir::problem::Control;
-use fakir::state::{ContactState, Normalized, Run};
+use fakir::state::{ContactState, Run};
 use fakir_case::Case;
 use fakir_figure::{
     Figure, FigureError, PhaseDiagram, ProfileState, Series, Style, Text, View, floor_gap_map,
-    phase_diagram, phase_points, pressure_map, profiles, top_view,
+    phase_diagram, phase_point, pressure_map, profiles, top_view,
 };
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
@@ -142,19 +142,13 @@ fn figure(name: &str, case: &Case, solved: &Solved, run: &Run<'_>) -> Result<Fig
 
 /// The phase diagram with the state that is shown.
 fn phase(case: &Case, state: &ContactState) -> Figure {
-    let reduced = Normalized::new(
-        &case.system,
-        state.force,
-        state.contact_radius,
-        state.indentation,
-    );
     let fraction = case.system.texture().surface_fraction();
     let label = format!("*φ* = {fraction:.4}");
     phase_diagram(&PhaseDiagram {
         system: case.system,
         critical: vec![Series::new(
             Text::from(label),
-            phase_points([&reduced]),
+            vec![phase_point(&case.system, state.force, state.contact_radius)],
             Style::marks(0),
         )],
         paths: Vec::new(),

@@ -3,14 +3,14 @@
 use fakir::problem::{
     Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
 };
-use fakir::state::{CriticalState, Normalized, Run};
+use fakir::state::{CriticalState, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::SumFit;
 use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, Dash, Figure, FigureError, Histogram,
     LineChart, Measured, PhaseDiagram, ProfileState, Series, Style, Text, Tint, View,
-    critical_curves, floor_gap_map, histogram, lattice_sums, lines, phase_diagram, phase_points,
+    critical_curves, floor_gap_map, histogram, lattice_sums, lines, phase_diagram, phase_point,
     pillar_pressure, pressure_map, profiles, top_view,
 };
 use std::error::Error;
@@ -116,24 +116,20 @@ fn phases() -> Result<Figure, Box<dyn Error>> {
             let share = (f64::from(step) / 20.0).powi(2);
             let load = Control::Force(share * critical.contact.force);
             let state = fakir::press(&system, load, Method::default(), &run)?;
-            points.push(Normalized::new(
-                &system,
-                state.force,
-                state.contact_radius,
-                state.indentation,
-            ));
+            points.push(phase_point(&system, state.force, state.contact_radius));
         }
         let dash = [Dash::LongDashed, Dash::Dashed, Dash::DashDotted][k];
         let style = Style::line(0).in_tint(Tint::Grey).with_line(dash);
         let label = format!("loading, *φ* = {phi}");
-        paths.push(Series::new(label, phase_points(&points), style));
+        paths.push(Series::new(label, points, style));
     }
     let critical = curves(2e6, 14)?
         .into_iter()
         .enumerate()
         .map(|(k, curve)| {
-            let points: Vec<Normalized> = curve.points.iter().map(|p| p.reduced).collect();
-            Series::new(curve.label, phase_points(&points), Style::marks(k))
+            let points = curve.points.iter().map(|p| p.reduced);
+            let points = points.map(|p| [p.contact_radius, p.force]).collect();
+            Series::new(curve.label, points, Style::marks(k))
         })
         .collect();
     Ok(phase_diagram(&PhaseDiagram {

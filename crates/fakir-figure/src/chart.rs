@@ -225,7 +225,6 @@ impl Grid {
     pub(crate) fn figure(&self) -> Figure {
         let (frames, mut end) = self.frames();
         let mut items = Vec::new();
-        let mut legend = Legend::default();
         let mut contents = Vec::new();
         for (k, (frame, chart)) in frames.iter().zip(&self.charts).enumerate() {
             let (row, column) = (k / self.columns, k % self.columns);
@@ -237,27 +236,50 @@ impl Grid {
                 self.x_lettering(row, column),
                 self.y_lettering(row, column),
             );
-            for series in &chart.series {
-                if let Some(label) = &series.label {
-                    legend.push(label, series.style);
-                }
-            }
             contents.push(data);
         }
         self.name_columns(&frames, &mut items);
         self.tag(&frames, &mut items);
-        if !legend.is_empty() {
-            let inside = frames
-                .iter()
-                .zip(&contents)
-                .any(|(frame, data)| legend.draw_inside(&frame.bounds, data, &mut items));
-            if !inside {
-                end += MARGIN;
-                let at = [0.5 * self.width, end];
-                end += legend.draw_below(at, self.width - 2.0 * MARGIN, &mut items);
-            }
+        let left = self.legends(&frames, &mut contents, &mut items);
+        if !left.is_empty() {
+            end += MARGIN;
+            let at = [0.5 * self.width, end];
+            end += left.draw_below(at, self.width - 2.0 * MARGIN, &mut items);
         }
         Figure::new(self.name, [self.width, end + MARGIN], items)
+    }
+
+    /// Draws what each chart has to tell for the first time into that chart, or into another one with the
+    /// same series; answers with what no chart has room for.
+    fn legends(
+        &self,
+        frames: &[Frame],
+        contents: &mut [Vec<Item>],
+        items: &mut Vec<Item>,
+    ) -> Legend {
+        let (mut told, mut left) = (Legend::default(), Legend::default());
+        for k in 0..self.charts.len() {
+            let own = Legend::of(&self.charts[k].series).without(&told);
+            if own.is_empty() {
+                continue;
+            }
+            told.extend(&own);
+            let others = (0..self.charts.len()).filter(|other| *other != k);
+            let drawn = [k].into_iter().chain(others).find_map(|at| {
+                let frame = frames.get(at)?;
+                let same = Legend::of(&self.charts[at].series).holds(&own);
+                let drawn = same.then(|| own.inside(&frame.bounds, &contents[at]))??;
+                Some((at, drawn))
+            });
+            match drawn {
+                Some((at, drawn)) => {
+                    items.extend(drawn.iter().cloned());
+                    contents[at].extend(drawn);
+                }
+                None => left.extend(&own),
+            }
+        }
+        left
     }
 
     fn name_columns(&self, frames: &[Frame], items: &mut Vec<Item>) {

@@ -3,7 +3,7 @@
 use crate::font::{Bounds, CAP_HEIGHT};
 use crate::frame::NOTE_SIZE;
 use crate::scene::{Anchor, Item, Label, Place};
-use crate::series::Style;
+use crate::series::{Series, Style};
 use crate::text::Text;
 
 const SAMPLE: f64 = 19.0;
@@ -21,12 +21,44 @@ pub(crate) struct Legend {
 }
 
 impl Legend {
-    /// Every label once, in the order of their first appearance.
-    pub(crate) fn push(&mut self, label: &Text, style: Style) {
-        let known = |(text, of): &(Text, Style)| text == label && *of == style;
-        if !self.entries.iter().any(known) {
-            self.entries.push((label.clone(), style));
+    /// The legend of the series that have a label: every label once, in the order of their first
+    /// appearance.
+    pub(crate) fn of<'a>(series: impl IntoIterator<Item = &'a Series>) -> Self {
+        let mut legend = Self::default();
+        for series in series {
+            if let Some(label) = &series.label {
+                legend.push(label, series.style);
+            }
         }
+        legend
+    }
+
+    fn push(&mut self, label: &Text, style: Style) {
+        let entry = (label.clone(), style);
+        if !self.entries.contains(&entry) {
+            self.entries.push(entry);
+        }
+    }
+
+    /// It without what another legend tells.
+    pub(crate) fn without(mut self, told: &Self) -> Self {
+        self.entries.retain(|entry| !told.entries.contains(entry));
+        self
+    }
+
+    /// Takes the entries of another legend too.
+    pub(crate) fn extend(&mut self, other: &Self) {
+        for (label, style) in &other.entries {
+            self.push(label, *style);
+        }
+    }
+
+    /// Whether it tells all that another one does.
+    pub(crate) fn holds(&self, other: &Self) -> bool {
+        other
+            .entries
+            .iter()
+            .all(|entry| self.entries.contains(entry))
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -66,17 +98,14 @@ impl Legend {
         }
     }
 
-    /// Draws it inside a frame where it covers none of the data; `false` if there is no such
-    /// place.
-    pub(crate) fn draw_inside(&self, frame: &Bounds, data: &[Item], items: &mut Vec<Item>) -> bool {
-        for columns in 1..=2 {
-            let size = self.size(columns);
-            if let Some(place) = free_place(frame, size, data) {
-                self.draw(place, columns, items);
-                return true;
-            }
-        }
-        false
+    /// It inside a frame where it covers none of the data; `None` if there is no such place.
+    pub(crate) fn inside(&self, frame: &Bounds, data: &[Item]) -> Option<Vec<Item>> {
+        (1..=2).find_map(|columns| {
+            let place = free_place(frame, self.size(columns), data)?;
+            let mut items = Vec::new();
+            self.draw(place, columns, &mut items);
+            Some(items)
+        })
     }
 
     /// Draws it below a chart, centred on `centre` and at most `width` wide; answers with its

@@ -58,7 +58,7 @@ pub use figures::floor_pressure_map::floor_pressure_map;
 pub use figures::histogram::{Histogram, histogram};
 pub use figures::lattice_sums::lattice_sums;
 pub use figures::lines::{LineChart, lines};
-pub use figures::phase_diagram::{PhaseDiagram, phase_diagram, phase_points};
+pub use figures::phase_diagram::{PhaseDiagram, phase_diagram, phase_point};
 pub use figures::pillar_pressure::pillar_pressure;
 pub use figures::pressure_map::pressure_map;
 pub use figures::profiles::{ProfileState, profiles, surface_profiles};

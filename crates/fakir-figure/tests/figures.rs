@@ -8,7 +8,7 @@ use fakir::problem::{
     Boundary, Control, Floor, Grid, HeightMap, HexagonalLattice, Indenter, Lens, Material, Method,
     Pillar, PillarCompliance, SurfaceSystem, System, Texture,
 };
-use fakir::state::{ContactState, CriticalState, Normalized, Run};
+use fakir::state::{ContactState, CriticalState, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::SumFit;
@@ -17,7 +17,7 @@ use fakir_figure::{
     FittedLoad, FittedPoint, FittedQuantity, Histogram, LineChart, LoadingPoint, Measured,
     PhaseDiagram, ProfileState, RESOLUTION, Section, SectionDetail, Series, Style, SurfaceState,
     Text, View, approach, critical_curves, fit_curves, floor_gap_map, floor_pressure_map,
-    histogram, lattice_sums, lines, phase_diagram, phase_points, pillar_pressure, pressure_map,
+    histogram, lattice_sums, lines, phase_diagram, phase_point, pillar_pressure, pressure_map,
     profiles, surface_gap_map, surface_pressure_map, surface_profiles, top_view,
 };
 use png::{ColorType, Decoder};
@@ -129,16 +129,12 @@ fn column(modulus: f64) -> CriticalColumn {
 
 fn figures_of_many_states() -> Vec<Figure> {
     let intermediate = column(2e6);
-    let points: Vec<Normalized> = intermediate.curves[0]
-        .points
-        .iter()
-        .map(|point| point.reduced)
-        .collect();
+    let dense = system(2e6, 0.1, 0.0);
     let diagram = PhaseDiagram {
         system: system(2e6, 0.01, 0.0),
         critical: vec![Series::new(
             "critical",
-            phase_points(&points),
+            vec![phase_point(&dense, 4.4e-3, 199e-6)],
             Style::marks(0),
         )],
         paths: vec![Series::new(

@@ -243,6 +243,23 @@ pub fn free_keys() -> Vec<Key> {
         .collect()
 }
 
+/// The key that can be sought of that path, or of that last name if only one has it.
+///
+/// # Errors
+/// The paths of the keys that it may have been.
+pub fn free_key(name: &str) -> Result<Key, String> {
+    let mut named = free_keys();
+    named.retain(|key| key.path() == name || key.name() == name);
+    match named[..] {
+        [key] => Ok(key),
+        [] => Err(format!("give one of {}", free_names())),
+        _ => {
+            let paths: Vec<_> = named.iter().map(|key| key.path()).collect();
+            Err(format!("give one of {}", paths.join(", ")))
+        }
+    }
+}
+
 fn free_names() -> String {
     let names: Vec<&str> = free_keys().into_iter().map(Key::path).collect();
     names.join(", ")

@@ -3,6 +3,7 @@
 
 use fakir::problem::HexagonalLattice;
 use fakir::state::{Run, SolveError};
+use fakir_case::unit::{Dimension, QuantityError, parse_argument, parse_quantity};
 use fakir_case::{CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_study::{Column, Table, Values};
 use rand_chacha::ChaCha12Rng;
@@ -26,6 +27,20 @@ pub enum Deviation {
     Absolute(f64),
     /// As a part of the value.
     Relative(f64),
+}
+
+impl Deviation {
+    /// Reads the deviation of a key: `"0.05 um"`, or `"3 %"` of its value.
+    ///
+    /// # Errors
+    /// [`QuantityError`]
+    pub fn parse(key: Key, text: &str) -> Result<Self, QuantityError> {
+        if text.trim_end().ends_with('%') {
+            parse_quantity(text, Dimension::Fraction).map(Self::Relative)
+        } else {
+            parse_argument(text, key.dimension()).map(Self::Absolute)
+        }
+    }
 }
 
 /// Where the lens lands.
@@ -60,6 +75,13 @@ pub struct Sampling {
     pub samples: usize,
     /// Decides all that is random. A sample depends on it and on its own number alone.
     pub seed: u64,
+}
+
+impl Sampling {
+    /// As many samples are drawn unless asked otherwise.
+    pub const SAMPLES: usize = 500;
+    /// The seed unless asked otherwise.
+    pub const SEED: u64 = 1;
 }
 
 /// One sample.

@@ -68,9 +68,11 @@ impl Quantity {
 pub struct PowerLaw {
     /// The exponent.
     pub exponent: f64,
-    /// Half the width of its 95 % confidence interval (Student's t). The points are not noisy: it
-    /// says how far the curve is from a power law.
+    /// Half the width of the 95 % interval (Student's t) that the exponent would have if the distances from
+    /// the law were noise, which they are not.
     pub uncertainty: f64,
+    /// Largest relative distance of a point from the law.
+    pub largest_deviation: f64,
     /// The prefactor, in SI units.
     pub prefactor: f64,
     /// Surface fractions of the first and the last point.
@@ -97,6 +99,10 @@ impl PowerLaw {
         Some(Self {
             exponent: slope,
             uncertainty,
+            largest_deviation: points
+                .iter()
+                .map(|[x, y]| (y - intercept - slope * x).exp_m1().abs())
+                .fold(0.0, f64::max),
             prefactor: intercept.exp(),
             range: [
                 inside.first()?.surface_fraction,

@@ -117,7 +117,7 @@ fn raised(number: &str) -> String {
         .collect()
 }
 
-fn percent(value: f64) -> String {
+pub(crate) fn percent(value: f64) -> String {
     format!("{} %", short(100.0 * value))
 }
 
@@ -761,8 +761,14 @@ fn power_law(grid: &Grid, quantity: Quantity) -> Option<Claim> {
     let [thin, dense] = LAW_RANGES.map(law);
     let (thin, dense) = (thin?, dense?);
     let text = |laws: [PowerLaw; 3]| {
-        laws.map(|law| format!("{:.2} ± {:.2}", law.exponent, law.uncertainty))
-            .join(", ")
+        laws.map(|law| {
+            format!(
+                "{:.2} (within {})",
+                law.exponent,
+                percent(law.largest_deviation)
+            )
+        })
+        .join(", ")
     };
     let symbol = match quantity {
         Quantity::Force => "F_c",

@@ -1,7 +1,7 @@
 //! The figures of the paper, from the computed numbers.
 
 use crate::analysis::{PowerLaw, Quantity};
-use crate::claims::LAW_RANGES;
+use crate::claims::{LAW_RANGES, percent};
 use crate::grid::{Grid, OFFSETS, Substrate, system};
 use crate::states::{Approach, PAST, SHARES, States};
 use fakir::problem::Method;
@@ -13,7 +13,7 @@ use fakir_case::CaseError;
 use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, Dash, Figure, FigureError, LineChart,
     Measured, PhaseDiagram, ProfileState, Series, Style, Text, Tint, View, critical_curves,
-    floor_gap_map, floor_pressure_map, lattice_sums, lines, phase_diagram, phase_points,
+    floor_gap_map, floor_pressure_map, lattice_sums, lines, phase_diagram, phase_point,
     pillar_pressure, pressure_map, profiles, top_view,
 };
 use fakir_study::Critical;
@@ -297,8 +297,9 @@ fn power_laws(material: Material<'_>) -> Plate {
         };
         let ends = law.range.map(|phi| [phi, 1e6 * law.at(phi)]);
         let label = format!(
-            "*F*_{{c}} ~ *φ*^{{{:.2} ± {:.2}}}",
-            law.exponent, law.uncertainty
+            "*F*_{{c}} ~ *φ*^{{{:.2}}}, within {}",
+            law.exponent,
+            percent(law.largest_deviation)
         );
         series.push(Series::new(label, ends.to_vec(), Style::line(k + 1)));
     }
@@ -312,7 +313,8 @@ fn power_laws(material: Material<'_>) -> Plate {
         "power-laws",
         "Power laws of the critical force",
         "Critical force on the intermediate substrate, lens axis on a pillar, with power laws found \
-         by least squares over two ranges of the surface fraction: there is not one exponent.",
+         by least squares over two ranges of the surface fraction, and how far the curve is from \
+         them at most: there is not one exponent.",
     )
 }
 
@@ -335,10 +337,15 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         .grid
         .of(Substrate::Intermediate)
         .map(|curve| {
-            let states: Vec<Normalized> = curve.states.iter().map(normalized).collect();
+            let points = curve.states.iter().map(|state| {
+                [
+                    state.top_contact_radius / state.pitch,
+                    state.normalized_force,
+                ]
+            });
             Series::new(
                 offset_label(curve.offset),
-                phase_points(&states),
+                points.collect::<Vec<_>>(),
                 Style::marks(curve.offset),
             )
         })
@@ -351,27 +358,26 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         .map(|(k, loading)| {
             let past = material.states.shared.iter();
             let past = past.filter(|s| s.surface_fraction == loading.surface_fraction);
-            let states: Vec<Normalized> = loading
+            let states = loading
                 .states
                 .iter()
-                .chain(past.map(|shared| &shared.state))
-                .map(|s| Normalized::new(&s.system, s.force, s.contact_radius, s.indentation))
-                .collect();
+                .chain(past.map(|shared| &shared.state));
+            let points = states.map(|s| phase_point(&s.system, s.force, s.contact_radius));
             let label = format!("loading, *φ* = {}", loading.surface_fraction);
             let style = PATHS[k % PATHS.len()];
-            Series::new(label, phase_points(&states), style)
+            Series::new(label, points.collect::<Vec<_>>(), style)
         })
         .collect();
     let shares = SHARES.into_iter().enumerate().map(|(k, share)| {
         let states = material.states.shared.iter();
         let states = states.filter(|shared| shared.share == share);
-        let states: Vec<Normalized> = states
+        let points = states
             .map(|shared| &shared.state)
-            .map(|s| Normalized::new(&s.system, s.force, s.contact_radius, s.indentation))
-            .collect();
+            .map(|s| phase_point(&s.system, s.force, s.contact_radius));
+        let points = points.collect::<Vec<_>>();
         let label = format!("{:.0} % on the floor", 100.0 * share);
         let style = Style::line(k + 2).in_tint(Tint::Grey);
-        Series::new(label, phase_points(&states), style)
+        Series::new(label, points, style)
     });
     let shares = shares.collect();
     let figure = phase_diagram(&PhaseDiagram {
@@ -384,7 +390,8 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         figure,
         "phase-diagram",
         "Phase diagram",
-        "Reduced force against contact radius in pitches, intermediate substrate: where the lens \
+        "Reduced force against the radius of the contact on the pillar tops in pitches, \
+         intermediate substrate: where the lens \
          rests on pillar tops only and where it touches the floor too, with the paper's transition \
          curve, computed critical states of six offsets, and two loading paths, of which that at the \
          smaller surface fraction goes on into mixed contact. Grey lines join states in which the floor \

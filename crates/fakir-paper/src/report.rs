@@ -1,7 +1,7 @@
 //! `report.html`: every claim in a row, every figure, the numbers. One file, nothing to load.
 
 use crate::analysis::{PowerLaw, Quantity, state_near};
-use crate::claims::{Claim, LAW_RANGES, Verdict};
+use crate::claims::{Claim, LAW_RANGES, Verdict, percent};
 use crate::figures::Plate;
 use crate::grid::{Grid, Substrate};
 use fakir_figure::font_css;
@@ -48,6 +48,66 @@ code{font-family:ui-monospace,monospace;font-size:.92em;background:#f3f3f3;paddi
 @media print{body{max-width:none;padding:0}figure{break-inside:avoid}}
 ";
 
+/// The symbols of claims and figures, and what they mean.
+const SYMBOLS: [(&str, &str); 14] = [
+    (
+        "φ",
+        "surface fraction: part of the surface that is pillar top",
+    ),
+    (
+        "e, d, h",
+        "pitch of the lattice, diameter and height of a pillar",
+    ),
+    ("R", "radius of the lens"),
+    ("E_s", "Young's modulus of substrate and pillars"),
+    (
+        "δx/e",
+        "offset of the lens axis from a pillar centre, in pitches",
+    ),
+    (
+        "F, a, ζ",
+        "force, radius of the contact on the pillar tops, indentation",
+    ),
+    (
+        "F_c, a_c, ζ_c",
+        "the same in the critical state, where the lens just reaches the floor; a_c is the larger of a and r_c",
+    ),
+    ("r_c", "distance of the floor contact from the lens axis"),
+    (
+        "c",
+        "sum of the compliances of lens and substrate, each (1 - ν^2)/E",
+    ),
+    (
+        "γ_int",
+        "compliance of a lone pillar with the lens: it gives way by γ_int F/d",
+    ),
+    (
+        "k",
+        "(2√3/π) Rh/d^2, in the paper's formulas for large contacts",
+    ),
+    ("μ_c", "r_c^2/2Rh, in the paper's formulas"),
+    (
+        "β",
+        "half of η C_01 γ_ext/γ_int, in the same formulas, with η = d/2e√φ and the fitted coefficient C_01 of the \
+         lattice sum G_0; γ_ext: a force moves the surfaces apart by γ_ext F/2r at a distance r",
+    ),
+    (
+        "S",
+        "force on the central pillar in the critical state, over hd/γ_int",
+    ),
+];
+
+fn symbols() -> Markup {
+    html! {
+        h2 { "Symbols" }
+        div.scroll { table { tbody {
+            @for (symbol, meaning) in SYMBOLS {
+                tr { td { (formatted(symbol)) } td { (formatted(meaning)) } }
+            }
+        } } }
+    }
+}
+
 impl Report<'_> {
     /// The page.
     #[must_use]
@@ -63,6 +123,7 @@ impl Report<'_> {
                 }
                 body {
                     (self.head())
+                    (symbols())
                     (self.claims())
                     (self.power_laws())
                     (self.critical_states())
@@ -125,9 +186,8 @@ impl Report<'_> {
         html! {
             h2 { "Power laws in the surface fraction" }
             p {
-                "Exponents by least squares in logarithms, lens axis on a pillar, with 95 % \
-                 confidence intervals: of a curve without noise they say how far it is from a power \
-                 law. Printed: the paper's large-contact formulas far beyond kφ = 1. Dense: the \
+                "Exponents by least squares in logarithms, lens axis on a pillar, and how far the curve \
+                 is from the power law at most. Printed: the paper's large-contact formulas far beyond kφ = 1. Dense: the \
                  limit of a lens on a bare half-space."
             }
             div.scroll { table {
@@ -250,7 +310,11 @@ fn class(verdict: Verdict) -> &'static str {
 
 fn law(grid: &Grid, substrate: Substrate, quantity: Quantity, range: [f64; 2]) -> String {
     PowerLaw::of(grid.on_pillar(substrate), quantity, range).map_or("-".to_owned(), |law| {
-        format!("{:.3} ± {:.3}", law.exponent, law.uncertainty)
+        format!(
+            "{:.3}, within {}",
+            law.exponent,
+            percent(law.largest_deviation)
+        )
     })
 }
 

@@ -24,6 +24,7 @@ struct LawRow {
     points: usize,
     exponent: f64,
     exponent_uncertainty: f64,
+    largest_deviation: f64,
     prefactor: f64,
 }
 
@@ -116,6 +117,7 @@ fn law_rows(grid: &Grid) -> impl Iterator<Item = LawRow> + '_ {
                 points: law.points,
                 exponent: law.exponent,
                 exponent_uncertainty: law.uncertainty,
+                largest_deviation: law.largest_deviation,
                 prefactor: law.prefactor,
             })
         })

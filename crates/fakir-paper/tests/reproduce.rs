@@ -31,10 +31,15 @@ fn on_pillar(rows: &[Record], young_modulus: f64) -> Vec<&Record> {
 }
 
 /// Slope of a straight line by least squares.
-fn slope(points: &[(f64, f64)]) -> f64 {
+fn centre(points: &[(f64, f64)]) -> (f64, f64) {
     let count = points.len() as f64;
     let mean_x = points.iter().map(|p| p.0).sum::<f64>() / count;
     let mean_y = points.iter().map(|p| p.1).sum::<f64>() / count;
+    (mean_x, mean_y)
+}
+
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let (mean_x, mean_y) = centre(points);
     let products: f64 = points.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
     products / points.iter().map(|p| (p.0 - mean_x).powi(2)).sum::<f64>()
 }
@@ -116,7 +121,17 @@ fn the_report_says_what_the_tables_say() {
         .find(|law| law["quantity"] == "critical force" && law["substrate"] == "intermediate")
         .unwrap();
     assert!((number(law, "exponent") - exponent).abs() < 1e-12);
-    assert!(report.contains(&format!("{exponent:.3} ± ")));
+    // The curve has no noise, so that there is no confidence interval but a distance from the law.
+    let (mean_x, mean_y) = centre(&points);
+    let line = |x: f64| mean_y + exponent * (x - mean_x);
+    let away = points.iter().map(|(x, y)| (y - line(*x)).exp_m1());
+    let largest = away.map(f64::abs).fold(0.0, f64::max);
+    assert!((number(law, "largest_deviation") - largest).abs() < 1e-12);
+    assert!(report.contains(&format!("{exponent:.3}, within ")));
+    assert!(!report.contains('±'));
+    for symbol in ["γ<sub>int</sub>", "δx/e", "φ", "r<sub>c</sub>"] {
+        assert!(report.contains(&format!("<td>{symbol}</td>")), "{symbol}");
+    }
 
     // A folder that is not empty is refused.
     let again = reproduce(&scope, &folder, Existing::Refuse, &run, &|_| {});

@@ -120,6 +120,12 @@ pub(crate) fn key(path: &str) -> PyResult<Key> {
     Key::at(path).ok_or_else(|| value_error(format!("a case has no key \"{path}\"")))
 }
 
+/// What the numbers of a key measure: `"length"` and the like.
+#[pyfunction]
+pub(crate) fn dimension(path: &str) -> PyResult<&'static str> {
+    Ok(key(path)?.dimension().noun())
+}
+
 /// A number with a unit, such as `2200 um`, or a bare number, in SI units.
 #[pyfunction]
 pub(crate) fn parse_quantity(text: &str, dimension: &str) -> PyResult<f64> {
@@ -128,6 +134,7 @@ pub(crate) fn parse_quantity(text: &str, dimension: &str) -> PyResult<f64> {
         "pressure" => Dimension::Pressure,
         "force" => Dimension::Force,
         "angle" => Dimension::Angle,
+        "fraction" => Dimension::Fraction,
         "number" => Dimension::Number,
         _ => return Err(value_error(format!("no dimension \"{dimension}\""))),
     };

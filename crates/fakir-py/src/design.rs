@@ -6,7 +6,7 @@ use crate::state::Critical;
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir_inverse::DesignSummary;
-use fakir_inverse::design::{Answer, Candidate, Design, Wanted};
+use fakir_inverse::design::{Answer, Candidate, Design, Wanted, free_key};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::citations::{Citation, Topic, citations};
 use fakir_study::result::json;
@@ -32,7 +32,9 @@ pub(crate) fn design(
         (None, Some(radius)) => Wanted::ContactRadius(radius),
         _ => return Err(value_error("give a force or a contact radius, one of them")),
     };
-    let (file, free) = (case.file()?, key(free)?);
+    let file = case.file()?;
+    let free =
+        free_key(free).map_err(|advice| value_error(format!("free is \"{free}\": {advice}")))?;
     let start = Instant::now();
     let designed = watched(py, &options, |run| {
         fakir_inverse::design::design(&file, free, wanted, run)
@@ -60,6 +62,22 @@ pub(crate) fn design(
 
 /// The object that `fakir design --json` prints, and the columns of `samples.csv`.
 type Scattered<'py> = (String, PyColumns<'py>);
+
+/// Samples that are drawn, and the seed, unless asked otherwise.
+#[pyfunction]
+pub(crate) fn sampling_defaults() -> (usize, u64) {
+    (Sampling::SAMPLES, Sampling::SEED)
+}
+
+/// A standard deviation of a key as text: `"0.05 um"`, or `"3 %"` of its value, which is relative and so marked.
+#[pyfunction]
+pub(crate) fn parse_deviation(path: &str, text: &str) -> PyResult<(f64, bool)> {
+    match Deviation::parse(key(path)?, text) {
+        Ok(Deviation::Absolute(value)) => Ok((value, false)),
+        Ok(Deviation::Relative(part)) => Ok((part, true)),
+        Err(error) => Err(value_error(format!("{path}: {error}"))),
+    }
+}
 
 /// Critical states of samples drawn about a case. `tolerances` are keys with a standard deviation, which
 /// is relative if so marked.

@@ -23,11 +23,11 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _fakir {
     #[pymodule_export]
-    use super::case::{Case, parse_case, parse_quantity, read_case};
+    use super::case::{Case, dimension, parse_case, parse_quantity, read_case};
     #[pymodule_export]
     use super::command::command;
     #[pymodule_export]
-    use super::design::{cite, design, spread};
+    use super::design::{cite, design, parse_deviation, sampling_defaults, spread};
     #[pymodule_export]
     use super::fit::{Data, Fitted, fit};
     #[pymodule_export]

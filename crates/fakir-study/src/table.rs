@@ -250,6 +250,8 @@ fn critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
     of.number("top_contact_radius_m", |it| it.top_contact_radius);
     of.number("bottom_contact_x_m", |it| it.floor_contact[0]);
     of.number("bottom_contact_y_m", |it| it.floor_contact[1]);
+    of.number("floor_contact_x_m", |it| it.floor_contact[0]);
+    of.number("floor_contact_y_m", |it| it.floor_contact[1]);
     of.count("pillars_in_contact", |it| it.pillars_in_contact);
     of.count("pillars_partially_in_contact", |it| {
         it.pillars_partially_in_contact
@@ -326,6 +328,8 @@ fn surface_critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
     of.number("critical_indentation_m", |it| it.indentation);
     of.number("bottom_contact_x_m", |it| it.floor_contact[0]);
     of.number("bottom_contact_y_m", |it| it.floor_contact[1]);
+    of.number("floor_contact_x_m", |it| it.floor_contact[0]);
+    of.number("floor_contact_y_m", |it| it.floor_contact[1]);
     surface_columns(&mut of, |it| &it.common);
 }
 

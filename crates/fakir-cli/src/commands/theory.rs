@@ -5,7 +5,7 @@ use crate::numbers::{significant, with_unit};
 use crate::report::Report;
 use crate::report::state::{QuantityList, texture_line};
 use crate::report::table::{Column, table};
-use fakir::problem::{Method, System};
+use fakir::problem::{MAXIMUM_SURFACE_FRACTION, Method, System};
 use fakir::state::SolveError;
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
@@ -22,7 +22,7 @@ pub(crate) fn run(case: &Case) -> Result<Report, Failure> {
         json: json(&summary),
         text: [
             format!("Closed forms\n{}\n", texture_line(system)),
-            constants_text(&summary.constants),
+            constants_text(&summary.constants, summary.no_homogenised.as_ref()),
             critical_text(&summary.critical_states, &summary.constants),
             coefficients_text(&summary.coefficients, summary.fit_range),
             sums_text(&summary.lattice_sums, summary.own_radius),
@@ -58,12 +58,14 @@ fn warnings(system: &System, no_homogenised: Option<&SolveError>) -> Vec<String>
     warnings
 }
 
-fn constants_text(constants: &Constants) -> String {
+fn constants_text(constants: &Constants, no_homogenised: Option<&SolveError>) -> String {
     let per_mpa = |value: f64| significant(value * 1e6, 6);
-    let here = if constants.touches_one_pillar {
-        "so it is here"
+    let answer = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
+    let homogenised = if constants.homogenised_limit < MAXIMUM_SURFACE_FRACTION {
+        let limit = significant(constants.homogenised_limit, 4);
+        format!("only below a surface fraction of {limit}")
     } else {
-        "not so here"
+        "at every surface fraction".to_owned()
     };
     let mut list = QuantityList::default();
     list.quantity(
@@ -77,31 +79,34 @@ fn constants_text(constants: &Constants) -> String {
         "gamma_int",
         per_mpa(constants.internal_compliance_per_Pa),
         "1/MPa",
-        "",
+        "a lone pillar gives way by gamma_int F/d",
     )
     .row(
         "gamma_ext",
         per_mpa(constants.external_compliance_per_Pa),
         "1/MPa",
-        "",
+        "a force moves the surfaces apart by gamma_ext F/(2 r)",
     )
     .row(
         "column compliance ratio",
         significant(constants.column_compliance_ratio, 6),
         "",
-        "4 h/(pi E_s d c)",
+        "4 h/(pi E_s d c): of a pillar as a column, over that as a punch",
     )
     .row(
-        "one pillar only below",
-        significant(constants.small_contact_limit, 4),
+        "touches one pillar only",
+        answer(constants.touches_one_pillar),
         "",
-        &format!("surface fraction; {here}"),
+        &format!(
+            "only below a surface fraction of {}",
+            significant(constants.small_contact_limit, 4)
+        ),
     )
     .row(
-        "homogenised model below",
-        significant(constants.homogenised_limit, 4),
+        "homogenised lattice possible",
+        answer(no_homogenised.is_none()),
         "",
-        "surface fraction",
+        &homogenised,
     );
     list.text()
 }
@@ -115,14 +120,17 @@ fn critical_text(rows: &[FormulaRow], constants: &Constants) -> String {
         }),
         length("indentation", |row| Some(row.critical_indentation_m)),
         length("top radius", |row| Some(row.top_contact_radius_m)),
-        length("r_c", |row| Some(row.bottom_contact_distance_m)),
+        length("floor radius", |row| Some(row.floor_contact_distance_m)),
         Column::text("applies", |row| {
             if row.applies { "yes" } else { "no" }.to_owned()
         }),
     ];
     let in_text = with_unit(constants.contact_radius_in_text_m, Dimension::Length, 6);
     format!(
-        "{}\nThe contact radius of the paper's text, sqrt(e^2 + phi R h), would be {in_text}.\n",
+        "{}\nThe top radius is that of the contact on the pillar tops, the floor radius r_c the distance of\n\
+         the floor contact from the lens axis. A formula is given even where it does not apply.\n\
+         The contact radius of the paper's text, sqrt(e^2 + phi R h), would be {in_text}: e is the pitch,\n\
+         phi the surface fraction, R the lens radius, h the height of a pillar.\n",
         table(rows, &columns)
     )
 }
@@ -159,7 +167,9 @@ fn sums_text(rows: &[SumRow], own: f64) -> String {
         ],
     );
     format!(
-        "{sums}\nThe fits are those of the paper. {}\n",
+        "{sums}\nThe sums are over the pillars within a of the central one: what they add to its displacement\n\
+         (G0), to the force (G) and to the curvature of the gap (G1). Beside each is the fit of the paper.\n\
+         {}\n",
         own_radius(own)
     )
 }

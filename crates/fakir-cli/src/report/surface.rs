@@ -6,7 +6,7 @@ use super::table::{Column, table};
 use super::{Report, figures};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::problem::pattern::{Arrangement, CrossSection, Pattern};
-use fakir::problem::{Boundary, Control, Point, SurfaceSystem};
+use fakir::problem::{Boundary, Control, Indenter, Point, SurfaceSystem};
 use fakir::state::{Regime, Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
@@ -69,11 +69,19 @@ pub(crate) fn reached(
     let mut list = QuantityList::default();
     add_load(&mut list, contact);
     add_area(&mut list, contact);
-    list.length(
-        "floor contact",
-        x.hypot(y),
-        format!("from the lens axis, at x = {}, y = {}", place(x), place(y)),
-    );
+    match case.system.indenter() {
+        Indenter::Lens(_) => list.length(
+            "floor contact",
+            x.hypot(y),
+            format!("from the lens axis, at x = {}, y = {}", place(x), place(y)),
+        ),
+        // A plate has no axis to count a distance from.
+        Indenter::Flat(_) => list.length("floor contact, x", x, String::new()).length(
+            "floor contact, y",
+            y,
+            String::new(),
+        ),
+    };
     add_solution(&mut list, contact, wall_time);
     let indenter = indenter_name(case.system.indenter());
     let first = match critical.regime {
@@ -125,7 +133,7 @@ pub(crate) fn loaded(
             "Approach of the {}\n{}\n\n{}{further}",
             indenter_name(case.system.indenter()),
             description(case),
-            table(rows, &columns(rows))
+            table(rows, &columns(rows, case.system.indenter()))
         ),
         provenance,
         tables,
@@ -134,8 +142,8 @@ pub(crate) fn loaded(
     }
 }
 
-fn columns(rows: &[SurfaceLoadingRow]) -> [Column<SurfaceLoadingRow>; 6] {
-    [
+fn columns(rows: &[SurfaceLoadingRow], indenter: &Indenter) -> Vec<Column<SurfaceLoadingRow>> {
+    let mut columns = vec![
         Column::quantity("indentation", Dimension::Length, rows, |row| {
             Some(row.indentation_m)
         }),
@@ -154,21 +162,24 @@ fn columns(rows: &[SurfaceLoadingRow]) -> [Column<SurfaceLoadingRow>; 6] {
         Column::number("contact area (um^2)", AREA_DIGITS, |row| {
             Some(row.contact_area_m2 * 1e12)
         }),
-        Column::radius(
+    ];
+    if let Indenter::Lens(_) = indenter {
+        columns.push(Column::radius(
             "contact radius",
             rows,
             |row| row.contact_radius_m,
             |row| radius_digits(row.contact_radius_error_estimate.unwrap_or(f64::NAN)),
-        ),
-        Column::text("", |row| {
-            loading_remark(
-                row.converged,
-                row.critical,
-                row.beyond_transition == Some(true),
-            )
-            .to_owned()
-        }),
-    ]
+        ));
+    }
+    columns.push(Column::text("", |row| {
+        loading_remark(
+            row.converged,
+            row.critical,
+            row.beyond_transition == Some(true),
+        )
+        .to_owned()
+    }));
+    columns
 }
 
 /// A second opinion.

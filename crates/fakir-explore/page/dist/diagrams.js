@@ -3,7 +3,7 @@ import { drawChart, range } from "./charts.js";
 import { byId } from "./screen.js";
 import { isBeyond, isCritical, isOlder } from "./store.js";
 const PHASE = {
-    xLabel: "contact radius over pitch, a/e",
+    xLabel: "contact radius on the tops over pitch, a/e",
     yLabel: "F γ_{int}/(h d)",
     yDimension: "number",
 };
@@ -43,8 +43,9 @@ function phaseContents(state) {
         return null;
     const older = isBefore(phase, critical);
     const { transition } = phase.is;
+    // The radius is that of the contact on the pillar tops, as on the way there.
     const placeOf = ({ is }) => [
-        is.normalized.contact_radius,
+        is.top_contact_radius_m / is.pitch_m,
         is.normalized.force,
     ];
     const at = placeOf(critical);

@@ -19,6 +19,8 @@ const UNITS = {
         { symbol: "nN", power: -9 },
     ],
     angle: [{ symbol: "°", power: null }],
+    // Per cent and what else can be typed is read by the program.
+    fraction: [],
     number: [],
 };
 const DEGREE = Math.PI / 180;
@@ -81,7 +83,7 @@ export function engineeringText(value, dimension, digits) {
 }
 /** A value to be edited: its shortest digits, with the decimal point moved for the unit. */
 export function editable(value, dimension) {
-    if (dimension === "number")
+    if (dimension === "number" || dimension === "fraction")
         return String(value);
     if (dimension === "angle")
         return `${Number((value / DEGREE).toPrecision(12))} deg`;

@@ -19,30 +19,31 @@ use fakir::theory::closed_forms::{Region, phase, transition_force};
 pub struct PhaseDiagram {
     /// Lens, substrate and pillars; the pitch does not matter in reduced variables.
     pub system: System,
-    /// Critical states: points (`a_c/e`, `F_c gamma_int/(h d)`), such as a series for every
-    /// offset.
+    /// Critical states: points (`a/e`, `F_c gamma_int/(h d)`) by [`phase_point`], such as a series for
+    /// every offset.
     pub critical: Vec<Series>,
     /// Loading paths: points (`a/e`, `F gamma_int/(h d)`) by rising load, such as a series for
-    /// every surface fraction.
+    /// every surface fraction. A path that ends in its critical state ends on the point of that.
     pub paths: Vec<Series>,
     /// Lines in the mixed region: points (`a/e`, `F gamma_int/(h d)`) of equal share of the floor.
     pub shares: Vec<Series>,
 }
 
-/// Points (`a/e`, `F gamma_int/(h d)`) of states, for the series of a [`PhaseDiagram`].
+/// The point (`a/e`, `F gamma_int/(h d)`) of a state under `force` (N), for the series of a [`PhaseDiagram`].
+///
+/// There `a` is the radius of the contact on the pillar tops (m), of critical states too: their critical contact
+/// radius may be the distance of the floor contact, which a loading path does not have.
 #[must_use]
-pub fn phase_points<'a>(states: impl IntoIterator<Item = &'a Normalized>) -> Vec<[f64; 2]> {
-    states
-        .into_iter()
-        .map(|state| [state.contact_radius, state.force])
-        .collect()
+pub fn phase_point(system: &System, force: f64, top_contact_radius: f64) -> [f64; 2] {
+    let reduced = Normalized::new(system, force, top_contact_radius, 0.0);
+    [reduced.contact_radius, reduced.force]
 }
 
 const TOP: Colour = Colour([221, 235, 247]);
 const MIXED: Colour = Colour([250, 228, 208]);
 
-/// The phase diagram of the paper: reduced force against reduced contact radius, with the regions
-/// of [`phase`].
+/// The phase diagram of the paper: reduced force against the radius of the contact on the pillar tops, in
+/// pitches, with the regions of [`phase`].
 ///
 /// Below the transition curve ([`transition_force`]) the lens rests on pillar tops only, above it
 /// also touches the floor. Right of one pitch, force and contact radius decide that; left of it, on
@@ -53,7 +54,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     let mut series = diagram.paths.clone();
     series.extend(diagram.shares.iter().cloned());
     series.extend(diagram.critical.iter().cloned());
-    let x = Axis::logarithmic("*a*/*e*");
+    let x = Axis::logarithmic("radius of the contact on the tops *a*/*e*");
     let y = Axis::logarithmic("*F* *γ*_{int}/(*h* *d*)");
     let mut spans = [
         x.span(series.iter().flat_map(|s| s.values(0)).chain([0.3, 10.0])),
@@ -90,19 +91,29 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     let (ground, data) = chart.contents(&frame);
     let mut items = ground;
     items.extend(data.iter().cloned());
-    items.extend(region_names(&diagram.system, &frame, &data));
-    frame.draw(&mut items, lettering[0], lettering[1]);
-    let mut legend = Legend::default();
-    for series in &chart.series {
-        if let Some(label) = &series.label {
-            legend.push(label, series.style);
+    // Lines and markers each find room among the data more easily than all of them together.
+    let (marked, drawn) = chart
+        .series
+        .iter()
+        .partition::<Vec<_>, _>(|s| s.style.line.is_none());
+    let mut taken = data;
+    let mut left = Legend::default();
+    for legend in [Legend::of(drawn), Legend::of(marked)] {
+        match legend.inside(&frame.bounds, &taken) {
+            Some(legend) => {
+                items.extend(legend.iter().cloned());
+                taken.extend(legend);
+            }
+            None => left.extend(&legend),
         }
     }
+    items.extend(region_names(&diagram.system, &frame, &taken));
+    frame.draw(&mut items, lettering[0], lettering[1]);
     let mut end = frame.bounds.bottom + Frame::bottom_room(lettering[0]) + MARGIN;
-    end += legend.draw_below([0.5 * COLUMN, end], COLUMN - 2.0 * MARGIN, &mut items);
+    end += left.draw_below([0.5 * COLUMN, end], COLUMN - 2.0 * MARGIN, &mut items);
     Figure::new("phase-diagram", [COLUMN, end + MARGIN], items).with_description(
         "Phase diagram of the contact",
-        "Reduced force against reduced contact radius. Below the transition curve the lens rests on \
+        "Reduced force against the radius of the contact on the pillar tops, in pitches. Below the transition curve the lens rests on \
          pillar tops only, above it also touches the floor between them; left of one pitch the \
          outcome depends on where the lens lands.",
     )

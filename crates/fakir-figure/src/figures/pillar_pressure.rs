@@ -185,21 +185,19 @@ impl Shown<'_> {
             x: x_span,
             y: y_span,
         };
-        let (mut data, mut legend) = (Vec::new(), Legend::default());
+        let mut data = Vec::new();
         for series in &series {
             series.draw(&frame, &mut data);
-            if let Some(label) = &series.label {
-                legend.push(label, series.style);
-            }
         }
+        let legend = Legend::of(&series);
         items.extend(data.iter().cloned());
         frame.draw(items, Lettering::All(&x.label), lettering);
-        if !legend.draw_inside(&frame.bounds, &data, items) {
-            legend.draw_below(
-                [frame.bounds.centre()[0], top + height + 26.0],
-                right,
-                items,
-            );
+        match legend.inside(&frame.bounds, &data) {
+            Some(legend) => items.extend(legend),
+            None => {
+                let below = [frame.bounds.centre()[0], top + height + 26.0];
+                legend.draw_below(below, right, items);
+            }
         }
         Ok(())
     }

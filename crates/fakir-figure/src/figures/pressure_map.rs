@@ -179,19 +179,19 @@ fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Ite
         y: y_span,
     };
     let mut data = Vec::new();
-    let mut legend = Legend::default();
     for series in &series {
         series.draw(&frame, &mut data);
-        if let Some(label) = &series.label {
-            legend.push(label, series.style);
-        }
     }
+    let legend = Legend::of(&series);
     items.extend(data.iter().cloned());
     frame.draw(items, Lettering::All(&x.label), lettering);
     let mut end = bounds.bottom + Frame::bottom_room(Lettering::All(&x.label));
-    if !legend.draw_inside(&bounds, &data, items) {
-        end += 4.0;
-        end += legend.draw_below([bounds.centre()[0], end], bounds.width(), items);
+    match legend.inside(&bounds, &data) {
+        Some(legend) => items.extend(legend),
+        None => {
+            end += 4.0;
+            end += legend.draw_below([bounds.centre()[0], end], bounds.width(), items);
+        }
     }
     end
 }

@@ -12,7 +12,7 @@ use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Stroke};
 use crate::section::{Section, SectionDetail};
 use crate::text::Text;
 use crate::unit::{Unit, significant};
-use fakir::problem::Point;
+use fakir::problem::{Indenter, Point};
 use fakir::state::{ContactState, Run};
 
 const LENS: Colour = Colour([198, 221, 240]);
@@ -69,8 +69,12 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
         )
         .collect();
     let heights = [0.0, widest.state.system.pillar().height];
-    panel_figure(&panels?, heights, [-half_width, half_width])
+    panel_figure(&panels?, heights, [-half_width, half_width], UNDER_LENS)
 }
+
+/// What the description of a figure says is shown.
+const UNDER_LENS: [&str; 2] = ["Section along x through the lens axis", "the lens above"];
+const UNDER_PLATE: [&str; 2] = ["Section along x", "the plate above"];
 
 /// Section through the bodies on the cells of a general surface, along x through the lens axis, a
 /// panel for every state, all on the same scales: of the contact of a lens, and of all of the grid
@@ -107,7 +111,14 @@ pub fn surface_profiles(states: &[SurfaceState<'_>]) -> Result<Figure, FigureErr
         // A flat that nothing has deformed: the indenter alone has a shape.
         heights = ends(&mut sections().flat_map(|section| section.lens.iter().copied()));
     }
-    panel_figure(&panels, heights, x)
+    let under_plate =
+        |state: &SurfaceState<'_>| matches!(state.system.indenter(), Indenter::Flat(_));
+    let words = if states.iter().any(under_plate) {
+        UNDER_PLATE
+    } else {
+        UNDER_LENS
+    };
+    panel_figure(&panels, heights, x, words)
 }
 
 /// A section and what is said about it.
@@ -128,6 +139,7 @@ fn panel_figure(
     panels: &[Panel],
     undeformed: [f64; 2],
     ends: [f64; 2],
+    [section, above]: [&str; 2],
 ) -> Result<Figure, FigureError> {
     let Some(last) = panels.len().checked_sub(1) else {
         return Err(FigureError::TooFewData {
@@ -174,9 +186,11 @@ fn panel_figure(
     }
     let figure = Figure::new("profiles", [PAGE, top + MARGIN - 3.0], items);
     Ok(figure.with_description(
-        "Deformed lens and substrate in section",
-        "Section along x through the lens axis, a panel for every state: the lens above, the \
-         substrate with its pillars below, heights exaggerated as stated.",
+        "Deformed bodies in section",
+        &format!(
+            "{section}, a panel for every state: {above}, the substrate with its pillars below, \
+             heights exaggerated as stated."
+        ),
     ))
 }
 

@@ -78,9 +78,20 @@ pub fn surface_pressure_map(state: &SurfaceState<'_>) -> Result<Figure, FigureEr
     let figure = map(state, "pressure-map", &bar, &signs, colour, marks);
     Ok(figure.with_description(
         "Pressure on the surface",
-        "Map of the contact pressure on the cells of the surface. Grey is what bears no load, light \
-         where it is floor; the dashed circle is the edge of the contact, a cross marks where the \
-         floor is just reached.",
+        &format!(
+            "Map of the contact pressure on the cells of the surface. Grey is what bears no load, \
+             light where it is floor{}{}.",
+            if has_edge(state) {
+                "; the dashed circle is the edge of the contact"
+            } else {
+                ""
+            },
+            if state.floor_contact.is_some() {
+                "; a cross marks where the floor is just reached"
+            } else {
+                ""
+            }
+        ),
     ))
 }
 
@@ -123,7 +134,12 @@ pub fn surface_gap_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> 
     let nearest = nearest.map(|(gap, place)| (gap, state.floor_contact.unwrap_or(place)));
     let mut signs = Vec::new();
     if nearest.is_some() {
-        signs.push((KeySign::Cross, "smallest floor gap"));
+        let name = if state.floor_contact.is_some() {
+            "floor contact"
+        } else {
+            "smallest floor gap"
+        };
+        signs.push((KeySign::Cross, name));
     }
     let marks = |sheet: &Sheet, items: &mut Vec<Item>| {
         if let Some((_, place)) = nearest {
@@ -131,6 +147,9 @@ pub fn surface_gap_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> 
         }
     };
     let smallest = match nearest {
+        Some(_) if state.floor_contact.is_some() => {
+            "; the cross marks where the floor is just reached".to_owned()
+        }
         Some((gap, _)) => format!(
             "; the cross marks the smallest gap to the floor, {}",
             Unit::of_length(gap).text(gap, 3)

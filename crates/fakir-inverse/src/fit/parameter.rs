@@ -39,12 +39,15 @@ impl Parameter {
         }
     }
 
-    /// The parameter of that name.
+    /// The parameter of that name, or of that last name of a key if only one has it.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|parameter| parameter.name() == name)
+        let is_named = |parameter: &Self| {
+            let last = matches!(parameter, Self::Key(key) if key.name() == name);
+            last || parameter.name() == name
+        };
+        let mut named = Self::ALL.into_iter().filter(is_named);
+        named.next().filter(|_| named.next().is_none())
     }
 
     /// What its columns and JSON keys end in: `"_Pa"`, `"_m_per_N"`.

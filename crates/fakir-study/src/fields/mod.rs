@@ -12,7 +12,7 @@ mod vti;
 
 use crate::output::File;
 use crate::provenance::Provenance;
-use fakir::problem::{Point, SurfaceSystem};
+use fakir::problem::{Indenter, Point, SurfaceSystem};
 use fakir::state::{ContactState, FieldSamples, Run, SolveError, SurfaceContact};
 
 /// Most points across: three fields of so many squared take 100 MB.
@@ -96,6 +96,8 @@ pub struct FieldMap {
     force: f64,
     /// Indentation, m.
     indentation: f64,
+    /// Whether x and y are counted from the lens axis: a plate has none.
+    around_axis: bool,
     variables: Vec<Variable>,
 }
 
@@ -157,6 +159,7 @@ impl FieldMap {
             y: axis,
             force: state.force,
             indentation: state.indentation,
+            around_axis: true,
             variables,
         }))
     }
@@ -231,6 +234,7 @@ impl FieldMap {
             y: axis(y, grid.cell()[1], grid.rows()),
             force: contact.force,
             indentation: contact.indentation,
+            around_axis: matches!(system.indenter(), Indenter::Lens(_)),
             variables,
         })
     }

@@ -24,14 +24,17 @@ fn definition(map: &FieldMap, provenance: &Provenance) -> Result<DataSet, Invali
     }
     set.add_global_attr_f64("force_N", vec![map.force])?;
     set.add_global_attr_f64("indentation_m", vec![map.indentation])?;
-    for (name, axis, long_name) in [
-        ("y", map.y, "distance from the lens axis along y"),
-        ("x", map.x, "distance from the lens axis along x"),
-    ] {
+    let what = if map.around_axis {
+        "distance from the lens axis"
+    } else {
+        "place"
+    };
+    for (name, axis) in [("y", map.y), ("x", map.x)] {
+        let long_name = format!("{what} along {name}");
         set.add_fixed_dim(name, axis.count)?;
         set.add_var_f64(name, &[name])?;
         set.add_var_attr_string(name, "units", "m")?;
-        set.add_var_attr_string(name, "long_name", long_name)?;
+        set.add_var_attr_string(name, "long_name", &long_name)?;
         set.add_var_attr_string(name, "axis", name.to_uppercase())?;
     }
     for variable in &map.variables {

@@ -122,6 +122,7 @@ pub struct SurfaceTransitionSummary {
     contact_area_m2: f64,
     contact_radius_m: Option<f64>,
     bottom_contact_m: Point,
+    floor_contact_m: Point,
     #[serde(flatten)]
     common: Common,
 }
@@ -157,6 +158,7 @@ impl SurfaceTransitionSummary {
             contact_area_m2: contact.contact_area,
             contact_radius_m: contact.contact_radius,
             bottom_contact_m: critical.floor_contact,
+            floor_contact_m: critical.floor_contact,
             common: Common::new(system, contact, wall_time),
         }
     }

@@ -86,6 +86,8 @@ pub struct FormulaRow {
     /// Radius of the contact on the pillar tops, m.
     pub top_contact_radius_m: f64,
     /// Distance of the floor contact from the lens axis, m.
+    pub floor_contact_distance_m: f64,
+    /// The same under its older name.
     pub bottom_contact_distance_m: f64,
     /// Whether the system is in the range of the formula.
     pub applies: bool,
@@ -212,6 +214,7 @@ fn formula_row(form: &ClosedForm) -> FormulaRow {
         critical_force_N: force,
         critical_indentation_m: indentation,
         top_contact_radius_m: top_contact_radius,
+        floor_contact_distance_m: floor_contact_distance,
         bottom_contact_distance_m: floor_contact_distance,
         applies: form.applies,
     }
@@ -224,6 +227,7 @@ fn homogenised_row(critical: &CriticalState, applies: bool) -> FormulaRow {
         critical_force_N: critical.contact.force,
         critical_indentation_m: critical.contact.indentation,
         top_contact_radius_m: critical.contact.contact_radius,
+        floor_contact_distance_m: critical.floor_contact_distance(),
         bottom_contact_distance_m: critical.floor_contact_distance(),
         applies,
     }
