@@ -3,9 +3,9 @@
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
-import { drawCurves, drawCurvesStatus, drawPhase } from "./diagrams.js";
+import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
 import { Server, type Start, type Texts, type Values } from "./engine.js";
-import { drawColourBar, drawMap, wordsAt, type MapContents } from "./map.js";
+import { drawColourBar, drawFloorBar, drawMap, wordsAt, type MapContents } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
 import { announcement, drawCritical, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
@@ -52,6 +52,7 @@ function buttons(data: string): NodeListOf<HTMLButtonElement> {
 
 function show(store: Store): void {
   const { start } = store.state;
+  const defaults = new Map(start.keys.map((key) => [key.key, key.default]));
   const controls = new Controls(byId("fields"), start.keys, (...change) =>
     store.setValue(...change),
   );
@@ -67,7 +68,7 @@ function show(store: Store): void {
       controls.show(chosen.case, typed);
       for (const button of buttons("preset")) {
         const wanted = Object.entries(preset(start, button.dataset["preset"] ?? ""));
-        const same = wanted.every(([key, value]) => chosen.case[key] === value);
+        const same = wanted.every(([key, value]) => (chosen.case[key] ?? defaults.get(key)) === value);
         button.setAttribute("aria-pressed", String(same));
       }
     },
@@ -84,8 +85,9 @@ function show(store: Store): void {
     ],
     drawFacts,
   );
-  screen.add((state) => [state.chosen.load, state.solved], drawLoad);
+  screen.add((state) => [state.chosen.load, state.chosen.case, state.solved], drawLoad);
 
+  const floorBar = byId<HTMLCanvasElement>("floor-bar");
   const [canvas, bar] = [byId<HTMLCanvasElement>("map"), byId<HTMLCanvasElement>("colour-bar")];
   screen.add(
     (state) => [state.picture, ...Object.values(mapContents(state) ?? {})],
@@ -94,6 +96,13 @@ function show(store: Store): void {
       if (state.picture === null || contents === null) return;
       drawMap(canvas, contents, state.start.colours);
       write(byId("colour-most"), engineeringText(contents.force, "force", 3));
+      const { floor } = contents.scene;
+      byId("floor-key").hidden = floor === null;
+      byId("touch-key").hidden = floor !== null;
+      if (floor !== null) {
+        write(byId("floor-most"), engineeringText(floor.largest_pressure_Pa, "pressure", 3));
+        drawFloorBar(floorBar);
+      }
       const { of, is } = state.picture;
       const detail = { asked: of.asked, stage: is.stage };
       screen.whenShown(() => document.dispatchEvent(new CustomEvent("picture", { detail })));
@@ -105,7 +114,7 @@ function show(store: Store): void {
     ({ start }) => drawColourBar(bar, start.colours),
     [bar],
   );
-  const [section, phase] = [byId("section"), byId("phase")];
+  const [section, phase, loading] = [byId("section"), byId("phase"), byId("loading")];
   screen.add((state) => [state.section, state.chosen.exaggeration], drawSection, [section]);
   screen.add(
     (state) => [
@@ -114,6 +123,14 @@ function show(store: Store): void {
     ],
     drawPhase,
     [phase],
+  );
+  screen.add(
+    (state) => [
+      ...[state.phase, state.critical, state.solved],
+      isOlder(state, state.solved, "load"),
+    ],
+    drawLoading,
+    [loading],
   );
   const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
   screen.add((state) => [state.curves, state.critical], drawCurves, curves);
@@ -125,9 +142,10 @@ function show(store: Store): void {
 
   screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
   const facts = [byId("regime"), byId("pillars")];
-  screen.age((state) => state.critical, "case", [...facts, phase, ...curves]);
-  screen.age((state) => state.picture, "load", [canvas, byId("bar")]);
-  screen.age((state) => state.solved, "load", [byId("load-numbers"), byId("warnings")]);
+  screen.age((state) => state.critical, "case", [...facts, phase, loading, ...curves]);
+  screen.age((state) => state.picture, "load", [canvas, byId("bar"), byId("floor-key")]);
+  const numbers = ["load-numbers", "floor-numbers", "beyond-note", "warnings"].map((id) => byId(id));
+  screen.age((state) => state.solved, "load", numbers);
   screen.age((state) => state.section, "load", [section]);
   const texts = [byId("command"), byId("python"), byId("case-file")];
   screen.age((state) => state.texts, "load", texts);

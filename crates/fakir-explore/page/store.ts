@@ -10,6 +10,7 @@ import type {
   CurvePoint,
   Kind,
   Line,
+  PathState,
   Point,
   Progress,
   Refusal,
@@ -23,6 +24,7 @@ import type {
 import { largestForceOf, sceneOf, sceneOfPreview, type Scene } from "./scene.js";
 
 export const FRACTION = "texture.surface_fraction";
+export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
 
 /** What the user has chosen. */
@@ -50,7 +52,8 @@ export interface Of<T> {
   readonly is: T;
 }
 
-/** The method that a map comes from: the homogenised lattice, then the punch lattice, then that of the case. */
+/** What a map comes from: the homogenised lattice, then the punch lattice or the pillar tops alone, then the method of the
+ * case. */
 export type Stage = "estimate" | "pillars" | "exact";
 
 export interface Picture {
@@ -67,8 +70,8 @@ export interface Estimate {
 
 export interface Phase {
   readonly transition: readonly Point[];
-  /** The states of the loading path: the load as a part of the way to the critical state, a/e and F gamma_int/(h d). */
-  readonly path: readonly (readonly [number, number, number])[];
+  /** States of the loading, by rising load. */
+  readonly path: readonly PathState[];
   /** The critical state of the same case. */
   readonly critical: TransitionSummary;
 }
@@ -305,6 +308,13 @@ export function isCritical(fraction: number): boolean {
   return Math.abs(fraction - 1) < 1e-9;
 }
 
+/** Whether the floor of a case bears its part past the transition, which only the spectral method knows; if not, the
+ * lens goes through the floor. */
+export function floorBears(values: Values): boolean {
+  const isOf = (key: string, word: string): boolean => (values[key] ?? word) === word;
+  return isOf(FLOOR, "true") && isOf("method.name", "spectral");
+}
+
 export function isBeyond(fraction: number): boolean {
   return fraction > 1 + 1e-9;
 }
@@ -385,7 +395,7 @@ function phaseLine(state: State, of: Question, line: Line): Partial<State> {
     return { phase: { of, is: { transition: line.transition, path: [], critical } } };
   }
   if (line.path && phase?.of.number === of.number) {
-    const path = [...phase.is.path, line.path].sort((a, b) => a[0] - b[0]);
+    const path = [...phase.is.path, line.path].sort((a, b) => a.fraction - b.fraction);
     return { phase: { of, is: { ...phase.is, path } } };
   }
   return {};

@@ -20,8 +20,12 @@ export function sceneOf(state) {
         forces_N: state.pillar_forces_N,
         statuses: state.pillar_statuses,
         floor_contacts_m: state.floor_contacts_m,
+        floor: state.floor,
         words: `Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
-            `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}`,
+            `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}` +
+            (summary.floor === null
+                ? ""
+                : `; the floor is in contact within ${engineeringText(summary.floor.radius_m, "length", 3)}`),
     };
 }
 /** A preview as it is drawn: forces fall off as under a sphere, and bear the load together. */
@@ -54,6 +58,7 @@ export function sceneOfPreview(preview) {
         forces_N: forces.map((force) => (force * preview.force_N) / sum),
         statuses: "",
         floor_contacts_m: [],
+        floor: null,
         words: "Contact from above, estimated by the homogenised lattice",
     };
 }

@@ -5,6 +5,7 @@
 // question or of an older one.
 import { largestForceOf, sceneOf, sceneOfPreview } from "./scene.js";
 export const FRACTION = "texture.surface_fraction";
+export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
 export class Store {
     #state;
@@ -161,6 +162,12 @@ export function mapScale(state, { of, is }) {
 export function isCritical(fraction) {
     return Math.abs(fraction - 1) < 1e-9;
 }
+/** Whether the floor of a case bears its part past the transition, which only the spectral method knows; if not, the
+ * lens goes through the floor. */
+export function floorBears(values) {
+    const isOf = (key, word) => (values[key] ?? word) === word;
+    return isOf(FLOOR, "true") && isOf("method.name", "spectral");
+}
 export function isBeyond(fraction) {
     return fraction > 1 + 1e-9;
 }
@@ -235,7 +242,7 @@ function phaseLine(state, of, line) {
         return { phase: { of, is: { transition: line.transition, path: [], critical } } };
     }
     if (line.path && phase?.of.number === of.number) {
-        const path = [...phase.is.path, line.path].sort((a, b) => a[0] - b[0]);
+        const path = [...phase.is.path, line.path].sort((a, b) => a.fraction - b.fraction);
         return { phase: { of, is: { ...phase.is, path } } };
     }
     return {};
