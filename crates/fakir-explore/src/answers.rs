@@ -21,7 +21,7 @@ const PREVIEW_PILLARS: f64 = 800.0;
 
 /// With more pillars than this under a load past the transition, the pillar tops alone are shown until the floor is
 /// solved for.
-const TOPS_FIRST_PILLARS: f64 = 120.0;
+const TOPS_FIRST_PILLARS: f64 = 60.0;
 
 /// More pillars than this are not solved for in the background.
 const CURVE_PILLARS: f64 = 4000.0;

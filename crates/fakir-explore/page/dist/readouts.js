@@ -107,7 +107,9 @@ export function drawLoad(state) {
     const bears = floorBears(state.chosen.case);
     byId("load-words").classList.toggle("beyond", beyond && !bears);
     byId("beyond-note").hidden = !beyond || bears;
-    byId("load").parentElement?.classList.toggle("through-floor", !bears);
+    for (const part of [byId("load").parentElement, byId("loading-legend")]) {
+        part?.classList.toggle("through-floor", !bears);
+    }
     const slider = byId("load");
     slider.value = String(load);
     slider.setAttribute("aria-valuetext", words);
@@ -129,13 +131,17 @@ function drawFloor(floor) {
     if (floor === null)
         return;
     const { share, contact_area } = floor.relative_error_estimate;
-    const known = (error) => (error !== null && error > 0.05 ? 1 : Math.min(4, digitsFor(error)));
-    const about = (error) => error === null ? "" : `  error ${significant(error, 1)}`;
+    const known = (error) => error !== null && error > 0.1 ? 1 : Math.min(4, digitsFor(error));
+    const about = (error) => error === null ? "" : `error ${significant(error, 1)}`;
+    const area = significant(1e12 * floor.contact_area_m2, known(contact_area));
     const texts = {
-        "floor-force": engineeringText(floor.force_N, "force", known(share)) + about(share),
+        "floor-force": engineeringText(floor.force_N, "force", known(share)),
+        "floor-force-error": about(share),
         "floor-share": `${significant(100 * floor.share, known(share))} %`,
-        "floor-area": `${significant(1e12 * floor.contact_area_m2, known(contact_area))} µm^{2}` + about(contact_area),
-        "floor-patches": floor.patches === null ? "grids differ" : String(floor.patches),
+        "floor-area": `${area} µm^{2}`,
+        "floor-area-error": about(contact_area),
+        // Two grids differ where bridges between patches are narrow.
+        "floor-patches": floor.patches === null ? "not resolved" : String(floor.patches),
         "floor-rim": engineeringText(floor.smallest_distance_to_rim_m, "length", 3),
     };
     for (const [id, text] of Object.entries(texts))
