@@ -99,7 +99,11 @@ function drawFloor({ context, scene }: Sheet): void {
   }
   own.putImageData(pixels, 0, 0);
   const [[x, y], [width, height]] = [floor.corner_m, floor.cell_m];
+  context.globalAlpha = scene.floorIsOlder ? 0.4 : 1;
+  context.filter = scene.floorIsOlder ? "grayscale(0.85)" : "none";
   context.drawImage(picture, x, y, columns * width, rows * height);
+  context.globalAlpha = 1;
+  context.filter = "none";
 }
 
 /** The pressure on the cell of the floor at a place, Pa, as its shade tells it; null if that is not in contact. */
@@ -262,7 +266,7 @@ export function wordsAt(
   const x = (event.offsetX - half) * metres;
   const y = (half - event.offsetY) * metres;
   const place = `${engineeringText(Math.hypot(x, y), "length", 3)} from the axis`;
-  const pressure = scene.floor === null ? null : floorPressure(scene.floor, x, y);
+  const pressure = scene.floor === null || scene.floorIsOlder ? null : floorPressure(scene.floor, x, y);
   let words =
     pressure === null
       ? place

@@ -15,6 +15,8 @@ export interface Scene {
   readonly statuses: string;
   readonly floor_contacts_m: readonly Point[];
   readonly floor: FloorCells | null;
+  /** Whether the floor is that of a state before, on the same pillars: it is grey then. */
+  readonly floorIsOlder: boolean;
   readonly words: string;
 }
 
@@ -44,6 +46,7 @@ export function sceneOf(state: ContactState): Scene {
     statuses: state.pillar_statuses,
     floor_contacts_m: state.floor_contacts_m,
     floor: state.floor,
+    floorIsOlder: false,
     words:
       `Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
       `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}` +
@@ -89,8 +92,17 @@ export function sceneOfPreview(preview: Smooth): Scene {
     statuses: "",
     floor_contacts_m: [],
     floor: null,
+    floorIsOlder: false,
     words: "Contact from above, estimated by the homogenised lattice",
   };
+}
+
+/** A scene of the pillar tops alone, with the floor of the scene before, grey, if that has the same pillars. */
+export function withFloorBefore(scene: Scene, before: Scene | null): Scene {
+  const pillars = ({ pitch_m, diameter_m, offset_m }: Scene): string =>
+    [pitch_m, diameter_m, ...offset_m].join();
+  if (before === null || before.floor === null || pillars(before) !== pillars(scene)) return scene;
+  return { ...scene, floor: before.floor, floorIsOlder: true, floor_contacts_m: [] };
 }
 
 /** Whether the floor is touched, or would be, where the scene says. */

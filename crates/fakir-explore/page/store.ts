@@ -21,7 +21,7 @@ import type {
   Value,
   Values,
 } from "./engine.js";
-import { largestForceOf, sceneOf, sceneOfPreview, type Scene } from "./scene.js";
+import { largestForceOf, sceneOf, sceneOfPreview, withFloorBefore, type Scene } from "./scene.js";
 
 export const FRACTION = "texture.surface_fraction";
 export const FLOOR = "floor.contact";
@@ -315,6 +315,11 @@ export function floorBears(values: Values): boolean {
   return isOf(FLOOR, "true") && isOf("method.name", "spectral");
 }
 
+/** Whether a state is that on the pillar tops alone, before the one with the floor. */
+export function isWithoutFloor({ approximate, summary }: ContactState): boolean {
+  return approximate && summary.method === "spectral";
+}
+
 export function isBeyond(fraction: number): boolean {
   return fraction > 1 + 1e-9;
 }
@@ -357,7 +362,12 @@ function contactLine(
     };
   }
   if (line.state?.approximate) {
-    const picture: Of<Picture> = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
+    const before = state.picture;
+    // It was held back, and the state with the floor is there already.
+    if (before?.of.number === of.number && before.is.stage === "exact") return {};
+    const own = sceneOf(line.state);
+    const scene = isWithoutFloor(line.state) ? withFloorBefore(own, before?.is.scene ?? null) : own;
+    const picture: Of<Picture> = { of, is: { stage: "pillars", scene } };
     // While the critical state itself is being solved, this state is the best estimate of it.
     const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
     return { picture, estimate: known ? null : estimate, refusal: null };

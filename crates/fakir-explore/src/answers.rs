@@ -19,10 +19,6 @@ use std::time::Instant;
 /// With more pillars than this an estimate is shown until the contact is solved.
 const PREVIEW_PILLARS: f64 = 800.0;
 
-/// With more pillars than this under a load past the transition, the pillar tops alone are shown until the floor is
-/// solved for.
-const TOPS_FIRST_PILLARS: f64 = 60.0;
-
 /// More pillars than this are not solved for in the background.
 const CURVE_PILLARS: f64 = 4000.0;
 
@@ -104,9 +100,8 @@ pub(crate) fn solve(
         None
     } else {
         let control = Control::Indentation(indentation(case, target, load.fraction));
-        let tops_first = listener.is_some()
-            && meets_floor(case, load)
-            && load.fraction * expected_pillars(&case.system) > TOPS_FIRST_PILLARS;
+        // The pillar tops alone are solved for in a small part of the time that the floor takes.
+        let tops_first = listener.is_some() && meets_floor(case, load);
         if tops_first {
             let tops = case.system.with_floor(FloorModel::Ignored);
             fakir::press(&tops, control, case.method, &with(true))?;

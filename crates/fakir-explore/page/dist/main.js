@@ -66,8 +66,10 @@ function show(store) {
             return;
         drawMap(canvas, contents, state.start.colours);
         write(byId("colour-most"), engineeringText(contents.force, "force", 3));
-        const { floor } = contents.scene;
+        const { floor, floorIsOlder } = contents.scene;
         byId("floor-key").hidden = floor === null;
+        for (const part of [floorBar, byId("floor-most")])
+            part.classList.toggle("older", floorIsOlder);
         byId("touch-key").hidden = floor !== null;
         if (floor !== null) {
             write(byId("floor-most"), engineeringText(floor.largest_pressure_Pa, "pressure", 3));

@@ -21,6 +21,7 @@ export function sceneOf(state) {
         statuses: state.pillar_statuses,
         floor_contacts_m: state.floor_contacts_m,
         floor: state.floor,
+        floorIsOlder: false,
         words: `Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
             `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}` +
             (summary.floor === null
@@ -59,8 +60,16 @@ export function sceneOfPreview(preview) {
         statuses: "",
         floor_contacts_m: [],
         floor: null,
+        floorIsOlder: false,
         words: "Contact from above, estimated by the homogenised lattice",
     };
+}
+/** A scene of the pillar tops alone, with the floor of the scene before, grey, if that has the same pillars. */
+export function withFloorBefore(scene, before) {
+    const pillars = ({ pitch_m, diameter_m, offset_m }) => [pitch_m, diameter_m, ...offset_m].join();
+    if (before === null || before.floor === null || pillars(before) !== pillars(scene))
+        return scene;
+    return { ...scene, floor: before.floor, floorIsOlder: true, floor_contacts_m: [] };
 }
 /** Whether the floor is touched, or would be, where the scene says. */
 export function touchesFloor({ fraction }) {

@@ -3,7 +3,7 @@
 // Every change of the case or the load makes a new question, with a number. What comes back is kept
 // with the question that it answers, so that everything shown can be told to be of the newest
 // question or of an older one.
-import { largestForceOf, sceneOf, sceneOfPreview } from "./scene.js";
+import { largestForceOf, sceneOf, sceneOfPreview, withFloorBefore } from "./scene.js";
 export const FRACTION = "texture.surface_fraction";
 export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
@@ -168,6 +168,10 @@ export function floorBears(values) {
     const isOf = (key, word) => (values[key] ?? word) === word;
     return isOf(FLOOR, "true") && isOf("method.name", "spectral");
 }
+/** Whether a state is that on the pillar tops alone, before the one with the floor. */
+export function isWithoutFloor({ approximate, summary }) {
+    return approximate && summary.method === "spectral";
+}
 export function isBeyond(fraction) {
     return fraction > 1 + 1e-9;
 }
@@ -201,7 +205,13 @@ function contactLine(state, { question: of, since }, line, now) {
         };
     }
     if (line.state?.approximate) {
-        const picture = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
+        const before = state.picture;
+        // It was held back, and the state with the floor is there already.
+        if (before?.of.number === of.number && before.is.stage === "exact")
+            return {};
+        const own = sceneOf(line.state);
+        const scene = isWithoutFloor(line.state) ? withFloorBefore(own, before?.is.scene ?? null) : own;
+        const picture = { of, is: { stage: "pillars", scene } };
         // While the critical state itself is being solved, this state is the best estimate of it.
         const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
         return { picture, estimate: known ? null : estimate, refusal: null };
