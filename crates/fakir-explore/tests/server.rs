@@ -168,15 +168,8 @@ fn past_the_transition_the_floor_bears_its_part() {
         beyond["load"] = json!({ "fraction": 1.8 });
         server.ask("/api/contact", &beyond)
     };
-    // The last state is the answer.
-    let state_of = |lines: &[Value]| {
-        lines
-            .iter()
-            .rev()
-            .find_map(|line| line.get("state").cloned())
-    };
     let answer = asked(case(0.01));
-    let state = state_of(&answer.lines()).unwrap();
+    let state = answer.line("state");
     let (summary, floor) = (&state["summary"], &state["floor"]);
     let share = summary["floor"]["share"].as_f64().unwrap();
     assert!((0.05..0.9).contains(&share), "{share}");
@@ -198,7 +191,7 @@ fn past_the_transition_the_floor_bears_its_part() {
     let mut ignored = case(0.01);
     ignored["floor.contact"] = json!("false");
     let answer = asked(ignored);
-    let state = state_of(&answer.lines()).unwrap();
+    let state = answer.line("state");
     assert_eq!(state["floor"], Value::Null);
     assert_eq!(state["summary"]["floor"], Value::Null);
     assert!(state["summary"]["smallest_floor_gap_m"].as_f64().unwrap() < 0.0);
