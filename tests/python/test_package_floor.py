@@ -137,7 +137,11 @@ def test_a_loading_has_one_end(system):
 
 
 def test_sweeps_have_columns_of_the_floor(system, state):
-    study = {"system": system, "question": "press", "indentation": "4 um", "axes": {"offset": [0.0, 0.5]}}
+    study = {
+        "study": {"question": "press", "indentation": "4 um"},
+        "system": system,
+        "axes": {"offset": [0.0, 0.5]},
+    }
     table = fakir.sweep(study, threads=1)
     first, second = table.rows
     assert first["floor_force_N"] == state.floor.force
