@@ -116,6 +116,8 @@ export interface State {
   readonly solved: Of<ContactState> | null;
   /** The last critical state that was solved. */
   readonly critical: Of<TransitionSummary> | null;
+  /** The one of the case before, of which the map may still be shown. */
+  readonly criticalBefore: Of<TransitionSummary> | null;
   /** An estimate of a critical state that is not solved yet. */
   readonly estimate: Of<Estimate> | null;
   /** The largest force that the colours of a case have to show, N. */
@@ -154,6 +156,7 @@ export class Store {
       picture: null,
       solved: null,
       critical: null,
+      criticalBefore: null,
       estimate: null,
       largestForce: null,
       section: null,
@@ -296,7 +299,8 @@ export function knownCritical({ critical }: State, { name }: Question): Transiti
  * estimated, and the largest force that the colours show, N. */
 export function mapScale(state: State, { of, is }: Of<Picture>): { radius: number; force: number } {
   const estimate = state.estimate?.of.name === of.name ? state.estimate.is : null;
-  const known = knownCritical(state, of)?.critical_contact_radius_m;
+  const criticals = [state.critical, state.criticalBefore];
+  const known = criticals.find((each) => each?.of.name === of.name)?.is.critical_contact_radius_m;
   const largest = state.largestForce?.of.name === of.name ? state.largestForce.is : 0;
   return {
     radius: known ?? estimate?.contact_radius_m ?? 0,
@@ -392,7 +396,10 @@ function contactLine(
     if (solved?.of.number !== of.number) return {};
     return { solved: { of, is: { ...solved.is, summary: line.summary } } };
   }
-  if (line.critical) return { critical: { of, is: line.critical }, estimate: null };
+  if (line.critical) {
+    const critical = { of, is: line.critical };
+    return { critical, estimate: null, ...(!known && { criticalBefore: state.critical }) };
+  }
   if (line.case) return { texts: { of, is: line.case } };
   if (line.section !== undefined) return { section: { of, is: line.section } };
   return {};

@@ -24,6 +24,7 @@ export class Store {
             picture: null,
             solved: null,
             critical: null,
+            criticalBefore: null,
             estimate: null,
             largestForce: null,
             section: null,
@@ -152,7 +153,8 @@ export function knownCritical({ critical }, { name }) {
  * estimated, and the largest force that the colours show, N. */
 export function mapScale(state, { of, is }) {
     const estimate = state.estimate?.of.name === of.name ? state.estimate.is : null;
-    const known = knownCritical(state, of)?.critical_contact_radius_m;
+    const criticals = [state.critical, state.criticalBefore];
+    const known = criticals.find((each) => each?.of.name === of.name)?.is.critical_contact_radius_m;
     const largest = state.largestForce?.of.name === of.name ? state.largestForce.is : 0;
     return {
         radius: known ?? estimate?.contact_radius_m ?? 0,
@@ -237,8 +239,10 @@ function contactLine(state, { question: of, since }, line, now) {
             return {};
         return { solved: { of, is: { ...solved.is, summary: line.summary } } };
     }
-    if (line.critical)
-        return { critical: { of, is: line.critical }, estimate: null };
+    if (line.critical) {
+        const critical = { of, is: line.critical };
+        return { critical, estimate: null, ...(!known && { criticalBefore: state.critical }) };
+    }
     if (line.case)
         return { texts: { of, is: line.case } };
     if (line.section !== undefined)
