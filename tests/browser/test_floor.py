@@ -104,6 +104,13 @@ def test_without_floor_contact_the_lens_goes_through_the_floor(explore):
     assert "contact = false" in page.text("case-file")
     assert "floor_contact=False" in page.text("python")
     assert "floor.contact=false" in page.text("command")
+    # The substrates of the paper leave it as it is.
+    assert page.page.get_attribute("[data-preset=intermediate]", "aria-pressed") == "true"
+    page.page.click("[data-preset=soft]")
+    page.rest()
+    assert not page.page.is_checked("#floor-contact")
+    page.page.click("[data-preset=intermediate]")
+    page.rest()
     page.page.check("#floor-contact")
     page.rest()
     assert page.page.is_visible("#floor-numbers")

@@ -596,13 +596,16 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
         let load = Control::Indentation(indentation(&case, critical, fraction));
         match fakir::press(system, load, method, &run) {
             Ok(state) => {
-                let floor = state.floor.as_ref().map(|floor| floor.force);
+                let floor = state.floor.as_ref();
+                // As in the critical state: the larger of the contacts with pillar tops and floor.
+                let radius = floor.map_or(0.0, |floor| floor.radius);
+                let floor_force = floor.map(|floor| floor.force);
                 worker.send(&PhaseLine::Path(PathState {
                     fraction,
                     indentation_m: state.indentation,
                     force_N: state.force,
-                    floor_force_N: floor.or((!state.beyond_transition()).then_some(0.0)),
-                    normalized: reduced(state.force, state.contact_radius),
+                    floor_force_N: floor_force.or((!state.beyond_transition()).then_some(0.0)),
+                    normalized: reduced(state.force, radius.max(state.contact_radius)),
                 }));
             }
             Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),

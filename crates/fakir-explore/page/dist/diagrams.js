@@ -77,11 +77,13 @@ function phaseContents(state) {
         { kind: "points", style: "critical-point", points: [at] },
     ];
     if (solved !== null && solved.of.name === critical.of.name) {
-        const { fraction, normalized } = solved.is;
+        const { fraction, normalized, summary, pitch_m: pitch } = solved.is;
+        // As in the critical state: the larger of the contacts with pillar tops and floor.
+        const radius = Math.max(normalized[1], (summary.floor?.radius_m ?? 0) / pitch);
         series.push({
             kind: "points",
             style: aged("load-point", isOlder(state, solved, "load")),
-            points: [isCritical(fraction) ? at : [normalized[1], normalized[0]]],
+            points: [isCritical(fraction) ? at : [radius, normalized[0]]],
         });
     }
     const part = (share) => inside[Math.floor(inside.length * share)] ?? [1, floor];

@@ -10,22 +10,22 @@ import { announcement, drawCritical, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
 import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
-import { FRACTION, isBusy, isOlder, mapScale, PITCH, Store, } from "./store.js";
+import { FLOOR, FRACTION, isBusy, isOlder, mapScale, PITCH, Store, } from "./store.js";
 import { onScheme } from "./theme.js";
 /** Young's moduli of the paper's three substrates, Pa. */
 const SUBSTRATES = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
-/** The two ways of saying how far apart pillars are. */
-const SPACING = [FRACTION, PITCH];
+/** What the substrates of the paper leave as it is: how far apart pillars are, and whether the floor bears anything. */
+const KEPT = [FRACTION, PITCH, FLOOR];
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;
 /** What is chosen goes into the address when it has not changed for this long, ms. */
 const REMEMBER = 250;
 /** A result is read out when it has not changed for this long, ms. */
 const REST = 800;
-/** The paper's case with one of its substrates, without the distance of the pillars. */
+/** The paper's case with one of its substrates, without what stays as it is. */
 function preset(start, name) {
     const values = { ...start.paper, "substrate.young_modulus": SUBSTRATES[name] ?? 2e6 };
-    for (const key of SPACING)
+    for (const key of KEPT)
         delete values[key];
     return values;
 }
@@ -35,7 +35,6 @@ function buttons(data) {
 // --- Showing ------------------------------------------------------------------------------------
 function show(store) {
     const { start } = store.state;
-    const defaults = new Map(start.keys.map((key) => [key.key, key.default]));
     const controls = new Controls(byId("fields"), start.keys, (...change) => store.setValue(...change));
     byId("load").max = String(start.farthest_load);
     byId("load").parentElement?.style.setProperty("--farthest", String(start.farthest_load));
@@ -47,7 +46,7 @@ function show(store) {
         controls.show(chosen.case, typed);
         for (const button of buttons("preset")) {
             const wanted = Object.entries(preset(start, button.dataset["preset"] ?? ""));
-            const same = wanted.every(([key, value]) => (chosen.case[key] ?? defaults.get(key)) === value);
+            const same = wanted.every(([key, value]) => chosen.case[key] === value);
             button.setAttribute("aria-pressed", String(same));
         }
     });
@@ -170,7 +169,7 @@ function listen(store, server) {
         button.addEventListener("click", () => {
             const { start, chosen } = store.state;
             const values = preset(start, button.dataset["preset"] ?? "");
-            for (const key of SPACING) {
+            for (const key of KEPT) {
                 const value = chosen.case[key];
                 if (value !== undefined)
                     values[key] = value;
