@@ -63,13 +63,16 @@ impl Solved {
     }
 }
 
+/// Told a state on the way to an answer, and the time that it took, s.
+type Interim<'a> = dyn Fn(&ContactState, f64) + Sync + 'a;
+
 /// Solves for a state on the way to the critical one, or past it. `interim` is told what can be
 /// shown of it before, `found` the critical state; with the time it took so far, s.
 pub(crate) fn solve(
     case: &Case,
     load: LoadPoint,
     worker: &Worker,
-    interim: Option<&(dyn Fn(&ContactState, f64) + Sync)>,
+    interim: Option<&Interim<'_>>,
     found: impl FnOnce(&CriticalState, f64),
 ) -> Result<Solved, Failure> {
     let known = load.critical_indentation_m;
