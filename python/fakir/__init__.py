@@ -20,6 +20,7 @@ from ._comparison import Comparison
 from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
+from ._floor import FloorContact, FloorErrors
 from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
 from ._state import ContactState, CriticalState, ErrorEstimate, Normalized
@@ -55,6 +56,8 @@ __all__ = [
     "FakirWarning",
     "Fit",
     "FitError",
+    "FloorContact",
+    "FloorErrors",
     "HexagonalTexture",
     "HomogenisedLattice",
     "Lens",

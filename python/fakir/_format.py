@@ -20,6 +20,18 @@ def engineering(value: float, unit: str, digits: int = 6) -> str:
     return f"{rounded:.12g} {PREFIXES[step]}{unit}"
 
 
+def known_digits(error: float) -> int:
+    """Digits of a number with this relative error that mean something, one to six."""
+    if not 0.0 < error < 1.0:
+        return 6 if error == 0.0 else 1
+    return min(max(math.ceil(-math.log10(error)), 1), 6)
+
+
+def remark(error: float) -> str:
+    """What stands behind a number about its error, if it has one."""
+    return f" (estimated error {error:.0e})" if error > 0.0 else ""
+
+
 Row = tuple[str, str]
 
 

@@ -1,15 +1,16 @@
-"""Quasi-static loading from first touch to the critical state."""
+"""Quasi-static loading from first touch to the critical state, and through it."""
 
 from __future__ import annotations
 
 import copy
 import json
+import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from . import _fakir
 from ._format import Row, engineering, html_table, text_table
-from ._quantity import Quantity, si
+from ._quantity import UNITS, Dimension, Quantity, si
 from ._state import ContactState, CriticalState, contact_state, critical_state
 
 if TYPE_CHECKING:
@@ -64,6 +65,8 @@ class Approach(Loading[ContactState]):
         rows = []
         for state in self.states:
             mark = ", critical" if state is self.critical.state else ""
+            if state.floor is not None:
+                mark = f", {engineering(state.floor.force, 'N', 4)} of it on the floor"
             text = f"{engineering(state.force, 'N')}, {state.pillars_in_contact} pillars{mark}"
             rows.append((engineering(state.indentation, "m"), text))
         return rows
@@ -75,31 +78,51 @@ class Approach(Loading[ContactState]):
         return html_table("Approach of the lens: indentation, force", self._rows())
 
 
+Path = tuple[float, float | None, float | None, float | None]
+"""Step, `until`, `to` and `to_force` of a loading, in SI units."""
+
+
 def checked_path(
-    step: Quantity, until: Quantity | None, past_transition: bool
-) -> tuple[float, float | None]:
-    """Step and last indentation of a loading, m."""
-    size = si(step, "length", "step")
-    end = None if until is None else si(until, "length", "until")
-    if not 0.0 < size < float("inf"):
-        raise ValueError(f"step is {size} m: it must be greater than 0")
-    if end is not None and not 0.0 <= end < float("inf"):
-        raise ValueError(f"until is {end} m: it must be 0 or greater")
-    if past_transition and end is None:
-        raise TypeError("past_transition needs until: the indentation to go to")
-    return size, end
-
-
-def approach(
-    case: _fakir.Case,
     step: Quantity,
     until: Quantity | None,
     past_transition: bool,
-    options: _fakir.Options,
-) -> Approach:
+    to: Quantity | None,
+    to_force: Quantity | None,
+) -> Path:
+    """A loading by steps up to one end at the most."""
+    if past_transition:
+        if until is None or to is not None:
+            raise TypeError("past_transition needs until: the indentation to go to")
+        warnings.warn(
+            "past_transition is old: give the last indentation as to in place of until",
+            FutureWarning,
+            stacklevel=3,
+        )
+        until, to = None, until
+    if sum(end is not None for end in (until, to, to_force)) > 1:
+        raise TypeError("a loading has one end: give one of until, to and to_force")
+
+    def end(value: Quantity | None, dimension: Dimension, name: str) -> float | None:
+        return None if value is None else _positive(value, dimension, name)
+
+    return (
+        _positive(step, "length", "step"),
+        end(until, "length", "until"),
+        end(to, "length", "to"),
+        end(to_force, "force", "to_force"),
+    )
+
+
+def _positive(value: Quantity, dimension: Dimension, name: str) -> float:
+    number = si(value, dimension, name)
+    if not 0.0 < number < float("inf"):
+        raise ValueError(f"{name} is {number} {UNITS[dimension]}: it must be greater than 0")
+    return number
+
+
+def approach(case: _fakir.Case, path: Path, options: _fakir.Options) -> Approach:
     """Computes all states of a loading."""
-    size, end = checked_path(step, until, past_transition)
-    found, reached, others = _fakir.approach(case, size, end, past_transition, options)
+    found, reached, others = _fakir.approach(case, *path, options)
     summary = json.loads(found)
     critical = critical_state(reached)
     rest = iter(others)
@@ -110,6 +133,6 @@ def approach(
 
 
 def _state(state: _fakir.State) -> ContactState:
-    """Past the transition is where the loading was told to go: no warning."""
+    """Through the floor is where the loading was told to go: no warning."""
     contact = ContactState(state)
-    return contact if contact.beyond_transition else contact_state(state)
+    return contact if contact._goes_through_floor else contact_state(state)

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _fakir
-from ._format import Row, engineering, html_table, text_table
+from ._floor import FloorContact
+from ._format import Row, engineering, html_table, known_digits, remark, text_table
 from ._quantity import FloatArray, array
 from ._run import options, warn
 from .errors import FakirError, NotConverged
@@ -63,11 +64,12 @@ class Normalized(NamedTuple):
 class ContactState:
     """The contact under a load. Numbers are in SI units."""
 
-    __slots__ = ("_pillars", "_state", "_summary")
+    __slots__ = ("_floor", "_pillars", "_state", "_summary")
 
     def __init__(self, state: _fakir.State) -> None:
         self._state = state
         self._summary: dict[str, Any] = json.loads(state.json())
+        self._floor: FloorContact | None = None
         self._pillars: npt.NDArray[np.void] | None = None
 
     @property
@@ -109,7 +111,7 @@ class ContactState:
 
     @property
     def smallest_floor_gap(self) -> float:
-        """Smallest gap between lens and floor, m; negative past the transition."""
+        """Smallest gap between lens and floor, m: past the transition 0, or less where the floor is ignored."""
         return float(self._summary["smallest_floor_gap_m"])
 
     @property
@@ -120,8 +122,25 @@ class ContactState:
 
     @property
     def beyond_transition(self) -> bool:
-        """Whether the floor would have been touched already: the state ignores it."""
+        """Whether the floor is touched, or would be if it was not to be ignored."""
         return bool(self._summary["beyond_transition"])
+
+    @property
+    def floor(self) -> FloorContact | None:
+        """What the floor bears: None before the transition, and past it where the floor is ignored.
+
+        It is ignored with ``floor_contact=False`` of the `System`, and by all methods but ``"spectral"``.
+        """
+        if self._floor is None:
+            cells = self._state.floor_cells()
+            if cells is not None:
+                self._floor = FloorContact(self._summary["floor"], cells)
+        return self._floor
+
+    @property
+    def _goes_through_floor(self) -> bool:
+        """Whether the lens is in the floor, which is ignored."""
+        return self.beyond_transition and self._summary["floor"] is None
 
     @property
     def error(self) -> ErrorEstimate:
@@ -174,7 +193,7 @@ class ContactState:
     ) -> Any:
         """Contact pressure (Pa) at points (m from the lens axis), which are broadcast.
 
-        At the rim of a pillar that is fully in contact it is infinite: `on_grid` gives means over
+        On the floor it is that of its cells: see `floor`. At the rim of a pillar that is fully in contact it is infinite: `on_grid` gives means over
         cells, which are not. ``memory_limit`` is in bytes; 8 GB if
         not given.
         """
@@ -183,13 +202,18 @@ class ContactState:
     def gap(
         self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
     ) -> Any:
-        """Gap (m) between the lens and what is below it: pillar top or floor."""
+        """Gap (m) between the lens and what is below it: pillar top or floor.
+
+        Where the floor is in contact it is zero, as the mean over a cell: at a point it differs from that by
+        what the cells do not resolve. Where the floor is ignored it is negative past the transition.
+        """
         return self._field(1, x, y, threads, memory_limit)
 
     def displacement(
         self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
     ) -> Any:
-        """How far the pressure has moved the two surfaces apart (m), pillars not shortened."""
+        """How far the pressure on pillar tops and floor has moved the two surfaces apart (m), pillars not
+        shortened."""
         return self._field(0, x, y, threads, memory_limit)
 
     def on_pillar(self, x: object, y: object) -> Any:
@@ -205,7 +229,8 @@ class ContactState:
 
         The pressure, which is infinite at the rim of a covered pillar, is its mean over the cell
         around each point: half-way to the next points. Its sum times the area of a cell is the force.
-        `pressure` gives the value at a point.
+        `pressure` gives the value at a point. Past the transition the pressure on the floor is in it, and what the
+        floor bears is in the attributes ``floor_force_N``, ``floor_share`` and ``floor_contact_area_m2``.
 
         Needs xarray: ``pip install fakir[xarray]``.
         """
@@ -222,7 +247,8 @@ class ContactState:
     ) -> xarray.Dataset:
         """All fields on a square grid around the contact, with so many points along a side."""
         _fakir.check_points(points * points, memory_limit)
-        reach = max(self.contact_radius, 0.5 * self.system.pitch) + self.system.pitch
+        radius = self.contact_radius if self.floor is None else max(self.contact_radius, self.floor.radius)
+        reach = max(radius, 0.5 * self.system.pitch) + self.system.pitch
         axis = np.linspace(-reach, reach, points)
         return self.on_grid(axis, axis, threads=threads, memory_limit=memory_limit)
 
@@ -303,20 +329,28 @@ class ContactState:
             "force_N": self.force,
             "indentation_m": self.indentation,
         }
+        floor = self.floor
+        if floor is not None:
+            attributes["floor_force_N"] = floor.force
+            attributes["floor_share"] = floor.share
+            attributes["floor_contact_area_m2"] = floor.contact_area
         return xarray.Dataset(variables, coordinates, attributes)
 
     def _rows(self) -> list[Row]:
         error = self.error
         partial = self.pillars_partially_in_contact
         rows = [
-            ("force", engineering(self.force, "N") + _about(error.force)),
-            ("indentation", engineering(self.indentation, "m") + _about(error.indentation)),
+            ("force", engineering(self.force, "N") + remark(error.force)),
+            ("indentation", engineering(self.indentation, "m") + remark(error.indentation)),
             ("contact radius", radius(self.contact_radius, error.contact_radius)),
             ("pillars in contact", f"{self.pillars_in_contact}, {partial} of them partially"),
             ("smallest floor gap", engineering(self.smallest_floor_gap, "m", 4)),
         ]
-        if self.beyond_transition:
+        if self._goes_through_floor:
             rows.append(("", "past the transition: computed as if the floor were not there"))
+        elif self.floor is not None:
+            share = f"{self.floor.share:.{known_digits(self.floor.error.share)}g}"
+            rows.append(("share of the floor", share + remark(self.floor.error.share)))
         rows.append(("solution", f"{self.method}, {self.termination}"))
         return rows
 
@@ -442,9 +476,9 @@ class CriticalState:
         across = f"{engineering(self.contact_radius, 'm', digits)}, a/e = {reduced.contact_radius:.{digits}g}"
         return [
             ("the lens meets first", first),
-            ("force", force + _about(self.error.force)),
-            ("indentation", depth + _about(self.error.indentation)),
-            ("contact radius", across + _about(error or 0.0)),
+            ("force", force + remark(self.error.force)),
+            ("indentation", depth + remark(self.error.indentation)),
+            ("contact radius", across + remark(error or 0.0)),
             ("floor contact at", f"({engineering(x, 'm', 4)}, {engineering(y, 'm', 4)})"),
             ("pillars in contact", f"{self.pillars_in_contact}, {partial} of them partially"),
             ("solution", f"{self.method}, {self.state.termination}"),
@@ -461,11 +495,13 @@ def contact_state(state: _fakir.State) -> ContactState:
     """The state for the user: with its warnings, and only if it is a solution."""
     contact = ContactState(state)
     warn(contact.warnings)
-    if contact.beyond_transition:
+    if contact._goes_through_floor:
+        method = contact.method
+        advice = "" if method == "spectral" else f"; the method {method} does not know what the floor bears"
         warn(
             [
                 "past the transition: this contact is computed as if the floor were not there "
-                "(System.transition gives the critical load)"
+                f"(System.transition gives the critical load{advice})"
             ]
         )
     if not contact.converged:
@@ -503,8 +539,4 @@ def radius_digits(error: float | None) -> int:
 
 def radius(value: float, error: float | None) -> str:
     """A contact radius in the digits that its relative error leaves."""
-    return engineering(value, "m", radius_digits(error)) + _about(error or 0.0)
-
-
-def _about(error: float) -> str:
-    return f" (estimated error {error:.0e})" if error > 0.0 else ""
+    return engineering(value, "m", radius_digits(error)) + remark(error or 0.0)

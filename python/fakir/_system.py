@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from . import _fakir
 from ._comparison import Comparison, compare
 from ._format import Row, engineering, html_table, text_table
-from ._loading import Approach, approach
+from ._loading import Approach, approach, checked_path
 from ._quantity import Quantity, WithUnit, si
 from ._run import Progress, options
 from ._state import ContactState, CriticalState, critical_state, contact_state
@@ -125,6 +127,14 @@ class HexagonalTexture:
 class System:
     """A lens above a texture: the complete problem, checked.
 
+    Parameters
+    ----------
+    lens, substrate, texture
+        What is pressed onto what.
+    floor_contact
+        Whether the floor between the pillars bears its part past the transition. False is the fiction of the
+        paper, in which the lens goes through the floor.
+
     Examples
     --------
     >>> system = System(
@@ -134,12 +144,30 @@ class System:
     ... )
     >>> round(1e3 * system.transition().force, 3)
     4.448
+
+    Past the transition the floor bears a part of the force:
+
+    >>> sparse = system.replace({"texture.surface_fraction": 0.03})
+    >>> state = sparse.press(indentation="6 um")
+    >>> round(state.floor.share, 2)
+    0.15
     """
 
     __slots__ = ("_case",)
     _case: _fakir.Case
 
-    def __init__(self, lens: Lens, substrate: Substrate, texture: HexagonalTexture) -> None:
+    def __init__(
+        self,
+        lens: Lens,
+        substrate: Substrate,
+        texture: HexagonalTexture,
+        *,
+        floor_contact: bool = True,
+    ) -> None:
+        if not isinstance(floor_contact, (bool, np.bool_)):
+            raise TypeError(
+                f"floor_contact is of type {type(floor_contact).__name__}: give True or False"
+            )
         for part, kind in [(lens, Lens), (substrate, Substrate), (texture, HexagonalTexture)]:
             if not isinstance(part, kind):
                 raise TypeError(
@@ -163,7 +191,10 @@ class System:
             ("texture.offset", texture.offset),
             ("texture.offset_angle", texture.offset_angle),
         ]
-        words = [("texture.pillar.compliance", texture.compliance)]
+        words = [
+            ("texture.pillar.compliance", texture.compliance),
+            ("floor.contact", "true" if floor_contact else "false"),
+        ]
         given = [(key, number) for key, number in numbers if number is not None]
         self._case = _fakir.Case.build(given, words)
 
@@ -244,6 +275,11 @@ class System:
         return float(self._case.values()["texture.surface_fraction"])
 
     @property
+    def floor_contact(self) -> bool:
+        """Whether the floor bears its part past the transition; if not, the lens goes through it."""
+        return bool(self._case.values()["floor.contact"] == "true")
+
+    @property
     def method(self) -> str:
         """The method that is used where none is asked for."""
         return str(self._case.values()["method.name"])
@@ -317,8 +353,9 @@ class System:
     ) -> ContactState:
         """The contact at an indentation (m) or under a force (N): exactly one of them.
 
-        A load past the transition is answered as if the floor were not there, with a warning.
-        Everything else is as in `transition`.
+        Past the transition the floor bears its part: `ContactState.floor`. Only the method ``"spectral"``
+        knows how much. By the other methods, and with ``floor_contact=False`` of the system, such a load is
+        answered as if the floor were not there, with a warning. Everything else is as in `transition`.
         """
         case = self._with_method(method, accuracy, form, cells_per_diameter, mesh, cells)
         run = options(threads, progress, memory_limit)
@@ -330,25 +367,34 @@ class System:
         until: Quantity | None = None,
         past_transition: bool = False,
         *,
+        to: Quantity | None = None,
+        to_force: Quantity | None = None,
         method: Method | None = None,
         accuracy: Literal["default", "accurate"] | None = None,
         threads: int = 1,
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> Approach:
-        """Loading step by step from first touch, ending exactly at the critical state.
+        """Loading step by step from first touch, up to the critical state, or through it.
+
+        The critical state is one of the states. Past it the floor bears its part, as in `press`.
 
         Parameters
         ----------
         step
             Of the indentation (m).
         until
-            The last indentation (m), if it is to end before the critical state; or past it, with
-            ``past_transition``.
+            The last indentation (m), unless the critical state comes earlier.
+        to
+            The last indentation (m), before the critical state or past it.
+        to_force
+            The force (N) under which the loading ends, before the critical state or past it.
+        past_transition
+            Makes ``until`` mean the same as ``to``, which is to be given in its place.
         """
+        path = checked_path(step, until, past_transition, to, to_force)
         case = self._with_method(method, accuracy, None, None, None, None)
-        run = options(threads, progress, memory_limit)
-        return approach(case, step, until, past_transition, run)
+        return approach(case, path, options(threads, progress, memory_limit))
 
     def compare(
         self,
@@ -408,7 +454,7 @@ class System:
             modulus = engineering(values[f"{part}.young_modulus"], "Pa")
             return f"{modulus}, Poisson's ratio {values[f'{part}.poisson_ratio']:g}"
 
-        return [
+        rows = [
             ("lens", f"radius {length('lens.radius')}, {material('lens')}"),
             ("substrate", material("substrate")),
             (
@@ -423,6 +469,9 @@ class System:
                 f"lens axis {values['texture.offset']:g} pitches from a pillar",
             ),
         ]
+        if not self.floor_contact:
+            rows.append(("floor", "ignored: past the transition the lens goes through it"))
+        return rows
 
     def __repr__(self) -> str:
         return text_table("fakir.System", self._rows())
@@ -460,6 +509,8 @@ def _settings(overrides: Overrides | None) -> list[str]:
 def _written(value: Quantity) -> str:
     if isinstance(value, str):
         return value
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
     if isinstance(value, WithUnit):
         return repr(float(value.to_base_units().magnitude))  # type: ignore[attr-defined]
     return repr(value.item() if hasattr(value, "item") else value)

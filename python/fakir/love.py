@@ -215,26 +215,32 @@ class Surface:
         until: Quantity | None = None,
         past_transition: bool = False,
         *,
+        to: Quantity | None = None,
+        to_force: Quantity | None = None,
         threads: int = 1,
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> SurfaceApproach:
-        """Loading step by step from first touch, ending exactly at the critical state.
+        """Loading step by step from first touch, up to the critical state, or through it.
 
         Parameters
         ----------
         step
             Of the indentation (m).
         until
-            The last indentation (m), if it is to end before the critical state; or past it, with
-            ``past_transition``, where the floor bears load. Needed where it is not known what the
-            floor is.
+            The last indentation (m), unless the critical state comes earlier.
+        to
+            The last indentation (m), before the critical state or past it, where the floor bears its part.
+        to_force
+            The force (N) under which the loading ends, before the critical state or past it.
+        past_transition
+            Makes ``until`` mean the same as ``to``, which is to be given in its place.
+
+        One of the ends is needed where it is not known what the floor is.
         """
-        size, end = checked_path(step, until, past_transition)
+        path = checked_path(step, until, past_transition, to, to_force)
         run = options(threads, progress, memory_limit)
-        found, reached, others = _fakir.approach_surface(
-            self._surface, size, end, past_transition, run
-        )
+        found, reached, others = _fakir.approach_surface(self._surface, *path, run)
         summary = json.loads(found)
         critical = None if reached is None else self._reached(reached)
         rest = iter(others)

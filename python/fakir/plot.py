@@ -166,17 +166,15 @@ def approach(
 ) -> Sequence[Axes]:
     """Force and contact radius over the indentation, the critical state marked if the loading gets there.
 
-    Two axes. The part of the force that the floor bears is shown where a general surface tells it, and states
-    past the transition of a texture, which are without the floor, are dashed. Under a plate the area
-    of the contact takes the place of its radius.
+    Two axes. The part of the force that the floor bears is shown where there is one, and states that ignore the
+    floor past the transition are dashed. Under a plate the area of the contact takes the place of its radius.
     """
     axes = _axes(ax, 2, 1, (4.2, 5.2), sharex=True)
     rows = loading.to_dict()["states"]
     plate = any(row["contact_radius_m"] is None for row in rows)
     second = "contact_area_m2" if plate else "contact_radius_m"
     scale = MICRO**2 if plate else MICRO
-    on_cells = isinstance(loading, SurfaceApproach)
-    bare = [bool(row["beyond_transition"]) and not on_cells for row in rows]
+    bare = [bool(row["beyond_transition"]) and row["floor_force_N"] is None for row in rows]
     at = np.array([row["indentation_m"] for row in rows])
     for axis, name, factor in zip(axes, ["force_N", second], [MICRO, scale]):
         values = np.array([row[name] for row in rows], dtype=float)
@@ -190,7 +188,7 @@ def approach(
             if row["critical"]:
                 place = MICRO * row["indentation_m"], factor * row[name]
                 axis.plot(*place, "D", color="#c0392b", ms=4, label="critical state")
-    if on_cells and any(row["floor_force_N"] for row in rows):
+    if any(row["floor_force_N"] for row in rows):
         floor = np.array([row["floor_force_N"] for row in rows], dtype=float)
         axes[0].plot(MICRO * at, MICRO * floor, "--", label="on the floor")
     axes[0].set_ylabel("force (µN)")
@@ -479,7 +477,7 @@ def top_view(
     wavelength: float | None = None,
     points: int = 501,
 ) -> Axes:
-    """The contact from above: dark where lens and pillar touch.
+    """The contact from above: dark where lens and pillar touch, grey where lens and floor do.
 
     With a ``wavelength`` (m; ``550e-9`` is green) the interference of light reflected at the lens and
     at what is below it: dark in contact.
@@ -487,12 +485,14 @@ def top_view(
     contact = _contact(state)
     axis = _axis(ax)
     margin = 1.1 if wavelength is None else 1.4
-    reach = max(margin * contact.contact_radius, 1.4 * contact.system.pitch)
+    of_floor = 0.0 if contact.floor is None else contact.floor.radius
+    reach = max(margin * max(contact.contact_radius, of_floor), 1.4 * contact.system.pitch)
     line = np.linspace(-reach, reach, points)
     grid = np.meshgrid(line, line)
     if wavelength is None:
-        shade = np.where(contact.on_pillar(*grid), 0.92, 0.80)
-        shade = np.where(contact.pressure(*grid) > 0.0, 0.10, shade)
+        top = contact.on_pillar(*grid)
+        touched = contact.pressure(*grid) > 0.0
+        shade = np.where(top, np.where(touched, 0.10, 0.92), np.where(touched, 0.45, 0.80))
     else:
         shade = 0.5 * (1.0 - np.cos(4.0 * np.pi * contact.gap(*grid) / wavelength))
     axis.pcolormesh(

@@ -1,7 +1,8 @@
 """How long it takes from moving a slider to the new contact map on the screen.
 
 Where pillars are many, the map comes three times: as an estimate by the homogenised lattice, then with
-every pillar by the punch lattice, whose forces are good to a per cent, and then exact.
+every pillar by the punch lattice, whose forces are good to a per cent, and then exact. Past the transition
+the pillar tops alone come before the exact map, which has the floor.
 
 The time is that from the input event until the frame with the new map has been drawn, of moves that
 wait for each other. It is printed; how much it may be depends on the machine, so that only
@@ -25,7 +26,9 @@ MEASURE = """async ([moves]) => {
         const begin = performance.now();
         await new Promise((resolve) => {
             const listen = (event) => {
-                const { stage } = event.detail;
+                const { stage, asked } = event.detail;
+                // The map of the move before may be drawn once more.
+                if (asked < begin) return;
                 times[stage].push(performance.now() - begin);
                 if (stage !== "exact") return;
                 document.removeEventListener("picture", listen);
@@ -46,11 +49,28 @@ MEASURE = """async ([moves]) => {
 @pytest.mark.parametrize("surface_fraction, wanted", [(0.1, 50), (0.2, 400)])
 def test_the_map_follows_the_slider(explore, capsys, surface_fraction, wanted):
     page = explore("#" + "&".join(paper(surface_fraction)))
+    median = measured(page, capsys, f"at a surface fraction of {surface_fraction}")
+    assert median["exact"] < allowed(wanted)
+
+
+@pytest.mark.parametrize("surface_fraction, wanted", [(0.03, 100), (0.1, 600)])
+def test_the_map_follows_the_slider_in_mixed_contact(explore, capsys, surface_fraction, wanted):
+    """Halfway again past the transition: pillar tops and floor."""
+    page = explore("#" + "&".join([*paper(surface_fraction), "load=1.5"]))
+    median = measured(page, capsys, f"past the transition, at a surface fraction of {surface_fraction}")
+    assert median["exact"] < allowed(wanted)
+
+
+def measured(page, capsys, where):
+    """Median times, ms, until the map of every stage."""
     page.page.evaluate(MEASURE, [3])
     times = page.page.evaluate(MEASURE, [MOVES])
     median = {stage: statistics.median(of) for stage, of in times.items() if of}
     words = ", ".join(f"{stage} {time:.0f} ms" for stage, time in median.items())
     with capsys.disabled():
-        print(f"\nslider to map at a surface fraction of {surface_fraction}: median {words}")
-    strict = "STRICT_LATENCY" in os.environ
-    assert median["exact"] < (wanted if strict else 10 * wanted)
+        print(f"\nslider to map {where}: median {words}")
+    return median
+
+
+def allowed(wanted):
+    return wanted if "STRICT_LATENCY" in os.environ else 10 * wanted

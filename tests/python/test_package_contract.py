@@ -147,9 +147,9 @@ def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
     assert surface.indenter == fakir.Lens("1 mm", "2 MPa", 0.5) and not surface.periodic
     expected = program("press", case, setting, "--indentation=1um")
     assert timeless(surface.press(indentation="1 um").to_dict()) == timeless(expected)
-    path = ["--step=1um", "--until=3um", "--past-transition", f"--output={tmp_path / 'out'}"]
+    path = ["--step=1um", "--to=3um", f"--output={tmp_path / 'out'}"]
     expected = program("approach", case, setting, *path)
-    loading = surface.approach("1 um", until="3 um", past_transition=True)
+    loading = surface.approach("1 um", to="3 um")
     assert timeless(loading.to_dict()) == timeless(expected)
     assert table(tmp_path / "out", "approach.csv") == list(loading.to_pandas())
     assert loading.critical is not None

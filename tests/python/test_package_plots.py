@@ -120,11 +120,14 @@ def test_a_rigid_plate_is_flat_in_section():
 def test_loadings(system, surface):
     for loading in [
         system.approach("2 um"),
-        system.approach("2 um", until="6 um", past_transition=True),
-        surface.approach("1 um", until="3 um", past_transition=True),
+        system.approach("2 um", to="6 um"),
+        system.replace({"floor.contact": False}).approach("2 um", to="6 um"),
+        surface.approach("1 um", to="3 um"),
     ]:
         force, radius = fakir.plot.approach(loading)
         assert force.has_data() and radius.has_data()
         labels = [line.get_label() for line in force.lines]
         assert "critical state" in labels
-        assert ("on the floor" in labels) == isinstance(loading, fakir.love.SurfaceApproach)
+        borne = [row["floor_force_N"] for row in loading.to_dict()["states"]]
+        assert ("on the floor" in labels) == any(borne)
+        assert ("without the floor" in labels) == (None in borne)

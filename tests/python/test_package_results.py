@@ -52,13 +52,16 @@ def test_bit_for_bit_as_the_program(case, overrides):
     [
         ([], {}),
         (["--until", "2um"], {"until": "2 um"}),
-        (["--until", "4um", "--past-transition"], {"until": 4e-6, "past_transition": True}),
+        (["--to", "4um"], {"to": 4e-6}),
+        (["--to-force", "50uN", "--without-floor"], {"to_force": "50 uN"}),
     ],
 )
 def test_the_approach_is_that_of_the_program(arguments, options):
     overrides = {"texture.surface_fraction": 0.01}
     case = "paper-intermediate.toml"
     expected = program("approach", case, overrides, "--step", "1um", *arguments)
+    if "--without-floor" in arguments:
+        overrides["floor.contact"] = False
     system = fakir.System.from_file(EXAMPLES / case, set=overrides)
     approach = system.approach("1 um", **options)
     assert without_times(approach.to_dict()) == without_times(expected)

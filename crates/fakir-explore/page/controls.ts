@@ -16,6 +16,9 @@ const DIAMETER = "texture.pillar.diameter";
 /** The tables of a case file that stand first on the page, before all others in their order. */
 const FIRST_TABLES = ["texture", "texture.pillar"];
 
+/** The words of a key that is either so or not. */
+const [TRUE, FALSE] = ["true", "false"];
+
 /** Steps of a slider. */
 const STEPS = 1000;
 
@@ -48,7 +51,7 @@ export class Controls {
       title.textContent = titleOf(table);
       set.append(title);
       for (const key of this.keys.filter((key) => key.table === table)) {
-        const widget = isField(key) ? this.field(key) : this.choice(key);
+        const widget = isField(key) ? this.field(key) : isFlag(key) ? this.flag(key) : this.choice(key);
         this.widgets.set(key.key, widget);
         set.append(widget.box);
       }
@@ -155,6 +158,20 @@ export class Controls {
     return { box, note, show, inputs: [text, slider] };
   }
 
+  private flag(key: Key): Widget {
+    const { box, note, id, describedBy } = frame(key);
+    const check = document.createElement("input");
+    check.id = id;
+    check.type = "checkbox";
+    check.setAttribute("aria-describedby", describedBy);
+    check.addEventListener("change", () => {
+      this.changed(key.key, check.checked ? TRUE : FALSE, false, performance.now());
+    });
+    box.classList.add("flag");
+    box.append(check, note);
+    return { box, note, show: (value) => (check.checked = String(value) === TRUE), inputs: [check] };
+  }
+
   private choice(key: Key): Widget {
     const { box, note, id, describedBy } = frame(key);
     const select = document.createElement("select");
@@ -168,6 +185,11 @@ export class Controls {
     box.append(select, note);
     return { box, note, show: (value) => (select.value = String(value)), inputs: [select] };
   }
+}
+
+/** Whether a key is either so or not. */
+function isFlag({ words }: Key): boolean {
+  return words.length === 2 && words.includes(TRUE) && words.includes(FALSE);
 }
 
 function isField(key: Key): key is Field {

@@ -43,6 +43,22 @@ export interface TransitionSummary {
   readonly wall_time_s: number;
 }
 
+/** What the floor bears. */
+export interface FloorSummary {
+  readonly force_N: number;
+  readonly share: number;
+  readonly contact_area_m2: number;
+  readonly radius_m: number;
+  readonly smallest_distance_to_rim_m: number;
+  /** Null where two grids differ. */
+  readonly patches: number | null;
+  readonly cell_m: Point;
+  readonly relative_error_estimate: {
+    readonly share: number | null;
+    readonly contact_area: number | null;
+  };
+}
+
 export interface PressSummary {
   readonly method: string;
   readonly force_N: number;
@@ -52,6 +68,8 @@ export interface PressSummary {
   readonly pillars_partially_in_contact: number;
   readonly smallest_floor_gap_m: number;
   readonly beyond_transition: boolean;
+  /** Null before the transition, and past it where the lens goes through the floor. */
+  readonly floor: FloorSummary | null;
   readonly relative_error_estimate: ErrorEstimate;
   readonly converged: boolean;
   readonly wall_time_s: number;
@@ -59,9 +77,24 @@ export interface PressSummary {
 
 export type Point = readonly [number, number];
 
+/** The cells of the floor in contact, in an array of cells. */
+export interface FloorCells {
+  /** Lower left corner of the array from the lens axis. */
+  readonly corner_m: Point;
+  readonly cell_m: Point;
+  readonly columns: number;
+  readonly rows: number;
+  /** Row, first column and number of cells that are side by side, one after the other. */
+  readonly segments: readonly number[];
+  /** A letter for the pressure on every cell, from `a`, the smallest pressures, to `z`, the largest. */
+  readonly shades: string;
+  readonly largest_pressure_Pa: number;
+}
+
 /** A state, with what is needed to draw it. */
 export interface ContactState {
-  /** Whether this is the state by the punch lattice, within a per cent or two of the solution that follows. */
+  /** Whether this is the state by the punch lattice, within a per cent or two of the solution that follows, or on the
+   * pillar tops alone, where the floor takes longer. */
   readonly approximate: boolean;
   readonly fraction: number;
   readonly summary: PressSummary;
@@ -74,6 +107,8 @@ export interface ContactState {
   readonly pillar_forces_N: readonly number[];
   readonly pillar_statuses: string;
   readonly floor_contacts_m: readonly Point[];
+  /** Null where the floor bears nothing. */
+  readonly floor: FloorCells | null;
   readonly warnings: readonly string[];
 }
 
@@ -97,6 +132,20 @@ export interface Section {
   readonly surface_m: readonly number[];
   /** Where the floor is touched in this plane, if it is: x and height. */
   readonly floor_contacts_m: readonly Point[];
+  /** Where the floor bears a part: the ends of every piece in contact along x. */
+  readonly floor_m: readonly Point[];
+}
+
+/** A state of the loading, as curves show it. */
+export interface PathState {
+  /** The load as a part of the way to the critical state. */
+  readonly fraction: number;
+  readonly indentation_m: number;
+  readonly force_N: number;
+  /** What the floor bears of it; null where the lens goes through the floor. */
+  readonly floor_force_N: number | null;
+  /** a/e and F gamma_int/(h d). */
+  readonly normalized: Point;
 }
 
 export interface CurvePoint {
@@ -133,7 +182,7 @@ export interface Line {
   readonly point?: CurvePoint;
   readonly complete?: { readonly largest_surface_fraction: number };
   readonly transition?: readonly Point[];
-  readonly path?: readonly [number, number, number];
+  readonly path?: PathState;
 }
 
 /** What the key table of the program says about a key of a case. */

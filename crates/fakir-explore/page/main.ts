@@ -3,15 +3,16 @@
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
-import { drawCurves, drawCurvesStatus, drawPhase } from "./diagrams.js";
+import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
 import { Server, type Start, type Texts, type Values } from "./engine.js";
-import { drawColourBar, drawMap, wordsAt, type MapContents } from "./map.js";
+import { drawColourBar, drawFloorBar, drawMap, wordsAt, type MapContents } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
 import { announcement, drawCritical, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
 import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
 import {
+  FLOOR,
   FRACTION,
   isBusy,
   isOlder,
@@ -25,8 +26,8 @@ import { onScheme } from "./theme.js";
 /** Young's moduli of the paper's three substrates, Pa. */
 const SUBSTRATES: Record<string, number> = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
 
-/** The two ways of saying how far apart pillars are. */
-const SPACING = [FRACTION, PITCH];
+/** What the substrates of the paper leave as it is: how far apart pillars are, and whether the floor bears anything. */
+const KEPT = [FRACTION, PITCH, FLOOR];
 
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;
@@ -37,10 +38,10 @@ const REMEMBER = 250;
 /** A result is read out when it has not changed for this long, ms. */
 const REST = 800;
 
-/** The paper's case with one of its substrates, without the distance of the pillars. */
+/** The paper's case with one of its substrates, without what stays as it is. */
 function preset(start: Start, name: string): Values {
   const values: Values = { ...start.paper, "substrate.young_modulus": SUBSTRATES[name] ?? 2e6 };
-  for (const key of SPACING) delete values[key];
+  for (const key of KEPT) delete values[key];
   return values;
 }
 
@@ -84,8 +85,9 @@ function show(store: Store): void {
     ],
     drawFacts,
   );
-  screen.add((state) => [state.chosen.load, state.solved], drawLoad);
+  screen.add((state) => [state.chosen.load, state.chosen.case, state.solved], drawLoad);
 
+  const floorBar = byId<HTMLCanvasElement>("floor-bar");
   const [canvas, bar] = [byId<HTMLCanvasElement>("map"), byId<HTMLCanvasElement>("colour-bar")];
   screen.add(
     (state) => [state.picture, ...Object.values(mapContents(state) ?? {})],
@@ -94,6 +96,14 @@ function show(store: Store): void {
       if (state.picture === null || contents === null) return;
       drawMap(canvas, contents, state.start.colours);
       write(byId("colour-most"), engineeringText(contents.force, "force", 3));
+      const { floor, floorIsOlder } = contents.scene;
+      byId("floor-key").hidden = floor === null;
+      for (const part of [floorBar, byId("floor-most")]) part.classList.toggle("older", floorIsOlder);
+      byId("touch-key").hidden = floor !== null;
+      if (floor !== null) {
+        write(byId("floor-most"), engineeringText(floor.largest_pressure_Pa, "pressure", 3));
+        drawFloorBar(floorBar);
+      }
       const { of, is } = state.picture;
       const detail = { asked: of.asked, stage: is.stage };
       screen.whenShown(() => document.dispatchEvent(new CustomEvent("picture", { detail })));
@@ -105,7 +115,7 @@ function show(store: Store): void {
     ({ start }) => drawColourBar(bar, start.colours),
     [bar],
   );
-  const [section, phase] = [byId("section"), byId("phase")];
+  const [section, phase, loading] = [byId("section"), byId("phase"), byId("loading")];
   screen.add((state) => [state.section, state.chosen.exaggeration], drawSection, [section]);
   screen.add(
     (state) => [
@@ -114,6 +124,14 @@ function show(store: Store): void {
     ],
     drawPhase,
     [phase],
+  );
+  screen.add(
+    (state) => [
+      ...[state.phase, state.critical, state.solved],
+      isOlder(state, state.solved, "load"),
+    ],
+    drawLoading,
+    [loading],
   );
   const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
   screen.add((state) => [state.curves, state.critical], drawCurves, curves);
@@ -125,9 +143,10 @@ function show(store: Store): void {
 
   screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
   const facts = [byId("regime"), byId("pillars")];
-  screen.age((state) => state.critical, "case", [...facts, phase, ...curves]);
-  screen.age((state) => state.picture, "load", [canvas, byId("bar")]);
-  screen.age((state) => state.solved, "load", [byId("load-numbers"), byId("warnings")]);
+  screen.age((state) => state.critical, "case", [...facts, phase, loading, ...curves]);
+  screen.age((state) => state.picture, "load", [canvas, byId("bar"), byId("floor-key")]);
+  const numbers = ["load-numbers", "floor-numbers", "beyond-note", "warnings"].map((id) => byId(id));
+  screen.age((state) => state.solved, "load", numbers);
   screen.age((state) => state.section, "load", [section]);
   const texts = [byId("command"), byId("python"), byId("case-file")];
   screen.age((state) => state.texts, "load", texts);
@@ -212,7 +231,7 @@ function listen(store: Store, server: Server): void {
     button.addEventListener("click", () => {
       const { start, chosen } = store.state;
       const values = preset(start, button.dataset["preset"] ?? "");
-      for (const key of SPACING) {
+      for (const key of KEPT) {
         const value = chosen.case[key];
         if (value !== undefined) values[key] = value;
       }

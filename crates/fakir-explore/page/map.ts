@@ -1,8 +1,9 @@
-// The contact map: pillars from above, coloured by the force they bear.
+// The contact map: pillars from above, coloured by the force they bear, and the floor where it is in contact.
 
+import type { FloorCells } from "./engine.js";
 import { engineeringText } from "./numbers.js";
 import { centre, HALF_SQRT_3, touchesFloor, type Scene } from "./scene.js";
-import { colour, letterSize, tint, type Colours } from "./theme.js";
+import { colour, letterSize, mixed, tint, type Colours } from "./theme.js";
 
 /** What is drawn, and the scales: the critical contact radius, m, keeps that of lengths while the
  * load changes; the largest force, N, is that of the last colour. */
@@ -30,7 +31,8 @@ function halfWidth({ scene, radius }: MapContents): number {
   const floor = touchesFloor(scene)
     ? Math.max(0, ...scene.floor_contacts_m.map(([x, y]) => Math.hypot(x, y)))
     : 0;
-  const contact = Math.max(1.12 * radius, 1.12 * scene.contact_radius_m, 1.3 * floor);
+  const cells = scene.floor === null ? 0 : reach(scene.floor);
+  const contact = Math.max(1.12 * radius, 1.12 * scene.contact_radius_m, 1.3 * floor, 1.08 * cells);
   // A few pillars, unless they are far apart.
   const few = contact > 0 ? Math.min(2.3 * scene.pitch_m, 5 * contact) : 1.3 * scene.pitch_m;
   return Math.max(contact, few);
@@ -53,12 +55,71 @@ export function drawMap(canvas: HTMLCanvasElement, contents: MapContents, colour
   // Pillars are always seen, if need be larger than they are.
   const pillar = Math.max(contents.scene.diameter_m / 2, 1.2 * pixel);
   const sheet: Sheet = { ...contents, context, halfWidth: half, pixel, pillar };
+  drawFloor(sheet);
   drawUntouched(sheet);
   drawPillars(sheet, colours);
   drawMarks(sheet);
   context.setTransform(1, 0, 0, 1, 0, 0);
   drawScaleBar(context, side, scale, ratio);
   canvas.setAttribute("aria-label", contents.scene.words);
+}
+
+/** The farthest side of the cells of the floor in contact, m. */
+function reach({ corner_m: [x, y], cell_m: [width, height], columns, rows }: FloorCells): number {
+  return Math.max(-x, -y, x + columns * width, y + rows * height);
+}
+
+/** Shades of the pressure on the floor: letters from `a`. */
+const SHADES = 26;
+
+/** The colours of these shades, from the smallest pressure to the largest. */
+function floorColours(): readonly (readonly [number, number, number])[] {
+  const [low, high] = [tint("--floor-low"), tint("--floor-high")];
+  return Array.from({ length: SHADES }, (_, k) => mixed(low, high, k / (SHADES - 1)));
+}
+
+/** The cells of the floor in contact, a pixel for each. */
+function drawFloor({ context, scene }: Sheet): void {
+  const { floor } = scene;
+  if (floor === null || floor.columns === 0) return;
+  const { columns, rows, segments, shades } = floor;
+  const picture = new OffscreenCanvas(columns, rows);
+  const own = picture.getContext("2d");
+  if (own === null) return;
+  const pixels = own.createImageData(columns, rows);
+  const colours = floorColours();
+  let cell = 0;
+  for (let k = 0; k + 2 < segments.length; k += 3) {
+    const [row = 0, first = 0, count = 0] = segments.slice(k, k + 3);
+    for (let column = first; column < first + count; column += 1) {
+      const [red, green, blue] = colours[shades.charCodeAt(cell) - 97] ?? [0, 0, 0];
+      pixels.data.set([red, green, blue, 255], 4 * (row * columns + column));
+      cell += 1;
+    }
+  }
+  own.putImageData(pixels, 0, 0);
+  const [[x, y], [width, height]] = [floor.corner_m, floor.cell_m];
+  context.globalAlpha = scene.floorIsOlder ? 0.4 : 1;
+  context.filter = scene.floorIsOlder ? "grayscale(0.85)" : "none";
+  context.drawImage(picture, x, y, columns * width, rows * height);
+  context.globalAlpha = 1;
+  context.filter = "none";
+}
+
+/** The pressure on the cell of the floor at a place, Pa, as its shade tells it; null if that is not in contact. */
+function floorPressure(floor: FloorCells, x: number, y: number): number | null {
+  const column = Math.floor((x - floor.corner_m[0]) / floor.cell_m[0]);
+  const row = Math.floor((y - floor.corner_m[1]) / floor.cell_m[1]);
+  let cell = 0;
+  for (let k = 0; k + 2 < floor.segments.length; k += 3) {
+    const [at = 0, first = 0, count = 0] = floor.segments.slice(k, k + 3);
+    if (at === row && column >= first && column < first + count) {
+      const shade = floor.shades.charCodeAt(cell + column - first) - 97;
+      return ((shade + 0.5) / SHADES) * floor.largest_pressure_Pa;
+    }
+    cell += count;
+  }
+  return null;
 }
 
 /** Every pillar top in view, as if untouched. */
@@ -175,6 +236,11 @@ function drawScaleBar(
   context.fillRect(left + (box - width) / 2, top + 1.3 * size, width, 0.2 * size);
 }
 
+/** The colours of the floor in contact, from no pressure to the largest. */
+export function drawFloorBar(bar: HTMLCanvasElement): void {
+  drawColourBar(bar, floorColours());
+}
+
 /** The colours of the map, from no force to the largest. */
 export function drawColourBar(bar: HTMLCanvasElement, colours: Colours): void {
   const context = bar.getContext("2d");
@@ -200,7 +266,11 @@ export function wordsAt(
   const x = (event.offsetX - half) * metres;
   const y = (half - event.offsetY) * metres;
   const place = `${engineeringText(Math.hypot(x, y), "length", 3)} from the axis`;
-  let words = place;
+  const pressure = scene.floor === null || scene.floorIsOlder ? null : floorPressure(scene.floor, x, y);
+  let words =
+    pressure === null
+      ? place
+      : `floor in contact, about ${engineeringText(pressure, "pressure", 2)}, ${place}`;
   for (let k = 0; k < scene.forces_N.length; k += 1) {
     const [a, b] = centre(scene, k);
     if (Math.hypot(a - x, b - y) <= scene.diameter_m / 2) {

@@ -1,6 +1,6 @@
 // The numbers: the critical state of the case, and the load that is shown.
 
-import type { TransitionSummary } from "./engine.js";
+import type { FloorSummary, TransitionSummary } from "./engine.js";
 import {
   digitsFor,
   engineering,
@@ -11,7 +11,7 @@ import {
   type Dimension,
 } from "./numbers.js";
 import { byId } from "./screen.js";
-import { isBeyond, isBusy, isCritical, isOlder, type Estimate, type State } from "./store.js";
+import { floorBears, isBeyond, isBusy, isCritical, isOlder, type Estimate, type State } from "./store.js";
 
 interface Readout {
   readonly id: string;
@@ -125,8 +125,12 @@ export function drawLoad(state: State): void {
   const words = loadWords(load);
   const beyond = isBeyond(load);
   byId("load-words").textContent = words;
-  byId("load-words").classList.toggle("beyond", beyond);
-  byId("beyond-note").hidden = !beyond;
+  const bears = floorBears(state.chosen.case);
+  byId("load-words").classList.toggle("beyond", beyond && !bears);
+  byId("beyond-note").hidden = !beyond || bears;
+  for (const part of [byId("load").parentElement, byId("loading-legend")]) {
+    part?.classList.toggle("through-floor", !bears);
+  }
   const slider = byId<HTMLInputElement>("load");
   slider.value = String(load);
   slider.setAttribute("aria-valuetext", words);
@@ -138,6 +142,31 @@ export function drawLoad(state: State): void {
   const indentation = engineeringText(summary.indentation_m, "length", digits(error.indentation));
   const radius = engineeringText(summary.contact_radius_m, "length", digits(error.contact_radius));
   write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
+  write(byId("floor-gap"), engineeringText(summary.smallest_floor_gap_m, "length", digits(error.indentation)));
+  drawFloor(summary.floor);
+}
+
+/** What the floor bears, in the digits that its errors leave. */
+function drawFloor(floor: FloorSummary | null): void {
+  byId("floor-numbers").hidden = floor === null;
+  if (floor === null) return;
+  const { share, contact_area } = floor.relative_error_estimate;
+  const known = (error: number | null): number =>
+    error !== null && error > 0.1 ? 1 : Math.min(4, digitsFor(error));
+  const about = (error: number | null): string =>
+    error === null ? "" : `error ${significant(error, 1)}`;
+  const area = significant(1e12 * floor.contact_area_m2, known(contact_area));
+  const texts = {
+    "floor-force": engineeringText(floor.force_N, "force", known(share)),
+    "floor-force-error": about(share),
+    "floor-share": `${significant(100 * floor.share, known(share))} %`,
+    "floor-area": `${area} µm^{2}`,
+    "floor-area-error": about(contact_area),
+    // Two grids differ where bridges between patches are narrow.
+    "floor-patches": floor.patches === null ? "not resolved" : String(floor.patches),
+    "floor-rim": engineeringText(floor.smallest_distance_to_rim_m, "length", 3),
+  };
+  for (const [id, text] of Object.entries(texts)) write(byId(id), text);
 }
 
 function loadWords(fraction: number): string {
@@ -161,6 +190,9 @@ export function announcement(state: State): string | null {
   const indentation = engineeringText(summary.critical_indentation_m, "length", 4);
   return (
     `Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
-    `Load shown: ${loadWords(solved.is.fraction)}.`
+    `Load shown: ${loadWords(solved.is.fraction)}.` +
+    (solved.is.summary.floor === null
+      ? ""
+      : ` The floor bears ${significant(100 * solved.is.summary.floor.share, 2)} % of the force.`)
   );
 }

@@ -1,7 +1,7 @@
 // The one place that asks the server: it follows the store, and puts the answers into it.
 
 import { Refused, type Background, type Kind, type Refusal, type Server } from "./engine.js";
-import { isBusy, knownCritical, type Question, type Store } from "./store.js";
+import { isBusy, isWithoutFloor, knownCritical, type Question, type Store } from "./store.js";
 
 /** A computation that takes longer than this, ms, is given up for a newer one; shorter ones are
  * shown, so that the picture moves while a slider does. */
@@ -13,6 +13,9 @@ const CALM = 200;
 /** If nothing of the new case or load is shown this long, ms, after a change, all that is older turns grey. With the first
  * new part it turns grey at once, so that parts of two cases never look alike. */
 const OVERDUE = 200;
+
+/** The pillar tops alone are shown if the floor is not solved for this long, ms, after them. */
+const WITHOUT_FLOOR = 60;
 
 const BACKGROUND: readonly Background[] = ["phase", "curves"];
 
@@ -100,9 +103,11 @@ export function answerQuestions(store: Store, server: Server): void {
     let whole = false;
     let refusal: Refusal | null = null;
     try {
-      whole = await server.ask(kind, body, (line) =>
-        store.receive(kind, question.number, line, performance.now()),
-      );
+      whole = await server.ask(kind, body, (line) => {
+        const take = (): void => store.receive(kind, question.number, line, performance.now());
+        if (line.state && isWithoutFloor(line.state)) window.setTimeout(take, WITHOUT_FLOOR);
+        else take();
+      });
     } catch (error) {
       refusal =
         error instanceof Refused

@@ -1,6 +1,6 @@
 // What the map shows of a state, or of what is nearly one.
 
-import type { ContactState, Point, Preview } from "./engine.js";
+import type { ContactState, FloorCells, Point, Preview } from "./engine.js";
 import { engineeringText, radiusDigits, significant } from "./numbers.js";
 
 export interface Scene {
@@ -14,6 +14,9 @@ export interface Scene {
   /** A letter for every pillar, `f`ully or `p`artially in contact; empty if that is not known. */
   readonly statuses: string;
   readonly floor_contacts_m: readonly Point[];
+  readonly floor: FloorCells | null;
+  /** Whether the floor is that of a state before, on the same pillars: it is grey then. */
+  readonly floorIsOlder: boolean;
   readonly words: string;
 }
 
@@ -42,9 +45,14 @@ export function sceneOf(state: ContactState): Scene {
     forces_N: state.pillar_forces_N,
     statuses: state.pillar_statuses,
     floor_contacts_m: state.floor_contacts_m,
+    floor: state.floor,
+    floorIsOlder: false,
     words:
       `Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
-      `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}`,
+      `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}` +
+      (summary.floor === null
+        ? ""
+        : `; the floor is in contact within ${engineeringText(summary.floor.radius_m, "length", 3)}`),
   };
 }
 
@@ -83,8 +91,18 @@ export function sceneOfPreview(preview: Smooth): Scene {
     forces_N: forces.map((force) => (force * preview.force_N) / sum),
     statuses: "",
     floor_contacts_m: [],
+    floor: null,
+    floorIsOlder: false,
     words: "Contact from above, estimated by the homogenised lattice",
   };
+}
+
+/** A scene of the pillar tops alone, with the floor of the scene before, grey, if that has the same pillars. */
+export function withFloorBefore(scene: Scene, before: Scene | null): Scene {
+  const pillars = ({ pitch_m, diameter_m, offset_m }: Scene): string =>
+    [pitch_m, diameter_m, ...offset_m].join();
+  if (before === null || before.floor === null || pillars(before) !== pillars(scene)) return scene;
+  return { ...scene, floor: before.floor, floorIsOlder: true, floor_contacts_m: [] };
 }
 
 /** Whether the floor is touched, or would be, where the scene says. */

@@ -44,6 +44,7 @@ export function drawSection(state: State): void {
     path(`M${lens}L${width} -9L0 -9Z`, "lens"),
     path(`M${surface}`, "outline"),
     path(`M${lens}`, "outline"),
+    ...section.floor_m.map((ends) => floorPart(section, ends, place)),
     ...section.floor_contacts_m.map(([x, z]) => floorMark(place(x, z), em)),
     ...names(width, height, em, across),
   );
@@ -56,6 +57,26 @@ function tellExaggeration(factor: number): void {
   slider.value = String(Math.log10(factor));
   slider.setAttribute("aria-valuetext", words);
   byId("exaggeration-words").textContent = words;
+}
+
+/** A line along the floor where it is in contact. */
+function floorPart(
+  section: Section,
+  [start, end]: readonly [number, number],
+  place: (x: number, z: number) => [string, string],
+): SVGElement {
+  const inside = section.x_m
+    .map((x, k): [number, number] => [x, section.surface_m[k] ?? 0])
+    .filter(([x]) => x > start && x < end);
+  // Between two places of the outline heights are those of the next one.
+  const next = section.x_m.findIndex((x) => x >= end);
+  const height = section.surface_m[next] ?? 0;
+  const points = [
+    [start, inside[0]?.[1] ?? height] as const,
+    ...inside,
+    [end, inside[inside.length - 1]?.[1] ?? height] as const,
+  ];
+  return path(`M${points.map(([x, z]) => place(x, z).join(" ")).join("L")}`, "floor-part");
 }
 
 /** An arrow from below to where the floor is touched. */

@@ -10,6 +10,7 @@ import type {
   CurvePoint,
   Kind,
   Line,
+  PathState,
   Point,
   Progress,
   Refusal,
@@ -20,9 +21,10 @@ import type {
   Value,
   Values,
 } from "./engine.js";
-import { largestForceOf, sceneOf, sceneOfPreview, type Scene } from "./scene.js";
+import { largestForceOf, sceneOf, sceneOfPreview, withFloorBefore, type Scene } from "./scene.js";
 
 export const FRACTION = "texture.surface_fraction";
+export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
 
 /** What the user has chosen. */
@@ -50,7 +52,8 @@ export interface Of<T> {
   readonly is: T;
 }
 
-/** The method that a map comes from: the homogenised lattice, then the punch lattice, then that of the case. */
+/** What a map comes from: the homogenised lattice, then the punch lattice or the pillar tops alone, then the method of the
+ * case. */
 export type Stage = "estimate" | "pillars" | "exact";
 
 export interface Picture {
@@ -67,8 +70,8 @@ export interface Estimate {
 
 export interface Phase {
   readonly transition: readonly Point[];
-  /** The states of the loading path: the load as a part of the way to the critical state, a/e and F gamma_int/(h d). */
-  readonly path: readonly (readonly [number, number, number])[];
+  /** States of the loading, by rising load. */
+  readonly path: readonly PathState[];
   /** The critical state of the same case. */
   readonly critical: TransitionSummary;
 }
@@ -113,6 +116,8 @@ export interface State {
   readonly solved: Of<ContactState> | null;
   /** The last critical state that was solved. */
   readonly critical: Of<TransitionSummary> | null;
+  /** The one of the case before, of which the map may still be shown. */
+  readonly criticalBefore: Of<TransitionSummary> | null;
   /** An estimate of a critical state that is not solved yet. */
   readonly estimate: Of<Estimate> | null;
   /** The largest force that the colours of a case have to show, N. */
@@ -151,6 +156,7 @@ export class Store {
       picture: null,
       solved: null,
       critical: null,
+      criticalBefore: null,
       estimate: null,
       largestForce: null,
       section: null,
@@ -293,7 +299,8 @@ export function knownCritical({ critical }: State, { name }: Question): Transiti
  * estimated, and the largest force that the colours show, N. */
 export function mapScale(state: State, { of, is }: Of<Picture>): { radius: number; force: number } {
   const estimate = state.estimate?.of.name === of.name ? state.estimate.is : null;
-  const known = knownCritical(state, of)?.critical_contact_radius_m;
+  const criticals = [state.critical, state.criticalBefore];
+  const known = criticals.find((each) => each?.of.name === of.name)?.is.critical_contact_radius_m;
   const largest = state.largestForce?.of.name === of.name ? state.largestForce.is : 0;
   return {
     radius: known ?? estimate?.contact_radius_m ?? 0,
@@ -303,6 +310,18 @@ export function mapScale(state: State, { of, is }: Of<Picture>): { radius: numbe
 
 export function isCritical(fraction: number): boolean {
   return Math.abs(fraction - 1) < 1e-9;
+}
+
+/** Whether the floor of a case bears its part past the transition, which only the spectral method knows; if not, the
+ * lens goes through the floor. */
+export function floorBears(values: Values): boolean {
+  const isOf = (key: string, word: string): boolean => (values[key] ?? word) === word;
+  return isOf(FLOOR, "true") && isOf("method.name", "spectral");
+}
+
+/** Whether a state is that on the pillar tops alone, before the one with the floor. */
+export function isWithoutFloor({ approximate, summary }: ContactState): boolean {
+  return approximate && summary.method === "spectral";
 }
 
 export function isBeyond(fraction: number): boolean {
@@ -347,7 +366,12 @@ function contactLine(
     };
   }
   if (line.state?.approximate) {
-    const picture: Of<Picture> = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
+    const before = state.picture;
+    // It was held back, and the state with the floor is there already.
+    if (before?.of.number === of.number && before.is.stage === "exact") return {};
+    const own = sceneOf(line.state);
+    const scene = isWithoutFloor(line.state) ? withFloorBefore(own, before?.is.scene ?? null) : own;
+    const picture: Of<Picture> = { of, is: { stage: "pillars", scene } };
     // While the critical state itself is being solved, this state is the best estimate of it.
     const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
     return { picture, estimate: known ? null : estimate, refusal: null };
@@ -372,7 +396,10 @@ function contactLine(
     if (solved?.of.number !== of.number) return {};
     return { solved: { of, is: { ...solved.is, summary: line.summary } } };
   }
-  if (line.critical) return { critical: { of, is: line.critical }, estimate: null };
+  if (line.critical) {
+    const critical = { of, is: line.critical };
+    return { critical, estimate: null, ...(!known && { criticalBefore: state.critical }) };
+  }
   if (line.case) return { texts: { of, is: line.case } };
   if (line.section !== undefined) return { section: { of, is: line.section } };
   return {};
@@ -385,7 +412,7 @@ function phaseLine(state: State, of: Question, line: Line): Partial<State> {
     return { phase: { of, is: { transition: line.transition, path: [], critical } } };
   }
   if (line.path && phase?.of.number === of.number) {
-    const path = [...phase.is.path, line.path].sort((a, b) => a[0] - b[0]);
+    const path = [...phase.is.path, line.path].sort((a, b) => a.fraction - b.fraction);
     return { phase: { of, is: { ...phase.is, path } } };
   }
   return {};

@@ -1,10 +1,11 @@
 //! The answers: contacts with their pillars and section, curves over the surface fraction, and the
 //! phase diagram. Everything is in SI units, with the unit in the name.
 
+use crate::floor::{self, FloorCells};
 use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars};
-use fakir::problem::{Accuracy, Control, Method, Point, System};
+use fakir::problem::{Accuracy, Control, FloorModel, Method, Point, System};
 use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
@@ -21,15 +22,20 @@ const PREVIEW_PILLARS: f64 = 800.0;
 /// More pillars than this are not solved for in the background.
 const CURVE_PILLARS: f64 = 4000.0;
 
+/// More pillars than this are not solved for in the background with the floor in contact.
+const FLOOR_PILLARS: f64 = 1500.0;
+
 /// Points of the exact curves, a power of two and one.
 const CURVE_POINTS: usize = 33;
 
 /// Surface fractions of the curves, as in the paper.
 const FRACTIONS: [f64; 2] = [3e-4, 0.25];
 
-/// The loads at which the loading path is computed, as parts of the way to the critical state and beyond it.
-const PATH_FRACTIONS: [f64; 16] = [
-    0.5, 0.1, 0.02, 0.25, 0.75, 1.25, 0.05, 0.9, 0.35, 0.6, 0.15, 1.1, 0.005, FARTHEST, 0.001, 0.8,
+/// The loads at which the loading is computed, coarse first, as parts of the way to the critical state and beyond it.
+/// With the floor in contact the farthest take longest.
+const PATH_FRACTIONS: [f64; 21] = [
+    0.5, 0.1, 1.25, 0.02, 0.25, 0.75, 1.5, 0.05, 0.9, 1.1, 0.35, 0.6, 2.0, 0.15, 0.8, 0.005, 0.001,
+    FARTHEST, 1.75, 1.04, 2.25,
 ];
 
 /// A critical state, a contact under another load, or both.
@@ -57,22 +63,28 @@ impl Solved {
     }
 }
 
-/// Solves for a state on the way to the critical one. `interim` is told what can be
+/// Told a state on the way to an answer, and the time that it took, s.
+type Interim<'a> = dyn Fn(&ContactState, f64) + Sync + 'a;
+
+/// Solves for a state on the way to the critical one, or past it. `interim` is told what can be
 /// shown of it before, `found` the critical state; with the time it took so far, s.
 pub(crate) fn solve(
     case: &Case,
     load: LoadPoint,
     worker: &Worker,
-    interim: &(dyn Fn(&ContactState, f64) + Sync),
+    interim: Option<&Interim<'_>>,
     found: impl FnOnce(&CriticalState, f64),
 ) -> Result<Solved, Failure> {
     let known = load.critical_indentation_m;
     let is_critical = load.is_critical();
     let start = Instant::now();
-    let listener = |state: &ContactState| interim(state, start.elapsed().as_secs_f64());
-    let listener: &(dyn Fn(&ContactState) + Sync) = &listener;
+    let listener = interim
+        .map(|interim| move |state: &ContactState| interim(state, start.elapsed().as_secs_f64()));
+    let listener = listener
+        .as_ref()
+        .map(|it| it as &(dyn Fn(&ContactState) + Sync));
     let with = |is_shown: bool| Run {
-        interim: is_shown.then_some(listener),
+        interim: listener.filter(|_| is_shown),
         ..worker.run()
     };
     let critical = if is_critical || known.is_none() {
@@ -90,11 +102,27 @@ pub(crate) fn solve(
     let pressed = if is_critical {
         None
     } else {
-        let load = Control::Indentation(indentation(case, target, load.fraction));
-        let state = fakir::press(&case.system, load, case.method, &with(true))?;
+        let control = Control::Indentation(indentation(case, target, load.fraction));
+        // The pillar tops alone are solved for in a small part of the time that the floor takes.
+        let tops_first = listener.is_some() && meets_floor(case, load);
+        if tops_first {
+            let tops = case.system.with_floor(FloorModel::Ignored);
+            fakir::press(&tops, control, case.method, &with(true))?;
+        }
+        let state = fakir::press(&case.system, control, case.method, &with(!tops_first))?;
         Some((state, start.elapsed().as_secs_f64()))
     };
     Ok(Solved { critical, pressed })
+}
+
+/// Whether the floor is in contact under a load.
+fn meets_floor(case: &Case, load: LoadPoint) -> bool {
+    bears(case) && load.fraction > 1.0
+}
+
+/// Whether the floor bears a part past the transition.
+fn bears(case: &Case) -> bool {
+    matches!(case.method, Method::Spectral(_)) && case.system.floor_model() == FloorModel::Contact
 }
 
 /// The indentation, m, at a fraction of the way from first touch to the critical state.
@@ -130,7 +158,7 @@ struct StateLine {
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct State {
-    /// By the punch lattice, until it is solved for in full.
+    /// By the punch lattice, or on the pillar tops alone, until it is solved for in full.
     approximate: bool,
     /// The part of the way to the critical state.
     fraction: f64,
@@ -145,8 +173,10 @@ struct State {
     pillar_forces_N: Vec<f64>,
     /// One letter for every pillar: `f`ully or `p`artially in contact.
     pillar_statuses: String,
-    /// Where the floor is touched, or would be, with its symmetric copies.
+    /// Where the floor is touched, or would be, with its symmetric copies; nothing where it bears a part.
     floor_contacts_m: Vec<Point>,
+    /// The floor's cells in contact, where it bears a part.
+    floor: Option<FloorCells>,
     warnings: Vec<String>,
 }
 
@@ -190,6 +220,8 @@ struct Section {
     surface_m: Vec<f64>,
     /// Where the floor is touched in this plane, if it is: x and height.
     floor_contacts_m: Vec<Point>,
+    /// Where the floor bears a part: the ends of every piece in contact along x.
+    floor_m: Vec<[f64; 2]>,
 }
 
 #[derive(Serialize)]
@@ -204,19 +236,27 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
     preview(&case, request.load, worker);
     let fraction = request.load.fraction;
     let shown = AtomicBool::new(false);
+    let meets_floor = meets_floor(&case, request.load);
     let show = |state: &ContactState, wall_time: f64| {
-        if state.method == case.method {
+        let approximate = state.method != case.method || (meets_floor && state.floor.is_none());
+        if !approximate {
             shown.store(true, Ordering::Relaxed);
         }
         worker.send(&StateLine {
-            state: drawn(state, wall_time, fraction, state.method != case.method),
+            state: drawn(state, wall_time, fraction, approximate),
         });
     };
-    let solved = solve(&case, request.load, worker, &show, |critical, wall_time| {
-        worker.send(&CriticalLine {
-            critical: TransitionSummary::new(critical, wall_time),
-        });
-    })?;
+    let solved = solve(
+        &case,
+        request.load,
+        worker,
+        Some(&show),
+        |critical, wall_time| {
+            worker.send(&CriticalLine {
+                critical: TransitionSummary::new(critical, wall_time),
+            });
+        },
+    )?;
     let Some((state, wall_time)) = solved.state() else {
         return Err(Failure::Cancelled);
     };
@@ -224,7 +264,10 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
         let summary = PressSummary::new(state, wall_time);
         worker.send(&SummaryLine { summary });
     } else {
-        show(state, wall_time);
+        // The answer, whatever it is.
+        worker.send(&StateLine {
+            state: drawn(state, wall_time, fraction, false),
+        });
     }
     worker.send(&CaseLine {
         case: lines::texts(&case, &solved),
@@ -302,7 +345,11 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
                 _ => 'f',
             })
             .collect(),
-        floor_contacts_m: copies(system, floor),
+        floor_contacts_m: match state.floor {
+            None => copies(system, floor),
+            Some(_) => Vec::new(),
+        },
+        floor: state.floor.as_ref().map(FloorCells::new),
         warnings: warnings(state),
     }
 }
@@ -325,7 +372,10 @@ fn section(
     floor_contact: Option<Point>,
     worker: &Worker,
 ) -> Result<Option<Section>, Failure> {
-    let half_width = fakir_figure::Section::half_width(state);
+    let of_floor = state.floor.as_ref();
+    let half_width = fakir_figure::Section::half_width(state)
+        .max(of_floor.map_or(0.0, |floor| 1.2 * floor.radius))
+        .min(0.99 * state.system.lens().radius);
     let detail = SectionDetail::Screen;
     let run = worker.run();
     match fakir_figure::Section::new(state, half_width, floor_contact, detail, &run) {
@@ -334,6 +384,7 @@ fn section(
             lens_m: section.lens,
             surface_m: section.surface,
             floor_contacts_m: section.floor_contacts,
+            floor_m: of_floor.map_or_else(Vec::new, floor::along_x),
         })),
         Err(FigureError::NoPillars { .. }) => Ok(None),
         Err(error) => Err(error.into()),
@@ -492,11 +543,25 @@ fn coarse_first(count: usize) -> Vec<usize> {
 enum PhaseLine {
     /// `a/e` and `F gamma_int/(h d)` on the transition curve.
     Transition(Vec<[f64; 2]>),
-    /// A state of the loading path: its place on the way, `a/e` and `F gamma_int/(h d)`.
-    Path([f64; 3]),
+    /// A state of the loading.
+    Path(PathState),
 }
 
-/// `POST /api/phase`: the transition curve, and the loading path of the case.
+/// A state of the loading as curves show it.
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct PathState {
+    /// The part of the way to the critical state.
+    fraction: f64,
+    indentation_m: f64,
+    force_N: f64,
+    /// What the floor bears of it; none where the lens goes through the floor.
+    floor_force_N: Option<f64>,
+    /// `a/e` and `F gamma_int/(h d)`, for the phase diagram.
+    normalized: [f64; 2],
+}
+
+/// `POST /api/phase`: the transition curve, and the loading of the case, past the critical state too.
 pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
     let case = request::case(&request.case)?;
     request.load.check()?;
@@ -520,13 +585,28 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             fakir::transition(system, method, &run)?.contact.indentation
         }
     };
+    // As the states that are shown, which only the spectral method knows with the floor.
+    let system = &match bears(&case) {
+        true => *system,
+        false => system.with_floor(FloorModel::Ignored),
+    };
+    let pillars = expected_pillars(system);
     for fraction in PATH_FRACTIONS {
+        if bears(&case) && fraction > 1.0 && fraction * pillars > FLOOR_PILLARS {
+            continue;
+        }
         worker.give_way()?;
         let load = Control::Indentation(indentation(&case, critical, fraction));
         match fakir::press(system, load, method, &run) {
             Ok(state) => {
-                let [radius, force] = reduced(state.force, state.contact_radius);
-                worker.send(&PhaseLine::Path([fraction, radius, force]));
+                let floor_force = state.floor.as_ref().map(|floor| floor.force);
+                worker.send(&PhaseLine::Path(PathState {
+                    fraction,
+                    indentation_m: state.indentation,
+                    force_N: state.force,
+                    floor_force_N: floor_force.or((!state.beyond_transition()).then_some(0.0)),
+                    normalized: reduced(state.force, state.contact_radius),
+                }));
             }
             Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),
             Err(_) => {}

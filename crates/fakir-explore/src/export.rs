@@ -84,7 +84,7 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
 }
 
 fn solved(case: &Case, request: &request::Export, worker: &Worker) -> Result<Solved, Failure> {
-    solve(case, request.load, worker, &|_, _| {}, |_, _| {})
+    solve(case, request.load, worker, None, |_, _| {})
 }
 
 fn no_pillars() -> Refusal {

@@ -183,6 +183,13 @@ impl Jobs {
         }
     }
 
+    /// Waits until no contact is being solved, or the computation that waits is called off.
+    fn give_way(&self, cancel: &CancelToken) {
+        while self.foreground.load(Ordering::Relaxed) > 0 && !cancel.is_cancelled() {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
     /// Waits for a slot, if not too many do.
     async fn slot(&self, kind: Kind) -> Result<tokio::sync::OwnedSemaphorePermit, Refusal> {
         let busy = || {
@@ -330,7 +337,13 @@ impl Worker {
     fn new(job: Job, kind: Kind, messages: UnboundedSender<Message>) -> Self {
         let sender = messages.clone();
         let last = Mutex::new(Instant::now());
+        let (jobs, cancel) = (Arc::clone(&job.jobs), job.cancel.clone());
         let listener = move |progress: Progress| {
+            if kind.is_background() {
+                // A state with the floor can take seconds: it gives way within them too.
+                jobs.give_way(&cancel);
+                return;
+            }
             let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
             if last.elapsed() >= PROGRESS_INTERVAL {
                 *last = Instant::now();
@@ -374,8 +387,8 @@ impl Worker {
         let listener: &(dyn Fn(Progress) + Sync) = &*self.listener;
         Run {
             cancel: self.job.cancel.clone(),
-            // Files and curves come without a word before.
-            progress: (self.kind == Kind::Contact).then_some(listener),
+            // Files come without a word before.
+            progress: (self.kind != Kind::Export).then_some(listener),
             pool: (!background).then_some(&self.job.jobs.pool),
             memory_limit: Some(self.job.jobs.memory_limit),
             ..Run::default()
@@ -394,14 +407,10 @@ impl Worker {
 
     /// Waits until no contact is being solved.
     pub(crate) fn give_way(&self) -> Result<(), Failure> {
-        loop {
-            if self.job.cancel.is_cancelled() {
-                return Err(Failure::Cancelled);
-            }
-            if self.job.jobs.foreground.load(Ordering::Relaxed) == 0 {
-                return Ok(());
-            }
-            std::thread::sleep(Duration::from_millis(2));
+        self.job.jobs.give_way(&self.job.cancel);
+        match self.job.cancel.is_cancelled() {
+            true => Err(Failure::Cancelled),
+            false => Ok(()),
         }
     }
 }

@@ -29,6 +29,7 @@
 mod answers;
 mod arrivals;
 mod export;
+mod floor;
 mod guard;
 mod jobs;
 mod lines;

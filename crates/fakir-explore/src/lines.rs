@@ -1,6 +1,7 @@
 //! The case of the page as a command and as lines of Python, which a user can copy.
 
 use crate::answers::Solved;
+use fakir::problem::FloorModel;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, Key};
 use serde::Serialize;
@@ -55,6 +56,10 @@ fn python(case: &Case, indentation: Option<f64>) -> String {
     let [lens, substrate, texture, pillar, method] =
         ["lens", "substrate", "texture", "texture.pillar", "method"]
             .map(|table| arguments(case, table));
+    let floor = match case.system.floor_model() {
+        FloorModel::Contact => "",
+        FloorModel::Ignored => "    floor_contact=False,\n",
+    };
     let question = match indentation {
         None => format!(
             "critical = system.transition({method})\nprint(critical.force, \"N\", critical.indentation, \"m\")\n"
@@ -72,7 +77,7 @@ fn python(case: &Case, indentation: Option<f64>) -> String {
              texture=fakir.HexagonalTexture(\n        \
                  {pillar},\n        \
                  {texture},\n    \
-             ),\n\
+             ),\n{floor}\
          )\n{question}"
     )
 }
@@ -139,5 +144,13 @@ mod tests {
         ] {
             assert!(lines.contains(wanted), "{lines}");
         }
+        assert!(!lines.contains("floor"), "{lines}");
+        let mut file = CaseFile::parse("case.toml", &case.to_toml()).unwrap();
+        file.set("floor.contact=false").unwrap();
+        let lines = python(&file.case().unwrap(), None);
+        assert!(
+            lines.contains("    ),\n    floor_contact=False,\n)\n"),
+            "{lines}"
+        );
     }
 }

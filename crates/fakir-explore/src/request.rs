@@ -17,7 +17,7 @@ const LONGEST_TEXT: usize = 100;
 pub(crate) const MOST_PILLARS: f64 = 20_000.0;
 
 /// The largest load that can be asked for, where the critical state is at 1.
-pub(crate) const FARTHEST: f64 = 1.5;
+pub(crate) const FARTHEST: f64 = 2.5;
 
 /// Says which page a request comes from, and which request of that page it is. Of all requests of
 /// one kind that a page makes, only the newest is answered.

@@ -159,6 +159,67 @@ fn answers_are_those_of_the_library() {
     assert_eq!(state["summary"]["beyond_transition"], json!(true));
 }
 
+/// Past the transition the floor bears its part, unless it is to be ignored.
+#[test]
+fn past_the_transition_the_floor_bears_its_part() {
+    let server = Running::start();
+    let asked = |values: Value| {
+        let mut beyond = question(server.next(), &values);
+        beyond["load"] = json!({ "fraction": 1.8 });
+        server.ask("/api/contact", &beyond)
+    };
+    let answer = asked(case(0.01));
+    let state = answer.line("state");
+    let (summary, floor) = (&state["summary"], &state["floor"]);
+    let share = summary["floor"]["share"].as_f64().unwrap();
+    assert!((0.05..0.9).contains(&share), "{share}");
+    assert_eq!(state["floor_contacts_m"], json!([]));
+    let cells: u64 = floor["segments"]
+        .as_array()
+        .unwrap()
+        .chunks(3)
+        .map(|segment| segment[2].as_u64().unwrap())
+        .sum();
+    assert_eq!(floor["shades"].as_str().unwrap().len() as u64, cells);
+    assert!(
+        !answer.line("section")["floor_m"]
+            .as_array()
+            .unwrap()
+            .is_empty()
+    );
+
+    let mut ignored = case(0.01);
+    ignored["floor.contact"] = json!("false");
+    let answer = asked(ignored);
+    let state = answer.line("state");
+    assert_eq!(state["floor"], Value::Null);
+    assert_eq!(state["summary"]["floor"], Value::Null);
+    assert!(state["summary"]["smallest_floor_gap_m"].as_f64().unwrap() < 0.0);
+    assert_eq!(answer.line("section")["floor_m"], json!([]));
+    let python = answer.line("case")["python"].clone();
+    assert!(python.as_str().unwrap().contains("floor_contact=False"));
+}
+
+/// The pillar tops alone come before, as the floor takes longer.
+#[test]
+fn the_pillar_tops_alone_come_before_the_floor() {
+    let server = Running::start();
+    let mut beyond = question(server.next(), &case(0.07));
+    beyond["load"] = json!({ "fraction": 1.1 });
+    let lines = server.ask("/api/contact", &beyond).lines();
+    let states: Vec<&Value> = lines.iter().filter_map(|line| line.get("state")).collect();
+    let [tops, floor] = states[..] else {
+        panic!("{} states", states.len());
+    };
+    assert_eq!(
+        (&tops["approximate"], &tops["floor"]),
+        (&json!(true), &Value::Null)
+    );
+    assert_eq!(floor["approximate"], json!(false));
+    let force = |state: &Value| state["summary"]["force_N"].as_f64().unwrap();
+    assert!(force(floor) > force(tops));
+}
+
 #[test]
 fn curves_and_the_loading_path_come_point_by_point() {
     let server = Running::start();
@@ -178,7 +239,15 @@ fn curves_and_the_loading_path_come_point_by_point() {
     let phase = server.ask("/api/phase", &question(2, &case(0.002))).lines();
     assert!(phase[0]["transition"].as_array().unwrap().len() > 100);
     let path: Vec<&Value> = phase.iter().filter_map(|line| line.get("path")).collect();
-    assert_eq!(path.len(), 16);
+    assert_eq!(path.len(), 21);
+    for state in path {
+        let beyond = state["fraction"].as_f64().unwrap() > 1.0;
+        assert_eq!(
+            state["floor_force_N"].as_f64() > Some(0.0),
+            beyond,
+            "{state}"
+        );
+    }
 }
 
 #[test]

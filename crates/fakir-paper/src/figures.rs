@@ -357,7 +357,8 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         .enumerate()
         .map(|(k, loading)| {
             let past = material.states.shared.iter();
-            let past = past.filter(|s| s.surface_fraction == loading.surface_fraction);
+            let past =
+                past.filter(|s| (s.surface_fraction - loading.surface_fraction).abs() < 1e-12);
             let states = loading
                 .states
                 .iter()
@@ -370,7 +371,7 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
         .collect();
     let shares = SHARES.into_iter().enumerate().map(|(k, share)| {
         let states = material.states.shared.iter();
-        let states = states.filter(|shared| shared.share == share);
+        let states = states.filter(|shared| (shared.share - share).abs() < 1e-12);
         let points = states
             .map(|shared| &shared.state)
             .map(|s| phase_point(&s.system, s.force, s.contact_radius));

@@ -6,7 +6,7 @@ use crate::study::columns;
 use crate::watched::{Options, watched};
 use fakir::problem::{Control, ElementMesh, Method, Point};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
-use fakir_study::approach::LoadingPath;
+use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::result::{
     ApproachSummary, PressSummary, TransitionSummary, VerifySummary, json, pillars,
 };
@@ -26,6 +26,18 @@ type Field<'py> = Bound<'py, PyArray1<f64>>;
 
 #[pymethods]
 impl State {
+    /// Centres along x and y of the floor's cells in contact (m), and the pressure on each (Pa); none if the floor
+    /// bears nothing.
+    fn floor_cells<'py>(&self, py: Python<'py>) -> Option<[Field<'py>; 3]> {
+        let floor = self.state.floor.as_ref()?;
+        let along = |axis: usize| floor.cells.centres().map(move |centre| centre[axis]);
+        Some([
+            PyArray1::from_iter(py, along(0)),
+            PyArray1::from_iter(py, along(1)),
+            PyArray1::from_slice(py, &floor.pressure),
+        ])
+    }
+
     /// The object that `fakir press --json` prints.
     fn json(&self) -> String {
         json(&PressSummary::new(&self.state, self.wall_time))
@@ -223,6 +235,18 @@ pub(crate) fn control(indentation: Option<f64>, force: Option<f64>) -> PyResult<
     }
 }
 
+/// A loading by steps of the indentation (m) up to the one end that is given, or to the critical state.
+pub(crate) fn path(
+    step: f64,
+    until: Option<f64>,
+    to: Option<f64>,
+    to_force: Option<f64>,
+) -> PyResult<LoadingPath> {
+    let end = LoadingEnd::of(until, false, to, to_force);
+    let end = end.map_err(|error| approach_error(&error))?;
+    Ok(LoadingPath { step, end })
+}
+
 /// The object that `fakir approach --json` prints, the critical state, and the other states.
 type Loading = (String, Option<Critical>, Vec<State>);
 
@@ -233,15 +257,12 @@ pub(crate) fn approach(
     case: &Case,
     step: f64,
     until: Option<f64>,
-    past_transition: bool,
+    to: Option<f64>,
+    to_force: Option<f64>,
     options: Options,
 ) -> PyResult<Loading> {
+    let path = path(step, until, to, to_force)?;
     let (system, method) = (case.case.system, case.case.method);
-    let path = LoadingPath {
-        step,
-        until,
-        past_transition,
-    };
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
         let mut keep = |state, wall_time| states.push(State { state, wall_time });

@@ -1,14 +1,13 @@
 //! A lens or a plate on a height map.
 
 use crate::error::{approach_error, case_error, solve_error, surface_verify_error, value_error};
-use crate::state::{control, load};
+use crate::state::{control, load, path};
 use crate::watched::{Options, watched};
 use fakir::problem::{
     Boundary, Floor, Grid, HeightMap, Indenter, Lens, Material, Point, SurfaceSystem,
 };
 use fakir::state::Run;
 use fakir_case::CaseFile;
-use fakir_study::approach::LoadingPath;
 use fakir_study::result::{
     SurfaceApproachSummary, SurfacePressSummary, SurfaceTransitionSummary, SurfaceVerifySummary,
     json,
@@ -291,14 +290,11 @@ pub(crate) fn approach_surface(
     surface: &Surface,
     step: f64,
     until: Option<f64>,
-    past_transition: bool,
+    to: Option<f64>,
+    to_force: Option<f64>,
     options: Options,
 ) -> PyResult<Loading> {
-    let path = LoadingPath {
-        step,
-        until,
-        past_transition,
-    };
+    let path = path(step, until, to, to_force)?;
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
         let mut keep = |contact, wall_time| states.push(surface.contact(contact, wall_time));

@@ -2,7 +2,7 @@
 
 use crate::problem::{Control, Method, System};
 use crate::solve::answers;
-use crate::solve::answers::PillarMethod;
+use crate::solve::assembled::PillarMethod;
 use crate::state::{ContactState, CriticalState, Run, SolveError};
 use crate::theory;
 

@@ -1,5 +1,5 @@
-// Charts on logarithmic axes, as SVG: colours and lettering are those of the style sheet.
-import { engineeringText, significant, write } from "./numbers.js";
+// Charts on logarithmic or linear axes, as SVG: colours and lettering are those of the style sheet.
+import { engineering, significant, write } from "./numbers.js";
 import { letterSize } from "./theme.js";
 const SVG = "http://www.w3.org/2000/svg";
 /** Fills an SVG element with a chart. */
@@ -14,6 +14,7 @@ export function drawChart(svg, axes, contents) {
         top: 0.7 * em,
         bottom: height - (axes.bare ? 0.5 : 2.9) * em,
     };
+    const [scale, ticks] = axes.linear ? [linear, evenTicks] : [logarithmic, decadeTicks];
     const across = scale(contents.x, frame.left, frame.right);
     const up = scale(contents.y, frame.bottom, frame.top);
     const at = ([x, y]) => `${across(x).toFixed(1)} ${up(y).toFixed(1)}`;
@@ -27,16 +28,15 @@ export function drawChart(svg, axes, contents) {
         const x = across(value).toFixed(1);
         grid.append(path(`M${x} ${frame.top}V${frame.bottom}`, label ? "major" : "minor"));
         if (label && !axes.bare) {
-            lettering.append(text(number(value), across(value), frame.bottom + 1.15 * em, "middle"));
+            const words = wordsOf(value, axes.xDimension ?? "number", axes);
+            lettering.append(text(words, across(value), frame.bottom + 1.15 * em, "middle"));
         }
     }
     for (const { value, label } of ticks(contents.y, (frame.bottom - frame.top) / (1.3 * em))) {
         const y = up(value).toFixed(1);
         grid.append(path(`M${frame.left} ${y}H${frame.right}`, label ? "major" : "minor"));
         if (label) {
-            const words = axes.yDimension === "number"
-                ? number(value)
-                : engineeringText(value, axes.yDimension, 1);
+            const words = wordsOf(value, axes.yDimension, axes);
             lettering.append(text(words, frame.left - 0.45 * em, up(value) + 0.32 * em, "end"));
         }
     }
@@ -86,12 +86,36 @@ function number(value) {
         return `10^{${String(power).replace("-", "−")}}`;
     return significant(value, 1);
 }
-function scale([low, high], first, last) {
+/** A tick in words. */
+function wordsOf(value, dimension, { linear }) {
+    if (value === 0)
+        return "0";
+    if (dimension === "number")
+        return number(value);
+    const { number: digits, unit } = engineering(value, dimension, linear ? 3 : 1);
+    // Even ticks have at most three digits, of which zeros at the end are not written.
+    return `${linear ? String(Number(digits)) : digits} ${unit}`;
+}
+function linear([low, high], first, last) {
+    return (value) => first + ((value - low) / (high - low)) * (last - first);
+}
+/** Ticks at whole multiples of a round step, as many as there is room for. */
+function evenTicks([low, high], room) {
+    const least = (high - low) / Math.max(2, Math.min(6, room));
+    const power = 10 ** Math.floor(Math.log10(least));
+    const step = [1, 2, 5, 10].map((round) => round * power).find((round) => round >= least) ?? least;
+    const count = Math.floor(((high - low) / step) * 1.0001);
+    return Array.from({ length: count + 1 }, (_, k) => ({
+        value: Number((low + k * step).toPrecision(12)),
+        label: true,
+    }));
+}
+function logarithmic([low, high], first, last) {
     const [start, length] = [Math.log(low), Math.log(high) - Math.log(low)];
     return (value) => first + ((Math.log(Math.max(value, 1e-300)) - start) / length) * (last - first);
 }
 /** Ticks at whole numbers of every decade; labels at as many as there is room for. */
-function ticks([low, high], room) {
+function decadeTicks([low, high], room) {
     const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
     const decades = Math.log10(high / low);
     const every = Math.max(1, Math.ceil(decades / Math.max(1, room)));

@@ -5,6 +5,8 @@ const DEGREE = Math.PI / 180;
 const DIAMETER = "texture.pillar.diameter";
 /** The tables of a case file that stand first on the page, before all others in their order. */
 const FIRST_TABLES = ["texture", "texture.pillar"];
+/** The words of a key that is either so or not. */
+const [TRUE, FALSE] = ["true", "false"];
 /** Steps of a slider. */
 const STEPS = 1000;
 /** All fields of a case. */
@@ -22,7 +24,7 @@ export class Controls {
             title.textContent = titleOf(table);
             set.append(title);
             for (const key of this.keys.filter((key) => key.table === table)) {
-                const widget = isField(key) ? this.field(key) : this.choice(key);
+                const widget = isField(key) ? this.field(key) : isFlag(key) ? this.flag(key) : this.choice(key);
                 this.widgets.set(key.key, widget);
                 set.append(widget.box);
             }
@@ -131,6 +133,19 @@ export class Controls {
         };
         return { box, note, show, inputs: [text, slider] };
     }
+    flag(key) {
+        const { box, note, id, describedBy } = frame(key);
+        const check = document.createElement("input");
+        check.id = id;
+        check.type = "checkbox";
+        check.setAttribute("aria-describedby", describedBy);
+        check.addEventListener("change", () => {
+            this.changed(key.key, check.checked ? TRUE : FALSE, false, performance.now());
+        });
+        box.classList.add("flag");
+        box.append(check, note);
+        return { box, note, show: (value) => (check.checked = String(value) === TRUE), inputs: [check] };
+    }
     choice(key) {
         const { box, note, id, describedBy } = frame(key);
         const select = document.createElement("select");
@@ -145,6 +160,10 @@ export class Controls {
         box.append(select, note);
         return { box, note, show: (value) => (select.value = String(value)), inputs: [select] };
     }
+}
+/** Whether a key is either so or not. */
+function isFlag({ words }) {
+    return words.length === 2 && words.includes(TRUE) && words.includes(FALSE);
 }
 function isField(key) {
     return key.dimension !== null;

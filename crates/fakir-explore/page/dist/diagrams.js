@@ -1,7 +1,7 @@
-// The phase diagram and the curves over the surface fraction.
+// The phase diagram, the loading, and the curves over the surface fraction.
 import { drawChart, range } from "./charts.js";
 import { byId } from "./screen.js";
-import { isBeyond, isCritical, isOlder } from "./store.js";
+import { floorBears, isCritical, isOlder } from "./store.js";
 const PHASE = {
     xLabel: "contact radius on the tops over pitch, a/e",
     yLabel: "F γ_{int}/(h d)",
@@ -50,7 +50,7 @@ function phaseContents(state) {
     ];
     const at = placeOf(critical);
     const end = placeOf({ is: phase.is.critical });
-    const places = (of) => phase.is.path.filter(([fraction]) => of(fraction)).map(([, x, y]) => [x, y]);
+    const places = (of) => phase.is.path.filter(({ fraction }) => of(fraction)).map(({ normalized }) => normalized);
     const path = [...places((fraction) => fraction < 1), end];
     const beyond = places((fraction) => fraction > 1);
     const all = [at, ...path, ...beyond];
@@ -72,17 +72,16 @@ function phaseContents(state) {
         { kind: "line", style: aged("path", older), points: path },
         {
             kind: "line",
-            style: aged("path beyond-path", older),
+            style: aged(`path beyond-path ${pastStyle(phase.of.case)}`, older),
             points: beyond.length > 0 ? [end, ...beyond] : [],
         },
         { kind: "points", style: "critical-point", points: [at] },
     ];
     if (solved !== null && solved.of.name === critical.of.name) {
         const { fraction, normalized } = solved.is;
-        const style = isBeyond(fraction) ? "load-point beyond" : "load-point";
         series.push({
             kind: "points",
-            style: aged(style, isOlder(state, solved, "load")),
+            style: aged("load-point", isOlder(state, solved, "load")),
             points: [isCritical(fraction) ? at : [normalized[1], normalized[0]]],
         });
     }
@@ -94,6 +93,67 @@ function phaseContents(state) {
         { place: [right[0], Math.sqrt(right[1] * y[0])], text: "pillar tops only", style },
     ];
     return { x, y, series, names };
+}
+/** The style of what is past the transition: with the floor, or through it. */
+function pastStyle(values) {
+    return floorBears(values) ? "floor-path" : "fiction-path";
+}
+const LOADING = {
+    xLabel: "indentation ζ",
+    xDimension: "length",
+    yLabel: "F",
+    yDimension: "force",
+    linear: true,
+};
+export function drawLoading(state) {
+    const contents = loadingContents(state);
+    if (contents !== null)
+        drawChart(byId("loading"), LOADING, contents);
+}
+function loadingContents(state) {
+    const { phase, critical, solved } = state;
+    if (phase === null || critical === null)
+        return null;
+    const older = isBefore(phase, critical);
+    const { path, critical: end } = phase.is;
+    const reached = [end.critical_indentation_m, end.critical_force_N];
+    const places = (of) => path
+        .filter(({ fraction }) => of(fraction))
+        .map(({ indentation_m, force_N }) => [indentation_m, force_N]);
+    const past = places((fraction) => fraction > 1);
+    const onFloor = path.flatMap(({ fraction, indentation_m, floor_force_N }) => fraction > 1 && floor_force_N !== null ? [[indentation_m, floor_force_N]] : []);
+    const series = [
+        { kind: "vertical", style: "one-pitch", points: [reached] },
+        { kind: "line", style: aged("path", older), points: [...places((f) => f < 1), reached] },
+        {
+            kind: "line",
+            style: aged(`path beyond-path ${pastStyle(phase.of.case)}`, older),
+            points: past.length > 0 ? [reached, ...past] : [],
+        },
+        {
+            kind: "line",
+            style: aged("floor-force", older),
+            points: onFloor.length > 0 ? [[reached[0], 0], ...onFloor] : [],
+        },
+        {
+            kind: "points",
+            style: "critical-point",
+            points: [[critical.is.critical_indentation_m, critical.is.critical_force_N]],
+        },
+    ];
+    const shown = [];
+    if (solved !== null && solved.of.name === critical.of.name) {
+        const { summary } = solved.is;
+        shown.push([summary.indentation_m, summary.force_N]);
+        const style = aged("load-point", isOlder(state, solved, "load"));
+        if (summary.floor !== null) {
+            const point = [summary.indentation_m, summary.floor.force_N];
+            series.push({ kind: "points", style, points: [point] });
+        }
+        series.push({ kind: "points", style, points: shown });
+    }
+    const most = (k) => 1.05 * Math.max(...[reached, ...past, ...shown].map((place) => place[k]));
+    return { x: [0, most(0)], y: [0, most(1)], series };
 }
 export function drawCurves(state) {
     for (const chart of CURVES) {

@@ -2,30 +2,30 @@
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
-import { drawCurves, drawCurvesStatus, drawPhase } from "./diagrams.js";
+import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
 import { Server } from "./engine.js";
-import { drawColourBar, drawMap, wordsAt } from "./map.js";
+import { drawColourBar, drawFloorBar, drawMap, wordsAt } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
 import { announcement, drawCritical, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
 import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
-import { FRACTION, isBusy, isOlder, mapScale, PITCH, Store, } from "./store.js";
+import { FLOOR, FRACTION, isBusy, isOlder, mapScale, PITCH, Store, } from "./store.js";
 import { onScheme } from "./theme.js";
 /** Young's moduli of the paper's three substrates, Pa. */
 const SUBSTRATES = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
-/** The two ways of saying how far apart pillars are. */
-const SPACING = [FRACTION, PITCH];
+/** What the substrates of the paper leave as it is: how far apart pillars are, and whether the floor bears anything. */
+const KEPT = [FRACTION, PITCH, FLOOR];
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;
 /** What is chosen goes into the address when it has not changed for this long, ms. */
 const REMEMBER = 250;
 /** A result is read out when it has not changed for this long, ms. */
 const REST = 800;
-/** The paper's case with one of its substrates, without the distance of the pillars. */
+/** The paper's case with one of its substrates, without what stays as it is. */
 function preset(start, name) {
     const values = { ...start.paper, "substrate.young_modulus": SUBSTRATES[name] ?? 2e6 };
-    for (const key of SPACING)
+    for (const key of KEPT)
         delete values[key];
     return values;
 }
@@ -56,7 +56,8 @@ function show(store) {
         ...[state.critical, state.solved, state.reference],
         ...[state.progress, state.refusal],
     ], drawFacts);
-    screen.add((state) => [state.chosen.load, state.solved], drawLoad);
+    screen.add((state) => [state.chosen.load, state.chosen.case, state.solved], drawLoad);
+    const floorBar = byId("floor-bar");
     const [canvas, bar] = [byId("map"), byId("colour-bar")];
     screen.add((state) => [state.picture, ...Object.values(mapContents(state) ?? {})], (state) => {
         const contents = mapContents(state);
@@ -64,26 +65,40 @@ function show(store) {
             return;
         drawMap(canvas, contents, state.start.colours);
         write(byId("colour-most"), engineeringText(contents.force, "force", 3));
+        const { floor, floorIsOlder } = contents.scene;
+        byId("floor-key").hidden = floor === null;
+        for (const part of [floorBar, byId("floor-most")])
+            part.classList.toggle("older", floorIsOlder);
+        byId("touch-key").hidden = floor !== null;
+        if (floor !== null) {
+            write(byId("floor-most"), engineeringText(floor.largest_pressure_Pa, "pressure", 3));
+            drawFloorBar(floorBar);
+        }
         const { of, is } = state.picture;
         const detail = { asked: of.asked, stage: is.stage };
         screen.whenShown(() => document.dispatchEvent(new CustomEvent("picture", { detail })));
     }, [canvas]);
     screen.add(() => [], ({ start }) => drawColourBar(bar, start.colours), [bar]);
-    const [section, phase] = [byId("section"), byId("phase")];
+    const [section, phase, loading] = [byId("section"), byId("phase"), byId("loading")];
     screen.add((state) => [state.section, state.chosen.exaggeration], drawSection, [section]);
     screen.add((state) => [
         ...[state.phase, state.critical, state.solved],
         isOlder(state, state.solved, "load"),
     ], drawPhase, [phase]);
+    screen.add((state) => [
+        ...[state.phase, state.critical, state.solved],
+        isOlder(state, state.solved, "load"),
+    ], drawLoading, [loading]);
     const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
     screen.add((state) => [state.curves, state.critical], drawCurves, curves);
     screen.add(({ asking, answered, question }) => [asking.curves, answered, question.name], drawCurvesStatus);
     screen.add((state) => [state.texts, isOlder(state, state.texts, "load")], showTexts);
     screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
     const facts = [byId("regime"), byId("pillars")];
-    screen.age((state) => state.critical, "case", [...facts, phase, ...curves]);
-    screen.age((state) => state.picture, "load", [canvas, byId("bar")]);
-    screen.age((state) => state.solved, "load", [byId("load-numbers"), byId("warnings")]);
+    screen.age((state) => state.critical, "case", [...facts, phase, loading, ...curves]);
+    screen.age((state) => state.picture, "load", [canvas, byId("bar"), byId("floor-key")]);
+    const numbers = ["load-numbers", "floor-numbers", "beyond-note", "warnings"].map((id) => byId(id));
+    screen.age((state) => state.solved, "load", numbers);
     screen.age((state) => state.section, "load", [section]);
     const texts = [byId("command"), byId("python"), byId("case-file")];
     screen.age((state) => state.texts, "load", texts);
@@ -154,7 +169,7 @@ function listen(store, server) {
         button.addEventListener("click", () => {
             const { start, chosen } = store.state;
             const values = preset(start, button.dataset["preset"] ?? "");
-            for (const key of SPACING) {
+            for (const key of KEPT) {
                 const value = chosen.case[key];
                 if (value !== undefined)
                     values[key] = value;

@@ -1,7 +1,7 @@
-// The contact map: pillars from above, coloured by the force they bear.
+// The contact map: pillars from above, coloured by the force they bear, and the floor where it is in contact.
 import { engineeringText } from "./numbers.js";
 import { centre, HALF_SQRT_3, touchesFloor } from "./scene.js";
-import { colour, letterSize, tint } from "./theme.js";
+import { colour, letterSize, mixed, tint } from "./theme.js";
 /** Lengths of the scale bar are one of these times a power of ten. */
 const ROUND = [1, 2, 5];
 /** Half the width of the map, m. */
@@ -9,7 +9,8 @@ function halfWidth({ scene, radius }) {
     const floor = touchesFloor(scene)
         ? Math.max(0, ...scene.floor_contacts_m.map(([x, y]) => Math.hypot(x, y)))
         : 0;
-    const contact = Math.max(1.12 * radius, 1.12 * scene.contact_radius_m, 1.3 * floor);
+    const cells = scene.floor === null ? 0 : reach(scene.floor);
+    const contact = Math.max(1.12 * radius, 1.12 * scene.contact_radius_m, 1.3 * floor, 1.08 * cells);
     // A few pillars, unless they are far apart.
     const few = contact > 0 ? Math.min(2.3 * scene.pitch_m, 5 * contact) : 1.3 * scene.pitch_m;
     return Math.max(contact, few);
@@ -34,12 +35,68 @@ export function drawMap(canvas, contents, colours) {
     // Pillars are always seen, if need be larger than they are.
     const pillar = Math.max(contents.scene.diameter_m / 2, 1.2 * pixel);
     const sheet = { ...contents, context, halfWidth: half, pixel, pillar };
+    drawFloor(sheet);
     drawUntouched(sheet);
     drawPillars(sheet, colours);
     drawMarks(sheet);
     context.setTransform(1, 0, 0, 1, 0, 0);
     drawScaleBar(context, side, scale, ratio);
     canvas.setAttribute("aria-label", contents.scene.words);
+}
+/** The farthest side of the cells of the floor in contact, m. */
+function reach({ corner_m: [x, y], cell_m: [width, height], columns, rows }) {
+    return Math.max(-x, -y, x + columns * width, y + rows * height);
+}
+/** Shades of the pressure on the floor: letters from `a`. */
+const SHADES = 26;
+/** The colours of these shades, from the smallest pressure to the largest. */
+function floorColours() {
+    const [low, high] = [tint("--floor-low"), tint("--floor-high")];
+    return Array.from({ length: SHADES }, (_, k) => mixed(low, high, k / (SHADES - 1)));
+}
+/** The cells of the floor in contact, a pixel for each. */
+function drawFloor({ context, scene }) {
+    const { floor } = scene;
+    if (floor === null || floor.columns === 0)
+        return;
+    const { columns, rows, segments, shades } = floor;
+    const picture = new OffscreenCanvas(columns, rows);
+    const own = picture.getContext("2d");
+    if (own === null)
+        return;
+    const pixels = own.createImageData(columns, rows);
+    const colours = floorColours();
+    let cell = 0;
+    for (let k = 0; k + 2 < segments.length; k += 3) {
+        const [row = 0, first = 0, count = 0] = segments.slice(k, k + 3);
+        for (let column = first; column < first + count; column += 1) {
+            const [red, green, blue] = colours[shades.charCodeAt(cell) - 97] ?? [0, 0, 0];
+            pixels.data.set([red, green, blue, 255], 4 * (row * columns + column));
+            cell += 1;
+        }
+    }
+    own.putImageData(pixels, 0, 0);
+    const [[x, y], [width, height]] = [floor.corner_m, floor.cell_m];
+    context.globalAlpha = scene.floorIsOlder ? 0.4 : 1;
+    context.filter = scene.floorIsOlder ? "grayscale(0.85)" : "none";
+    context.drawImage(picture, x, y, columns * width, rows * height);
+    context.globalAlpha = 1;
+    context.filter = "none";
+}
+/** The pressure on the cell of the floor at a place, Pa, as its shade tells it; null if that is not in contact. */
+function floorPressure(floor, x, y) {
+    const column = Math.floor((x - floor.corner_m[0]) / floor.cell_m[0]);
+    const row = Math.floor((y - floor.corner_m[1]) / floor.cell_m[1]);
+    let cell = 0;
+    for (let k = 0; k + 2 < floor.segments.length; k += 3) {
+        const [at = 0, first = 0, count = 0] = floor.segments.slice(k, k + 3);
+        if (at === row && column >= first && column < first + count) {
+            const shade = floor.shades.charCodeAt(cell + column - first) - 97;
+            return ((shade + 0.5) / SHADES) * floor.largest_pressure_Pa;
+        }
+        cell += count;
+    }
+    return null;
 }
 /** Every pillar top in view, as if untouched. */
 function drawUntouched({ context, scene, halfWidth, pillar: radius }) {
@@ -149,6 +206,10 @@ function drawScaleBar(context, side, scale, ratio) {
     context.fillText(text, left + box / 2, top + 0.95 * size);
     context.fillRect(left + (box - width) / 2, top + 1.3 * size, width, 0.2 * size);
 }
+/** The colours of the floor in contact, from no pressure to the largest. */
+export function drawFloorBar(bar) {
+    drawColourBar(bar, floorColours());
+}
 /** The colours of the map, from no force to the largest. */
 export function drawColourBar(bar, colours) {
     const context = bar.getContext("2d");
@@ -170,7 +231,10 @@ export function wordsAt(canvas, contents, event) {
     const x = (event.offsetX - half) * metres;
     const y = (half - event.offsetY) * metres;
     const place = `${engineeringText(Math.hypot(x, y), "length", 3)} from the axis`;
-    let words = place;
+    const pressure = scene.floor === null || scene.floorIsOlder ? null : floorPressure(scene.floor, x, y);
+    let words = pressure === null
+        ? place
+        : `floor in contact, about ${engineeringText(pressure, "pressure", 2)}, ${place}`;
     for (let k = 0; k < scene.forces_N.length; k += 1) {
         const [a, b] = centre(scene, k);
         if (Math.hypot(a - x, b - y) <= scene.diameter_m / 2) {

@@ -1,7 +1,7 @@
 // The numbers: the critical state of the case, and the load that is shown.
 import { digitsFor, engineering, engineeringText, radiusDigits, significant, write, } from "./numbers.js";
 import { byId } from "./screen.js";
-import { isBeyond, isBusy, isCritical, isOlder } from "./store.js";
+import { floorBears, isBeyond, isBusy, isCritical, isOlder } from "./store.js";
 /** The critical state of the case, or its estimate until it is solved for. */
 export function drawCritical(state) {
     const { estimate, critical } = state;
@@ -104,8 +104,12 @@ export function drawLoad(state) {
     const words = loadWords(load);
     const beyond = isBeyond(load);
     byId("load-words").textContent = words;
-    byId("load-words").classList.toggle("beyond", beyond);
-    byId("beyond-note").hidden = !beyond;
+    const bears = floorBears(state.chosen.case);
+    byId("load-words").classList.toggle("beyond", beyond && !bears);
+    byId("beyond-note").hidden = !beyond || bears;
+    for (const part of [byId("load").parentElement, byId("loading-legend")]) {
+        part?.classList.toggle("through-floor", !bears);
+    }
     const slider = byId("load");
     slider.value = String(load);
     slider.setAttribute("aria-valuetext", words);
@@ -118,6 +122,30 @@ export function drawLoad(state) {
     const indentation = engineeringText(summary.indentation_m, "length", digits(error.indentation));
     const radius = engineeringText(summary.contact_radius_m, "length", digits(error.contact_radius));
     write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
+    write(byId("floor-gap"), engineeringText(summary.smallest_floor_gap_m, "length", digits(error.indentation)));
+    drawFloor(summary.floor);
+}
+/** What the floor bears, in the digits that its errors leave. */
+function drawFloor(floor) {
+    byId("floor-numbers").hidden = floor === null;
+    if (floor === null)
+        return;
+    const { share, contact_area } = floor.relative_error_estimate;
+    const known = (error) => error !== null && error > 0.1 ? 1 : Math.min(4, digitsFor(error));
+    const about = (error) => error === null ? "" : `error ${significant(error, 1)}`;
+    const area = significant(1e12 * floor.contact_area_m2, known(contact_area));
+    const texts = {
+        "floor-force": engineeringText(floor.force_N, "force", known(share)),
+        "floor-force-error": about(share),
+        "floor-share": `${significant(100 * floor.share, known(share))} %`,
+        "floor-area": `${area} µm^{2}`,
+        "floor-area-error": about(contact_area),
+        // Two grids differ where bridges between patches are narrow.
+        "floor-patches": floor.patches === null ? "not resolved" : String(floor.patches),
+        "floor-rim": engineeringText(floor.smallest_distance_to_rim_m, "length", 3),
+    };
+    for (const [id, text] of Object.entries(texts))
+        write(byId(id), text);
 }
 function loadWords(fraction) {
     if (fraction === 0)
@@ -142,5 +170,8 @@ export function announcement(state) {
     const radius = engineeringText(summary.critical_contact_radius_m, "length", Math.min(4, digits));
     const indentation = engineeringText(summary.critical_indentation_m, "length", 4);
     return (`Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
-        `Load shown: ${loadWords(solved.is.fraction)}.`);
+        `Load shown: ${loadWords(solved.is.fraction)}.` +
+        (solved.is.summary.floor === null
+            ? ""
+            : ` The floor bears ${significant(100 * solved.is.summary.floor.share, 2)} % of the force.`));
 }

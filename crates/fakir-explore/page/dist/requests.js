@@ -1,6 +1,6 @@
 // The one place that asks the server: it follows the store, and puts the answers into it.
 import { Refused } from "./engine.js";
-import { isBusy, knownCritical } from "./store.js";
+import { isBusy, isWithoutFloor, knownCritical } from "./store.js";
 /** A computation that takes longer than this, ms, is given up for a newer one; shorter ones are
  * shown, so that the picture moves while a slider does. */
 const GRACE = [120, 700];
@@ -9,6 +9,8 @@ const CALM = 200;
 /** If nothing of the new case or load is shown this long, ms, after a change, all that is older turns grey. With the first
  * new part it turns grey at once, so that parts of two cases never look alike. */
 const OVERDUE = 200;
+/** The pillar tops alone are shown if the floor is not solved for this long, ms, after them. */
+const WITHOUT_FLOOR = 60;
 const BACKGROUND = ["phase", "curves"];
 /** Sends what the state asks for, from now on. */
 export function answerQuestions(store, server) {
@@ -93,7 +95,13 @@ export function answerQuestions(store, server) {
         let whole = false;
         let refusal = null;
         try {
-            whole = await server.ask(kind, body, (line) => store.receive(kind, question.number, line, performance.now()));
+            whole = await server.ask(kind, body, (line) => {
+                const take = () => store.receive(kind, question.number, line, performance.now());
+                if (line.state && isWithoutFloor(line.state))
+                    window.setTimeout(take, WITHOUT_FLOOR);
+                else
+                    take();
+            });
         }
         catch (error) {
             refusal =

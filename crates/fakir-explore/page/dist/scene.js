@@ -20,8 +20,13 @@ export function sceneOf(state) {
         forces_N: state.pillar_forces_N,
         statuses: state.pillar_statuses,
         floor_contacts_m: state.floor_contacts_m,
+        floor: state.floor,
+        floorIsOlder: false,
         words: `Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
-            `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}`,
+            `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}` +
+            (summary.floor === null
+                ? ""
+                : `; the floor is in contact within ${engineeringText(summary.floor.radius_m, "length", 3)}`),
     };
 }
 /** A preview as it is drawn: forces fall off as under a sphere, and bear the load together. */
@@ -54,8 +59,17 @@ export function sceneOfPreview(preview) {
         forces_N: forces.map((force) => (force * preview.force_N) / sum),
         statuses: "",
         floor_contacts_m: [],
+        floor: null,
+        floorIsOlder: false,
         words: "Contact from above, estimated by the homogenised lattice",
     };
+}
+/** A scene of the pillar tops alone, with the floor of the scene before, grey, if that has the same pillars. */
+export function withFloorBefore(scene, before) {
+    const pillars = ({ pitch_m, diameter_m, offset_m }) => [pitch_m, diameter_m, ...offset_m].join();
+    if (before === null || before.floor === null || pillars(before) !== pillars(scene))
+        return scene;
+    return { ...scene, floor: before.floor, floorIsOlder: true, floor_contacts_m: [] };
 }
 /** Whether the floor is touched, or would be, where the scene says. */
 export function touchesFloor({ fraction }) {

@@ -37,7 +37,7 @@ export function drawSection(state) {
     const lens = outline(section.lens_m);
     const surface = outline(section.surface_m);
     const em = letterSize();
-    svg.replaceChildren(path(`M${surface}L${width} ${height + 9}L0 ${height + 9}Z`, "substrate"), path(`M${lens}L${width} -9L0 -9Z`, "lens"), path(`M${surface}`, "outline"), path(`M${lens}`, "outline"), ...section.floor_contacts_m.map(([x, z]) => floorMark(place(x, z), em)), ...names(width, height, em, across));
+    svg.replaceChildren(path(`M${surface}L${width} ${height + 9}L0 ${height + 9}Z`, "substrate"), path(`M${lens}L${width} -9L0 -9Z`, "lens"), path(`M${surface}`, "outline"), path(`M${lens}`, "outline"), ...section.floor_m.map((ends) => floorPart(section, ends, place)), ...section.floor_contacts_m.map(([x, z]) => floorMark(place(x, z), em)), ...names(width, height, em, across));
 }
 /** Shows an exaggeration beside its slider, and on it. */
 function tellExaggeration(factor) {
@@ -46,6 +46,21 @@ function tellExaggeration(factor) {
     slider.value = String(Math.log10(factor));
     slider.setAttribute("aria-valuetext", words);
     byId("exaggeration-words").textContent = words;
+}
+/** A line along the floor where it is in contact. */
+function floorPart(section, [start, end], place) {
+    const inside = section.x_m
+        .map((x, k) => [x, section.surface_m[k] ?? 0])
+        .filter(([x]) => x > start && x < end);
+    // Between two places of the outline heights are those of the next one.
+    const next = section.x_m.findIndex((x) => x >= end);
+    const height = section.surface_m[next] ?? 0;
+    const points = [
+        [start, inside[0]?.[1] ?? height],
+        ...inside,
+        [end, inside[inside.length - 1]?.[1] ?? height],
+    ];
+    return path(`M${points.map(([x, z]) => place(x, z).join(" ")).join("L")}`, "floor-part");
 }
 /** An arrow from below to where the floor is touched. */
 function floorMark([x, y], em) {

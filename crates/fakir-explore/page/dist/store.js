@@ -3,8 +3,9 @@
 // Every change of the case or the load makes a new question, with a number. What comes back is kept
 // with the question that it answers, so that everything shown can be told to be of the newest
 // question or of an older one.
-import { largestForceOf, sceneOf, sceneOfPreview } from "./scene.js";
+import { largestForceOf, sceneOf, sceneOfPreview, withFloorBefore } from "./scene.js";
 export const FRACTION = "texture.surface_fraction";
+export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
 export class Store {
     #state;
@@ -23,6 +24,7 @@ export class Store {
             picture: null,
             solved: null,
             critical: null,
+            criticalBefore: null,
             estimate: null,
             largestForce: null,
             section: null,
@@ -151,7 +153,8 @@ export function knownCritical({ critical }, { name }) {
  * estimated, and the largest force that the colours show, N. */
 export function mapScale(state, { of, is }) {
     const estimate = state.estimate?.of.name === of.name ? state.estimate.is : null;
-    const known = knownCritical(state, of)?.critical_contact_radius_m;
+    const criticals = [state.critical, state.criticalBefore];
+    const known = criticals.find((each) => each?.of.name === of.name)?.is.critical_contact_radius_m;
     const largest = state.largestForce?.of.name === of.name ? state.largestForce.is : 0;
     return {
         radius: known ?? estimate?.contact_radius_m ?? 0,
@@ -160,6 +163,16 @@ export function mapScale(state, { of, is }) {
 }
 export function isCritical(fraction) {
     return Math.abs(fraction - 1) < 1e-9;
+}
+/** Whether the floor of a case bears its part past the transition, which only the spectral method knows; if not, the
+ * lens goes through the floor. */
+export function floorBears(values) {
+    const isOf = (key, word) => (values[key] ?? word) === word;
+    return isOf(FLOOR, "true") && isOf("method.name", "spectral");
+}
+/** Whether a state is that on the pillar tops alone, before the one with the floor. */
+export function isWithoutFloor({ approximate, summary }) {
+    return approximate && summary.method === "spectral";
 }
 export function isBeyond(fraction) {
     return fraction > 1 + 1e-9;
@@ -194,7 +207,13 @@ function contactLine(state, { question: of, since }, line, now) {
         };
     }
     if (line.state?.approximate) {
-        const picture = { of, is: { stage: "pillars", scene: sceneOf(line.state) } };
+        const before = state.picture;
+        // It was held back, and the state with the floor is there already.
+        if (before?.of.number === of.number && before.is.stage === "exact")
+            return {};
+        const own = sceneOf(line.state);
+        const scene = isWithoutFloor(line.state) ? withFloorBefore(own, before?.is.scene ?? null) : own;
+        const picture = { of, is: { stage: "pillars", scene } };
         // While the critical state itself is being solved, this state is the best estimate of it.
         const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
         return { picture, estimate: known ? null : estimate, refusal: null };
@@ -220,8 +239,10 @@ function contactLine(state, { question: of, since }, line, now) {
             return {};
         return { solved: { of, is: { ...solved.is, summary: line.summary } } };
     }
-    if (line.critical)
-        return { critical: { of, is: line.critical }, estimate: null };
+    if (line.critical) {
+        const critical = { of, is: line.critical };
+        return { critical, estimate: null, ...(!known && { criticalBefore: state.critical }) };
+    }
     if (line.case)
         return { texts: { of, is: line.case } };
     if (line.section !== undefined)
@@ -235,7 +256,7 @@ function phaseLine(state, of, line) {
         return { phase: { of, is: { transition: line.transition, path: [], critical } } };
     }
     if (line.path && phase?.of.number === of.number) {
-        const path = [...phase.is.path, line.path].sort((a, b) => a[0] - b[0]);
+        const path = [...phase.is.path, line.path].sort((a, b) => a.fraction - b.fraction);
         return { phase: { of, is: { ...phase.is, path } } };
     }
     return {};

@@ -4,6 +4,12 @@ export function colour(colours, index) {
     const [r, g, b] = colours[index] ?? [0, 0, 0];
     return `rgb(${r} ${g} ${b})`;
 }
+/** What lies between two colours such as `#1f5f99`. */
+export function mixed(low, high, part) {
+    const [from, to] = [low, high].map((text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16)));
+    const between = (k) => (1 - part) * (from?.[k] ?? 0) + part * (to?.[k] ?? 0);
+    return [Math.round(between(0)), Math.round(between(1)), Math.round(between(2))];
+}
 /** A colour of the style sheet by the name of its property. */
 export function tint(name) {
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -5,7 +5,7 @@
 //! that the lens would enter, on a coarse grid; the state of that is the start on a grid of half the cell size, and so on. The last
 //! two tell how large the error is.
 
-use super::answers::{OfFloor, PillarMethod, assemble, refined};
+use super::assembled::{OfFloor, PillarMethod, assemble, refined};
 use super::estimate::unknowns_only;
 use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
 use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_window};

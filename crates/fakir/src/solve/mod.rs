@@ -6,6 +6,7 @@
 #![doc = include_str!("../../doc/rendered/punch.md")]
 
 pub(crate) mod answers;
+pub(crate) mod assembled;
 pub(crate) mod control;
 pub mod elements;
 mod estimate;

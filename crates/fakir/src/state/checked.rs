@@ -4,6 +4,7 @@
 use super::contact::ContactState;
 use super::critical::CriticalState;
 use super::error::SolveError;
+use super::floor_contact::FloorContact;
 
 impl ContactState {
     /// The state as it is handed out.
@@ -39,6 +40,31 @@ impl ContactState {
             floor.check()?;
         }
         Ok(self)
+    }
+}
+
+impl FloorContact {
+    /// The contact as it is handed out: all of its numbers are numbers.
+    fn check(&mut self) -> Result<(), SolveError> {
+        for (what, value) in [
+            ("force on the floor", &mut self.force),
+            ("share of the floor", &mut self.share),
+            ("area of the floor contact", &mut self.area),
+            ("radius of the floor contact", &mut self.radius),
+            (
+                "distance of the floor contact from a rim",
+                &mut self.smallest_distance_to_rim,
+            ),
+            ("error estimate of the floor's share", &mut self.error.share),
+            ("error estimate of the floor's area", &mut self.error.area),
+            ("energy error", &mut self.energy_bound),
+        ] {
+            check_number(what, value)?;
+        }
+        for pressure in &mut self.pressure {
+            check_number("pressure on the floor", pressure)?;
+        }
+        Ok(())
     }
 }
 

@@ -1,7 +1,5 @@
 //! What the floor between the pillars bears.
 
-use super::checked::check_number;
-use super::error::SolveError;
 use crate::problem::{Cells, Point};
 
 /// The contact with the floor between the pillars. Its pressure is constant on the cells of a grid that is aligned with the lattice.
@@ -56,28 +54,5 @@ impl FloorContact {
         pressures.fold((0.0, [0.0, 0.0]), |largest, other| {
             if other.0 > largest.0 { other } else { largest }
         })
-    }
-
-    /// The contact as it is handed out: all of its numbers are numbers.
-    pub(super) fn check(&mut self) -> Result<(), SolveError> {
-        for (what, value) in [
-            ("force on the floor", &mut self.force),
-            ("share of the floor", &mut self.share),
-            ("area of the floor contact", &mut self.area),
-            ("radius of the floor contact", &mut self.radius),
-            (
-                "distance of the floor contact from a rim",
-                &mut self.smallest_distance_to_rim,
-            ),
-            ("error estimate of the floor's share", &mut self.error.share),
-            ("error estimate of the floor's area", &mut self.error.area),
-            ("energy error", &mut self.energy_bound),
-        ] {
-            check_number(what, value)?;
-        }
-        for pressure in &mut self.pressure {
-            check_number("pressure on the floor", pressure)?;
-        }
-        Ok(())
     }
 }

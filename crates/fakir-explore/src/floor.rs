@@ -1,0 +1,141 @@
+//! The contact with the floor as it is drawn: its cells with their pressures, and where a section cuts them.
+
+use fakir::problem::Point;
+use fakir::state::FloorContact;
+use serde::Serialize;
+
+/// Pressures are drawn in so many shades, one for every letter.
+const SHADES: f64 = 26.0;
+
+/// The cells of the floor in contact, as an array of which only the part around them is told.
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub(crate) struct FloorCells {
+    /// Lower left corner of the array from the lens axis.
+    corner_m: Point,
+    cell_m: [f64; 2],
+    columns: usize,
+    rows: usize,
+    /// Row, first column and number of cells that are side by side, one after the other.
+    segments: Vec<usize>,
+    /// A letter for the pressure on every cell, from `a`, the smallest pressures, to `z`, the largest.
+    shades: String,
+    largest_pressure_Pa: f64,
+}
+
+impl FloorCells {
+    pub(crate) fn new(floor: &FloorContact) -> Self {
+        let (grid, segments) = (floor.cells.grid(), floor.cells.segments());
+        let rows = ends(segments.iter().map(|one| (one.row, one.row + 1)));
+        let columns = ends(
+            segments
+                .iter()
+                .map(|one| (one.column, one.column + one.count)),
+        );
+        let [width, height] = grid.cell();
+        let [x, y] = grid.origin();
+        let (largest, _) = floor.largest_pressure();
+        let shade = |pressure: &f64| {
+            let place = (SHADES * pressure / largest).clamp(0.0, SHADES - 1.0);
+            // Below 26, and 0 of what is no number.
+            char::from(b'a' + place as u8)
+        };
+        Self {
+            corner_m: [x + columns.0 as f64 * width, y + rows.0 as f64 * height],
+            cell_m: [width, height],
+            columns: columns.1 - columns.0,
+            rows: rows.1 - rows.0,
+            segments: segments
+                .iter()
+                .flat_map(|one| [one.row - rows.0, one.column - columns.0, one.count])
+                .collect(),
+            shades: floor.pressure.iter().map(shade).collect(),
+            largest_pressure_Pa: largest,
+        }
+    }
+}
+
+/// Where the first of some ranges begins, and the last one ends.
+fn ends(ranges: impl Iterator<Item = (usize, usize)>) -> (usize, usize) {
+    let all = ranges.reduce(|(first, last), (begin, end)| (first.min(begin), last.max(end)));
+    all.unwrap_or((0, 0))
+}
+
+/// Where the floor is in contact along x through the lens axis: first and last place of every part, m.
+pub(crate) fn along_x(floor: &FloorContact) -> Vec<[f64; 2]> {
+    let grid = floor.cells.grid();
+    let [width, height] = grid.cell();
+    let row = (-grid.origin()[1] / height).floor();
+    let segments = floor.cells.segments().iter();
+    segments
+        .filter(|one| (one.row as f64 - row).abs() < 0.5)
+        .map(|one| {
+            let start = grid.origin()[0] + one.column as f64 * width;
+            [start, start + one.count as f64 * width]
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fakir::problem::{Control, Method};
+    use fakir::state::{ContactState, Run};
+    use fakir_case::{Case, CaseFile};
+
+    fn pressed() -> ContactState {
+        let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+        file.set("texture.surface_fraction=0.01").unwrap();
+        let system = file.case().unwrap().system;
+        let load = Control::Indentation(4e-6);
+        fakir::press(&system, load, Method::default(), &Run::default()).unwrap()
+    }
+
+    /// Every cell is told once, at its place and with the shade of its pressure.
+    #[test]
+    fn the_cells_are_those_of_the_contact() {
+        let state = pressed();
+        let floor = state.floor.as_ref().unwrap();
+        let drawn = FloorCells::new(floor);
+        let [width, height] = drawn.cell_m;
+        let told = drawn.segments.chunks_exact(3).flat_map(|one| {
+            let (row, first) = (one[0], one[1]);
+            (first..first + one[2]).map(move |column| (row, column))
+        });
+        let told: Vec<(usize, usize)> = told.collect();
+        assert_eq!(told.len(), floor.pressure.len());
+        assert_eq!(told.len(), drawn.shades.len());
+        for ((row, column), [x, y]) in told.into_iter().zip(floor.cells.centres()) {
+            assert!(row < drawn.rows && column < drawn.columns);
+            let at = [
+                drawn.corner_m[0] + (column as f64 + 0.5) * width,
+                drawn.corner_m[1] + (row as f64 + 0.5) * height,
+            ];
+            assert!((at[0] - x).abs() < 1e-3 * width && (at[1] - y).abs() < 1e-3 * height);
+        }
+        assert!(drawn.shades.contains('z'));
+        assert!(drawn.shades.bytes().all(|shade| shade.is_ascii_lowercase()));
+    }
+
+    /// What is told of the section is in contact, and what is between is not.
+    #[test]
+    fn the_section_cuts_the_contact() {
+        let state = pressed();
+        let (floor, fields) = (
+            state.floor.as_ref().unwrap(),
+            state.fields.as_ref().unwrap(),
+        );
+        let parts = along_x(floor);
+        assert!(!parts.is_empty());
+        let y = 0.5 * floor.cell()[1];
+        let pressure = |x: f64| fields.sample(&[[x, y]], &Run::default()).unwrap().pressure[0];
+        for [start, end] in &parts {
+            assert!(pressure(0.5 * (start + end)) > 0.0);
+        }
+        for pair in parts.windows(2) {
+            let between = 0.5 * (pair[0][1] + pair[1][0]);
+            let on_pillar = fields.is_on_pillar([between, y]);
+            assert!(on_pillar || pressure(between) == 0.0);
+        }
+    }
+}

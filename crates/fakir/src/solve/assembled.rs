@@ -1,0 +1,191 @@
+//! What is handed out of a solution: the state of all pillars, and of the floor where that is in contact.
+
+use super::estimate::{estimate, unknowns_only};
+use super::floor::FloorPoint;
+use super::newton::MISMATCH_TOLERANCE;
+use super::reach::{Reach, contact_reach, punch_reach};
+use super::spectral::{LARGEST_CONTACT, Solution};
+use super::touched::{TouchedPillar, touched_pillars};
+use crate::halfspace::disc::basis::degree_with;
+use crate::problem::scaled::Problem;
+use crate::problem::{Accuracy, Control, ElementMesh, Method, PunchForm, System};
+use crate::state::contact::contact_warnings;
+use crate::state::{
+    ContactState, ErrorEstimate, Fields, FloorContact, PillarStatus, Progress, Run, SolveError,
+    Stage, Termination,
+};
+use std::sync::Arc;
+
+/// Which method solves the pillars.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PillarMethod {
+    Spectral(Accuracy),
+    Punch(PunchForm),
+    Love(ElementMesh),
+}
+
+impl From<PillarMethod> for Method {
+    fn from(method: PillarMethod) -> Self {
+        match method {
+            PillarMethod::Spectral(accuracy) => Self::Spectral(accuracy),
+            PillarMethod::Punch(form) => Self::Punch(form),
+            PillarMethod::Love(mesh) => Self::Love(mesh),
+        }
+    }
+}
+
+/// Error estimate of the spectral method, from other nodes and a higher degree.
+pub(super) fn refined(
+    solution: &mut Solution<'_>,
+    target: Control,
+    run: &Run<'_>,
+) -> Result<ErrorEstimate, SolveError> {
+    let termination = solution.outcome.termination;
+    if termination != Termination::Converged {
+        return Ok(unknowns_only(target, termination, [1.0; 2]));
+    }
+    run.report(Progress {
+        stage: Stage::ErrorEstimate,
+        step: solution.steps,
+        pillars: solution.newton.tops.window.len(),
+        touched: solution.newton.touched(),
+    });
+    estimate(&mut solution.newton, &solution.outcome, target)
+}
+
+/// The state with its smallest floor gap.
+pub(super) fn floor_gap(
+    problem: &Problem,
+    state: ContactState,
+    indentation: f64,
+    lowest: Option<FloorPoint>,
+) -> ContactState {
+    match lowest {
+        None => state,
+        Some(point) => ContactState {
+            smallest_floor_gap: (point.indentation - indentation) * problem.length,
+            smallest_gap_position: problem.metres(point.position),
+            ..state
+        },
+    }
+}
+
+/// What there is to say of the floor.
+pub(super) enum OfFloor {
+    /// It is not in contact: its lowest point.
+    Lowest(Option<FloorPoint>),
+    /// It is, if anything of it is.
+    Contact(Option<FloorContact>),
+}
+
+/// The answer from a solution of all pillars, and of the floor where that is in contact.
+pub(super) fn assemble(
+    system: &System,
+    problem: &Problem,
+    target: Control,
+    method: PillarMethod,
+    solution: &Solution<'_>,
+    floor: OfFloor,
+    error: ErrorEstimate,
+) -> Result<ContactState, SolveError> {
+    let (lowest, floor) = match floor {
+        OfFloor::Lowest(lowest) => (lowest, None),
+        OfFloor::Contact(floor) => (None, floor),
+    };
+    let Solution {
+        newton,
+        outcome,
+        steps,
+    } = solution;
+    let indentation = outcome.indentation;
+    newton.run.check_cancelled()?;
+    let mut touched = touched_pillars(problem, newton);
+    let on_floor = floor.as_ref().map_or(0.0, |floor| floor.force);
+    let force = share_force(&mut touched, on_floor, target, problem);
+    let Reach {
+        radius: contact_radius,
+        error: radius_error,
+    } = match method {
+        PillarMethod::Punch(form) => punch_reach(newton, form, indentation, &touched),
+        _ => contact_reach(newton, indentation, &touched),
+    };
+    let radius_error = if outcome.termination == Termination::Converged {
+        radius_error
+    } else {
+        contact_radius
+    };
+    let floor_radius = floor.as_ref().map_or(0.0, |floor| floor.radius) / problem.length;
+    let farthest = contact_radius.max(floor_radius);
+    let ratio = farthest / problem.lens.radius;
+    if ratio > LARGEST_CONTACT {
+        return Err(SolveError::ContactExceedsLens {
+            contact_radius: farthest * problem.length,
+            lens_radius: system.lens().radius,
+        });
+    }
+    let partial = touched
+        .iter()
+        .filter(|pillar| pillar.state.status == PillarStatus::Partial)
+        .count();
+    let close_degree = touched
+        .iter()
+        .map(|pillar| degree_with(pillar.disc.coefficients.len()))
+        .max()
+        .unwrap_or(0);
+    let (pillars, discs): (Vec<_>, Vec<_>) = touched.into_iter().map(|p| (p.state, p.disc)).unzip();
+    let fields = Fields::new(
+        problem.clone(),
+        indentation,
+        discs,
+        newton.degree(),
+        close_degree,
+    );
+    let fields = match newton.floor_load() {
+        Some(load) if floor.is_some() => fields.with_floor(load),
+        _ => fields,
+    };
+    let state = ContactState {
+        floor,
+        force,
+        contact_radius: contact_radius * problem.length,
+        contact_radius_error: radius_error * problem.length,
+        pillars_in_contact: pillars.len(),
+        pillars_partially_in_contact: partial,
+        pillars,
+        fields: Some(Arc::new(fields)),
+        error,
+        termination: outcome.termination,
+        iterations: *steps,
+        warnings: contact_warnings(ratio),
+        ..ContactState::untouched(system, method.into(), indentation * problem.length)
+    };
+    Ok(floor_gap(problem, state, indentation, lowest))
+}
+
+/// Relative difference between the prescribed force and the sum over pillars that is rounding of the solver:
+/// what it leaves on one pillar, some times over.
+const PILLARS_MISMATCH: f64 = 100.0 * MISMATCH_TOLERANCE;
+
+/// The force on all pillars and on the floor. What is prescribed is met within the solver's tolerance; the pillars
+/// share what is missing, so that they bear it to the last digit.
+fn share_force(
+    touched: &mut [TouchedPillar],
+    on_floor: f64,
+    target: Control,
+    problem: &Problem,
+) -> f64 {
+    let on_tops: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
+    let sum = on_tops + on_floor;
+    let Control::Force(force) = target else {
+        return sum;
+    };
+    let prescribed = force * problem.force();
+    let close = (prescribed - sum).abs() <= PILLARS_MISMATCH * prescribed;
+    if !close {
+        return sum;
+    }
+    for pillar in touched {
+        pillar.state.force *= (prescribed - on_floor) / on_tops;
+    }
+    prescribed
+}
