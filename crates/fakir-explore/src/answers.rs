@@ -103,13 +103,7 @@ pub(crate) fn solve(
         None
     } else {
         let control = Control::Indentation(indentation(case, target, load.fraction));
-        // The pillar tops alone are solved for in a small part of the time that the floor takes.
-        let tops_first = listener.is_some() && meets_floor(case, load);
-        if tops_first {
-            let tops = case.system.with_floor(FloorModel::Ignored);
-            fakir::press(&tops, control, case.method, &with(true))?;
-        }
-        let state = fakir::press(&case.system, control, case.method, &with(!tops_first))?;
+        let state = fakir::press(&case.system, control, case.method, &with(true))?;
         Some((state, start.elapsed().as_secs_f64()))
     };
     Ok(Solved { critical, pressed })

@@ -116,6 +116,10 @@ fn solve(
         }
     }
     let guess = homogenised_radius(system, problem, target);
+    let assembled = |solution: &Solution<'_>, lowest, error| {
+        let floor = OfFloor::Lowest(lowest);
+        assemble(system, problem, target, method, solution, floor, error)
+    };
     match method {
         PillarMethod::Spectral(accuracy) => {
             if bears
@@ -150,35 +154,21 @@ fn solve(
             }
             let mut solution = solve_spectral(problem, target, punch, degrees, run)?;
             let lowest = lowest_point(target, &mut solution);
+            let mut told = None;
+            if let Some(listener) = listener {
+                let state = assembled(&solution, lowest, UNKNOWN)?;
+                listener(&state);
+                told = Some(state);
+            }
             if enters(lowest.map_or(0.0, |point| {
                 point.indentation - solution.outcome.indentation
             })) {
                 return mixed::past_transition(system, problem, target, accuracy, solution, run);
             }
-            if let Some(listener) = listener {
-                let mut state = assemble(
-                    system,
-                    problem,
-                    target,
-                    method,
-                    &solution,
-                    OfFloor::Lowest(lowest),
-                    UNKNOWN,
-                )?;
-                listener(&state);
-                state.error = refined(&mut solution, target, run)?;
-                Ok(state)
-            } else {
-                let error = refined(&mut solution, target, run)?;
-                assemble(
-                    system,
-                    problem,
-                    target,
-                    method,
-                    &solution,
-                    OfFloor::Lowest(lowest),
-                    error,
-                )
+            let error = refined(&mut solution, target, run)?;
+            match told {
+                Some(state) => Ok(ContactState { error, ..state }),
+                None => assembled(&solution, lowest, error),
             }
         }
         PillarMethod::Punch(form) => {
@@ -186,15 +176,7 @@ fn solve(
             let mut solution = solve_punch(problem, target, guess, form, purpose, run)?;
             let error = punch_error(form, target, &solution);
             let lowest = lowest_point(target, &mut solution);
-            assemble(
-                system,
-                problem,
-                target,
-                method,
-                &solution,
-                OfFloor::Lowest(lowest),
-                error,
-            )
+            assembled(&solution, lowest, error)
         }
         PillarMethod::Love(mesh) => {
             let solution = pillars::solve(problem, target, guess, mesh, run)?;

@@ -63,7 +63,8 @@ pub struct Run<'a> {
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
     /// Told what there is on the way to a contact by the spectral method: with more than a thousand
     /// pillars the contact of the corrected punch lattice, from which it starts (solved to three digits), and
-    /// its own solution before the error is estimated (the estimate is then NaN). Not told under a prescribed force, or of a
+    /// its own solution before the error is estimated (the estimate is then NaN): past the transition that of the pillar tops
+    /// alone, before the floor. Not told under a prescribed force, or of a
     /// contact inside one pillar.
     pub interim: Option<&'a (dyn Fn(&ContactState) + Sync)>,
     /// Threads to share the work between; without it everything runs on the calling thread.
