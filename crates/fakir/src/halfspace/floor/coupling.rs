@@ -15,12 +15,11 @@
 //! its transform is real or imaginary, and kept as one real number.
 
 use super::grid::{Division, FloorGrid};
-use super::kernels::{Rectangles, by_pillar};
+use super::kernels::{PillarMeans, Rectangles};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::{Mode, mode_count};
-use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::elements::convolution::{
     BLOCK_WIDTH, ColumnBlock, Convolution, Transform, Workspace, line_stride,
 };
@@ -66,6 +65,24 @@ pub(crate) struct FloorCoupling<'a> {
     coarse: Coarse,
 }
 
+/// Rows of a kernel that are held: the others mirror them, and a few more than half keep lanes whole.
+fn kernel_rows(rows: usize) -> usize {
+    rows / 2 + LANES
+}
+
+/// Modes that meet the floor at once: as many as registers hold.
+const MODES_AT_ONCE: usize = 2;
+
+/// The numbers of modes for which something holds, and then those of the others, some at a time.
+fn alike(modes: &[Mode], which: impl Fn(&Mode) -> bool) -> Vec<Vec<usize>> {
+    let (of_one, of_other): (Vec<usize>, Vec<usize>) =
+        (0..modes.len()).partition(|mode| which(&modes[*mode]));
+    [of_one, of_other]
+        .iter()
+        .flat_map(|kind| kind.chunks(MODES_AT_ONCE).map(<[usize]>::to_vec))
+        .collect()
+}
+
 /// Transforms over the coarse grid, with room.
 struct Coarse {
     shape: [usize; 2],
@@ -87,7 +104,11 @@ struct Together {
     plans: RealPlans,
     /// Whether the kernels of the coupled modes are imaginary.
     odd: Vec<bool>,
-    /// For every column, every kernel, that of the floor first: its rows. With the normalisation of all transforms.
+    /// Sign of the kernel of each in the rows of the other half, which mirror those of the first.
+    mirrored: Vec<f64>,
+    /// Modes that meet the floor at once, all of one kind.
+    together: Vec<Vec<usize>>,
+    /// For every column, every kernel, that of the floor first: its rows, [`kernel_rows`] of them. With the normalisation of all transforms.
     kernel: Vec<f64>,
     /// `exp(i theta/2)` for every column and for every row.
     phases: [Vec<Complex64>; 2],
@@ -143,9 +164,10 @@ impl<'a> FloorCoupling<'a> {
         let half = 0.5 * shape[0] + 1.0;
         let held = 2.0 * radius / division.cell[1];
         let build = 8.0 * kernels * half * 0.5 * shape[1];
+        let kept = 8.0 * kernels * half * kernel_rows(shape[1] as usize) as f64;
         let folded = 16.0 * half * kernels * coarse[1] as f64;
         let vectors = 20.0 * 8.0 * FloorGrid::expected_len(division, radius);
-        8.0 * kernels * half * shape[1] + build + folded + 16.0 * held * half + vectors
+        kept + build + folded + 16.0 * held * half + vectors
     }
 
     /// Adds to the loads on pillar tops, and sets those on floor cells.
@@ -305,6 +327,11 @@ fn parities(mode: &Mode) -> [bool; 2] {
     [(mode.order + usize::from(mode.sine)) % 2 == 1, mode.sine]
 }
 
+/// Whether the transform of its kernel is imaginary.
+fn is_imaginary(mode: &Mode) -> bool {
+    mode.degree % 2 == 1
+}
+
 impl Together {
     fn new(division: &Division, coarse: [usize; 2], degree: usize, workers: Workers<'_>) -> Self {
         let shape = [0, 1].map(|k| coarse[k] * division.half[k]);
@@ -317,8 +344,13 @@ impl Together {
             shape,
             coarse,
             plans: RealPlans::new(rows, columns),
-            odd: modes.iter().map(|mode| mode.degree % 2 == 1).collect(),
-            kernel: vec![0.0; half * (1 + modes.len()) * rows],
+            odd: modes.iter().map(is_imaginary).collect(),
+            mirrored: modes
+                .iter()
+                .map(|mode| if parities(mode)[1] { 1.0 } else { -1.0 })
+                .collect(),
+            together: alike(&modes, is_imaginary),
+            kernel: vec![0.0; half * (1 + modes.len()) * kernel_rows(rows)],
             phases: [
                 (0..half).map(|k| phase(k, columns)).collect(),
                 (0..rows).map(|k| phase(k, rows)).collect(),
@@ -348,14 +380,13 @@ impl Together {
         let kernels = 1 + modes.len();
         // Rows of the quadrant, those of the floor at whole cells and those of pillars at half cells, transformed along x.
         let quadrant = rows / 2 + 1;
-        let (exterior, rectangles) = (Exterior::new(degree), Rectangles::new(division));
+        let rectangles = Rectangles::new(division);
         let mut transformed = vec![0.0; quadrant * kernels * half];
         let [phases_x, phases_y] = &self.phases;
         let plan = &self.plans.row;
         let work = || KernelWork {
             values: vec![0.0; kernels * columns],
-            room: vec![0.0; modes.len()],
-            means: vec![0.0; modes.len()],
+            means: PillarMeans::new(division, degree),
             spectrum: plan.make_output_vec(),
             scratch: plan.make_scratch_vec(),
         };
@@ -368,7 +399,7 @@ impl Together {
                 if workers.cancel.is_cancelled() {
                     return;
                 }
-                work.fill_row(division, modes, &exterior, &rectangles, row);
+                work.fill_row(modes, &rectangles, row);
                 let values = work.values.chunks_exact_mut(columns);
                 for (kernel, (values, output)) in
                     values.zip(output.chunks_exact_mut(half)).enumerate()
@@ -387,47 +418,68 @@ impl Together {
         let root = division.cell_area().sqrt();
         let scale = 1.0 / (columns * rows) as f64;
         let plan = &self.plans.column;
+        let held = kernel_rows(rows);
+        let pairs = alike(modes, |mode| parities(mode)[1]);
         let work = || {
             let scratch = vec![Complex64::default(); plan.get_inplace_scratch_len()];
             (vec![Complex64::default(); rows], scratch)
         };
-        workers.fill(
-            &mut self.kernel,
-            kernels * rows,
-            KERNEL_ROWS,
-            work,
-            |(line, scratch), column, output| {
-                if workers.cancel.is_cancelled() {
-                    return;
+        let several = |(line, scratch): &mut (Vec<Complex64>, Vec<Complex64>),
+                       first: usize,
+                       output: &mut [f64]| {
+            if workers.cancel.is_cancelled() {
+                return;
+            }
+            for (k, output) in output.chunks_exact_mut(kernels * held).enumerate() {
+                let column = first * BLOCK_WIDTH + k;
+                let value = |kernel: usize, row: usize| {
+                    transformed[(row * kernels + kernel) * half + column]
+                };
+                for row in 0..quadrant {
+                    line[row] = Complex64::new(value(0, row), 0.0);
+                    line[(rows - row) % rows] = line[row];
                 }
-                for (kernel, output) in output.chunks_exact_mut(rows).enumerate() {
-                    let value = |row: usize| transformed[(row * kernels + kernel) * half + column];
-                    if kernel == 0 {
-                        for row in 0..quadrant {
-                            line[row] = Complex64::new(value(row), 0.0);
-                            line[(rows - row) % rows] = line[row];
-                        }
-                        plan.process_with_scratch(line, scratch);
-                        for (output, value) in output.iter_mut().zip(&*line) {
-                            *output = scale * value.re;
-                        }
-                        continue;
-                    }
-                    let [odd_x, odd_y] = parities(&modes[kernel - 1]);
+                plan.process_with_scratch(line, scratch);
+                for (output, value) in output[..held].iter_mut().zip(&*line) {
+                    *output = scale * value.re;
+                }
+                // Two modes alike in y by one transform: as its real and its imaginary part.
+                for pair in &pairs {
+                    let odd_y = parities(&modes[pair[0]])[1];
                     for row in 0..rows / 2 {
-                        let value = value(row);
-                        line[row] = Complex64::new(value, 0.0);
-                        line[rows - 1 - row] =
-                            Complex64::new(if odd_y { -value } else { value }, 0.0);
+                        let of = |k: usize| pair.get(k).map_or(0.0, |mode| value(mode + 1, row));
+                        let value = Complex64::new(of(0), of(1));
+                        line[row] = value;
+                        line[rows - 1 - row] = if odd_y { -value } else { value };
                     }
                     plan.process_with_scratch(line, scratch);
-                    // Two imaginary factors make a negative one.
-                    let scale = root * if odd_x && odd_y { -scale } else { scale };
-                    for ((output, value), phase) in output.iter_mut().zip(&*line).zip(phases_y) {
-                        *output = scale * real_part(*value, Some(*phase), odd_y);
+                    for (k, mode) in pair.iter().enumerate() {
+                        let odd_x = parities(&modes[*mode])[0];
+                        // Two imaginary factors make a negative one.
+                        let scale = root * if odd_x && odd_y { -scale } else { scale };
+                        let output = &mut output[(mode + 1) * held..][..held];
+                        for ((output, value), phase) in output.iter_mut().zip(&*line).zip(phases_y)
+                        {
+                            let value = value * phase.conj();
+                            *output = scale
+                                * match (k, odd_y) {
+                                    (0, false) | (1, true) => value.re,
+                                    _ => value.im,
+                                };
+                            if k == 1 && odd_y {
+                                *output = -*output;
+                            }
+                        }
                     }
                 }
-            },
+            }
+        };
+        workers.fill(
+            &mut self.kernel,
+            BLOCK_WIDTH * kernels * held,
+            1,
+            work,
+            several,
         );
     }
 }
@@ -442,39 +494,26 @@ fn real_part(value: Complex64, phase: Option<Complex64>, odd: bool) -> f64 {
 struct KernelWork {
     /// One row of every kernel.
     values: Vec<f64>,
-    room: Vec<f64>,
-    means: Vec<f64>,
+    means: PillarMeans,
     spectrum: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
 
 impl KernelWork {
-    fn fill_row(
-        &mut self,
-        division: &Division,
-        modes: &[Mode],
-        exterior: &Exterior,
-        rectangles: &Rectangles,
-        row: usize,
-    ) {
+    fn fill_row(&mut self, modes: &[Mode], rectangles: &Rectangles, row: usize) {
         let columns = self.values.len() / (1 + modes.len());
-        for column in 0..=columns / 2 {
-            let value = rectangles.value(column, row);
-            self.values[column] = value;
-            self.values[(columns - column) % columns] = value;
+        let (of_floor, of_pillars) = self.values.split_at_mut(columns);
+        rectangles.fill_row(row, &mut of_floor[..columns / 2 + 1]);
+        let (first, second) = of_floor.split_at_mut(columns / 2 + 1);
+        for (value, mirrored) in second.iter_mut().rev().zip(&first[1..]) {
+            *value = *mirrored;
         }
-        for column in 0..columns / 2 {
-            by_pillar(
-                exterior,
-                division,
-                [column, row],
-                &mut self.room,
-                &mut self.means,
-            );
-            for (kernel, (mode, mean)) in modes.iter().zip(&self.means).enumerate() {
-                let values = &mut self.values[(kernel + 1) * columns..][..columns];
-                values[column] = *mean;
-                values[columns - 1 - column] = if parities(mode)[0] { -mean } else { *mean };
+        self.means.fill_row(row, columns, of_pillars);
+        for (mode, values) in modes.iter().zip(of_pillars.chunks_exact_mut(columns)) {
+            let sign = if parities(mode)[0] { -1.0 } else { 1.0 };
+            let (first, second) = values.split_at_mut(columns / 2);
+            for (value, mirrored) in second.iter_mut().rev().zip(first) {
+                *value = sign * *mirrored;
             }
         }
     }
@@ -516,8 +555,8 @@ impl Transform for Together {
             .unwrap_or_else(PoisonError::into_inner);
         folded.fill(0.0);
         let modes = self.odd.len();
-        let kernels =
-            self.kernel[block.first * (1 + modes) * rows..].chunks_exact((1 + modes) * rows);
+        let kernels = (1 + modes) * kernel_rows(rows);
+        let kernels = self.kernel[block.first * kernels..].chunks_exact(kernels);
         let folded = folded.chunks_exact_mut(2 * modes * coarse);
         for (k, ((line, kernel), folded)) in lines
             .chunks_exact_mut(stride)
@@ -591,78 +630,101 @@ impl Together {
         }
         sums.fill(0.0);
         let (even, uneven) = sums.split_at_mut(2 * rows);
-        let kernels = kernel.chunks_exact(rows).skip(1).zip(&self.odd);
-        let modes = tops
-            .chunks_exact(2 * coarse)
-            .zip(folded.chunks_exact_mut(2 * coarse));
-        for ((kernel, &odd), (tops, folded)) in kernels.zip(modes) {
-            let sum = if odd { &mut *uneven } else { &mut *even };
-            let (sum_real, sum_imaginary) = sum.split_at_mut(rows);
-            let (top_real, top_imaginary) = tops.split_at(coarse);
-            let (folded_real, folded_imaginary) = folded.split_at_mut(coarse);
-            for first in (0..rows).step_by(coarse) {
-                let at = first..first + coarse;
-                let kernel = &kernel[at.clone()];
-                let sums = [&mut sum_real[at.clone()], &mut sum_imaginary[at.clone()]];
-                let turned = [&real[at.clone()], &imaginary[at]];
-                let folds = [&mut *folded_real, &mut *folded_imaginary];
-                multiply_add(kernel, sums, [top_real, top_imaginary], folds, turned);
+        let (of_floor, kernel) = kernel.split_at(kernel_rows(rows));
+        for modes in &self.together {
+            let sum = if self.odd[modes[0]] {
+                &mut *uneven
+            } else {
+                &mut *even
+            };
+            let meeting = Meeting {
+                rows,
+                coarse,
+                kernel,
+                mirrored: &self.mirrored,
+                tops,
+                turned: [&*real, &*imaginary],
+            };
+            let sums = sum.split_at_mut(rows).into();
+            match modes[..] {
+                [mode] => meeting.of([mode], sums, folded),
+                [mode, other] => meeting.of([mode, other], sums, folded),
+                _ => {}
             }
         }
         let (even_real, even_imaginary) = even.split_at(rows);
         let (uneven_real, uneven_imaginary) = uneven.split_at(rows);
-        for (row, (value, kernel)) in line.iter_mut().zip(kernel).enumerate() {
+        for row in 0..rows {
+            let kernel = of_floor[row.min(rows - row)];
             // i times the uneven ones.
             let sum = Complex64::new(
                 even_real[row] - uneven_imaginary[row],
                 even_imaginary[row] + uneven_real[row],
             );
-            *value = *value * kernel + sum * (phase * self.phases[1][row]);
+            line[row] = line[row] * kernel + sum * (phase * self.phases[1][row]);
         }
     }
 }
 
-/// `sum += kernel top` and `folded += kernel turned`, real and imaginary parts, of lengths that are multiples of [`LANES`].
-#[inline(always)]
-fn multiply_add(
-    kernel: &[f64],
-    [sum_real, sum_imaginary]: [&mut [f64]; 2],
-    [top_real, top_imaginary]: [&[f64]; 2],
-    [folded_real, folded_imaginary]: [&mut [f64]; 2],
-    [real, imaginary]: [&[f64]; 2],
-) {
-    let (kernel, _) = kernel.as_chunks::<LANES>();
-    let sums = lanes_mut(sum_real).iter_mut().zip(lanes_mut(sum_imaginary));
-    let folds = lanes_mut(folded_real)
-        .iter_mut()
-        .zip(lanes_mut(folded_imaginary));
-    let tops = lanes(top_real).iter().zip(lanes(top_imaginary));
-    let turned = lanes(real).iter().zip(lanes(imaginary));
-    for ((((kernel, sum), fold), top), turned) in
-        kernel.iter().zip(sums).zip(folds).zip(tops).zip(turned)
-    {
-        let kernel = Lanes(*kernel);
-        *sum.0 = (Lanes(*sum.0) + kernel * Lanes(*top.0)).0;
-        *sum.1 = (Lanes(*sum.1) + kernel * Lanes(*top.1)).0;
-        *fold.0 = (Lanes(*fold.0) + kernel * Lanes(*turned.0)).0;
-        *fold.1 = (Lanes(*fold.1) + kernel * Lanes(*turned.1)).0;
+/// A column of the floor's transform and those of the pillars that it meets.
+struct Meeting<'a> {
+    rows: usize,
+    coarse: usize,
+    /// Those of all modes.
+    kernel: &'a [f64],
+    mirrored: &'a [f64],
+    tops: &'a [f64],
+    /// Real and imaginary parts.
+    turned: [&'a [f64]; 2],
+}
+
+impl Meeting<'_> {
+    /// Adds what some modes do to the floor to `sums`, and what the floor does to them; both as real and imaginary parts.
+    #[inline(always)]
+    fn of<const N: usize>(&self, modes: [usize; N], mut sums: [&mut [f64]; 2], folded: &mut [f64]) {
+        let (rows, coarse, held) = (self.rows, self.coarse, kernel_rows(self.rows));
+        // In the order of memory: kernels are too large for caches.
+        for first in (0..rows).step_by(coarse) {
+            for within in (0..coarse).step_by(LANES) {
+                let start = first + within;
+                let mut kernels = [Lanes::default(); N];
+                for (mode, kernel) in modes.iter().zip(&mut kernels) {
+                    let rows_of = &self.kernel[mode * held..][..held];
+                    *kernel = if 2 * start < rows {
+                        at(rows_of, start)
+                    } else {
+                        self.mirrored[*mode] * at(rows_of, rows + 1 - LANES - start).reversed()
+                    };
+                }
+                for part in 0..2 {
+                    let turned = at(self.turned[part], start);
+                    let mut sum = at(sums[part], start);
+                    for (mode, kernel) in modes.iter().zip(kernels) {
+                        let place = (2 * mode + part) * coarse + within;
+                        sum += kernel * at(self.tops, place);
+                        let fold = &mut folded[place..place + LANES];
+                        fold.copy_from_slice(&(at(fold, 0) + kernel * turned).0);
+                    }
+                    sums[part][start..start + LANES].copy_from_slice(&sum.0);
+                }
+            }
+        }
     }
 }
 
+/// Numbers of a vector from a place on.
 #[inline(always)]
-fn lanes(values: &[f64]) -> &[[f64; LANES]] {
-    values.as_chunks().0
-}
-
-#[inline(always)]
-fn lanes_mut(values: &mut [f64]) -> &mut [[f64; LANES]] {
-    values.as_chunks_mut().0
+fn at(values: &[f64], place: usize) -> Lanes {
+    let mut lanes = Lanes::default();
+    lanes.0.copy_from_slice(&values[place..place + LANES]);
+    lanes
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::halfspace::coupling::pair::PairCoupling;
+    use crate::halfspace::disc::exterior::Exterior;
     use crate::numerics::workers::CancelToken;
     use crate::problem::HexagonalLattice;
 
