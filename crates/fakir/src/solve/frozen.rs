@@ -137,6 +137,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         start: impl Fn(usize) -> [f64; 2],
         couple: impl FnOnce(&mut O),
     ) {
+        let had_floor = self.own_load.len() > self.tops;
         self.own_load.truncate(self.tops);
         self.own_load.extend(own_load);
         self.unit_cell = unit_cell;
@@ -145,6 +146,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             let cells = (0..size - tops).map(|cell| start(cell)[which]);
             response.coefficients.truncate(tops);
             response.coefficients.extend(cells);
+            response.far.truncate(tops);
             response.far.resize(size, 0.0);
         }
         let Room {
@@ -166,6 +168,10 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             vector.resize(size, 0.0);
         }
         couple(&mut self.coupling);
+        if had_floor && self.present.coefficients[tops..].iter().any(|c| *c > 0.0) {
+            // The loads on pillars are about what they were, and no others are needed before the first product.
+            return;
+        }
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             if coefficients.iter().all(|c| *c == 0.0) {

@@ -35,7 +35,8 @@ impl<'p> PeriodicConvolution<'p> {
     pub fn new(cells: Cells, compliance: f64, pool: Option<&'p ThreadPool>) -> Self {
         let grid = cells.grid();
         let shape = [grid.columns(), grid.rows()];
-        let mut periodic = Periodic::new(shape, grid.cell(), |q| 2.0 * compliance / q);
+        let mut periodic =
+            Periodic::new(shape, grid.cell(), |[x, y]| 2.0 * compliance / x.hypot(y));
         periodic.kernel[0] = 0.0;
         Self {
             convolution: Convolution::new(cells, [0, 0], Arc::new(periodic), pool),
@@ -88,11 +89,21 @@ pub(crate) struct PeriodicInverse<'p> {
 }
 
 impl<'p> PeriodicInverse<'p> {
-    /// `factor` times the wave number.
-    pub(crate) fn new(cells: Cells, factor: f64, pool: Option<&'p ThreadPool>) -> Self {
+    /// The wave number.
+    pub(crate) fn new(cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
+        Self::of(cells, |[x, y]| x.hypot(y), pool)
+    }
+
+    /// Of the mean displacements of cells under constant pressures on them, on a half-space of unit compliance.
+    pub(crate) fn of_means(cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
+        let cell = cells.grid().cell();
+        Self::of(cells, |wave| of_means(wave, cell).recip(), pool)
+    }
+
+    fn of(cells: Cells, of_wave: impl Fn([f64; 2]) -> f64, pool: Option<&'p ThreadPool>) -> Self {
         let bounds = Bounds::of(&cells);
         let shape = bounds.shape.map(quick_length);
-        let inverse = Periodic::new(shape, cells.grid().cell(), |q| factor * q);
+        let inverse = Periodic::new(shape, cells.grid().cell(), of_wave);
         Self {
             convolution: Convolution::new(cells, bounds.first, Arc::new(inverse), pool),
         }
@@ -114,7 +125,7 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
         assert_eq!(operator.len(), cells.len(), "the cells of the operator");
         Self {
             operator,
-            inverse: PeriodicInverse::new(cells, 1.0, pool),
+            inverse: PeriodicInverse::new(cells, pool),
         }
     }
 
@@ -142,6 +153,26 @@ impl<O: Operator> Operator for Preconditioned<'_, O> {
     }
 }
 
+/// Mean displacement of cells by constant pressures on them that go as a wave: by the waves of which cells see no more than this one. `2/|q|`,
+/// and for either direction the mean of a wave over a cell, squared.
+fn of_means(wave: [f64; 2], cell: [f64; 2]) -> f64 {
+    const ALIASES: [f64; 3] = [0.0, -1.0, 1.0];
+    let along = |k: usize| {
+        let sine = (0.5 * wave[k] * cell[k]).sin();
+        ALIASES.map(|alias| {
+            let wave = wave[k] + 2.0 * PI * alias / cell[k];
+            let phase = 0.5 * wave * cell[k];
+            let mean = if phase.abs() > 0.0 { sine / phase } else { 1.0 };
+            (wave, mean * mean)
+        })
+    };
+    let [of_x, of_y] = [along(0), along(1)];
+    let pairs = of_x.iter().flat_map(|x| of_y.iter().map(move |y| (x, y)));
+    pairs
+        .map(|((x, of_x), (y, of_y))| 2.0 * of_x * of_y / x.hypot(*y))
+        .sum()
+}
+
 /// Transforms and kernel of the periodic half-space.
 struct Periodic {
     shape: [usize; 2],
@@ -152,9 +183,8 @@ struct Periodic {
 }
 
 impl Periodic {
-    /// The kernel is a function of the wave number; of the smallest there is, halved, for the
-    /// mean.
-    fn new([columns, rows]: [usize; 2], cell: [f64; 2], of_wave: impl Fn(f64) -> f64) -> Self {
+    /// The kernel is a function of the wave vector; of half the smallest there is, for the mean.
+    fn new([columns, rows]: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         let [width, height] = cell;
         let wave = |index: usize, period: f64| 2.0 * PI * index as f64 / period;
         let longest = (width * columns as f64).max(height * rows as f64);
@@ -165,7 +195,12 @@ impl Periodic {
             .map(|(column, row)| {
                 let x = wave(column, width * columns as f64);
                 let y = wave(row, height * rows as f64);
-                scale * of_wave(x.hypot(y).max(smallest))
+                let wave = if (column, row) == (0, 0) {
+                    [smallest, 0.0]
+                } else {
+                    [x, y]
+                };
+                scale * of_wave(wave)
             })
             .collect();
         Self {

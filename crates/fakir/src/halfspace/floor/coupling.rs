@@ -83,6 +83,10 @@ fn alike(modes: &[Mode], which: impl Fn(&Mode) -> bool) -> Vec<Vec<usize>> {
         .collect()
 }
 
+/// What it takes longest to make, to be used again.
+#[derive(Clone)]
+pub(crate) struct FloorKernels(Arc<Together>);
+
 /// Transforms over the coarse grid, with room.
 struct Coarse {
     shape: [usize; 2],
@@ -98,6 +102,8 @@ struct Coarse {
 
 /// Transforms and kernels of the fine grid, and how it meets the coarse one.
 struct Together {
+    division: Division,
+    degree: usize,
     /// Columns and rows of the fine grid and of the coarse one.
     shape: [usize; 2],
     coarse: [usize; 2],
@@ -120,17 +126,26 @@ struct Together {
 
 impl<'a> FloorCoupling<'a> {
     /// Of a grid with the pillars of a window; those farther than `reach` can neither be touched nor need to know the floor. Their first modes up to `degree` see the floor; they have `modes` in all. If it is
-    /// cancelled the kernels are nothing; solvers look before they ask for a product.
+    /// cancelled the kernels are nothing; solvers look before they ask for a product. The kernels
+    /// that are `known` are used again if they are those of this grid.
     pub(crate) fn new(
         grid: &FloorGrid,
         (window, reach): (&Window, f64),
         modes: usize,
         degree: usize,
+        known: Option<FloorKernels>,
         workers: Workers<'_>,
         pool: Option<&'a ThreadPool>,
     ) -> Self {
         let coarse = FloorGrid::period(&grid.division, grid.radius, window.extent(reach));
-        let together = Together::new(&grid.division, coarse, degree, workers);
+        let FloorKernels(together) = known
+            .filter(|FloorKernels(known)| {
+                known.division == grid.division && known.coarse == coarse && known.degree == degree
+            })
+            .unwrap_or_else(|| {
+                let together = Together::new(&grid.division, coarse, degree, workers);
+                FloorKernels(Arc::new(together))
+            });
         let places = (0..window.len())
             .map(|pillar| {
                 let [x, y] = window.centres()[pillar];
@@ -147,8 +162,13 @@ impl<'a> FloorCoupling<'a> {
             modes,
             places,
             coarse: Coarse::new(coarse, coupled),
-            convolution: Convolution::new(grid.cells.clone(), [0, 0], Arc::new(together), pool),
+            convolution: Convolution::new(grid.cells.clone(), [0, 0], together, pool),
         }
+    }
+
+    /// Its kernels.
+    pub(crate) fn kernels(&self) -> FloorKernels {
+        FloorKernels(Arc::clone(self.convolution.transform()))
     }
 
     /// About how many bytes it takes, with the vectors of the solution.
@@ -341,6 +361,8 @@ impl Together {
             |k: usize, length: usize| Complex64::from_polar(1.0, PI * k as f64 / length as f64);
         let modes = crate::halfspace::disc::basis::modes(degree);
         let mut together = Self {
+            division: *division,
+            degree,
             shape,
             coarse,
             plans: RealPlans::new(rows, columns),
@@ -681,7 +703,7 @@ struct Meeting<'a> {
 impl Meeting<'_> {
     /// Adds what some modes do to the floor to `sums`, and what the floor does to them; both as real and imaginary parts.
     #[inline(always)]
-    fn of<const N: usize>(&self, modes: [usize; N], mut sums: [&mut [f64]; 2], folded: &mut [f64]) {
+    fn of<const N: usize>(&self, modes: [usize; N], sums: [&mut [f64]; 2], folded: &mut [f64]) {
         let (rows, coarse, held) = (self.rows, self.coarse, kernel_rows(self.rows));
         // In the order of memory: kernels are too large for caches.
         for first in (0..rows).step_by(coarse) {
@@ -809,7 +831,8 @@ mod tests {
                     pool,
                     cancel: &CancelToken::default(),
                 };
-                let mut floor = FloorCoupling::new(&grid, (&window, 1e9), modes, 2, workers, pool);
+                let mut floor =
+                    FloorCoupling::new(&grid, (&window, 1e9), modes, 2, None, workers, pool);
                 // Twice, as nothing of the first product may be left in the second.
                 for _ in 0..2 {
                     let mut far = vec![0.0; coefficients.len()];
@@ -845,6 +868,7 @@ mod tests {
                 (&window, 1e9),
                 6,
                 2,
+                None,
                 workers,
                 None,
             ))),

@@ -19,9 +19,6 @@ use rayon::ThreadPool;
 /// Pressure below zero, relative to the largest, and gap below zero, relative to the sides of a cell, that are rounding.
 const TOLERANCE: f64 = 1e-9;
 
-/// Half the wave number is the pressure of a wave of unit displacement.
-const HALF: f64 = 0.5;
-
 /// The cells of the floor and their states.
 pub(crate) struct FloorCells<'a> {
     pub(crate) grid: FloorGrid,
@@ -44,7 +41,7 @@ impl<'a> FloorCells<'a> {
     pub(crate) fn new(grid: FloorGrid, pool: Option<&'a ThreadPool>) -> Self {
         Self {
             bears: vec![false; grid.len()],
-            inverse: PeriodicInverse::new(grid.cells.clone(), HALF, pool),
+            inverse: PeriodicInverse::of_means(grid.cells.clone(), pool),
             masked: vec![0.0; grid.len()],
             grid,
         }
