@@ -32,12 +32,6 @@ impl Lanes {
     }
 
     #[inline(always)]
-    pub(crate) fn reversed(self) -> Self {
-        let [a, b, c, d] = self.0;
-        Self([d, c, b, a])
-    }
-
-    #[inline(always)]
     pub(crate) fn sum(self) -> f64 {
         let [a, b, c, d] = self.0;
         (a + b) + (c + d)

@@ -35,9 +35,6 @@ const SAFETY: f64 = 2.0;
 /// Relative energy of the residual for the adjoint responses: two digits of an error are enough.
 const ADJOINT_TOLERANCE: f64 = 1e-3;
 
-/// The same with the floor, where a product takes longer.
-pub(super) const FLOOR_ADJOINT_TOLERANCE: f64 = 1e-2;
-
 /// Degrees by which the coupling is extended: interior pillars of a hexagonal lattice see little
 /// of degree 3, more of degree 4.
 const EXTRA_DEGREES: usize = 2;
@@ -125,12 +122,9 @@ fn adjoints(
     outcome: &Outcome,
     target: Control,
 ) -> Result<[Adjoint; 2], SolveError> {
-    let of_unit = if newton.cells.is_some() {
-        FLOOR_ADJOINT_TOLERANCE
-    } else {
-        ADJOINT_TOLERANCE
-    };
-    newton.solve_unit(of_unit)?;
+    if newton.cells.is_none() {
+        newton.solve_unit(ADJOINT_TOLERANCE)?;
+    }
     let stiffness = newton.contact.stiffness();
     let size = newton.contact.unit.far.len();
     let mut load = vec![0.0; size];

@@ -411,8 +411,9 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 Judgement::TooLarge => {}
                 ended => return Ok(ended),
             }
+            // Steps become small, and with them what rounding leaves of each; every solution starts from an exact product.
             self.coupling
-                .apply(&room.direction, &mut room.product, workers);
+                .apply_roughly(&room.direction, &mut room.product, workers);
             self.run.check_cancelled()?;
             // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
             let curvature = vectors.dot(&room.direction, &room.product)

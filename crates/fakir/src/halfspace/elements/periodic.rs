@@ -212,6 +212,8 @@ impl Periodic {
 }
 
 impl Transform for Periodic {
+    type Real = f64;
+
     fn shape(&self) -> [usize; 2] {
         self.shape
     }

@@ -23,11 +23,11 @@ use crate::halfspace::disc::basis::{Mode, mode_count};
 use crate::halfspace::elements::convolution::{
     BLOCK_WIDTH, ColumnBlock, Convolution, Transform, Workspace, line_stride,
 };
-use crate::numerics::fft::RealPlans;
-use crate::numerics::vector::{LANES, Lanes, widest};
+use crate::numerics::fft::{Real, RealPlans};
+use crate::numerics::vector::{LANES, widest};
 use crate::numerics::workers::Workers;
 use rayon::ThreadPool;
-use rustfft::num_complex::Complex64;
+use rustfft::num_complex::{Complex, Complex64};
 use std::f64::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
@@ -51,6 +51,17 @@ impl Coupling for SurfaceCoupling<'_> {
         self.tops.apply(of_tops, far_tops, workers);
         floor.apply([of_tops, of_floor], [far_tops, far_floor]);
     }
+
+    fn apply_roughly(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+        let Some(floor) = &mut self.floor else {
+            return self.tops.apply(coefficients, far, workers);
+        };
+        let tops = far.len() - floor.cells;
+        let (of_tops, of_floor) = coefficients.split_at(tops);
+        let (far_tops, far_floor) = far.split_at_mut(tops);
+        self.tops.apply(of_tops, far_tops, workers);
+        floor.apply_roughly([of_tops, of_floor], [far_tops, far_floor]);
+    }
 }
 
 /// The floor with itself and with pillar tops.
@@ -61,31 +72,22 @@ pub(crate) struct FloorCoupling<'a> {
     modes: usize,
     /// Place of every pillar on the coarse grid, if it can be touched.
     places: Vec<Option<usize>>,
-    convolution: Convolution<'a, Together>,
+    exact: Convolution<'a, Together<f64>>,
+    rough: Convolution<'a, Together<f32>>,
     coarse: Coarse,
 }
 
-/// Rows of a kernel that are held: the others mirror them, and a few more than half keep lanes whole.
+/// Rows of a kernel that are held: the others mirror them.
 fn kernel_rows(rows: usize) -> usize {
-    rows / 2 + LANES
+    rows / 2 + 1
 }
 
-/// Modes that meet the floor at once: as many as registers hold.
-const MODES_AT_ONCE: usize = 2;
-
-/// The numbers of modes for which something holds, and then those of the others, some at a time.
-fn alike(modes: &[Mode], which: impl Fn(&Mode) -> bool) -> Vec<Vec<usize>> {
-    let (of_one, of_other): (Vec<usize>, Vec<usize>) =
-        (0..modes.len()).partition(|mode| which(&modes[*mode]));
-    [of_one, of_other]
-        .iter()
-        .flat_map(|kind| kind.chunks(MODES_AT_ONCE).map(<[usize]>::to_vec))
-        .collect()
-}
-
-/// What it takes longest to make, to be used again.
+/// What it takes longest to make, to be used again: in double precision and in single.
 #[derive(Clone)]
-pub(crate) struct FloorKernels(Arc<Together>);
+pub(crate) struct FloorKernels {
+    exact: Arc<Together<f64>>,
+    rough: Arc<Together<f32>>,
+}
 
 /// Transforms over the coarse grid, with room.
 struct Coarse {
@@ -101,27 +103,25 @@ struct Coarse {
 }
 
 /// Transforms and kernels of the fine grid, and how it meets the coarse one.
-struct Together {
+struct Together<R> {
     division: Division,
     degree: usize,
     /// Columns and rows of the fine grid and of the coarse one.
     shape: [usize; 2],
     coarse: [usize; 2],
-    plans: RealPlans,
+    plans: RealPlans<R>,
     /// Whether the kernels of the coupled modes are imaginary.
     odd: Vec<bool>,
     /// Sign of the kernel of each in the rows of the other half, which mirror those of the first.
-    mirrored: Vec<f64>,
-    /// Modes that meet the floor at once, all of one kind.
-    together: Vec<Vec<usize>>,
+    mirrored: Vec<R>,
     /// For every column, every kernel, that of the floor first: its rows, [`kernel_rows`] of them. With the normalisation of all transforms.
-    kernel: Vec<f64>,
+    kernel: Vec<R>,
     /// `exp(i theta/2)` for every column and for every row.
-    phases: [Vec<Complex64>; 2],
+    phases: [Vec<Complex<R>>; 2],
     /// Transforms of the pillars' coefficients: for every coarse column, every mode, the real parts of its rows, then the imaginary ones.
-    tops: RwLock<Vec<f64>>,
+    tops: RwLock<Vec<R>>,
     /// For every block of columns, every column, every mode: folded rows, likewise.
-    folded: Vec<Mutex<Vec<f64>>>,
+    folded: Vec<Mutex<Vec<R>>>,
 }
 
 impl<'a> FloorCoupling<'a> {
@@ -138,13 +138,16 @@ impl<'a> FloorCoupling<'a> {
         pool: Option<&'a ThreadPool>,
     ) -> Self {
         let coarse = FloorGrid::period(&grid.division, grid.radius, window.extent(reach));
-        let FloorKernels(together) = known
-            .filter(|FloorKernels(known)| {
-                known.division == grid.division && known.coarse == coarse && known.degree == degree
+        let kernels = known
+            .filter(|FloorKernels { exact, .. }| {
+                exact.division == grid.division && exact.coarse == coarse && exact.degree == degree
             })
             .unwrap_or_else(|| {
-                let together = Together::new(&grid.division, coarse, degree, workers);
-                FloorKernels(Arc::new(together))
+                let exact = Together::new(&grid.division, coarse, degree, workers);
+                FloorKernels {
+                    rough: Arc::new(exact.rounded()),
+                    exact: Arc::new(exact),
+                }
             });
         let places = (0..window.len())
             .map(|pillar| {
@@ -162,13 +165,17 @@ impl<'a> FloorCoupling<'a> {
             modes,
             places,
             coarse: Coarse::new(coarse, coupled),
-            convolution: Convolution::new(grid.cells.clone(), [0, 0], together, pool),
+            exact: Convolution::new(grid.cells.clone(), [0, 0], kernels.exact, pool),
+            rough: Convolution::new(grid.cells.clone(), [0, 0], kernels.rough, pool),
         }
     }
 
     /// Its kernels.
     pub(crate) fn kernels(&self) -> FloorKernels {
-        FloorKernels(Arc::clone(self.convolution.transform()))
+        FloorKernels {
+            exact: Arc::clone(self.exact.transform()),
+            rough: Arc::clone(self.rough.transform()),
+        }
     }
 
     /// About how many bytes it takes, with the vectors of the solution.
@@ -187,33 +194,61 @@ impl<'a> FloorCoupling<'a> {
         let kept = 8.0 * kernels * half * kernel_rows(shape[1] as usize) as f64;
         let folded = 16.0 * half * kernels * coarse[1] as f64;
         let vectors = 20.0 * 8.0 * FloorGrid::expected_len(division, radius);
-        kept + build + folded + 16.0 * held * half + vectors
+        // All but what they are built in once more in single precision.
+        build + 1.5 * (kept + folded + 16.0 * held * half) + vectors
     }
 
     /// Adds to the loads on pillar tops, and sets those on floor cells.
-    fn apply(&mut self, [tops, floor]: [&[f64]; 2], [far_tops, far_floor]: [&mut [f64]; 2]) {
-        let together = Arc::clone(self.convolution.transform());
-        {
-            let mut spectra = together
-                .tops
-                .write()
-                .unwrap_or_else(PoisonError::into_inner);
-            let coupled = together.odd.len();
-            for mode in 0..coupled {
-                let values = tops.iter().skip(mode).step_by(self.modes);
-                self.coarse
-                    .forward(&self.places, values, mode, &mut spectra);
-            }
+    fn apply(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
+        let pillars = (self.places.as_slice(), self.modes);
+        apply(
+            &mut self.exact,
+            &mut self.coarse,
+            pillars,
+            coefficients,
+            far,
+        );
+    }
+
+    /// The same in single precision.
+    fn apply_roughly(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
+        let pillars = (self.places.as_slice(), self.modes);
+        apply(
+            &mut self.rough,
+            &mut self.coarse,
+            pillars,
+            coefficients,
+            far,
+        );
+    }
+}
+
+fn apply<R: Real>(
+    convolution: &mut Convolution<'_, Together<R>>,
+    coarse: &mut Coarse,
+    (places, modes): (&[Option<usize>], usize),
+    [tops, floor]: [&[f64]; 2],
+    [far_tops, far_floor]: [&mut [f64]; 2],
+) {
+    let together = Arc::clone(convolution.transform());
+    {
+        let mut spectra = together
+            .tops
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        for mode in 0..together.odd.len() {
+            let values = tops.iter().skip(mode).step_by(modes);
+            coarse.forward(places, values, mode, &mut spectra);
         }
-        self.convolution.apply(floor, far_floor);
-        self.coarse.gather(&together);
-        for (mode, &odd) in together.odd.iter().enumerate() {
-            self.coarse.back(mode, odd);
-            let far = far_tops.iter_mut().skip(mode).step_by(self.modes);
-            for (far, place) in far.zip(&self.places) {
-                if let Some(place) = place {
-                    *far += self.coarse.grid[*place];
-                }
+    }
+    convolution.apply(floor, far_floor);
+    coarse.gather(&together);
+    for (mode, &odd) in together.odd.iter().enumerate() {
+        coarse.back(mode, odd);
+        let far = far_tops.iter_mut().skip(mode).step_by(modes);
+        for (far, place) in far.zip(places) {
+            if let Some(place) = place {
+                *far += coarse.grid[*place];
             }
         }
     }
@@ -236,12 +271,12 @@ impl Coarse {
     }
 
     /// The transform of one mode of all pillars, into the columns of all modes.
-    fn forward<'v>(
+    fn forward<'v, R: Real>(
         &mut self,
         places: &[Option<usize>],
         values: impl Iterator<Item = &'v f64>,
         mode: usize,
-        spectra: &mut [f64],
+        spectra: &mut [R],
     ) {
         let [columns, rows] = self.shape;
         self.grid.fill(0.0);
@@ -268,7 +303,7 @@ impl Coarse {
             let at = number * stride + 2 * mode * rows;
             let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
             for ((re, im), value) in real.iter_mut().zip(imaginary).zip(column) {
-                (*re, *im) = (value.re, value.im);
+                (*re, *im) = (R::of(value.re), R::of(value.im));
             }
             let opposite = columns - number;
             if number > 0 && opposite != number {
@@ -276,14 +311,14 @@ impl Coarse {
                 let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
                 for (row, value) in column.iter().enumerate() {
                     let mirrored = if row == 0 { 0 } else { rows - row };
-                    (real[mirrored], imaginary[mirrored]) = (value.re, -value.im);
+                    (real[mirrored], imaginary[mirrored]) = (R::of(value.re), R::of(-value.im));
                 }
             }
         }
     }
 
     /// Adds up the folded columns that repeat. The fine columns are half of all; the ends of these are their own conjugates.
-    fn gather(&mut self, together: &Together) {
+    fn gather<R: Real>(&mut self, together: &Together<R>) {
         let stride = self.folded.len() / self.shape[0];
         let last = together.shape[0] / 2;
         self.folded.fill(0.0);
@@ -298,7 +333,7 @@ impl Coarse {
                 };
                 let sum = &mut self.folded[column % self.shape[0] * stride..][..stride];
                 for (sum, value) in sum.iter_mut().zip(values) {
-                    *sum += weight * value;
+                    *sum += weight * value.double();
                 }
             }
         }
@@ -347,12 +382,23 @@ fn parities(mode: &Mode) -> [bool; 2] {
     [(mode.order + usize::from(mode.sine)) % 2 == 1, mode.sine]
 }
 
+/// Zeros for every column, in blocks.
+fn folded_room<R: Real>(columns: usize, of_column: usize) -> Vec<Mutex<Vec<R>>> {
+    (0..columns)
+        .step_by(BLOCK_WIDTH)
+        .map(|first| {
+            let width = BLOCK_WIDTH.min(columns - first);
+            Mutex::new(vec![R::default(); width * of_column])
+        })
+        .collect()
+}
+
 /// Whether the transform of its kernel is imaginary.
 fn is_imaginary(mode: &Mode) -> bool {
     mode.degree % 2 == 1
 }
 
-impl Together {
+impl Together<f64> {
     fn new(division: &Division, coarse: [usize; 2], degree: usize, workers: Workers<'_>) -> Self {
         let shape = [0, 1].map(|k| coarse[k] * division.half[k]);
         let [columns, rows] = shape;
@@ -371,23 +417,42 @@ impl Together {
                 .iter()
                 .map(|mode| if parities(mode)[1] { 1.0 } else { -1.0 })
                 .collect(),
-            together: alike(&modes, is_imaginary),
             kernel: vec![0.0; half * (1 + modes.len()) * kernel_rows(rows)],
             phases: [
                 (0..half).map(|k| phase(k, columns)).collect(),
                 (0..rows).map(|k| phase(k, rows)).collect(),
             ],
             tops: RwLock::new(vec![0.0; 2 * coarse[0] * modes.len() * coarse[1]]),
-            folded: (0..half)
-                .step_by(BLOCK_WIDTH)
-                .map(|first| {
-                    let width = BLOCK_WIDTH.min(half - first);
-                    Mutex::new(vec![0.0; 2 * width * modes.len() * coarse[1]])
-                })
-                .collect(),
+            folded: folded_room(half, 2 * modes.len() * coarse[1]),
         };
         together.fill_kernels(division, &modes, degree, workers);
         together
+    }
+
+    /// The same in single precision.
+    fn rounded(&self) -> Together<f32> {
+        let [columns, rows] = self.shape;
+        let real = |values: &[f64]| values.iter().map(|value| f32::of(*value)).collect();
+        let complex = |values: &Vec<Complex64>| {
+            let of = |value: &Complex64| Complex::new(f32::of(value.re), f32::of(value.im));
+            values.iter().map(of).collect()
+        };
+        Together {
+            division: self.division,
+            degree: self.degree,
+            shape: self.shape,
+            coarse: self.coarse,
+            plans: RealPlans::new(rows, columns),
+            odd: self.odd.clone(),
+            mirrored: real(&self.mirrored),
+            kernel: real(&self.kernel),
+            phases: self.phases.each_ref().map(complex),
+            tops: RwLock::new(vec![
+                0.0;
+                2 * self.coarse[0] * self.odd.len() * self.coarse[1]
+            ]),
+            folded: folded_room(columns / 2 + 1, 2 * self.odd.len() * self.coarse[1]),
+        }
     }
 
     fn fill_kernels(
@@ -441,22 +506,31 @@ impl Together {
         let scale = 1.0 / (columns * rows) as f64;
         let plan = &self.plans.column;
         let held = kernel_rows(rows);
-        let pairs = alike(modes, |mode| parities(mode)[1]);
+        let (odd, even): (Vec<usize>, Vec<usize>) =
+            (0..modes.len()).partition(|mode| parities(&modes[*mode])[1]);
         let work = || {
             let scratch = vec![Complex64::default(); plan.get_inplace_scratch_len()];
-            (vec![Complex64::default(); rows], scratch)
+            let line = vec![Complex64::default(); rows];
+            (line, scratch, vec![0.0; BLOCK_WIDTH * kernels * quadrant])
         };
-        let several = |(line, scratch): &mut (Vec<Complex64>, Vec<Complex64>),
-                       first: usize,
-                       output: &mut [f64]| {
+        type Work = (Vec<Complex64>, Vec<Complex64>, Vec<f64>);
+        let several = |(line, scratch, columns): &mut Work, block: usize, output: &mut [f64]| {
             if workers.cancel.is_cancelled() {
                 return;
             }
-            for (k, output) in output.chunks_exact_mut(kernels * held).enumerate() {
-                let column = first * BLOCK_WIDTH + k;
-                let value = |kernel: usize, row: usize| {
-                    transformed[(row * kernels + kernel) * half + column]
-                };
+            let first = block * BLOCK_WIDTH;
+            let width = BLOCK_WIDTH.min(half - first);
+            for (place, values) in transformed.chunks_exact(half).enumerate() {
+                let (row, kernel) = (place / kernels, place % kernels);
+                let column = columns[kernel * quadrant + row..].iter_mut();
+                let values = &values[first..first + width];
+                for (column, value) in column.step_by(kernels * quadrant).zip(values) {
+                    *column = *value;
+                }
+            }
+            let columns = columns.chunks_exact(kernels * quadrant);
+            for (output, columns) in output.chunks_exact_mut(kernels * held).zip(columns) {
+                let value = |kernel: usize, row: usize| columns[kernel * quadrant + row];
                 for row in 0..quadrant {
                     line[row] = Complex64::new(value(0, row), 0.0);
                     line[(rows - row) % rows] = line[row];
@@ -466,7 +540,7 @@ impl Together {
                     *output = scale * value.re;
                 }
                 // Two modes alike in y by one transform: as its real and its imaginary part.
-                for pair in &pairs {
+                for pair in even.chunks(2).chain(odd.chunks(2)) {
                     let odd_y = parities(&modes[pair[0]])[1];
                     for row in 0..rows / 2 {
                         let of = |k: usize| pair.get(k).map_or(0.0, |mode| value(mode + 1, row));
@@ -541,7 +615,9 @@ impl KernelWork {
     }
 }
 
-impl Transform for Together {
+impl<R: Real> Transform for Together<R> {
+    type Real = R;
+
     fn shape(&self) -> [usize; 2] {
         self.shape
     }
@@ -550,22 +626,22 @@ impl Transform for Together {
         self.shape[0] / 2 + 1
     }
 
-    fn row_forward(&self, row: &mut [f64], spectrum: &mut [Complex64], scratch: &mut [Complex64]) {
+    fn row_forward(&self, row: &mut [R], spectrum: &mut [Complex<R>], scratch: &mut [Complex<R>]) {
         // The lengths are those that the transform was made for, so this cannot fail.
         let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
     }
 
-    fn row_back(&self, spectrum: &mut [Complex64], row: &mut [f64], scratch: &mut [Complex64]) {
+    fn row_back(&self, spectrum: &mut [Complex<R>], row: &mut [R], scratch: &mut [Complex<R>]) {
         // The transform of real data is real at its ends; rounding must not say otherwise.
-        spectrum[0].im = 0.0;
-        spectrum[self.shape[0] / 2].im = 0.0;
+        spectrum[0].im = R::default();
+        spectrum[self.shape[0] / 2].im = R::default();
         let _ = self
             .plans
             .row_back
             .process_with_scratch(spectrum, row, scratch);
     }
 
-    fn convolve(&self, block: &mut ColumnBlock<'_>, work: &mut Workspace) {
+    fn convolve(&self, block: &mut ColumnBlock<'_, R>, work: &mut Workspace<R>) {
         let rows = self.shape[1];
         let coarse = self.coarse[1];
         let stride = line_stride(rows);
@@ -575,7 +651,7 @@ impl Transform for Together {
         let mut folded = self.folded[block.first / BLOCK_WIDTH]
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        folded.fill(0.0);
+        folded.fill(R::default());
         let modes = self.odd.len();
         let kernels = (1 + modes) * kernel_rows(rows);
         let kernels = self.kernel[block.first * kernels..].chunks_exact(kernels);
@@ -621,125 +697,192 @@ impl Transform for Together {
     }
 
     fn real_count(&self) -> usize {
-        6 * self.shape[1]
+        9 * self.shape[1]
     }
 }
 
-impl Together {
+impl<R: Real> Together<R> {
     /// One column of the floor's transform meets that of the pillars.
     #[inline(always)]
     fn meet(
         &self,
-        phase: Complex64,
-        line: &mut [Complex64],
-        kernel: &[f64],
-        tops: &[f64],
-        folded: &mut [f64],
-        room: &mut [f64],
+        phase: Complex<R>,
+        line: &mut [Complex<R>],
+        kernel: &[R],
+        tops: &[R],
+        folded: &mut [R],
+        room: &mut [R],
     ) {
         let rows = line.len();
         let coarse = self.coarse[1];
-        let (turned, sums) = room.split_at_mut(2 * rows);
-        let (real, imaginary) = turned.split_at_mut(rows);
-        for (((re, im), value), along) in real
-            .iter_mut()
-            .zip(&mut *imaginary)
-            .zip(&*line)
-            .zip(&self.phases[1])
-        {
-            let value = value * (phase * along).conj();
-            (*re, *im) = (value.re, value.im);
-        }
-        sums.fill(0.0);
+        let (phases, room) = room.split_at_mut(2 * rows);
+        let (turned, room) = room.split_at_mut(2 * rows);
+        let (sums, whole) = room.split_at_mut(4 * rows);
+        let [phase_real, phase_imaginary] = halves(phases);
+        let [real, imaginary] = halves(turned);
+        turn(phase, &self.phases[1], phase_real, phase_imaginary);
+        take(line, phase_real, phase_imaginary, real, imaginary);
+        sums.fill(R::default());
         let (even, uneven) = sums.split_at_mut(2 * rows);
-        let (of_floor, kernel) = kernel.split_at(kernel_rows(rows));
-        for modes in &self.together {
-            let sum = if self.odd[modes[0]] {
-                &mut *uneven
+        let (of_floor, of_modes) = kernel.split_at(kernel_rows(rows));
+        let modes = tops
+            .chunks_exact(2 * coarse)
+            .zip(folded.chunks_exact_mut(2 * coarse));
+        let kernels = of_modes.chunks_exact(kernel_rows(rows));
+        for (mode, (kernel, (tops, folded))) in kernels.zip(modes).enumerate() {
+            unfold(kernel, self.mirrored[mode], whole);
+            let sums = halves(if self.odd[mode] { uneven } else { even });
+            let (tops, folded) = (tops.split_at(coarse), halves(folded));
+            // Lanes as wide as the registers for single precision, if the rows come in such numbers.
+            if coarse.is_multiple_of(2 * LANES) {
+                multiply_add::<R, { 2 * LANES }>(
+                    whole,
+                    [real, imaginary],
+                    tops.into(),
+                    sums,
+                    folded,
+                );
             } else {
-                &mut *even
-            };
-            let meeting = Meeting {
-                rows,
-                coarse,
-                kernel,
-                mirrored: &self.mirrored,
-                tops,
-                turned: [&*real, &*imaginary],
-            };
-            let sums = sum.split_at_mut(rows).into();
-            match modes[..] {
-                [mode] => meeting.of([mode], sums, folded),
-                [mode, other] => meeting.of([mode, other], sums, folded),
-                _ => {}
+                multiply_add::<R, LANES>(whole, [real, imaginary], tops.into(), sums, folded);
             }
         }
-        let (even_real, even_imaginary) = even.split_at(rows);
-        let (uneven_real, uneven_imaginary) = uneven.split_at(rows);
-        for row in 0..rows {
-            let kernel = of_floor[row.min(rows - row)];
-            // i times the uneven ones.
-            let sum = Complex64::new(
-                even_real[row] - uneven_imaginary[row],
-                even_imaginary[row] + uneven_real[row],
-            );
-            line[row] = line[row] * kernel + sum * (phase * self.phases[1][row]);
+        unfold(of_floor, R::of(1.0), whole);
+        let [even_real, even_imaginary] = halves(even);
+        let [uneven_real, uneven_imaginary] = halves(uneven);
+        // i times the uneven ones.
+        for (sum, imaginary) in even_real.iter_mut().zip(&*uneven_imaginary) {
+            *sum = *sum - *imaginary;
         }
+        for (sum, real) in even_imaginary.iter_mut().zip(&*uneven_real) {
+            *sum = *sum + *real;
+        }
+        put(
+            line,
+            whole,
+            even_real,
+            even_imaginary,
+            phase_real,
+            phase_imaginary,
+        );
     }
 }
 
-/// A column of the floor's transform and those of the pillars that it meets.
-struct Meeting<'a> {
-    rows: usize,
-    coarse: usize,
-    /// Those of all modes.
-    kernel: &'a [f64],
-    mirrored: &'a [f64],
-    tops: &'a [f64],
-    /// Real and imaginary parts.
-    turned: [&'a [f64]; 2],
-}
-
-impl Meeting<'_> {
-    /// Adds what some modes do to the floor to `sums`, and what the floor does to them; both as real and imaginary parts.
-    #[inline(always)]
-    fn of<const N: usize>(&self, modes: [usize; N], sums: [&mut [f64]; 2], folded: &mut [f64]) {
-        let (rows, coarse, held) = (self.rows, self.coarse, kernel_rows(self.rows));
-        // In the order of memory: kernels are too large for caches.
-        for first in (0..rows).step_by(coarse) {
-            for within in (0..coarse).step_by(LANES) {
-                let start = first + within;
-                let mut kernels = [Lanes::default(); N];
-                for (mode, kernel) in modes.iter().zip(&mut kernels) {
-                    let rows_of = &self.kernel[mode * held..][..held];
-                    *kernel = if 2 * start < rows {
-                        at(rows_of, start)
-                    } else {
-                        self.mirrored[*mode] * at(rows_of, rows + 1 - LANES - start).reversed()
-                    };
-                }
-                for part in 0..2 {
-                    let turned = at(self.turned[part], start);
-                    let mut sum = at(sums[part], start);
-                    for (mode, kernel) in modes.iter().zip(kernels) {
-                        let place = (2 * mode + part) * coarse + within;
-                        sum += kernel * at(self.tops, place);
-                        let fold = &mut folded[place..place + LANES];
-                        fold.copy_from_slice(&(at(fold, 0) + kernel * turned).0);
-                    }
-                    sums[part][start..start + LANES].copy_from_slice(&sum.0);
-                }
-            }
-        }
-    }
-}
-
-/// Numbers of a vector from a place on.
+/// The phase of a column times those of rows, in parts.
 #[inline(always)]
-fn at(values: &[f64], place: usize) -> Lanes {
-    let mut lanes = Lanes::default();
-    lanes.0.copy_from_slice(&values[place..place + LANES]);
-    lanes
+fn turn<R: Real>(phase: Complex<R>, along: &[Complex<R>], real: &mut [R], imaginary: &mut [R]) {
+    for ((along, real), imaginary) in along.iter().zip(real).zip(imaginary) {
+        *real = phase.re * along.re - phase.im * along.im;
+        *imaginary = phase.re * along.im + phase.im * along.re;
+    }
+}
+
+/// A line, turned back by phases, in parts.
+#[inline(always)]
+fn take<R: Real>(
+    line: &[Complex<R>],
+    phase_real: &[R],
+    phase_imaginary: &[R],
+    real: &mut [R],
+    imaginary: &mut [R],
+) {
+    let phases = phase_real.iter().zip(phase_imaginary);
+    for (((value, (re, im)), real), imaginary) in line.iter().zip(phases).zip(real).zip(imaginary) {
+        *real = value.re * *re + value.im * *im;
+        *imaginary = value.im * *re - value.re * *im;
+    }
+}
+
+/// Multiplies a line by a kernel, and adds sums turned by phases.
+#[inline(always)]
+fn put<R: Real>(
+    line: &mut [Complex<R>],
+    kernel: &[R],
+    real: &[R],
+    imaginary: &[R],
+    phase_real: &[R],
+    phase_imaginary: &[R],
+) {
+    let sums = real.iter().zip(imaginary);
+    let phases = phase_real.iter().zip(phase_imaginary);
+    for (((value, kernel), (re, im)), (along_re, along_im)) in
+        line.iter_mut().zip(kernel).zip(sums).zip(phases)
+    {
+        value.re = value.re * *kernel + (*re * *along_re - *im * *along_im);
+        value.im = value.im * *kernel + (*re * *along_im + *im * *along_re);
+    }
+}
+
+/// The real and the imaginary parts, one after the other.
+#[inline(always)]
+fn halves<R>(values: &mut [R]) -> [&mut [R]; 2] {
+    values.split_at_mut(values.len() / 2).into()
+}
+
+/// All rows of a kernel, from those that are held.
+#[inline(always)]
+fn unfold<R: Real>(held: &[R], sign: R, whole: &mut [R]) {
+    let (first, second) = whole.split_at_mut(held.len());
+    first.copy_from_slice(held);
+    for (value, mirrored) in second.iter_mut().rev().zip(&held[1..]) {
+        *value = sign * *mirrored;
+    }
+}
+
+/// `sums += kernel tops` and `folded += kernel turned` in all rows, real and imaginary parts; the rows of `tops` and `folded` repeat. Their number
+/// is a multiple of `L`.
+#[inline(always)]
+fn multiply_add<R: Real, const L: usize>(
+    kernel: &[R],
+    turned: [&[R]; 2],
+    tops: [&[R]; 2],
+    [sum_real, sum_imaginary]: [&mut [R]; 2],
+    [fold_real, fold_imaginary]: [&mut [R]; 2],
+) {
+    let coarse = fold_real.len();
+    let [top_real, top_imaginary] = tops.map(|tops| tops.as_chunks::<L>().0);
+    let fold_real = fold_real.as_chunks_mut::<L>().0;
+    let fold_imaginary = fold_imaginary.as_chunks_mut::<L>().0;
+    let sums = sum_real
+        .chunks_exact_mut(coarse)
+        .zip(sum_imaginary.chunks_exact_mut(coarse));
+    let turned = turned[0]
+        .chunks_exact(coarse)
+        .zip(turned[1].chunks_exact(coarse));
+    for ((kernel, sums), turned) in kernel.chunks_exact(coarse).zip(sums).zip(turned) {
+        let sums = sums
+            .0
+            .as_chunks_mut::<L>()
+            .0
+            .iter_mut()
+            .zip(sums.1.as_chunks_mut::<L>().0);
+        let folds = fold_real.iter_mut().zip(&mut *fold_imaginary);
+        let turned = turned
+            .0
+            .as_chunks::<L>()
+            .0
+            .iter()
+            .zip(turned.1.as_chunks::<L>().0);
+        let tops = top_real.iter().zip(top_imaginary);
+        let kernel = kernel.as_chunks::<L>().0.iter();
+        for ((((kernel, sum), fold), top), turned) in
+            kernel.zip(sums).zip(folds).zip(tops).zip(turned)
+        {
+            add_product(sum.0, kernel, top.0);
+            add_product(sum.1, kernel, top.1);
+            add_product(fold.0, kernel, turned.0);
+            add_product(fold.1, kernel, turned.1);
+        }
+    }
+}
+
+/// Reads all before it writes, so that it is done at once.
+#[inline(always)]
+fn add_product<R: Real, const L: usize>(sum: &mut [R; L], a: &[R; L], b: &[R; L]) {
+    let (mut value, a, b) = (*sum, *a, *b);
+    for k in 0..L {
+        value[k] = value[k] + a[k] * b[k];
+    }
+    *sum = value;
 }
 
 #[cfg(test)]
