@@ -195,19 +195,22 @@ impl RadialFunction {
         }
     }
 
-    /// `S` alone at [`LANES`] places, `powers` those of the inverse distance.
+    /// `S` alone at [`LANES`] places.
     #[inline(always)]
-    fn lane_values(&self, z: Lanes, powers: &[Lanes]) -> Lanes {
+    fn lane_values(&self, z: Lanes, inverse_distance: Lanes) -> Lanes {
         let most = z.0.iter().fold(0.0_f64, |most, z| most.max(*z));
-        let series = if most <= NEAR {
-            let terms = self.far[..far_terms(most)].iter().rev();
-            terms.fold(Lanes::default(), |value, coefficient| {
-                value * z + Lanes::splat(*coefficient)
-            })
+        let mut value = Lanes::default();
+        if most <= NEAR {
+            for coefficient in self.far[..far_terms(most)].iter().rev() {
+                value = value * z + Lanes::splat(*coefficient);
+            }
         } else {
-            z.map(|z| self.series(z))
-        };
-        powers[self.twice_power] * series
+            value = z.map(|z| self.series(z));
+        }
+        for _ in 0..self.twice_power {
+            value = value * inverse_distance;
+        }
+        value
     }
 
     /// `S` alone.
@@ -288,8 +291,18 @@ impl Exterior {
         coefficients: [[&[f64]; LANES]; 2],
         sums: &mut [LaneJets; 2],
     ) {
+        let degree = self.degree().min(MAXIMUM_DEGREE);
         let inverse_square = (x * x + y * y).map(f64::recip);
-        let (powers, harmonics) = self.powers([x, y], inverse_square);
+        let inverse_distance = inverse_square.map(f64::sqrt);
+        let mut powers = [Lanes::splat(1.0); 2 * MAXIMUM_DEGREE + 2];
+        for k in 1..2 * degree + 2 {
+            powers[k] = powers[k - 1] * inverse_distance;
+        }
+        let mut harmonics = [[Lanes::splat(1.0), Lanes::default()]; MAXIMUM_DEGREE + 1];
+        for k in 1..=degree {
+            let [re, im] = harmonics[k - 1];
+            harmonics[k] = [re * x - im * y, re * y + im * x];
+        }
         let mut evaluated = usize::MAX;
         let mut radial = Jets {
             value: Lanes::default(),
@@ -309,43 +322,25 @@ impl Exterior {
         }
     }
 
-    /// Displacement at [`LANES`] points of the first modes, as many as there are `values`. For degrees up to [`MAXIMUM_DEGREE`].
+    /// Displacement at [`LANES`] points of the first modes, as many as there are `values`.
     #[inline(always)]
     pub(crate) fn lane_values(&self, [x, y]: [Lanes; 2], values: &mut [Lanes]) {
         let inverse_square = (x * x + y * y).map(f64::recip);
-        let (powers, harmonics) = self.powers([x, y], inverse_square);
+        let inverse_distance = inverse_square.map(f64::sqrt);
         let mut radial = Lanes::default();
+        let mut harmonic = [Lanes::default(); 2];
         let modes = self.modes.iter().zip(&self.radial_of);
         for (value, (mode, &which)) in values.iter_mut().zip(modes) {
             if !mode.sine {
-                radial = self.radial[which].lane_values(inverse_square, &powers);
+                radial = self.radial[which].lane_values(inverse_square, inverse_distance);
+                harmonic = [Lanes::splat(1.0), Lanes::default()];
+                for _ in 0..mode.order {
+                    let [re, im] = harmonic;
+                    harmonic = [re * x - im * y, re * y + im * x];
+                }
             }
-            *value = radial * harmonics[mode.order][usize::from(mode.sine)];
+            *value = radial * harmonic[usize::from(mode.sine)];
         }
-    }
-
-    /// Powers of the inverse distance and of `x + iy`, as many as the degree needs.
-    #[inline(always)]
-    fn powers(
-        &self,
-        [x, y]: [Lanes; 2],
-        inverse_square: Lanes,
-    ) -> (
-        [Lanes; 2 * MAXIMUM_DEGREE + 2],
-        [[Lanes; 2]; MAXIMUM_DEGREE + 1],
-    ) {
-        let degree = self.degree().min(MAXIMUM_DEGREE);
-        let inverse_distance = inverse_square.map(f64::sqrt);
-        let mut powers = [Lanes::splat(1.0); 2 * MAXIMUM_DEGREE + 2];
-        for k in 1..2 * degree + 2 {
-            powers[k] = powers[k - 1] * inverse_distance;
-        }
-        let mut harmonics = [[Lanes::splat(1.0), Lanes::default()]; MAXIMUM_DEGREE + 1];
-        for k in 1..=degree {
-            let [re, im] = harmonics[k - 1];
-            harmonics[k] = [re * x - im * y, re * y + im * x];
-        }
-        (powers, harmonics)
     }
 
     /// Displacement at `point` of every mode, into `values`.
