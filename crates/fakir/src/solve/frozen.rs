@@ -417,7 +417,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             self.run.check_cancelled()?;
             // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
             let curvature = vectors.dot(&room.direction, &room.product)
-                + vectors.dot(&room.direction, &room.direction_load);
+                + vectors.dot(&room.direction[..tops], &room.direction_load[..tops]);
             if within(curvature, 0.0) {
                 return Ok(Judgement::TooLarge);
             }
@@ -425,7 +425,11 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             vectors.add_scaled(coefficients, length, &room.direction);
             vectors.add_scaled(far, length, &room.product);
             vectors.add_scaled(&mut room.residual, -length, &room.product);
-            vectors.add_scaled(&mut room.residual, -length, &room.direction_load);
+            vectors.add_scaled(
+                &mut room.residual[..tops],
+                -length,
+                &room.direction_load[..tops],
+            );
             rule.precondition(&room.residual, &mut room.preconditioned, workers);
             let next = vectors.dot(&room.residual, &room.preconditioned);
             let ratio = next / energy;

@@ -472,8 +472,8 @@ pub(super) fn clear_rows<R: Real>(columns: &mut [Complex<R>], stride: usize, row
 }
 
 /// Multiplies a transformed column by its kernel, which is real.
-pub(super) fn multiply(values: &mut [Complex64], kernel: &[f64]) {
+pub(super) fn multiply<R: Real>(values: &mut [Complex<R>], kernel: &[R]) {
     for (value, kernel) in values.iter_mut().zip(kernel) {
-        *value *= kernel;
+        *value = *value * *kernel;
     }
 }

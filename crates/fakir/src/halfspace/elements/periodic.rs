@@ -4,10 +4,10 @@ use super::convolution::{
     Bounds, ColumnBlock, Convolution, Transform, Workspace, line_stride, memory_estimate, multiply,
 };
 use super::operator::Operator;
-use crate::numerics::fft::{RealPlans, quick_length};
+use crate::numerics::fft::{Real, RealPlans, quick_length};
 use crate::problem::Cells;
 use rayon::ThreadPool;
-use rustfft::num_complex::Complex64;
+use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -84,11 +84,11 @@ pub struct Preconditioned<'p, O> {
 }
 
 /// The inverse of the periodic half-space, up to a factor, on the smallest grid that holds some cells: the wave number.
-pub(crate) struct PeriodicInverse<'p> {
-    convolution: Convolution<'p, Periodic>,
+pub(crate) struct PeriodicInverse<'p, R: Real = f64> {
+    convolution: Convolution<'p, Periodic<R>>,
 }
 
-impl<'p> PeriodicInverse<'p> {
+impl<'p, R: Real> PeriodicInverse<'p, R> {
     /// The wave number.
     pub(crate) fn new(cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
         Self::of(cells, |[x, y]| x.hypot(y), pool)
@@ -174,15 +174,15 @@ fn of_means(wave: [f64; 2], cell: [f64; 2]) -> f64 {
 }
 
 /// Transforms and kernel of the periodic half-space.
-struct Periodic {
+struct Periodic<R = f64> {
     shape: [usize; 2],
-    plans: RealPlans,
+    plans: RealPlans<R>,
     /// For every column of the transform, its rows that are not mirror images, `rows/2 + 1`;
     /// with the normalisation of the transforms.
-    kernel: Vec<f64>,
+    kernel: Vec<R>,
 }
 
-impl Periodic {
+impl<R: Real> Periodic<R> {
     /// The kernel is a function of the wave vector; of half the smallest there is, for the mean.
     fn new([columns, rows]: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         let [width, height] = cell;
@@ -190,7 +190,7 @@ impl Periodic {
         let longest = (width * columns as f64).max(height * rows as f64);
         let smallest = PI / longest;
         let scale = 1.0 / (columns * rows) as f64;
-        let kernel: Vec<f64> = (0..=columns / 2)
+        let kernel: Vec<R> = (0..=columns / 2)
             .flat_map(|column| (0..=rows / 2).map(move |row| (column, row)))
             .map(|(column, row)| {
                 let x = wave(column, width * columns as f64);
@@ -200,7 +200,7 @@ impl Periodic {
                 } else {
                     [x, y]
                 };
-                scale * of_wave(wave)
+                R::of(scale * of_wave(wave))
             })
             .collect();
         Self {
@@ -211,8 +211,8 @@ impl Periodic {
     }
 }
 
-impl Transform for Periodic {
-    type Real = f64;
+impl<R: Real> Transform for Periodic<R> {
+    type Real = R;
 
     fn shape(&self) -> [usize; 2] {
         self.shape
@@ -222,16 +222,16 @@ impl Transform for Periodic {
         self.shape[0] / 2 + 1
     }
 
-    fn row_forward(&self, row: &mut [f64], spectrum: &mut [Complex64], scratch: &mut [Complex64]) {
+    fn row_forward(&self, row: &mut [R], spectrum: &mut [Complex<R>], scratch: &mut [Complex<R>]) {
         // The lengths are those that the transform was made for, so this cannot fail.
         let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
     }
 
-    fn row_back(&self, spectrum: &mut [Complex64], row: &mut [f64], scratch: &mut [Complex64]) {
+    fn row_back(&self, spectrum: &mut [Complex<R>], row: &mut [R], scratch: &mut [Complex<R>]) {
         // The transform of real data is real at its ends; rounding must not say otherwise.
-        spectrum[0].im = 0.0;
+        spectrum[0].im = R::default();
         if self.shape[0].is_multiple_of(2) {
-            spectrum[self.shape[0] / 2].im = 0.0;
+            spectrum[self.shape[0] / 2].im = R::default();
         }
         let _ = self
             .plans
@@ -239,7 +239,7 @@ impl Transform for Periodic {
             .process_with_scratch(spectrum, row, scratch);
     }
 
-    fn convolve(&self, block: &mut ColumnBlock<'_>, work: &mut Workspace) {
+    fn convolve(&self, block: &mut ColumnBlock<'_, R>, work: &mut Workspace<R>) {
         let rows = self.shape[1];
         let stride = line_stride(rows);
         let lines = &mut work.lines[..block.width * stride];
@@ -254,7 +254,7 @@ impl Transform for Periodic {
             let (low, high) = line.split_at_mut(half);
             multiply(low, kernel);
             for (value, kernel) in high.iter_mut().rev().zip(&kernel[1..]) {
-                *value *= kernel;
+                *value = *value * *kernel;
             }
             self.plans
                 .column_back

@@ -24,7 +24,7 @@ pub(crate) struct FloorCells<'a> {
     pub(crate) grid: FloorGrid,
     /// Whether a cell bears pressure.
     bears: Vec<bool>,
-    inverse: PeriodicInverse<'a>,
+    inverse: PeriodicInverse<'a, f32>,
     masked: Vec<f64>,
 }
 
@@ -114,9 +114,7 @@ impl<'a> FloorCells<'a> {
     /// Takes the values of cells that bear no pressure away.
     fn mask(bears: &[bool], values: &mut [f64]) {
         for (value, bears) in values.iter_mut().zip(bears) {
-            if !bears {
-                *value = 0.0;
-            }
+            *value = if *bears { *value } else { 0.0 };
         }
     }
 }
