@@ -14,8 +14,10 @@
 //! A kernel `W_i` is even or odd in `x` and in `y` about the pillar, which is half a cell from the nearest cell centres: up to a phase
 //! its transform is real or imaginary, and kept as one real number.
 
+use super::coarse::Coarse;
 use super::grid::{Division, FloorGrid};
 use super::kernels::{PillarMeans, Rectangles};
+use super::meeting::{halves, multiply_add, put, take, turn, unfold};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::window::Window;
@@ -87,19 +89,6 @@ fn kernel_rows(rows: usize) -> usize {
 pub(crate) struct FloorKernels {
     exact: Arc<Together<f64>>,
     rough: Arc<Together<f32>>,
-}
-
-/// Transforms over the coarse grid, with room.
-struct Coarse {
-    shape: [usize; 2],
-    plans: RealPlans,
-    grid: Vec<f64>,
-    /// Half of the columns, each with its rows.
-    columns: Vec<Complex64>,
-    line: Vec<Complex64>,
-    scratch: Vec<Complex64>,
-    /// For every column, every mode, its rows: folded transforms, real parts and imaginary ones.
-    folded: Vec<f64>,
 }
 
 /// Transforms and kernels of the fine grid, and how it meets the coarse one.
@@ -242,7 +231,7 @@ fn apply<R: Real>(
         }
     }
     convolution.apply(floor, far_floor);
-    coarse.gather(&together);
+    coarse.gather(together.shape[0], &together.folded);
     for (mode, &odd) in together.odd.iter().enumerate() {
         coarse.back(mode, odd);
         let far = far_tops.iter_mut().skip(mode).step_by(modes);
@@ -250,129 +239,6 @@ fn apply<R: Real>(
             if let Some(place) = place {
                 *far += coarse.grid[*place];
             }
-        }
-    }
-}
-
-impl Coarse {
-    fn new(shape: [usize; 2], modes: usize) -> Self {
-        let [columns, rows] = shape;
-        let plans = RealPlans::new(rows, columns);
-        let half = columns / 2 + 1;
-        Self {
-            shape,
-            grid: vec![0.0; columns * rows],
-            columns: vec![Complex64::default(); half * rows],
-            line: vec![Complex64::default(); half],
-            scratch: vec![Complex64::default(); plans.scratch_len()],
-            folded: vec![0.0; 2 * columns * modes * rows],
-            plans,
-        }
-    }
-
-    /// The transform of one mode of all pillars, into the columns of all modes.
-    fn forward<'v, R: Real>(
-        &mut self,
-        places: &[Option<usize>],
-        values: impl Iterator<Item = &'v f64>,
-        mode: usize,
-        spectra: &mut [R],
-    ) {
-        let [columns, rows] = self.shape;
-        self.grid.fill(0.0);
-        for (place, value) in places.iter().zip(values) {
-            if let Some(place) = place {
-                self.grid[*place] = *value;
-            }
-        }
-        for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
-            // Lengths are those the plans were made for, so this cannot fail.
-            let _ = self
-                .plans
-                .row
-                .process_with_scratch(values, &mut self.line, &mut self.scratch);
-            for (column, value) in self.columns.chunks_exact_mut(rows).zip(&self.line) {
-                column[row] = *value;
-            }
-        }
-        self.plans
-            .column
-            .process_with_scratch(&mut self.columns, &mut self.scratch);
-        let stride = spectra.len() / columns;
-        for (number, column) in self.columns.chunks_exact(rows).enumerate() {
-            let at = number * stride + 2 * mode * rows;
-            let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
-            for ((re, im), value) in real.iter_mut().zip(imaginary).zip(column) {
-                (*re, *im) = (R::of(value.re), R::of(value.im));
-            }
-            let opposite = columns - number;
-            if number > 0 && opposite != number {
-                let at = opposite * stride + 2 * mode * rows;
-                let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
-                for (row, value) in column.iter().enumerate() {
-                    let mirrored = if row == 0 { 0 } else { rows - row };
-                    (real[mirrored], imaginary[mirrored]) = (R::of(value.re), R::of(-value.im));
-                }
-            }
-        }
-    }
-
-    /// Adds up the folded columns that repeat. The fine columns are half of all; the ends of these are their own conjugates.
-    fn gather<R: Real>(&mut self, together: &Together<R>) {
-        let stride = self.folded.len() / self.shape[0];
-        let last = together.shape[0] / 2;
-        self.folded.fill(0.0);
-        for (block, folded) in together.folded.iter().enumerate() {
-            let folded = folded.lock().unwrap_or_else(PoisonError::into_inner);
-            for (k, values) in folded.chunks_exact(stride).enumerate() {
-                let column = block * BLOCK_WIDTH + k;
-                let weight = if column == 0 || column == last {
-                    0.5
-                } else {
-                    1.0
-                };
-                let sum = &mut self.folded[column % self.shape[0] * stride..][..stride];
-                for (sum, value) in sum.iter_mut().zip(values) {
-                    *sum += weight * value.double();
-                }
-            }
-        }
-    }
-
-    /// Transforms one mode back, to the grid: the sum over the half and over its conjugates.
-    fn back(&mut self, mode: usize, odd: bool) {
-        let [columns, rows] = self.shape;
-        let stride = self.folded.len() / columns;
-        // conj(i) of imaginary kernels.
-        let factor = if odd {
-            Complex64::new(0.0, -1.0)
-        } else {
-            Complex64::new(1.0, 0.0)
-        };
-        for (number, column) in self.columns.chunks_exact_mut(rows).enumerate() {
-            let of = |number: usize, row: usize| {
-                let parts = &self.folded[number * stride + 2 * mode * rows..];
-                factor * Complex64::new(parts[row], parts[rows + row])
-            };
-            for (row, value) in column.iter_mut().enumerate() {
-                let opposite = if row == 0 { 0 } else { rows - row };
-                *value = of(number, row) + of((columns - number) % columns, opposite).conj();
-            }
-        }
-        self.plans
-            .column_back
-            .process_with_scratch(&mut self.columns, &mut self.scratch);
-        for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
-            for (value, column) in self.line.iter_mut().zip(self.columns.chunks_exact(rows)) {
-                *value = column[row];
-            }
-            // The transform of real data is real at its ends; rounding must not say otherwise.
-            self.line[0].im = 0.0;
-            self.line[columns / 2].im = 0.0;
-            let _ =
-                self.plans
-                    .row_back
-                    .process_with_scratch(&mut self.line, values, &mut self.scratch);
         }
     }
 }
@@ -765,124 +631,6 @@ impl<R: Real> Together<R> {
             phase_imaginary,
         );
     }
-}
-
-/// The phase of a column times those of rows, in parts.
-#[inline(always)]
-fn turn<R: Real>(phase: Complex<R>, along: &[Complex<R>], real: &mut [R], imaginary: &mut [R]) {
-    for ((along, real), imaginary) in along.iter().zip(real).zip(imaginary) {
-        *real = phase.re * along.re - phase.im * along.im;
-        *imaginary = phase.re * along.im + phase.im * along.re;
-    }
-}
-
-/// A line, turned back by phases, in parts.
-#[inline(always)]
-fn take<R: Real>(
-    line: &[Complex<R>],
-    phase_real: &[R],
-    phase_imaginary: &[R],
-    real: &mut [R],
-    imaginary: &mut [R],
-) {
-    let phases = phase_real.iter().zip(phase_imaginary);
-    for (((value, (re, im)), real), imaginary) in line.iter().zip(phases).zip(real).zip(imaginary) {
-        *real = value.re * *re + value.im * *im;
-        *imaginary = value.im * *re - value.re * *im;
-    }
-}
-
-/// Multiplies a line by a kernel, and adds sums turned by phases.
-#[inline(always)]
-fn put<R: Real>(
-    line: &mut [Complex<R>],
-    kernel: &[R],
-    real: &[R],
-    imaginary: &[R],
-    phase_real: &[R],
-    phase_imaginary: &[R],
-) {
-    let sums = real.iter().zip(imaginary);
-    let phases = phase_real.iter().zip(phase_imaginary);
-    for (((value, kernel), (re, im)), (along_re, along_im)) in
-        line.iter_mut().zip(kernel).zip(sums).zip(phases)
-    {
-        value.re = value.re * *kernel + (*re * *along_re - *im * *along_im);
-        value.im = value.im * *kernel + (*re * *along_im + *im * *along_re);
-    }
-}
-
-/// The real and the imaginary parts, one after the other.
-#[inline(always)]
-fn halves<R>(values: &mut [R]) -> [&mut [R]; 2] {
-    values.split_at_mut(values.len() / 2).into()
-}
-
-/// All rows of a kernel, from those that are held.
-#[inline(always)]
-fn unfold<R: Real>(held: &[R], sign: R, whole: &mut [R]) {
-    let (first, second) = whole.split_at_mut(held.len());
-    first.copy_from_slice(held);
-    for (value, mirrored) in second.iter_mut().rev().zip(&held[1..]) {
-        *value = sign * *mirrored;
-    }
-}
-
-/// `sums += kernel tops` and `folded += kernel turned` in all rows, real and imaginary parts; the rows of `tops` and `folded` repeat. Their number
-/// is a multiple of `L`.
-#[inline(always)]
-fn multiply_add<R: Real, const L: usize>(
-    kernel: &[R],
-    turned: [&[R]; 2],
-    tops: [&[R]; 2],
-    [sum_real, sum_imaginary]: [&mut [R]; 2],
-    [fold_real, fold_imaginary]: [&mut [R]; 2],
-) {
-    let coarse = fold_real.len();
-    let [top_real, top_imaginary] = tops.map(|tops| tops.as_chunks::<L>().0);
-    let fold_real = fold_real.as_chunks_mut::<L>().0;
-    let fold_imaginary = fold_imaginary.as_chunks_mut::<L>().0;
-    let sums = sum_real
-        .chunks_exact_mut(coarse)
-        .zip(sum_imaginary.chunks_exact_mut(coarse));
-    let turned = turned[0]
-        .chunks_exact(coarse)
-        .zip(turned[1].chunks_exact(coarse));
-    for ((kernel, sums), turned) in kernel.chunks_exact(coarse).zip(sums).zip(turned) {
-        let sums = sums
-            .0
-            .as_chunks_mut::<L>()
-            .0
-            .iter_mut()
-            .zip(sums.1.as_chunks_mut::<L>().0);
-        let folds = fold_real.iter_mut().zip(&mut *fold_imaginary);
-        let turned = turned
-            .0
-            .as_chunks::<L>()
-            .0
-            .iter()
-            .zip(turned.1.as_chunks::<L>().0);
-        let tops = top_real.iter().zip(top_imaginary);
-        let kernel = kernel.as_chunks::<L>().0.iter();
-        for ((((kernel, sum), fold), top), turned) in
-            kernel.zip(sums).zip(folds).zip(tops).zip(turned)
-        {
-            add_product(sum.0, kernel, top.0);
-            add_product(sum.1, kernel, top.1);
-            add_product(fold.0, kernel, turned.0);
-            add_product(fold.1, kernel, turned.1);
-        }
-    }
-}
-
-/// Reads all before it writes, so that it is done at once.
-#[inline(always)]
-fn add_product<R: Real, const L: usize>(sum: &mut [R; L], a: &[R; L], b: &[R; L]) {
-    let (mut value, a, b) = (*sum, *a, *b);
-    for k in 0..L {
-        value[k] = value[k] + a[k] * b[k];
-    }
-    *sum = value;
 }
 
 #[cfg(test)]
