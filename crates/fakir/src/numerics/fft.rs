@@ -1,20 +1,52 @@
 //! Plans of fast Fourier transforms in two dimensions, and the lengths that are quick to transform.
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, FftNum, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
-/// Transforms of a real array: its rows to half of their frequencies, then the columns of these.
-#[derive(Clone)]
-pub(crate) struct RealPlans {
-    pub(crate) row: Arc<dyn RealToComplex<f64>>,
-    pub(crate) row_back: Arc<dyn ComplexToReal<f64>>,
-    pub(crate) column: Arc<dyn Fft<f64>>,
-    pub(crate) column_back: Arc<dyn Fft<f64>>,
+/// Numbers that are transformed: in double precision, or in single, which takes half the time.
+pub(crate) trait Real: FftNum + Default {
+    /// The nearest to a number.
+    fn of(value: f64) -> Self;
+
+    fn double(self) -> f64;
 }
 
-impl RealPlans {
+impl Real for f64 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn double(self) -> f64 {
+        self
+    }
+}
+
+impl Real for f32 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+
+    #[inline(always)]
+    fn double(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+/// Transforms of a real array: its rows to half of their frequencies, then the columns of these.
+#[derive(Clone)]
+pub(crate) struct RealPlans<R = f64> {
+    pub(crate) row: Arc<dyn RealToComplex<R>>,
+    pub(crate) row_back: Arc<dyn ComplexToReal<R>>,
+    pub(crate) column: Arc<dyn Fft<R>>,
+    pub(crate) column_back: Arc<dyn Fft<R>>,
+}
+
+impl<R: Real> RealPlans<R> {
     /// The plans for an array of so many rows and columns.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let mut real = RealFftPlanner::new();

@@ -122,7 +122,9 @@ fn adjoints(
     outcome: &Outcome,
     target: Control,
 ) -> Result<[Adjoint; 2], SolveError> {
-    newton.solve_unit(ADJOINT_TOLERANCE)?;
+    if newton.cells.is_none() {
+        newton.solve_unit(ADJOINT_TOLERANCE)?;
+    }
     let stiffness = newton.contact.stiffness();
     let size = newton.contact.unit.far.len();
     let mut load = vec![0.0; size];

@@ -137,6 +137,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         start: impl Fn(usize) -> [f64; 2],
         couple: impl FnOnce(&mut O),
     ) {
+        let had_floor = self.own_load.len() > self.tops;
         self.own_load.truncate(self.tops);
         self.own_load.extend(own_load);
         self.unit_cell = unit_cell;
@@ -145,6 +146,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             let cells = (0..size - tops).map(|cell| start(cell)[which]);
             response.coefficients.truncate(tops);
             response.coefficients.extend(cells);
+            response.far.truncate(tops);
             response.far.resize(size, 0.0);
         }
         let Room {
@@ -166,6 +168,10 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             vector.resize(size, 0.0);
         }
         couple(&mut self.coupling);
+        if had_floor && self.present.coefficients[tops..].iter().any(|c| *c > 0.0) {
+            // The loads on pillars are about what they were, and no others are needed before the first product.
+            return;
+        }
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             if coefficients.iter().all(|c| *c == 0.0) {
@@ -405,12 +411,13 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 Judgement::TooLarge => {}
                 ended => return Ok(ended),
             }
+            // Steps become small, and with them what rounding leaves of each; every solution starts from an exact product.
             self.coupling
-                .apply(&room.direction, &mut room.product, workers);
+                .apply_roughly(&room.direction, &mut room.product, workers);
             self.run.check_cancelled()?;
             // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
             let curvature = vectors.dot(&room.direction, &room.product)
-                + vectors.dot(&room.direction, &room.direction_load);
+                + vectors.dot(&room.direction[..tops], &room.direction_load[..tops]);
             if within(curvature, 0.0) {
                 return Ok(Judgement::TooLarge);
             }
@@ -418,7 +425,11 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             vectors.add_scaled(coefficients, length, &room.direction);
             vectors.add_scaled(far, length, &room.product);
             vectors.add_scaled(&mut room.residual, -length, &room.product);
-            vectors.add_scaled(&mut room.residual, -length, &room.direction_load);
+            vectors.add_scaled(
+                &mut room.residual[..tops],
+                -length,
+                &room.direction_load[..tops],
+            );
             rule.precondition(&room.residual, &mut room.preconditioned, workers);
             let next = vectors.dot(&room.residual, &room.preconditioned);
             let ratio = next / energy;

@@ -7,6 +7,7 @@
 
 use super::assembled::{OfFloor, PillarMethod, assemble, refined};
 use super::estimate::unknowns_only;
+use super::floor_start::FloorPressures;
 use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
 use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_window};
 use crate::halfspace::disc::nodes::Resolution;
@@ -69,8 +70,16 @@ pub(crate) struct Level {
 /// A solution with the floor.
 pub(crate) struct MixedSolution<'a> {
     pub(crate) solution: Solution<'a>,
-    /// Of every grid, the coarsest first; the finest twice, the second time to the end.
+    /// Of every grid, the coarsest first; the finest twice, if it was solved again with more nodes and modes on the pillars.
     pub(crate) levels: Vec<Level>,
+}
+
+/// The levels of the last two grids that differ in nothing else, the coarser one first.
+fn last_two(levels: &[Level]) -> Option<[&Level; 2]> {
+    let finest = levels.last()?.division;
+    let fine = levels.iter().position(|level| level.division == finest)?;
+    let coarse = fine.checked_sub(1)?;
+    Some([&levels[coarse], &levels[fine]])
 }
 
 /// The cells of the floor in contact, as a set.
@@ -103,6 +112,7 @@ const FAR_PAST: f64 = 1e-3;
 
 /// Relative energy of the residual for what only estimates need.
 const ROUGH: f64 = 1e-3;
+const UNIT_TOLERANCE: f64 = 3e-3;
 
 /// The solution on the tops alone by the default accuracy, if the lens enters the floor by so much that another accuracy does not matter.
 pub(crate) fn far_past_transition<'a>(
@@ -231,7 +241,7 @@ fn estimates(
     transition: f64,
     of_pillars: f64,
 ) -> Option<([f64; 2], FloorErrors)> {
-    let [coarse, fine, _] = levels.last_chunk()?;
+    let [coarse, fine] = last_two(levels)?;
     let ratio = fine.division.half[1] as f64 / coarse.division.half[1] as f64;
     let part_of = SAFETY / (ratio.powf(ORDER) - 1.0);
     let contact = &solution.newton.contact;
@@ -290,11 +300,8 @@ fn floor_contact(
     let newton = &solution.newton;
     let load = newton.floor_load()?;
     let (cells, pressure) = load.in_metres(problem.length, problem.pressure);
-    let agree = levels
-        .iter()
-        .rev()
-        .nth(2)
-        .is_some_and(|coarse| coarse.patches.count == level.patches.count);
+    let agree =
+        last_two(levels).is_some_and(|[coarse, _]| coarse.patches.count == level.patches.count);
     Some(FloorContact {
         force: level.floor_force * problem.force(),
         share: level.floor_force / level.force,
@@ -334,6 +341,15 @@ fn halves(least: f64) -> usize {
         .unwrap_or(2)
 }
 
+/// The next grid.
+#[derive(Debug, Clone, Copy)]
+struct Next {
+    /// Cells along half a pitch.
+    half: usize,
+    /// Whether it is likely to be the last.
+    last: bool,
+}
+
 /// How finely the floor is to be resolved, and how large it may be.
 struct Wanted {
     accuracy: Accuracy,
@@ -353,17 +369,17 @@ impl Wanted {
     }
 
     /// The coarsest grid: two levels are needed at the least.
-    fn first(&self) -> usize {
+    fn first(&self) -> Next {
         let finest = halves(self.halves);
         let mut half = finest;
         while half.is_multiple_of(2) && (half / 2 >= FEWEST_HALVES || half == finest) {
             half /= 2;
         }
-        half
+        Next { half, last: false }
     }
 
     /// The grid after those solved, if they are not enough.
-    fn next(&self, problem: &Problem, mixed: &MixedSolution<'_>) -> Option<usize> {
+    fn next(&self, problem: &Problem, mixed: &MixedSolution<'_>) -> Option<Next> {
         let level = mixed.levels.last()?;
         let index = usize::from(self.accuracy == Accuracy::Accurate);
         let half = level.division.half[1];
@@ -375,11 +391,15 @@ impl Wanted {
         let cells = level.patches.cells as f64 / level.patches.count.max(1) as f64;
         let of_patches = half as f64 * (least / cells.max(1.0)).sqrt();
         let mut next = halves(self.halves.max(of_patches));
-        if next > LARGEST_RATIO * half {
+        let last = next <= LARGEST_RATIO * half;
+        if !last {
             // Half-way to it.
             next = halves((half as f64 * next as f64).sqrt());
         }
-        let second = || (mixed.levels.len() < 2).then_some(2 * half);
+        let second = || {
+            let half = 2 * half;
+            (mixed.levels.len() < 2).then_some(Next { half, last: true })
+        };
         if next <= half {
             return second();
         }
@@ -403,7 +423,12 @@ impl Wanted {
                 .find(|n| halves(*n as f64) == *n)
                 .unwrap_or(whatever);
         }
-        if next > half { Some(next) } else { second() }
+        let half_of_next = Next { half: next, last };
+        if next > half {
+            Some(half_of_next)
+        } else {
+            second()
+        }
     }
 }
 
@@ -422,27 +447,36 @@ pub(crate) fn solve_floor<'a>(
         levels: Vec::new(),
     };
     let mut next = Some(wanted.first());
-    while let Some(half) = next {
+    let mut purpose = Purpose::Level;
+    while let Some(Next { half, last }) = next {
         let division = Division::new(problem.lattice.pitch, half);
-        mixed = solve_level(problem, target, Purpose::Level, mixed, division, run)?;
+        let finer = finer_degrees(problem, accuracy, &mixed.solution.newton);
+        purpose = if last && finer.is_none() {
+            Purpose::Answer
+        } else {
+            Purpose::Level
+        };
+        mixed = solve_level(problem, target, purpose, mixed, division, run)?;
         if mixed.solution.outcome.termination != Termination::Converged {
             return Ok(mixed);
         }
         next = wanted.next(problem, &mixed);
+        if next.is_some() && !matches!(target, Control::Force(_)) {
+            // For the estimates of errors, which take it to the finest grid as it is: two digits are enough.
+            mixed.solution.newton.solve_unit(UNIT_TOLERANCE)?;
+        }
     }
     // The last grid once more, to the end, with all nodes and modes on the pillars.
-    let Some(division) = mixed.levels.last().map(|level| level.division) else {
+    let finer = finer_degrees(problem, accuracy, &mixed.solution.newton);
+    let (Some(level), true) = (
+        mixed.levels.last(),
+        purpose == Purpose::Level || finer.is_some(),
+    ) else {
         return Ok(mixed);
     };
-    let newton = &mixed.solution.newton;
-    let asked = degrees(accuracy, problem);
-    let coupling = asked.coupling.max(newton.degree());
-    let tops = Resolution {
-        rings: newton.tops.top.resolution().rings.min(asked.tops.rings),
-        ..asked.tops
-    };
-    if coupling != newton.degree() || tops != newton.tops.top.resolution() {
-        let degrees = Degrees { coupling, tops };
+    let division = level.division;
+    if let Some(degrees) = finer {
+        let newton = &mut mixed.solution.newton;
         let pressures = FloorPressures::of(newton);
         let mut finer = newton.rebuilt(newton.tops.window.clone(), degrees);
         if let (Some(cells), Some(pressures)) = (&newton.cells, pressures) {
@@ -451,6 +485,20 @@ pub(crate) fn solve_floor<'a>(
         mixed.solution.newton = finer;
     }
     solve_level(problem, target, Purpose::Answer, mixed, division, run)
+}
+
+/// The degrees that an accuracy asks for, if the present ones are lower.
+fn finer_degrees(problem: &Problem, accuracy: Accuracy, newton: &Newton<'_>) -> Option<Degrees> {
+    let asked = degrees(accuracy, problem);
+    let present = newton.degrees();
+    let finer = Degrees {
+        coupling: asked.coupling.max(present.coupling),
+        tops: Resolution {
+            rings: present.tops.rings.min(asked.tops.rings),
+            ..asked.tops
+        },
+    };
+    (finer != present).then_some(finer)
 }
 
 /// The floor window for the next grid: around the contact on the present one, if there is one.
@@ -592,46 +640,6 @@ fn solve_level<'a>(
         radius = (radius + problem.lattice.pitch + 4.0 * division.longest()).min(largest);
     }
     Ok(MixedSolution { solution, levels })
-}
-
-/// The pressure on the cells of a grid, to be looked up.
-struct FloorPressures {
-    grid: FloorGrid,
-    /// Place of every cell of the grid in the vectors.
-    place: Vec<u32>,
-    /// Present pressure and that under a unit indentation.
-    pressures: Vec<[f64; 2]>,
-}
-
-impl FloorPressures {
-    fn of(newton: &Newton<'_>) -> Option<Self> {
-        let cells = newton.cells.as_ref()?;
-        let scale = cells.unit_cell().recip();
-        let contact = &newton.contact;
-        let present = contact.floor_coefficients().iter();
-        let mut place = vec![u32::MAX; cells.grid.cells.grid().cell_count()];
-        for (number, index) in cells.grid.cells.indices().enumerate() {
-            place[index] = number as u32;
-        }
-        Some(Self {
-            pressures: present
-                .zip(contact.floor_unit_coefficients())
-                .map(|(present, unit)| [present * scale, unit * scale])
-                .collect(),
-            place,
-            grid: cells.grid.clone(),
-        })
-    }
-
-    /// Zero outside of the cells.
-    fn at(&self, point: Point) -> [f64; 2] {
-        let columns = self.grid.cells.grid().columns();
-        self.grid
-            .position_of(point)
-            .map(|[column, row]| self.place[row * columns + column] as usize)
-            .and_then(|place| self.pressures.get(place).copied())
-            .unwrap_or_default()
-    }
 }
 
 /// The floor cells that bear pressure, as a set.

@@ -11,6 +11,7 @@ pub(crate) mod control;
 pub mod elements;
 mod estimate;
 pub(crate) mod floor;
+mod floor_start;
 mod frozen;
 mod mixed;
 pub(crate) mod newton;

@@ -16,7 +16,7 @@ use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
-use crate::halfspace::floor::coupling::{FloorCoupling, SurfaceCoupling};
+use crate::halfspace::floor::coupling::{FloorCoupling, FloorKernels, SurfaceCoupling};
 use crate::halfspace::floor::grid::FloorGrid;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
@@ -31,6 +31,14 @@ const LINEAR_TOLERANCE: f64 = 1e-10;
 /// The same with the floor, and on a coarse grid of that.
 const FLOOR_LINEAR_TOLERANCE: f64 = 1e-9;
 const LEVEL_LINEAR_TOLERANCE: f64 = 1e-6;
+
+/// Tolerance of the first linear solution with the floor, and by how much it goes down from step to step: the cells that change in a step
+/// leave a residual of about a tenth of that before.
+const FLOOR_FIRST_TOLERANCE: f64 = 5e-3;
+const FLOOR_DECREASE: f64 = 0.1;
+
+/// The same without the floor.
+const DECREASE: f64 = 0.03;
 
 /// On a coarse grid few places may change their state in the end: one in so many of those that bear pressure.
 const LEVEL_CHANGES: usize = 200;
@@ -97,6 +105,8 @@ struct Tolerances {
     exact: f64,
     /// The smallest that is asked for in the end.
     finest: f64,
+    /// By how much it goes down from step to step.
+    decrease: f64,
     /// Fewest changes of states in any step so far.
     fewest: usize,
     /// By how much the indentation changed, relatively: nothing is known of a start from none.
@@ -110,8 +120,14 @@ impl Tolerances {
             Purpose::Answer | Purpose::Start => LINEAR_TOLERANCE,
             Purpose::Level => LEVEL_LINEAR_TOLERANCE,
         };
+        let (present, decrease) = if with_floor {
+            (FLOOR_FIRST_TOLERANCE, FLOOR_DECREASE)
+        } else {
+            (FIRST_LINEAR_TOLERANCE, DECREASE)
+        };
         Self {
-            present: FIRST_LINEAR_TOLERANCE,
+            present,
+            decrease,
             exact,
             finest: match purpose {
                 Purpose::Answer | Purpose::Level => exact,
@@ -144,7 +160,7 @@ impl Tolerances {
     fn follow(&mut self, changes: usize) {
         self.present = if (1..self.fewest).contains(&changes) {
             self.fewest = changes;
-            (0.03 * self.present).max(self.finest)
+            (self.decrease * self.present).max(self.finest)
         } else {
             self.finest
         };
@@ -164,6 +180,8 @@ pub(crate) struct Newton<'a> {
     /// The floor's cells; none as long as it is not touched, or is to be ignored.
     pub(crate) cells: Option<FloorCells<'a>>,
     pub(crate) contact: FrozenContact<'a, SurfaceCoupling<'a>>,
+    /// Of the floor's last grid.
+    kernels: Option<FloorKernels>,
     pub(crate) exterior: Exterior,
     floor: FloorSearch,
 }
@@ -196,6 +214,7 @@ impl<'a> Newton<'a> {
             run,
             stage,
             cells: None,
+            kernels: None,
             contact: FrozenContact::new(run, coupling, pair.modes().len(), own_load),
             tops,
             exterior: Exterior::new(degree),
@@ -371,6 +390,7 @@ impl<'a> Newton<'a> {
         let coefficients = |cell: usize| start(centres[cell]).map(|pressure| unit_cell * pressure);
         let (window, reach) = (&self.tops.window, self.pillar_reach());
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
+        let kernels = &mut self.kernels;
         let couple = |coupling: &mut SurfaceCoupling<'a>| {
             // The room of the one before it is needed.
             coupling.floor = None;
@@ -379,9 +399,11 @@ impl<'a> Newton<'a> {
                 (window, reach),
                 modes,
                 degree,
+                kernels.take(),
                 run.workers(),
                 run.pool,
             );
+            *kernels = Some(floor.kernels());
             coupling.floor = Some(Box::new(floor));
         };
         let own_load = cells.lens_load(self.problem);
@@ -607,6 +629,7 @@ impl<'a> Newton<'a> {
         let pair = PairCoupling::new(coupling, self.problem.lattice.pitch);
         let top = PillarTop::new(tops, coupling, self.problem.column_compliance_ratio);
         let mut rebuilt = Self::new(self.problem, self.run, self.stage, window, &pair, top);
+        rebuilt.kernels.clone_from(&self.kernels);
         rebuilt.start_from(self);
         rebuilt
     }

@@ -7,6 +7,11 @@ use crate::numerics::workers::Workers;
 pub(crate) trait Coupling {
     /// `far = B c`, both place by place. If it is cancelled, anything.
     fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>);
+
+    /// The same to about seven digits, if that is quicker.
+    fn apply_roughly(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+        self.apply(coefficients, far, workers);
+    }
 }
 
 /// The sum of two operators, such as of a half-space and of what differs from it.

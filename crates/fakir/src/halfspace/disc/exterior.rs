@@ -195,6 +195,24 @@ impl RadialFunction {
         }
     }
 
+    /// `S` alone at [`LANES`] places.
+    #[inline(always)]
+    fn lane_values(&self, z: Lanes, inverse_distance: Lanes) -> Lanes {
+        let most = z.0.iter().fold(0.0_f64, |most, z| most.max(*z));
+        let mut value = Lanes::default();
+        if most <= NEAR {
+            for coefficient in self.far[..far_terms(most)].iter().rev() {
+                value = value * z + Lanes::splat(*coefficient);
+            }
+        } else {
+            value = z.map(|z| self.series(z));
+        }
+        for _ in 0..self.twice_power {
+            value = value * inverse_distance;
+        }
+        value
+    }
+
     /// `S` alone.
     pub(crate) fn value(&self, inverse_distance: f64) -> f64 {
         let z = inverse_distance * inverse_distance;
@@ -301,6 +319,27 @@ impl Exterior {
                 let factor = Lanes(coefficients.map(|of_disc| of_disc[number]));
                 sum.add_product(factor, &field);
             }
+        }
+    }
+
+    /// Displacement at [`LANES`] points of the first modes, as many as there are `values`.
+    #[inline(always)]
+    pub(crate) fn lane_values(&self, [x, y]: [Lanes; 2], values: &mut [Lanes]) {
+        let inverse_square = (x * x + y * y).map(f64::recip);
+        let inverse_distance = inverse_square.map(f64::sqrt);
+        let mut radial = Lanes::default();
+        let mut harmonic = [Lanes::default(); 2];
+        let modes = self.modes.iter().zip(&self.radial_of);
+        for (value, (mode, &which)) in values.iter_mut().zip(modes) {
+            if !mode.sine {
+                radial = self.radial[which].lane_values(inverse_square, inverse_distance);
+                harmonic = [Lanes::splat(1.0), Lanes::default()];
+                for _ in 0..mode.order {
+                    let [re, im] = harmonic;
+                    harmonic = [re * x - im * y, re * y + im * x];
+                }
+            }
+            *value = radial * harmonic[usize::from(mode.sine)];
         }
     }
 

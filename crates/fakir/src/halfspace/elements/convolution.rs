@@ -7,10 +7,11 @@
 //! are neither stored nor transformed.
 
 use super::operator::check_lengths;
+use crate::numerics::fft::Real;
 use crate::problem::{Cells, Segment};
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use rustfft::num_complex::Complex64;
+use rustfft::num_complex::{Complex, Complex64};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
@@ -29,6 +30,9 @@ const PARALLEL_POINTS: usize = 10_000;
 
 /// The one-dimensional transforms of a convolution, and its kernel.
 pub(in crate::halfspace) trait Transform: Send + Sync {
+    /// What it computes with.
+    type Real: Real;
+
     /// Cells along x and y that it takes.
     fn shape(&self) -> [usize; 2];
 
@@ -36,13 +40,23 @@ pub(in crate::halfspace) trait Transform: Send + Sync {
     fn column_count(&self) -> usize;
 
     /// Transforms a row, which may be overwritten.
-    fn row_forward(&self, row: &mut [f64], spectrum: &mut [Complex64], scratch: &mut [Complex64]);
+    fn row_forward(
+        &self,
+        row: &mut [Self::Real],
+        spectrum: &mut [Complex<Self::Real>],
+        scratch: &mut [Complex<Self::Real>],
+    );
 
     /// Transforms a row back; the spectrum may be overwritten.
-    fn row_back(&self, spectrum: &mut [Complex64], row: &mut [f64], scratch: &mut [Complex64]);
+    fn row_back(
+        &self,
+        spectrum: &mut [Complex<Self::Real>],
+        row: &mut [Self::Real],
+        scratch: &mut [Complex<Self::Real>],
+    );
 
     /// Convolves a block of columns along y, in place: transform, kernel, transform back.
-    fn convolve(&self, block: &mut ColumnBlock<'_>, work: &mut Workspace);
+    fn convolve(&self, block: &mut ColumnBlock<'_, Self::Real>, work: &mut Workspace<Self::Real>);
 
     /// Complex numbers needed as scratch by any of the transforms.
     fn scratch_len(&self) -> usize;
@@ -57,7 +71,7 @@ pub(in crate::halfspace) trait Transform: Send + Sync {
 }
 
 /// Neighbouring columns of the spectrum, of which only some rows are held.
-pub(in crate::halfspace) struct ColumnBlock<'a> {
+pub(in crate::halfspace) struct ColumnBlock<'a, R = f64> {
     /// First column.
     pub(in crate::halfspace) first: usize,
     /// Number of columns.
@@ -65,12 +79,12 @@ pub(in crate::halfspace) struct ColumnBlock<'a> {
     /// Rows held, ascending.
     pub(super) rows: &'a [usize],
     /// For each row held, the columns.
-    pub(super) values: &'a mut [Complex64],
+    pub(super) values: &'a mut [Complex<R>],
 }
 
-impl ColumnBlock<'_> {
+impl<R: Real> ColumnBlock<'_, R> {
     /// Writes the columns to lines of so many rows, `stride` apart; zero in rows that are not held.
-    pub(in crate::halfspace) fn read(&self, lines: &mut [Complex64], stride: usize, rows: usize) {
+    pub(in crate::halfspace) fn read(&self, lines: &mut [Complex<R>], stride: usize, rows: usize) {
         let mut next = 0;
         for (&row, values) in self.rows.iter().zip(self.values.chunks_exact(self.width)) {
             clear_rows(lines, stride, next..row);
@@ -83,7 +97,7 @@ impl ColumnBlock<'_> {
     }
 
     /// Takes the rows held from such lines.
-    pub(in crate::halfspace) fn write(&mut self, lines: &[Complex64], stride: usize) {
+    pub(in crate::halfspace) fn write(&mut self, lines: &[Complex<R>], stride: usize) {
         let rows = self.rows.iter();
         for (&row, values) in rows.zip(self.values.chunks_exact_mut(self.width)) {
             for (value, place) in values.iter_mut().zip(lines[row..].iter().step_by(stride)) {
@@ -94,24 +108,24 @@ impl ColumnBlock<'_> {
 }
 
 /// What one thread works in.
-pub(in crate::halfspace) struct Workspace {
+pub(in crate::halfspace) struct Workspace<R = f64> {
     /// Rows or columns, [`line_stride`] apart.
-    pub(in crate::halfspace) lines: Vec<Complex64>,
+    pub(in crate::halfspace) lines: Vec<Complex<R>>,
     /// Scratch of the transforms.
-    pub(in crate::halfspace) scratch: Vec<Complex64>,
+    pub(in crate::halfspace) scratch: Vec<Complex<R>>,
     /// Room for reals.
-    pub(in crate::halfspace) reals: Vec<f64>,
-    row: Vec<f64>,
+    pub(in crate::halfspace) reals: Vec<R>,
+    row: Vec<R>,
 }
 
-impl Workspace {
-    fn new(transform: &impl Transform) -> Self {
+impl<R: Real> Workspace<R> {
+    fn new(transform: &impl Transform<Real = R>) -> Self {
         let lines = line_memory(transform) / size_of::<Complex64>();
         Self {
-            lines: vec![Complex64::default(); lines],
-            scratch: vec![Complex64::default(); transform.scratch_len()],
-            reals: vec![0.0; transform.real_count()],
-            row: vec![0.0; transform.shape()[0]],
+            lines: vec![Complex::default(); lines],
+            scratch: vec![Complex::default(); transform.scratch_len()],
+            reals: vec![R::default(); transform.real_count()],
+            row: vec![R::default(); transform.shape()[0]],
         }
     }
 }
@@ -192,7 +206,7 @@ impl Bounds {
 }
 
 /// A convolution over some cells of a grid.
-pub(in crate::halfspace) struct Convolution<'p, T> {
+pub(in crate::halfspace) struct Convolution<'p, T: Transform> {
     cells: Cells,
     transform: Arc<T>,
     /// Column that is the first of the transform.
@@ -203,9 +217,9 @@ pub(in crate::halfspace) struct Convolution<'p, T> {
     row_segments: Vec<usize>,
     /// The spectrum, a block of columns after the other; each has the columns of every row held.
     /// The locks let threads that own rows write to blocks, and are held for a moment.
-    spectrum: Vec<RwLock<Vec<Complex64>>>,
+    spectrum: Vec<RwLock<Vec<Complex<T::Real>>>>,
     /// One for each thread.
-    workspaces: Vec<Mutex<Workspace>>,
+    workspaces: Vec<Mutex<Workspace<T::Real>>>,
     pool: Option<&'p ThreadPool>,
 }
 
@@ -229,7 +243,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
             .step_by(BLOCK_WIDTH)
             .map(|first| {
                 let width = BLOCK_WIDTH.min(columns - first);
-                RwLock::new(vec![Complex64::default(); width * rows.len()])
+                RwLock::new(vec![Complex::default(); width * rows.len()])
             })
             .collect();
         let pool = pool.filter(|pool| {
@@ -307,7 +321,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
     }
 
     /// The work space of this thread. Of several threads each has its own, so the lock is free.
-    fn workspace(&self) -> MutexGuard<'_, Workspace> {
+    fn workspace(&self) -> MutexGuard<'_, Workspace<T::Real>> {
         let thread = self.pool.and_then(ThreadPool::current_thread_index);
         self.workspaces[thread.unwrap_or(0)]
             .lock()
@@ -340,11 +354,14 @@ impl<'p, T: Transform> Convolution<'p, T> {
         let stride = line_stride(columns);
         let work = &mut *self.workspace();
         for (row, line) in rows.clone().zip(work.lines.chunks_exact_mut(stride)) {
-            work.row.fill(0.0);
+            work.row.fill(T::Real::default());
             for segment in self.segments(row) {
                 let column = segment.column - self.first_column;
-                work.row[column..column + segment.count]
-                    .copy_from_slice(&pressure[segment.start..segment.start + segment.count]);
+                let own = &mut work.row[column..column + segment.count];
+                let pressure = &pressure[segment.start..segment.start + segment.count];
+                for (own, pressure) in own.iter_mut().zip(pressure) {
+                    *own = T::Real::of(*pressure);
+                }
             }
             self.transform
                 .row_forward(&mut work.row, &mut line[..columns], &mut work.scratch);
@@ -435,26 +452,28 @@ impl<'p, T: Transform> Convolution<'p, T> {
             for segment in self.segments(row) {
                 let column = segment.column - self.first_column;
                 let start = segment.start - offset;
-                displacement[start..start + segment.count]
-                    .copy_from_slice(&work.row[column..column + segment.count]);
+                let own = &work.row[column..column + segment.count];
+                for (displacement, own) in displacement[start..].iter_mut().zip(own) {
+                    *displacement = own.double();
+                }
             }
         }
     }
 }
 
 /// Sets some rows of columns that are `stride` apart to zero.
-pub(super) fn clear_rows(columns: &mut [Complex64], stride: usize, rows: Range<usize>) {
+pub(super) fn clear_rows<R: Real>(columns: &mut [Complex<R>], stride: usize, rows: Range<usize>) {
     if rows.is_empty() {
         return;
     }
     for column in columns.chunks_exact_mut(stride) {
-        column[rows.clone()].fill(Complex64::default());
+        column[rows.clone()].fill(Complex::default());
     }
 }
 
 /// Multiplies a transformed column by its kernel, which is real.
-pub(super) fn multiply(values: &mut [Complex64], kernel: &[f64]) {
+pub(super) fn multiply<R: Real>(values: &mut [Complex<R>], kernel: &[R]) {
     for (value, kernel) in values.iter_mut().zip(kernel) {
-        *value *= kernel;
+        *value = *value * *kernel;
     }
 }

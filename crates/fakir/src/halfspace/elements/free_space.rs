@@ -274,6 +274,8 @@ fn for_each_chunk(
 }
 
 impl Transform for FreeSpace {
+    type Real = f64;
+
     fn shape(&self) -> [usize; 2] {
         [self.x.len(), self.y.len()]
     }

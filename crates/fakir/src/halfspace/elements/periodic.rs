@@ -4,10 +4,10 @@ use super::convolution::{
     Bounds, ColumnBlock, Convolution, Transform, Workspace, line_stride, memory_estimate, multiply,
 };
 use super::operator::Operator;
-use crate::numerics::fft::{RealPlans, quick_length};
+use crate::numerics::fft::{Real, RealPlans, quick_length};
 use crate::problem::Cells;
 use rayon::ThreadPool;
-use rustfft::num_complex::Complex64;
+use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -35,7 +35,8 @@ impl<'p> PeriodicConvolution<'p> {
     pub fn new(cells: Cells, compliance: f64, pool: Option<&'p ThreadPool>) -> Self {
         let grid = cells.grid();
         let shape = [grid.columns(), grid.rows()];
-        let mut periodic = Periodic::new(shape, grid.cell(), |q| 2.0 * compliance / q);
+        let mut periodic =
+            Periodic::new(shape, grid.cell(), |[x, y]| 2.0 * compliance / x.hypot(y));
         periodic.kernel[0] = 0.0;
         Self {
             convolution: Convolution::new(cells, [0, 0], Arc::new(periodic), pool),
@@ -83,16 +84,26 @@ pub struct Preconditioned<'p, O> {
 }
 
 /// The inverse of the periodic half-space, up to a factor, on the smallest grid that holds some cells: the wave number.
-pub(crate) struct PeriodicInverse<'p> {
-    convolution: Convolution<'p, Periodic>,
+pub(crate) struct PeriodicInverse<'p, R: Real = f64> {
+    convolution: Convolution<'p, Periodic<R>>,
 }
 
-impl<'p> PeriodicInverse<'p> {
-    /// `factor` times the wave number.
-    pub(crate) fn new(cells: Cells, factor: f64, pool: Option<&'p ThreadPool>) -> Self {
+impl<'p, R: Real> PeriodicInverse<'p, R> {
+    /// The wave number.
+    pub(crate) fn new(cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
+        Self::of(cells, |[x, y]| x.hypot(y), pool)
+    }
+
+    /// Of the mean displacements of cells under constant pressures on them, on a half-space of unit compliance.
+    pub(crate) fn of_means(cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
+        let cell = cells.grid().cell();
+        Self::of(cells, |wave| of_means(wave, cell).recip(), pool)
+    }
+
+    fn of(cells: Cells, of_wave: impl Fn([f64; 2]) -> f64, pool: Option<&'p ThreadPool>) -> Self {
         let bounds = Bounds::of(&cells);
         let shape = bounds.shape.map(quick_length);
-        let inverse = Periodic::new(shape, cells.grid().cell(), |q| factor * q);
+        let inverse = Periodic::new(shape, cells.grid().cell(), of_wave);
         Self {
             convolution: Convolution::new(cells, bounds.first, Arc::new(inverse), pool),
         }
@@ -114,7 +125,7 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
         assert_eq!(operator.len(), cells.len(), "the cells of the operator");
         Self {
             operator,
-            inverse: PeriodicInverse::new(cells, 1.0, pool),
+            inverse: PeriodicInverse::new(cells, pool),
         }
     }
 
@@ -142,30 +153,54 @@ impl<O: Operator> Operator for Preconditioned<'_, O> {
     }
 }
 
-/// Transforms and kernel of the periodic half-space.
-struct Periodic {
-    shape: [usize; 2],
-    plans: RealPlans,
-    /// For every column of the transform, its rows that are not mirror images, `rows/2 + 1`;
-    /// with the normalisation of the transforms.
-    kernel: Vec<f64>,
+/// Mean displacement of cells by constant pressures on them that go as a wave: by the waves of which cells see no more than this one. `2/|q|`,
+/// and for either direction the mean of a wave over a cell, squared.
+fn of_means(wave: [f64; 2], cell: [f64; 2]) -> f64 {
+    const ALIASES: [f64; 3] = [0.0, -1.0, 1.0];
+    let along = |k: usize| {
+        let sine = (0.5 * wave[k] * cell[k]).sin();
+        ALIASES.map(|alias| {
+            let wave = wave[k] + 2.0 * PI * alias / cell[k];
+            let phase = 0.5 * wave * cell[k];
+            let mean = if phase.abs() > 0.0 { sine / phase } else { 1.0 };
+            (wave, mean * mean)
+        })
+    };
+    let [of_x, of_y] = [along(0), along(1)];
+    let pairs = of_x.iter().flat_map(|x| of_y.iter().map(move |y| (x, y)));
+    pairs
+        .map(|((x, of_x), (y, of_y))| 2.0 * of_x * of_y / x.hypot(*y))
+        .sum()
 }
 
-impl Periodic {
-    /// The kernel is a function of the wave number; of the smallest there is, halved, for the
-    /// mean.
-    fn new([columns, rows]: [usize; 2], cell: [f64; 2], of_wave: impl Fn(f64) -> f64) -> Self {
+/// Transforms and kernel of the periodic half-space.
+struct Periodic<R = f64> {
+    shape: [usize; 2],
+    plans: RealPlans<R>,
+    /// For every column of the transform, its rows that are not mirror images, `rows/2 + 1`;
+    /// with the normalisation of the transforms.
+    kernel: Vec<R>,
+}
+
+impl<R: Real> Periodic<R> {
+    /// The kernel is a function of the wave vector; of half the smallest there is, for the mean.
+    fn new([columns, rows]: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         let [width, height] = cell;
         let wave = |index: usize, period: f64| 2.0 * PI * index as f64 / period;
         let longest = (width * columns as f64).max(height * rows as f64);
         let smallest = PI / longest;
         let scale = 1.0 / (columns * rows) as f64;
-        let kernel: Vec<f64> = (0..=columns / 2)
+        let kernel: Vec<R> = (0..=columns / 2)
             .flat_map(|column| (0..=rows / 2).map(move |row| (column, row)))
             .map(|(column, row)| {
                 let x = wave(column, width * columns as f64);
                 let y = wave(row, height * rows as f64);
-                scale * of_wave(x.hypot(y).max(smallest))
+                let wave = if (column, row) == (0, 0) {
+                    [smallest, 0.0]
+                } else {
+                    [x, y]
+                };
+                R::of(scale * of_wave(wave))
             })
             .collect();
         Self {
@@ -176,7 +211,9 @@ impl Periodic {
     }
 }
 
-impl Transform for Periodic {
+impl<R: Real> Transform for Periodic<R> {
+    type Real = R;
+
     fn shape(&self) -> [usize; 2] {
         self.shape
     }
@@ -185,16 +222,16 @@ impl Transform for Periodic {
         self.shape[0] / 2 + 1
     }
 
-    fn row_forward(&self, row: &mut [f64], spectrum: &mut [Complex64], scratch: &mut [Complex64]) {
+    fn row_forward(&self, row: &mut [R], spectrum: &mut [Complex<R>], scratch: &mut [Complex<R>]) {
         // The lengths are those that the transform was made for, so this cannot fail.
         let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
     }
 
-    fn row_back(&self, spectrum: &mut [Complex64], row: &mut [f64], scratch: &mut [Complex64]) {
+    fn row_back(&self, spectrum: &mut [Complex<R>], row: &mut [R], scratch: &mut [Complex<R>]) {
         // The transform of real data is real at its ends; rounding must not say otherwise.
-        spectrum[0].im = 0.0;
+        spectrum[0].im = R::default();
         if self.shape[0].is_multiple_of(2) {
-            spectrum[self.shape[0] / 2].im = 0.0;
+            spectrum[self.shape[0] / 2].im = R::default();
         }
         let _ = self
             .plans
@@ -202,7 +239,7 @@ impl Transform for Periodic {
             .process_with_scratch(spectrum, row, scratch);
     }
 
-    fn convolve(&self, block: &mut ColumnBlock<'_>, work: &mut Workspace) {
+    fn convolve(&self, block: &mut ColumnBlock<'_, R>, work: &mut Workspace<R>) {
         let rows = self.shape[1];
         let stride = line_stride(rows);
         let lines = &mut work.lines[..block.width * stride];
@@ -217,7 +254,7 @@ impl Transform for Periodic {
             let (low, high) = line.split_at_mut(half);
             multiply(low, kernel);
             for (value, kernel) in high.iter_mut().rev().zip(&kernel[1..]) {
-                *value *= kernel;
+                *value = *value * *kernel;
             }
             self.plans
                 .column_back

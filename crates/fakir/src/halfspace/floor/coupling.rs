@@ -14,21 +14,22 @@
 //! A kernel `W_i` is even or odd in `x` and in `y` about the pillar, which is half a cell from the nearest cell centres: up to a phase
 //! its transform is real or imaginary, and kept as one real number.
 
+use super::coarse::Coarse;
 use super::grid::{Division, FloorGrid};
-use super::kernels::{Rectangles, by_pillar};
+use super::kernels::{PillarMeans, Rectangles};
+use super::meeting::{halves, multiply_add, put, take, turn, unfold};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::{Mode, mode_count};
-use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::elements::convolution::{
     BLOCK_WIDTH, ColumnBlock, Convolution, Transform, Workspace, line_stride,
 };
-use crate::numerics::fft::RealPlans;
-use crate::numerics::vector::{LANES, Lanes, widest};
+use crate::numerics::fft::{Real, RealPlans};
+use crate::numerics::vector::{LANES, widest};
 use crate::numerics::workers::Workers;
 use rayon::ThreadPool;
-use rustfft::num_complex::Complex64;
+use rustfft::num_complex::{Complex, Complex64};
 use std::f64::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
@@ -52,6 +53,17 @@ impl Coupling for SurfaceCoupling<'_> {
         self.tops.apply(of_tops, far_tops, workers);
         floor.apply([of_tops, of_floor], [far_tops, far_floor]);
     }
+
+    fn apply_roughly(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+        let Some(floor) = &mut self.floor else {
+            return self.tops.apply(coefficients, far, workers);
+        };
+        let tops = far.len() - floor.cells;
+        let (of_tops, of_floor) = coefficients.split_at(tops);
+        let (far_tops, far_floor) = far.split_at_mut(tops);
+        self.tops.apply(of_tops, far_tops, workers);
+        floor.apply_roughly([of_tops, of_floor], [far_tops, far_floor]);
+    }
 }
 
 /// The floor with itself and with pillar tops.
@@ -62,54 +74,70 @@ pub(crate) struct FloorCoupling<'a> {
     modes: usize,
     /// Place of every pillar on the coarse grid, if it can be touched.
     places: Vec<Option<usize>>,
-    convolution: Convolution<'a, Together>,
+    exact: Convolution<'a, Together<f64>>,
+    rough: Convolution<'a, Together<f32>>,
     coarse: Coarse,
 }
 
-/// Transforms over the coarse grid, with room.
-struct Coarse {
-    shape: [usize; 2],
-    plans: RealPlans,
-    grid: Vec<f64>,
-    /// Half of the columns, each with its rows.
-    columns: Vec<Complex64>,
-    line: Vec<Complex64>,
-    scratch: Vec<Complex64>,
-    /// For every column, every mode, its rows: folded transforms, real parts and imaginary ones.
-    folded: Vec<f64>,
+/// Rows of a kernel that are held: the others mirror them.
+fn kernel_rows(rows: usize) -> usize {
+    rows / 2 + 1
+}
+
+/// What it takes longest to make, to be used again: in double precision and in single.
+#[derive(Clone)]
+pub(crate) struct FloorKernels {
+    exact: Arc<Together<f64>>,
+    rough: Arc<Together<f32>>,
 }
 
 /// Transforms and kernels of the fine grid, and how it meets the coarse one.
-struct Together {
+struct Together<R> {
+    division: Division,
+    degree: usize,
     /// Columns and rows of the fine grid and of the coarse one.
     shape: [usize; 2],
     coarse: [usize; 2],
-    plans: RealPlans,
+    plans: RealPlans<R>,
     /// Whether the kernels of the coupled modes are imaginary.
     odd: Vec<bool>,
-    /// For every column, every kernel, that of the floor first: its rows. With the normalisation of all transforms.
-    kernel: Vec<f64>,
+    /// Sign of the kernel of each in the rows of the other half, which mirror those of the first.
+    mirrored: Vec<R>,
+    /// For every column, every kernel, that of the floor first: its rows, [`kernel_rows`] of them. With the normalisation of all transforms.
+    kernel: Vec<R>,
     /// `exp(i theta/2)` for every column and for every row.
-    phases: [Vec<Complex64>; 2],
+    phases: [Vec<Complex<R>>; 2],
     /// Transforms of the pillars' coefficients: for every coarse column, every mode, the real parts of its rows, then the imaginary ones.
-    tops: RwLock<Vec<f64>>,
+    tops: RwLock<Vec<R>>,
     /// For every block of columns, every column, every mode: folded rows, likewise.
-    folded: Vec<Mutex<Vec<f64>>>,
+    folded: Vec<Mutex<Vec<R>>>,
 }
 
 impl<'a> FloorCoupling<'a> {
     /// Of a grid with the pillars of a window; those farther than `reach` can neither be touched nor need to know the floor. Their first modes up to `degree` see the floor; they have `modes` in all. If it is
-    /// cancelled the kernels are nothing; solvers look before they ask for a product.
+    /// cancelled the kernels are nothing; solvers look before they ask for a product. The kernels
+    /// that are `known` are used again if they are those of this grid.
     pub(crate) fn new(
         grid: &FloorGrid,
         (window, reach): (&Window, f64),
         modes: usize,
         degree: usize,
+        known: Option<FloorKernels>,
         workers: Workers<'_>,
         pool: Option<&'a ThreadPool>,
     ) -> Self {
         let coarse = FloorGrid::period(&grid.division, grid.radius, window.extent(reach));
-        let together = Together::new(&grid.division, coarse, degree, workers);
+        let kernels = known
+            .filter(|FloorKernels { exact, .. }| {
+                exact.division == grid.division && exact.coarse == coarse && exact.degree == degree
+            })
+            .unwrap_or_else(|| {
+                let exact = Together::new(&grid.division, coarse, degree, workers);
+                FloorKernels {
+                    rough: Arc::new(exact.rounded()),
+                    exact: Arc::new(exact),
+                }
+            });
         let places = (0..window.len())
             .map(|pillar| {
                 let [x, y] = window.centres()[pillar];
@@ -126,7 +154,16 @@ impl<'a> FloorCoupling<'a> {
             modes,
             places,
             coarse: Coarse::new(coarse, coupled),
-            convolution: Convolution::new(grid.cells.clone(), [0, 0], Arc::new(together), pool),
+            exact: Convolution::new(grid.cells.clone(), [0, 0], kernels.exact, pool),
+            rough: Convolution::new(grid.cells.clone(), [0, 0], kernels.rough, pool),
+        }
+    }
+
+    /// Its kernels.
+    pub(crate) fn kernels(&self) -> FloorKernels {
+        FloorKernels {
+            exact: Arc::clone(self.exact.transform()),
+            rough: Arc::clone(self.rough.transform()),
         }
     }
 
@@ -143,159 +180,65 @@ impl<'a> FloorCoupling<'a> {
         let half = 0.5 * shape[0] + 1.0;
         let held = 2.0 * radius / division.cell[1];
         let build = 8.0 * kernels * half * 0.5 * shape[1];
+        let kept = 8.0 * kernels * half * kernel_rows(shape[1] as usize) as f64;
         let folded = 16.0 * half * kernels * coarse[1] as f64;
         let vectors = 20.0 * 8.0 * FloorGrid::expected_len(division, radius);
-        8.0 * kernels * half * shape[1] + build + folded + 16.0 * held * half + vectors
+        // All but what they are built in once more in single precision.
+        build + 1.5 * (kept + folded + 16.0 * held * half) + vectors
     }
 
     /// Adds to the loads on pillar tops, and sets those on floor cells.
-    fn apply(&mut self, [tops, floor]: [&[f64]; 2], [far_tops, far_floor]: [&mut [f64]; 2]) {
-        let together = Arc::clone(self.convolution.transform());
-        {
-            let mut spectra = together
-                .tops
-                .write()
-                .unwrap_or_else(PoisonError::into_inner);
-            let coupled = together.odd.len();
-            for mode in 0..coupled {
-                let values = tops.iter().skip(mode).step_by(self.modes);
-                self.coarse
-                    .forward(&self.places, values, mode, &mut spectra);
-            }
-        }
-        self.convolution.apply(floor, far_floor);
-        self.coarse.gather(&together);
-        for (mode, &odd) in together.odd.iter().enumerate() {
-            self.coarse.back(mode, odd);
-            let far = far_tops.iter_mut().skip(mode).step_by(self.modes);
-            for (far, place) in far.zip(&self.places) {
-                if let Some(place) = place {
-                    *far += self.coarse.grid[*place];
-                }
-            }
-        }
+    fn apply(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
+        let pillars = (self.places.as_slice(), self.modes);
+        apply(
+            &mut self.exact,
+            &mut self.coarse,
+            pillars,
+            coefficients,
+            far,
+        );
+    }
+
+    /// The same in single precision.
+    fn apply_roughly(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
+        let pillars = (self.places.as_slice(), self.modes);
+        apply(
+            &mut self.rough,
+            &mut self.coarse,
+            pillars,
+            coefficients,
+            far,
+        );
     }
 }
 
-impl Coarse {
-    fn new(shape: [usize; 2], modes: usize) -> Self {
-        let [columns, rows] = shape;
-        let plans = RealPlans::new(rows, columns);
-        let half = columns / 2 + 1;
-        Self {
-            shape,
-            grid: vec![0.0; columns * rows],
-            columns: vec![Complex64::default(); half * rows],
-            line: vec![Complex64::default(); half],
-            scratch: vec![Complex64::default(); plans.scratch_len()],
-            folded: vec![0.0; 2 * columns * modes * rows],
-            plans,
+fn apply<R: Real>(
+    convolution: &mut Convolution<'_, Together<R>>,
+    coarse: &mut Coarse,
+    (places, modes): (&[Option<usize>], usize),
+    [tops, floor]: [&[f64]; 2],
+    [far_tops, far_floor]: [&mut [f64]; 2],
+) {
+    let together = Arc::clone(convolution.transform());
+    {
+        let mut spectra = together
+            .tops
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        for mode in 0..together.odd.len() {
+            let values = tops.iter().skip(mode).step_by(modes);
+            coarse.forward(places, values, mode, &mut spectra);
         }
     }
-
-    /// The transform of one mode of all pillars, into the columns of all modes.
-    fn forward<'v>(
-        &mut self,
-        places: &[Option<usize>],
-        values: impl Iterator<Item = &'v f64>,
-        mode: usize,
-        spectra: &mut [f64],
-    ) {
-        let [columns, rows] = self.shape;
-        self.grid.fill(0.0);
-        for (place, value) in places.iter().zip(values) {
+    convolution.apply(floor, far_floor);
+    coarse.gather(together.shape[0], &together.folded);
+    for (mode, &odd) in together.odd.iter().enumerate() {
+        coarse.back(mode, odd);
+        let far = far_tops.iter_mut().skip(mode).step_by(modes);
+        for (far, place) in far.zip(places) {
             if let Some(place) = place {
-                self.grid[*place] = *value;
+                *far += coarse.grid[*place];
             }
-        }
-        for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
-            // Lengths are those the plans were made for, so this cannot fail.
-            let _ = self
-                .plans
-                .row
-                .process_with_scratch(values, &mut self.line, &mut self.scratch);
-            for (column, value) in self.columns.chunks_exact_mut(rows).zip(&self.line) {
-                column[row] = *value;
-            }
-        }
-        self.plans
-            .column
-            .process_with_scratch(&mut self.columns, &mut self.scratch);
-        let stride = spectra.len() / columns;
-        for (number, column) in self.columns.chunks_exact(rows).enumerate() {
-            let at = number * stride + 2 * mode * rows;
-            let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
-            for ((re, im), value) in real.iter_mut().zip(imaginary).zip(column) {
-                (*re, *im) = (value.re, value.im);
-            }
-            let opposite = columns - number;
-            if number > 0 && opposite != number {
-                let at = opposite * stride + 2 * mode * rows;
-                let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
-                for (row, value) in column.iter().enumerate() {
-                    let mirrored = if row == 0 { 0 } else { rows - row };
-                    (real[mirrored], imaginary[mirrored]) = (value.re, -value.im);
-                }
-            }
-        }
-    }
-
-    /// Adds up the folded columns that repeat. The fine columns are half of all; the ends of these are their own conjugates.
-    fn gather(&mut self, together: &Together) {
-        let stride = self.folded.len() / self.shape[0];
-        let last = together.shape[0] / 2;
-        self.folded.fill(0.0);
-        for (block, folded) in together.folded.iter().enumerate() {
-            let folded = folded.lock().unwrap_or_else(PoisonError::into_inner);
-            for (k, values) in folded.chunks_exact(stride).enumerate() {
-                let column = block * BLOCK_WIDTH + k;
-                let weight = if column == 0 || column == last {
-                    0.5
-                } else {
-                    1.0
-                };
-                let sum = &mut self.folded[column % self.shape[0] * stride..][..stride];
-                for (sum, value) in sum.iter_mut().zip(values) {
-                    *sum += weight * value;
-                }
-            }
-        }
-    }
-
-    /// Transforms one mode back, to the grid: the sum over the half and over its conjugates.
-    fn back(&mut self, mode: usize, odd: bool) {
-        let [columns, rows] = self.shape;
-        let stride = self.folded.len() / columns;
-        // conj(i) of imaginary kernels.
-        let factor = if odd {
-            Complex64::new(0.0, -1.0)
-        } else {
-            Complex64::new(1.0, 0.0)
-        };
-        for (number, column) in self.columns.chunks_exact_mut(rows).enumerate() {
-            let of = |number: usize, row: usize| {
-                let parts = &self.folded[number * stride + 2 * mode * rows..];
-                factor * Complex64::new(parts[row], parts[rows + row])
-            };
-            for (row, value) in column.iter_mut().enumerate() {
-                let opposite = if row == 0 { 0 } else { rows - row };
-                *value = of(number, row) + of((columns - number) % columns, opposite).conj();
-            }
-        }
-        self.plans
-            .column_back
-            .process_with_scratch(&mut self.columns, &mut self.scratch);
-        for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
-            for (value, column) in self.line.iter_mut().zip(self.columns.chunks_exact(rows)) {
-                *value = column[row];
-            }
-            // The transform of real data is real at its ends; rounding must not say otherwise.
-            self.line[0].im = 0.0;
-            self.line[columns / 2].im = 0.0;
-            let _ =
-                self.plans
-                    .row_back
-                    .process_with_scratch(&mut self.line, values, &mut self.scratch);
         }
     }
 }
@@ -305,7 +248,23 @@ fn parities(mode: &Mode) -> [bool; 2] {
     [(mode.order + usize::from(mode.sine)) % 2 == 1, mode.sine]
 }
 
-impl Together {
+/// Zeros for every column, in blocks.
+fn folded_room<R: Real>(columns: usize, of_column: usize) -> Vec<Mutex<Vec<R>>> {
+    (0..columns)
+        .step_by(BLOCK_WIDTH)
+        .map(|first| {
+            let width = BLOCK_WIDTH.min(columns - first);
+            Mutex::new(vec![R::default(); width * of_column])
+        })
+        .collect()
+}
+
+/// Whether the transform of its kernel is imaginary.
+fn is_imaginary(mode: &Mode) -> bool {
+    mode.degree % 2 == 1
+}
+
+impl Together<f64> {
     fn new(division: &Division, coarse: [usize; 2], degree: usize, workers: Workers<'_>) -> Self {
         let shape = [0, 1].map(|k| coarse[k] * division.half[k]);
         let [columns, rows] = shape;
@@ -314,26 +273,52 @@ impl Together {
             |k: usize, length: usize| Complex64::from_polar(1.0, PI * k as f64 / length as f64);
         let modes = crate::halfspace::disc::basis::modes(degree);
         let mut together = Self {
+            division: *division,
+            degree,
             shape,
             coarse,
             plans: RealPlans::new(rows, columns),
-            odd: modes.iter().map(|mode| mode.degree % 2 == 1).collect(),
-            kernel: vec![0.0; half * (1 + modes.len()) * rows],
+            odd: modes.iter().map(is_imaginary).collect(),
+            mirrored: modes
+                .iter()
+                .map(|mode| if parities(mode)[1] { 1.0 } else { -1.0 })
+                .collect(),
+            kernel: vec![0.0; half * (1 + modes.len()) * kernel_rows(rows)],
             phases: [
                 (0..half).map(|k| phase(k, columns)).collect(),
                 (0..rows).map(|k| phase(k, rows)).collect(),
             ],
             tops: RwLock::new(vec![0.0; 2 * coarse[0] * modes.len() * coarse[1]]),
-            folded: (0..half)
-                .step_by(BLOCK_WIDTH)
-                .map(|first| {
-                    let width = BLOCK_WIDTH.min(half - first);
-                    Mutex::new(vec![0.0; 2 * width * modes.len() * coarse[1]])
-                })
-                .collect(),
+            folded: folded_room(half, 2 * modes.len() * coarse[1]),
         };
         together.fill_kernels(division, &modes, degree, workers);
         together
+    }
+
+    /// The same in single precision.
+    fn rounded(&self) -> Together<f32> {
+        let [columns, rows] = self.shape;
+        let real = |values: &[f64]| values.iter().map(|value| f32::of(*value)).collect();
+        let complex = |values: &Vec<Complex64>| {
+            let of = |value: &Complex64| Complex::new(f32::of(value.re), f32::of(value.im));
+            values.iter().map(of).collect()
+        };
+        Together {
+            division: self.division,
+            degree: self.degree,
+            shape: self.shape,
+            coarse: self.coarse,
+            plans: RealPlans::new(rows, columns),
+            odd: self.odd.clone(),
+            mirrored: real(&self.mirrored),
+            kernel: real(&self.kernel),
+            phases: self.phases.each_ref().map(complex),
+            tops: RwLock::new(vec![
+                0.0;
+                2 * self.coarse[0] * self.odd.len() * self.coarse[1]
+            ]),
+            folded: folded_room(columns / 2 + 1, 2 * self.odd.len() * self.coarse[1]),
+        }
     }
 
     fn fill_kernels(
@@ -348,14 +333,13 @@ impl Together {
         let kernels = 1 + modes.len();
         // Rows of the quadrant, those of the floor at whole cells and those of pillars at half cells, transformed along x.
         let quadrant = rows / 2 + 1;
-        let (exterior, rectangles) = (Exterior::new(degree), Rectangles::new(division));
+        let rectangles = Rectangles::new(division);
         let mut transformed = vec![0.0; quadrant * kernels * half];
         let [phases_x, phases_y] = &self.phases;
         let plan = &self.plans.row;
         let work = || KernelWork {
             values: vec![0.0; kernels * columns],
-            room: vec![0.0; modes.len()],
-            means: vec![0.0; modes.len()],
+            means: PillarMeans::new(division, degree),
             spectrum: plan.make_output_vec(),
             scratch: plan.make_scratch_vec(),
         };
@@ -368,7 +352,7 @@ impl Together {
                 if workers.cancel.is_cancelled() {
                     return;
                 }
-                work.fill_row(division, modes, &exterior, &rectangles, row);
+                work.fill_row(modes, &rectangles, row);
                 let values = work.values.chunks_exact_mut(columns);
                 for (kernel, (values, output)) in
                     values.zip(output.chunks_exact_mut(half)).enumerate()
@@ -387,47 +371,77 @@ impl Together {
         let root = division.cell_area().sqrt();
         let scale = 1.0 / (columns * rows) as f64;
         let plan = &self.plans.column;
+        let held = kernel_rows(rows);
+        let (odd, even): (Vec<usize>, Vec<usize>) =
+            (0..modes.len()).partition(|mode| parities(&modes[*mode])[1]);
         let work = || {
             let scratch = vec![Complex64::default(); plan.get_inplace_scratch_len()];
-            (vec![Complex64::default(); rows], scratch)
+            let line = vec![Complex64::default(); rows];
+            (line, scratch, vec![0.0; BLOCK_WIDTH * kernels * quadrant])
+        };
+        type Work = (Vec<Complex64>, Vec<Complex64>, Vec<f64>);
+        let several = |(line, scratch, columns): &mut Work, block: usize, output: &mut [f64]| {
+            if workers.cancel.is_cancelled() {
+                return;
+            }
+            let first = block * BLOCK_WIDTH;
+            let width = BLOCK_WIDTH.min(half - first);
+            for (place, values) in transformed.chunks_exact(half).enumerate() {
+                let (row, kernel) = (place / kernels, place % kernels);
+                let column = columns[kernel * quadrant + row..].iter_mut();
+                let values = &values[first..first + width];
+                for (column, value) in column.step_by(kernels * quadrant).zip(values) {
+                    *column = *value;
+                }
+            }
+            let columns = columns.chunks_exact(kernels * quadrant);
+            for (output, columns) in output.chunks_exact_mut(kernels * held).zip(columns) {
+                let value = |kernel: usize, row: usize| columns[kernel * quadrant + row];
+                for row in 0..quadrant {
+                    line[row] = Complex64::new(value(0, row), 0.0);
+                    line[(rows - row) % rows] = line[row];
+                }
+                plan.process_with_scratch(line, scratch);
+                for (output, value) in output[..held].iter_mut().zip(&*line) {
+                    *output = scale * value.re;
+                }
+                // Two modes alike in y by one transform: as its real and its imaginary part.
+                for pair in even.chunks(2).chain(odd.chunks(2)) {
+                    let odd_y = parities(&modes[pair[0]])[1];
+                    for row in 0..rows / 2 {
+                        let of = |k: usize| pair.get(k).map_or(0.0, |mode| value(mode + 1, row));
+                        let value = Complex64::new(of(0), of(1));
+                        line[row] = value;
+                        line[rows - 1 - row] = if odd_y { -value } else { value };
+                    }
+                    plan.process_with_scratch(line, scratch);
+                    for (k, mode) in pair.iter().enumerate() {
+                        let odd_x = parities(&modes[*mode])[0];
+                        // Two imaginary factors make a negative one.
+                        let scale = root * if odd_x && odd_y { -scale } else { scale };
+                        let output = &mut output[(mode + 1) * held..][..held];
+                        for ((output, value), phase) in output.iter_mut().zip(&*line).zip(phases_y)
+                        {
+                            let value = value * phase.conj();
+                            *output = scale
+                                * match (k, odd_y) {
+                                    (0, false) | (1, true) => value.re,
+                                    _ => value.im,
+                                };
+                            if k == 1 && odd_y {
+                                *output = -*output;
+                            }
+                        }
+                    }
+                }
+            }
         };
         workers.fill(
             &mut self.kernel,
-            kernels * rows,
-            KERNEL_ROWS,
+            BLOCK_WIDTH * kernels * held,
+            1,
             work,
-            |(line, scratch), column, output| {
-                if workers.cancel.is_cancelled() {
-                    return;
-                }
-                for (kernel, output) in output.chunks_exact_mut(rows).enumerate() {
-                    let value = |row: usize| transformed[(row * kernels + kernel) * half + column];
-                    if kernel == 0 {
-                        for row in 0..quadrant {
-                            line[row] = Complex64::new(value(row), 0.0);
-                            line[(rows - row) % rows] = line[row];
-                        }
-                        plan.process_with_scratch(line, scratch);
-                        for (output, value) in output.iter_mut().zip(&*line) {
-                            *output = scale * value.re;
-                        }
-                        continue;
-                    }
-                    let [odd_x, odd_y] = parities(&modes[kernel - 1]);
-                    for row in 0..rows / 2 {
-                        let value = value(row);
-                        line[row] = Complex64::new(value, 0.0);
-                        line[rows - 1 - row] =
-                            Complex64::new(if odd_y { -value } else { value }, 0.0);
-                    }
-                    plan.process_with_scratch(line, scratch);
-                    // Two imaginary factors make a negative one.
-                    let scale = root * if odd_x && odd_y { -scale } else { scale };
-                    for ((output, value), phase) in output.iter_mut().zip(&*line).zip(phases_y) {
-                        *output = scale * real_part(*value, Some(*phase), odd_y);
-                    }
-                }
-            },
+            several,
         );
     }
 }
@@ -442,45 +456,34 @@ fn real_part(value: Complex64, phase: Option<Complex64>, odd: bool) -> f64 {
 struct KernelWork {
     /// One row of every kernel.
     values: Vec<f64>,
-    room: Vec<f64>,
-    means: Vec<f64>,
+    means: PillarMeans,
     spectrum: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
 
 impl KernelWork {
-    fn fill_row(
-        &mut self,
-        division: &Division,
-        modes: &[Mode],
-        exterior: &Exterior,
-        rectangles: &Rectangles,
-        row: usize,
-    ) {
+    fn fill_row(&mut self, modes: &[Mode], rectangles: &Rectangles, row: usize) {
         let columns = self.values.len() / (1 + modes.len());
-        for column in 0..=columns / 2 {
-            let value = rectangles.value(column, row);
-            self.values[column] = value;
-            self.values[(columns - column) % columns] = value;
+        let (of_floor, of_pillars) = self.values.split_at_mut(columns);
+        rectangles.fill_row(row, &mut of_floor[..columns / 2 + 1]);
+        let (first, second) = of_floor.split_at_mut(columns / 2 + 1);
+        for (value, mirrored) in second.iter_mut().rev().zip(&first[1..]) {
+            *value = *mirrored;
         }
-        for column in 0..columns / 2 {
-            by_pillar(
-                exterior,
-                division,
-                [column, row],
-                &mut self.room,
-                &mut self.means,
-            );
-            for (kernel, (mode, mean)) in modes.iter().zip(&self.means).enumerate() {
-                let values = &mut self.values[(kernel + 1) * columns..][..columns];
-                values[column] = *mean;
-                values[columns - 1 - column] = if parities(mode)[0] { -mean } else { *mean };
+        self.means.fill_row(row, columns, of_pillars);
+        for (mode, values) in modes.iter().zip(of_pillars.chunks_exact_mut(columns)) {
+            let sign = if parities(mode)[0] { -1.0 } else { 1.0 };
+            let (first, second) = values.split_at_mut(columns / 2);
+            for (value, mirrored) in second.iter_mut().rev().zip(first) {
+                *value = sign * *mirrored;
             }
         }
     }
 }
 
-impl Transform for Together {
+impl<R: Real> Transform for Together<R> {
+    type Real = R;
+
     fn shape(&self) -> [usize; 2] {
         self.shape
     }
@@ -489,22 +492,22 @@ impl Transform for Together {
         self.shape[0] / 2 + 1
     }
 
-    fn row_forward(&self, row: &mut [f64], spectrum: &mut [Complex64], scratch: &mut [Complex64]) {
+    fn row_forward(&self, row: &mut [R], spectrum: &mut [Complex<R>], scratch: &mut [Complex<R>]) {
         // The lengths are those that the transform was made for, so this cannot fail.
         let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
     }
 
-    fn row_back(&self, spectrum: &mut [Complex64], row: &mut [f64], scratch: &mut [Complex64]) {
+    fn row_back(&self, spectrum: &mut [Complex<R>], row: &mut [R], scratch: &mut [Complex<R>]) {
         // The transform of real data is real at its ends; rounding must not say otherwise.
-        spectrum[0].im = 0.0;
-        spectrum[self.shape[0] / 2].im = 0.0;
+        spectrum[0].im = R::default();
+        spectrum[self.shape[0] / 2].im = R::default();
         let _ = self
             .plans
             .row_back
             .process_with_scratch(spectrum, row, scratch);
     }
 
-    fn convolve(&self, block: &mut ColumnBlock<'_>, work: &mut Workspace) {
+    fn convolve(&self, block: &mut ColumnBlock<'_, R>, work: &mut Workspace<R>) {
         let rows = self.shape[1];
         let coarse = self.coarse[1];
         let stride = line_stride(rows);
@@ -514,10 +517,10 @@ impl Transform for Together {
         let mut folded = self.folded[block.first / BLOCK_WIDTH]
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        folded.fill(0.0);
+        folded.fill(R::default());
         let modes = self.odd.len();
-        let kernels =
-            self.kernel[block.first * (1 + modes) * rows..].chunks_exact((1 + modes) * rows);
+        let kernels = (1 + modes) * kernel_rows(rows);
+        let kernels = self.kernel[block.first * kernels..].chunks_exact(kernels);
         let folded = folded.chunks_exact_mut(2 * modes * coarse);
         for (k, ((line, kernel), folded)) in lines
             .chunks_exact_mut(stride)
@@ -560,109 +563,81 @@ impl Transform for Together {
     }
 
     fn real_count(&self) -> usize {
-        6 * self.shape[1]
+        9 * self.shape[1]
     }
 }
 
-impl Together {
+impl<R: Real> Together<R> {
     /// One column of the floor's transform meets that of the pillars.
     #[inline(always)]
     fn meet(
         &self,
-        phase: Complex64,
-        line: &mut [Complex64],
-        kernel: &[f64],
-        tops: &[f64],
-        folded: &mut [f64],
-        room: &mut [f64],
+        phase: Complex<R>,
+        line: &mut [Complex<R>],
+        kernel: &[R],
+        tops: &[R],
+        folded: &mut [R],
+        room: &mut [R],
     ) {
         let rows = line.len();
         let coarse = self.coarse[1];
-        let (turned, sums) = room.split_at_mut(2 * rows);
-        let (real, imaginary) = turned.split_at_mut(rows);
-        for (((re, im), value), along) in real
-            .iter_mut()
-            .zip(&mut *imaginary)
-            .zip(&*line)
-            .zip(&self.phases[1])
-        {
-            let value = value * (phase * along).conj();
-            (*re, *im) = (value.re, value.im);
-        }
-        sums.fill(0.0);
+        let (phases, room) = room.split_at_mut(2 * rows);
+        let (turned, room) = room.split_at_mut(2 * rows);
+        let (sums, whole) = room.split_at_mut(4 * rows);
+        let [phase_real, phase_imaginary] = halves(phases);
+        let [real, imaginary] = halves(turned);
+        turn(phase, &self.phases[1], phase_real, phase_imaginary);
+        take(line, phase_real, phase_imaginary, real, imaginary);
+        sums.fill(R::default());
         let (even, uneven) = sums.split_at_mut(2 * rows);
-        let kernels = kernel.chunks_exact(rows).skip(1).zip(&self.odd);
+        let (of_floor, of_modes) = kernel.split_at(kernel_rows(rows));
         let modes = tops
             .chunks_exact(2 * coarse)
             .zip(folded.chunks_exact_mut(2 * coarse));
-        for ((kernel, &odd), (tops, folded)) in kernels.zip(modes) {
-            let sum = if odd { &mut *uneven } else { &mut *even };
-            let (sum_real, sum_imaginary) = sum.split_at_mut(rows);
-            let (top_real, top_imaginary) = tops.split_at(coarse);
-            let (folded_real, folded_imaginary) = folded.split_at_mut(coarse);
-            for first in (0..rows).step_by(coarse) {
-                let at = first..first + coarse;
-                let kernel = &kernel[at.clone()];
-                let sums = [&mut sum_real[at.clone()], &mut sum_imaginary[at.clone()]];
-                let turned = [&real[at.clone()], &imaginary[at]];
-                let folds = [&mut *folded_real, &mut *folded_imaginary];
-                multiply_add(kernel, sums, [top_real, top_imaginary], folds, turned);
+        let kernels = of_modes.chunks_exact(kernel_rows(rows));
+        for (mode, (kernel, (tops, folded))) in kernels.zip(modes).enumerate() {
+            unfold(kernel, self.mirrored[mode], whole);
+            let sums = halves(if self.odd[mode] { uneven } else { even });
+            let (tops, folded) = (tops.split_at(coarse), halves(folded));
+            // Lanes as wide as the registers for single precision, if the rows come in such numbers.
+            if coarse.is_multiple_of(2 * LANES) {
+                multiply_add::<R, { 2 * LANES }>(
+                    whole,
+                    [real, imaginary],
+                    tops.into(),
+                    sums,
+                    folded,
+                );
+            } else {
+                multiply_add::<R, LANES>(whole, [real, imaginary], tops.into(), sums, folded);
             }
         }
-        let (even_real, even_imaginary) = even.split_at(rows);
-        let (uneven_real, uneven_imaginary) = uneven.split_at(rows);
-        for (row, (value, kernel)) in line.iter_mut().zip(kernel).enumerate() {
-            // i times the uneven ones.
-            let sum = Complex64::new(
-                even_real[row] - uneven_imaginary[row],
-                even_imaginary[row] + uneven_real[row],
-            );
-            *value = *value * kernel + sum * (phase * self.phases[1][row]);
+        unfold(of_floor, R::of(1.0), whole);
+        let [even_real, even_imaginary] = halves(even);
+        let [uneven_real, uneven_imaginary] = halves(uneven);
+        // i times the uneven ones.
+        for (sum, imaginary) in even_real.iter_mut().zip(&*uneven_imaginary) {
+            *sum = *sum - *imaginary;
         }
+        for (sum, real) in even_imaginary.iter_mut().zip(&*uneven_real) {
+            *sum = *sum + *real;
+        }
+        put(
+            line,
+            whole,
+            even_real,
+            even_imaginary,
+            phase_real,
+            phase_imaginary,
+        );
     }
-}
-
-/// `sum += kernel top` and `folded += kernel turned`, real and imaginary parts, of lengths that are multiples of [`LANES`].
-#[inline(always)]
-fn multiply_add(
-    kernel: &[f64],
-    [sum_real, sum_imaginary]: [&mut [f64]; 2],
-    [top_real, top_imaginary]: [&[f64]; 2],
-    [folded_real, folded_imaginary]: [&mut [f64]; 2],
-    [real, imaginary]: [&[f64]; 2],
-) {
-    let (kernel, _) = kernel.as_chunks::<LANES>();
-    let sums = lanes_mut(sum_real).iter_mut().zip(lanes_mut(sum_imaginary));
-    let folds = lanes_mut(folded_real)
-        .iter_mut()
-        .zip(lanes_mut(folded_imaginary));
-    let tops = lanes(top_real).iter().zip(lanes(top_imaginary));
-    let turned = lanes(real).iter().zip(lanes(imaginary));
-    for ((((kernel, sum), fold), top), turned) in
-        kernel.iter().zip(sums).zip(folds).zip(tops).zip(turned)
-    {
-        let kernel = Lanes(*kernel);
-        *sum.0 = (Lanes(*sum.0) + kernel * Lanes(*top.0)).0;
-        *sum.1 = (Lanes(*sum.1) + kernel * Lanes(*top.1)).0;
-        *fold.0 = (Lanes(*fold.0) + kernel * Lanes(*turned.0)).0;
-        *fold.1 = (Lanes(*fold.1) + kernel * Lanes(*turned.1)).0;
-    }
-}
-
-#[inline(always)]
-fn lanes(values: &[f64]) -> &[[f64; LANES]] {
-    values.as_chunks().0
-}
-
-#[inline(always)]
-fn lanes_mut(values: &mut [f64]) -> &mut [[f64; LANES]] {
-    values.as_chunks_mut().0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::halfspace::coupling::pair::PairCoupling;
+    use crate::halfspace::disc::exterior::Exterior;
     use crate::numerics::workers::CancelToken;
     use crate::problem::HexagonalLattice;
 
@@ -747,7 +722,8 @@ mod tests {
                     pool,
                     cancel: &CancelToken::default(),
                 };
-                let mut floor = FloorCoupling::new(&grid, (&window, 1e9), modes, 2, workers, pool);
+                let mut floor =
+                    FloorCoupling::new(&grid, (&window, 1e9), modes, 2, None, workers, pool);
                 // Twice, as nothing of the first product may be left in the second.
                 for _ in 0..2 {
                     let mut far = vec![0.0; coefficients.len()];
@@ -783,6 +759,7 @@ mod tests {
                 (&window, 1e9),
                 6,
                 2,
+                None,
                 workers,
                 None,
             ))),

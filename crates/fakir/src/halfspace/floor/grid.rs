@@ -115,8 +115,13 @@ impl FloorGrid {
         [0, 1].map(|k| {
             let side = division.half[k] as f64 * division.cell[k];
             let least = 2.0 * (radius + pillars[k]) + 2.0 * division.cell[k];
+            let count = (least / side).ceil() as usize + 1;
             // Rows are taken four at a time.
-            2 * smooth_size(((least / side).ceil() as usize + 1).div_ceil(2))
+            if k == 1 {
+                2 * smooth_size(count.div_ceil(2))
+            } else {
+                smooth_size(count)
+            }
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::grid::Division;
 use crate::halfspace::disc::exterior::Exterior;
+use crate::numerics::vector::{LANES, Lanes, widest};
 use std::f64::consts::PI;
 
 /// Distance, in longer sides of a cell, from which on two rectangles act on each other by their moments: the closed form is a small
@@ -43,14 +44,35 @@ impl Rectangles {
     }
 
     /// Of one so many columns and rows away.
+    #[cfg(test)]
     pub(crate) fn value(&self, columns: usize, rows: usize) -> f64 {
+        let mut values = vec![0.0; columns + 1];
+        self.fill_row(rows, &mut values);
+        values[columns]
+    }
+
+    /// Of those so many rows away, by columns.
+    pub(crate) fn fill_row(&self, rows: usize, values: &mut [f64]) {
         let [width, height] = self.cell;
-        let (x, y) = (columns as f64 * width, rows as f64 * height);
-        let distance = x.hypot(y);
-        let longest = width.max(height);
-        if distance > FAR * longest {
-            return self.by_moments(x, y, distance);
+        let y = rows as f64 * height;
+        let far = FAR * width.max(height);
+        let is_near = |columns: &usize| (*columns as f64 * width).hypot(y) <= far;
+        let near = (0..values.len()).take_while(is_near).count();
+        for (columns, value) in values[..near].iter_mut().enumerate() {
+            *value = self.by_differences(columns, rows);
         }
+        widest(
+            #[inline(always)]
+            || {
+                for (columns, value) in values.iter_mut().enumerate().skip(near) {
+                    *value = self.by_moments(columns as f64 * width, y);
+                }
+            },
+        );
+    }
+
+    fn by_differences(&self, columns: usize, rows: usize) -> f64 {
+        let [width, height] = self.cell;
         let side = self.near + 3;
         let row = |i: usize| {
             let from = (columns + i) * side + rows;
@@ -58,20 +80,24 @@ impl Rectangles {
             before - 2.0 * at + after
         };
         let difference = row(0) - 2.0 * row(1) + row(2);
-        difference * longest.powi(3) / (PI * width * height)
+        difference * width.max(height).powi(3) / (PI * width * height)
     }
 
     /// The expansion about the centres of both, to the fourth order in the sides over the distance.
-    fn by_moments(&self, x: f64, y: f64, distance: f64) -> f64 {
+    #[inline(always)]
+    fn by_moments(&self, x: f64, y: f64) -> f64 {
         let [width, height] = self.cell;
-        let inverse = distance.recip();
-        let (cx, cy) = ((x * inverse).powi(2), (y * inverse).powi(2));
-        let (p, q) = ((width * inverse).powi(2), (height * inverse).powi(2));
+        let inverse_square = (x * x + y * y).recip();
+        let (cx, cy) = (x * x * inverse_square, y * y * inverse_square);
+        let (p, q) = (
+            width * width * inverse_square,
+            height * height * inverse_square,
+        );
         let second = (p * (3.0 * cx - 1.0) + q * (3.0 * cy - 1.0)) / 12.0;
         let pure = |c: f64| 9.0 - 90.0 * c + 105.0 * c * c;
         let fourth = (p * p * pure(cx) + q * q * pure(cy)) / 360.0
             + p * q * (105.0 * cx * cy - 12.0) / 144.0;
-        width * height * inverse / PI * (1.0 + second + fourth)
+        width * height * inverse_square.sqrt() / PI * (1.0 + second + fourth)
     }
 }
 
@@ -89,36 +115,56 @@ fn fourfold_integral(x: f64, y: f64) -> f64 {
     part(x, y) + part(y, x) - distance.powi(3) / 6.0
 }
 
-/// Mean displacement of a rectangle by every mode of a pillar top, its lower left corner `[columns, rows]` cells from the
-/// centre of the pillar: by two points of Gauss's rule in either direction. Zero on rectangles that the top covers or cuts.
-///
-/// `values` is room.
-pub(crate) fn by_pillar(
-    exterior: &Exterior,
-    division: &Division,
-    [columns, rows]: [usize; 2],
-    values: &mut [f64],
-    means: &mut [f64],
-) {
-    let [width, height] = division.cell;
-    let (x, y) = (columns as f64 * width, rows as f64 * height);
-    means.fill(0.0);
-    if x.hypot(y) < 1.0 {
-        return;
-    }
-    let points = |low: f64, side: f64| {
-        [
-            low + 0.5 * side * (1.0 - GAUSS),
-            low + 0.5 * side * (1.0 + GAUSS),
-        ]
-    };
-    for x in points(x, width) {
-        for y in points(y, height) {
-            exterior.values_of_first(means.len(), [x, y], values);
-            for (mean, value) in means.iter_mut().zip(&*values) {
-                *mean += 0.25 * value;
-            }
+/// Mean displacement of rectangles by the modes of a pillar top, whose centre is a corner of the grid: by two points of Gauss's rule in
+/// either direction. Zero on rectangles that the top covers or cuts.
+pub(crate) struct PillarMeans {
+    exterior: Exterior,
+    /// Lower left corners are whole multiples of this.
+    cell: [f64; 2],
+    /// The points from the lower left corner.
+    points: [Lanes; 2],
+    values: Vec<Lanes>,
+}
+
+impl PillarMeans {
+    /// Of the modes up to a degree.
+    pub(crate) fn new(division: &Division, degree: usize) -> Self {
+        let cell = division.cell;
+        let sides = [-GAUSS, GAUSS];
+        let along = |k: usize, of: [usize; LANES]| {
+            Lanes(of.map(|point| 0.5 * cell[k] * (1.0 + sides[point])))
+        };
+        let exterior = Exterior::new(degree);
+        Self {
+            cell,
+            points: [along(0, [0, 0, 1, 1]), along(1, [0, 1, 0, 1])],
+            values: vec![Lanes::default(); exterior.count()],
+            exterior,
         }
+    }
+
+    /// Those whose lower left corners are `row` above the centre, in the first half of the columns of every mode.
+    pub(crate) fn fill_row(&mut self, row: usize, columns: usize, means: &mut [f64]) {
+        let y = row as f64 * self.cell[1];
+        let at_y = Lanes::splat(y) + self.points[1];
+        widest(
+            #[inline(always)]
+            || {
+                for column in 0..columns / 2 {
+                    let x = column as f64 * self.cell[0];
+                    // Corners on the rim are those of cells beside the top, whatever rounding says.
+                    let covered = x * x + y * y < 1.0 - 1e-12;
+                    let at_x = Lanes::splat(x) + self.points[0];
+                    if !covered {
+                        self.exterior.lane_values([at_x, at_y], &mut self.values);
+                    }
+                    for (mode, value) in self.values.iter().enumerate() {
+                        let mean = if covered { 0.0 } else { 0.25 * value.sum() };
+                        means[mode * columns + column] = mean;
+                    }
+                }
+            },
+        );
     }
 }
 
@@ -193,10 +239,7 @@ mod tests {
                 if !(0.9 * FAR * 0.37..=FAR * 0.37).contains(&distance) {
                     continue;
                 }
-                let (near, far) = (
-                    kernel.value(columns, rows),
-                    kernel.by_moments(x, y, distance),
-                );
+                let (near, far) = (kernel.value(columns, rows), kernel.by_moments(x, y));
                 assert!(
                     (near / far - 1.0).abs() < 1e-9,
                     "{columns} {rows}: {near} {far}"
@@ -212,9 +255,11 @@ mod tests {
         let [width, height] = division.cell;
         let exterior = Exterior::new(2);
         let rule = gauss_legendre(20);
+        let mut of_pillar = PillarMeans::new(&division, 2);
         for ([columns, rows], tolerance) in [([3, 1], 2e-3), ([7, 4], 1e-5), ([20, 31], 1e-8)] {
-            let (mut room, mut means, mut expected) = ([0.0; 6], [0.0; 6], [0.0; 6]);
-            by_pillar(&exterior, &division, [columns, rows], &mut room, &mut means);
+            let (mut room, mut row, mut expected) = ([0.0; 6], [0.0; 6 * 80], [0.0; 6]);
+            of_pillar.fill_row(rows, 80, &mut row);
+            let means: [f64; 6] = std::array::from_fn(|mode| row[mode * 80 + columns]);
             for (u, weight_u) in &rule {
                 for (v, weight_v) in &rule {
                     let x = (columns as f64 + 0.5 + 0.5 * u) * width;

@@ -9,7 +9,9 @@
 //! and pillar tops do to rectangles; [`coupling`] applies both at once by fast Fourier transform; [`load`] is a pressure as a function of
 //! position.
 
+mod coarse;
 pub(crate) mod coupling;
 pub(crate) mod grid;
 pub(crate) mod kernels;
 pub(crate) mod load;
+mod meeting;

@@ -19,15 +19,12 @@ use rayon::ThreadPool;
 /// Pressure below zero, relative to the largest, and gap below zero, relative to the sides of a cell, that are rounding.
 const TOLERANCE: f64 = 1e-9;
 
-/// Half the wave number is the pressure of a wave of unit displacement.
-const HALF: f64 = 0.5;
-
 /// The cells of the floor and their states.
 pub(crate) struct FloorCells<'a> {
     pub(crate) grid: FloorGrid,
     /// Whether a cell bears pressure.
     bears: Vec<bool>,
-    inverse: PeriodicInverse<'a>,
+    inverse: PeriodicInverse<'a, f32>,
     masked: Vec<f64>,
 }
 
@@ -44,7 +41,7 @@ impl<'a> FloorCells<'a> {
     pub(crate) fn new(grid: FloorGrid, pool: Option<&'a ThreadPool>) -> Self {
         Self {
             bears: vec![false; grid.len()],
-            inverse: PeriodicInverse::new(grid.cells.clone(), HALF, pool),
+            inverse: PeriodicInverse::of_means(grid.cells.clone(), pool),
             masked: vec![0.0; grid.len()],
             grid,
         }
@@ -117,9 +114,7 @@ impl<'a> FloorCells<'a> {
     /// Takes the values of cells that bear no pressure away.
     fn mask(bears: &[bool], values: &mut [f64]) {
         for (value, bears) in values.iter_mut().zip(bears) {
-            if !bears {
-                *value = 0.0;
-            }
+            *value = if *bears { *value } else { 0.0 };
         }
     }
 }

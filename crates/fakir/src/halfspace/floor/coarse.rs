@@ -1,0 +1,143 @@
+//! Numbers on the pillars and their transforms, over the coarse grid of half lattice cells.
+
+use crate::halfspace::elements::convolution::BLOCK_WIDTH;
+use crate::numerics::fft::{Real, RealPlans};
+use rustfft::num_complex::Complex64;
+use std::sync::{Mutex, PoisonError};
+
+/// Transforms over the coarse grid, with room.
+pub(super) struct Coarse {
+    shape: [usize; 2],
+    plans: RealPlans,
+    /// Numbers on all points, a row after the other.
+    pub(super) grid: Vec<f64>,
+    /// Half of the columns, each with its rows.
+    columns: Vec<Complex64>,
+    line: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+    /// For every column, every mode, its rows: folded transforms, real parts and imaginary ones.
+    folded: Vec<f64>,
+}
+
+impl Coarse {
+    pub(super) fn new(shape: [usize; 2], modes: usize) -> Self {
+        let [columns, rows] = shape;
+        let plans = RealPlans::new(rows, columns);
+        let half = columns / 2 + 1;
+        Self {
+            shape,
+            grid: vec![0.0; columns * rows],
+            columns: vec![Complex64::default(); half * rows],
+            line: vec![Complex64::default(); half],
+            scratch: vec![Complex64::default(); plans.scratch_len()],
+            folded: vec![0.0; 2 * columns * modes * rows],
+            plans,
+        }
+    }
+
+    /// The transform of one mode of all pillars, into the columns of all modes.
+    pub(super) fn forward<'v, R: Real>(
+        &mut self,
+        places: &[Option<usize>],
+        values: impl Iterator<Item = &'v f64>,
+        mode: usize,
+        spectra: &mut [R],
+    ) {
+        let [columns, rows] = self.shape;
+        self.grid.fill(0.0);
+        for (place, value) in places.iter().zip(values) {
+            if let Some(place) = place {
+                self.grid[*place] = *value;
+            }
+        }
+        for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
+            // Lengths are those the plans were made for, so this cannot fail.
+            let _ = self
+                .plans
+                .row
+                .process_with_scratch(values, &mut self.line, &mut self.scratch);
+            for (column, value) in self.columns.chunks_exact_mut(rows).zip(&self.line) {
+                column[row] = *value;
+            }
+        }
+        self.plans
+            .column
+            .process_with_scratch(&mut self.columns, &mut self.scratch);
+        let stride = spectra.len() / columns;
+        for (number, column) in self.columns.chunks_exact(rows).enumerate() {
+            let at = number * stride + 2 * mode * rows;
+            let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
+            for ((re, im), value) in real.iter_mut().zip(imaginary).zip(column) {
+                (*re, *im) = (R::of(value.re), R::of(value.im));
+            }
+            let opposite = columns - number;
+            if number > 0 && opposite != number {
+                let at = opposite * stride + 2 * mode * rows;
+                let (real, imaginary) = spectra[at..at + 2 * rows].split_at_mut(rows);
+                for (row, value) in column.iter().enumerate() {
+                    let mirrored = if row == 0 { 0 } else { rows - row };
+                    (real[mirrored], imaginary[mirrored]) = (R::of(value.re), R::of(-value.im));
+                }
+            }
+        }
+    }
+
+    /// Adds up the folded columns that repeat, of so many on the fine grid. They are half of all; the ends of these are their own conjugates.
+    pub(super) fn gather<R: Real>(&mut self, columns: usize, folded: &[Mutex<Vec<R>>]) {
+        let stride = self.folded.len() / self.shape[0];
+        let last = columns / 2;
+        self.folded.fill(0.0);
+        for (block, folded) in folded.iter().enumerate() {
+            let folded = folded.lock().unwrap_or_else(PoisonError::into_inner);
+            for (k, values) in folded.chunks_exact(stride).enumerate() {
+                let column = block * BLOCK_WIDTH + k;
+                let weight = if column == 0 || column == last {
+                    0.5
+                } else {
+                    1.0
+                };
+                let sum = &mut self.folded[column % self.shape[0] * stride..][..stride];
+                for (sum, value) in sum.iter_mut().zip(values) {
+                    *sum += weight * value.double();
+                }
+            }
+        }
+    }
+
+    /// Transforms one mode back, to the grid: the sum over the half and over its conjugates.
+    pub(super) fn back(&mut self, mode: usize, odd: bool) {
+        let [columns, rows] = self.shape;
+        let stride = self.folded.len() / columns;
+        // conj(i) of imaginary kernels.
+        let factor = if odd {
+            Complex64::new(0.0, -1.0)
+        } else {
+            Complex64::new(1.0, 0.0)
+        };
+        for (number, column) in self.columns.chunks_exact_mut(rows).enumerate() {
+            let of = |number: usize, row: usize| {
+                let parts = &self.folded[number * stride + 2 * mode * rows..];
+                factor * Complex64::new(parts[row], parts[rows + row])
+            };
+            for (row, value) in column.iter_mut().enumerate() {
+                let opposite = if row == 0 { 0 } else { rows - row };
+                *value = of(number, row) + of((columns - number) % columns, opposite).conj();
+            }
+        }
+        self.plans
+            .column_back
+            .process_with_scratch(&mut self.columns, &mut self.scratch);
+        for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
+            for (value, column) in self.line.iter_mut().zip(self.columns.chunks_exact(rows)) {
+                *value = column[row];
+            }
+            // The transform of real data is real at its ends; rounding must not say otherwise.
+            self.line[0].im = 0.0;
+            self.line[columns / 2].im = 0.0;
+            let _ =
+                self.plans
+                    .row_back
+                    .process_with_scratch(&mut self.line, values, &mut self.scratch);
+        }
+    }
+}
