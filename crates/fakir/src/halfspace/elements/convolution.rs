@@ -16,7 +16,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
 /// Columns transformed together: two cache lines of each row.
-pub(in crate::halfspace) const BLOCK_WIDTH: usize = 8;
+pub(crate) const BLOCK_WIDTH: usize = 8;
 
 /// Rows transformed together, so that each visit to a block of columns writes a stretch of it.
 const ROW_BLOCK: usize = 8;
@@ -29,7 +29,7 @@ const LINE_PADDING: usize = 4;
 const PARALLEL_POINTS: usize = 10_000;
 
 /// The one-dimensional transforms of a convolution, and its kernel.
-pub(in crate::halfspace) trait Transform: Send + Sync {
+pub(crate) trait Transform: Send + Sync {
     /// What it computes with.
     type Real: Real;
 
@@ -71,11 +71,11 @@ pub(in crate::halfspace) trait Transform: Send + Sync {
 }
 
 /// Neighbouring columns of the spectrum, of which only some rows are held.
-pub(in crate::halfspace) struct ColumnBlock<'a, R = f64> {
+pub(crate) struct ColumnBlock<'a, R = f64> {
     /// First column.
-    pub(in crate::halfspace) first: usize,
+    pub(crate) first: usize,
     /// Number of columns.
-    pub(in crate::halfspace) width: usize,
+    pub(crate) width: usize,
     /// Rows held, ascending.
     pub(super) rows: &'a [usize],
     /// For each row held, the columns.
@@ -84,7 +84,7 @@ pub(in crate::halfspace) struct ColumnBlock<'a, R = f64> {
 
 impl<R: Real> ColumnBlock<'_, R> {
     /// Writes the columns to lines of so many rows, `stride` apart; zero in rows that are not held.
-    pub(in crate::halfspace) fn read(&self, lines: &mut [Complex<R>], stride: usize, rows: usize) {
+    pub(crate) fn read(&self, lines: &mut [Complex<R>], stride: usize, rows: usize) {
         let mut next = 0;
         for (&row, values) in self.rows.iter().zip(self.values.chunks_exact(self.width)) {
             clear_rows(lines, stride, next..row);
@@ -97,7 +97,7 @@ impl<R: Real> ColumnBlock<'_, R> {
     }
 
     /// Takes the rows held from such lines.
-    pub(in crate::halfspace) fn write(&mut self, lines: &[Complex<R>], stride: usize) {
+    pub(crate) fn write(&mut self, lines: &[Complex<R>], stride: usize) {
         let rows = self.rows.iter();
         for (&row, values) in rows.zip(self.values.chunks_exact_mut(self.width)) {
             for (value, place) in values.iter_mut().zip(lines[row..].iter().step_by(stride)) {
@@ -108,13 +108,13 @@ impl<R: Real> ColumnBlock<'_, R> {
 }
 
 /// What one thread works in.
-pub(in crate::halfspace) struct Workspace<R = f64> {
+pub(crate) struct Workspace<R = f64> {
     /// Rows or columns, [`line_stride`] apart.
-    pub(in crate::halfspace) lines: Vec<Complex<R>>,
+    pub(crate) lines: Vec<Complex<R>>,
     /// Scratch of the transforms.
-    pub(in crate::halfspace) scratch: Vec<Complex<R>>,
+    pub(crate) scratch: Vec<Complex<R>>,
     /// Room for reals.
-    pub(in crate::halfspace) reals: Vec<R>,
+    pub(crate) reals: Vec<R>,
     row: Vec<R>,
 }
 
@@ -131,7 +131,7 @@ impl<R: Real> Workspace<R> {
 }
 
 /// Distance of lines of the given length in work space.
-pub(in crate::halfspace) fn line_stride(length: usize) -> usize {
+pub(crate) fn line_stride(length: usize) -> usize {
     length + LINE_PADDING
 }
 
@@ -152,7 +152,7 @@ fn line_memory_of(columns: usize, rows: usize, columns_at_once: usize) -> usize 
 
 /// Bytes of the spectrum of `held` rows of `columns` complex numbers, with the work space of
 /// `threads` threads.
-pub(in crate::halfspace) fn memory_estimate(
+pub(crate) fn memory_estimate(
     columns: usize,
     rows: usize,
     held: usize,
@@ -166,7 +166,7 @@ pub(in crate::halfspace) fn memory_estimate(
 
 /// The rectangle of a grid that holds all the given cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::halfspace) struct Bounds {
+pub(crate) struct Bounds {
     /// First column and row.
     pub(super) first: [usize; 2],
     /// Columns and rows; at least one.
@@ -206,7 +206,7 @@ impl Bounds {
 }
 
 /// A convolution over some cells of a grid.
-pub(in crate::halfspace) struct Convolution<'p, T: Transform> {
+pub(crate) struct Convolution<'p, T: Transform> {
     cells: Cells,
     transform: Arc<T>,
     /// Column that is the first of the transform.
@@ -226,7 +226,7 @@ pub(in crate::halfspace) struct Convolution<'p, T: Transform> {
 impl<'p, T: Transform> Convolution<'p, T> {
     /// Prepares the convolution; cell `first` of the grid is the first of the transform, whose
     /// shape reaches over all cells.
-    pub(in crate::halfspace) fn new(
+    pub(crate) fn new(
         cells: Cells,
         first: [usize; 2],
         transform: Arc<T>,
@@ -268,7 +268,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         &self.cells
     }
 
-    pub(in crate::halfspace) fn transform(&self) -> &Arc<T> {
+    pub(crate) fn transform(&self) -> &Arc<T> {
         &self.transform
     }
 
@@ -295,7 +295,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         spectrum + work
     }
 
-    pub(in crate::halfspace) fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+    pub(crate) fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         check_lengths(&self.cells, pressure, displacement);
         let blocks = self.rows.len().div_ceil(ROW_BLOCK);
         match self.pool {
