@@ -22,9 +22,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let case = file.case()?;
     let mut random = ChaCha12Rng::seed_from_u64(7);
     let noise = Normal::new(0.0, NOISE)?;
-    println!("# Synthetic: crates/fakir-study/examples/synthetic_loading.rs has the truth.");
+    println!("# Synthetic: crates/fakir-inverse/examples/synthetic_loading.rs has the truth.");
     println!("displacement_m,force_N");
-    // Past the transition as if the floor were not there; those states are left out.
+    // The last four are past the transition.
     for step in 0..36 {
         let indentation = f64::from(step) * 0.1e-6 - 0.35e-6;
         let force = if indentation > 0.0 {
