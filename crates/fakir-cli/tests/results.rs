@@ -117,7 +117,7 @@ fn past_the_transition_the_floor_bears_its_part() {
         let dilute = ["--set", "texture.surface_fraction=0.03"];
         bench.json(&[&question[..], &dilute, more].concat())
     };
-    let (mixed, without) = (press(&[]), press(&["--without-floor"]));
+    let (mixed, without) = (press(&[]), press(&["--without-floor", "--quiet"]));
     assert_eq!(mixed["beyond_transition"], true);
     assert_eq!(mixed["smallest_floor_gap_m"], 0.0);
     let floor = &mixed["floor"];
