@@ -65,7 +65,7 @@ fn pressed(system: &System, load: Control, accuracy: Accuracy) -> ContactState {
 
 /// The tops alone, as in the paper.
 fn without_floor(system: &System) -> System {
-    system.clone().with_floor(FloorModel::Ignored)
+    system.with_floor(FloorModel::Ignored)
 }
 
 fn critical(system: &System) -> ContactState {
@@ -190,10 +190,7 @@ fn before_the_transition_it_is_the_contact_with_the_tops() {
                             .unwrap();
                     assert!(with.floor.is_none());
                     // All but what was asked.
-                    let without = ContactState {
-                        system: system.clone(),
-                        ..without
-                    };
+                    let without = ContactState { system, ..without };
                     assert_eq!(format!("{with:?}"), format!("{without:?}"));
                 }
             }

@@ -37,6 +37,10 @@ const LEVEL_LINEAR_TOLERANCE: f64 = 1e-6;
 const FLOOR_FIRST_TOLERANCE: f64 = 5e-3;
 const FLOOR_DECREASE: f64 = 0.1;
 
+/// The same after steps in which few places changed: one in so many of those that bear pressure.
+const FLOOR_FAST_DECREASE: f64 = 0.01;
+const FLOOR_FEW: usize = 100;
+
 /// The same without the floor.
 const DECREASE: f64 = 0.03;
 
@@ -105,8 +109,9 @@ struct Tolerances {
     exact: f64,
     /// The smallest that is asked for in the end.
     finest: f64,
-    /// By how much it goes down from step to step.
+    /// By how much it goes down from step to step, and after those that changed few places.
     decrease: f64,
+    fast_decrease: f64,
     /// Fewest changes of states in any step so far.
     fewest: usize,
     /// By how much the indentation changed, relatively: nothing is known of a start from none.
@@ -120,14 +125,15 @@ impl Tolerances {
             Purpose::Answer | Purpose::Start => LINEAR_TOLERANCE,
             Purpose::Level => LEVEL_LINEAR_TOLERANCE,
         };
-        let (present, decrease) = if with_floor {
-            (FLOOR_FIRST_TOLERANCE, FLOOR_DECREASE)
+        let [present, decrease, fast_decrease] = if with_floor {
+            [FLOOR_FIRST_TOLERANCE, FLOOR_DECREASE, FLOOR_FAST_DECREASE]
         } else {
-            (FIRST_LINEAR_TOLERANCE, DECREASE)
+            [FIRST_LINEAR_TOLERANCE, DECREASE, DECREASE]
         };
         Self {
             present,
             decrease,
+            fast_decrease,
             exact,
             finest: match purpose {
                 Purpose::Answer | Purpose::Level => exact,
@@ -156,11 +162,16 @@ impl Tolerances {
         rough
     }
 
-    /// For the step after one that changed the states of so many pillars.
-    fn follow(&mut self, changes: usize) {
+    /// For the step after one that changed the states of so many places, with so many that bear pressure.
+    fn follow(&mut self, changes: usize, bearing: usize) {
         self.present = if (1..self.fewest).contains(&changes) {
             self.fewest = changes;
-            (self.decrease * self.present).max(self.finest)
+            let decrease = if changes * FLOOR_FEW <= bearing {
+                self.fast_decrease
+            } else {
+                self.decrease
+            };
+            (decrease * self.present).max(self.finest)
         } else {
             self.finest
         };
@@ -279,7 +290,7 @@ impl<'a> Newton<'a> {
                 outcome.termination = ending;
                 return Ok(outcome);
             }
-            tolerances.follow(change.places());
+            tolerances.follow(change.places(), self.touched() + self.pressed());
         }
         Ok(outcome)
     }
