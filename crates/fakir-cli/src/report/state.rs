@@ -193,7 +193,7 @@ impl QuantityList {
             "contact area on the floor",
             floor.area,
             known(area),
-            remark(area),
+            &remark(area),
         )
         .length("radius of the floor contact", floor.radius, cells)
         .length(
@@ -208,20 +208,14 @@ impl QuantityList {
     }
 
     /// An area, in the square of the unit that suits its root.
-    pub(crate) fn area(
-        &mut self,
-        name: &str,
-        area: f64,
-        digits: usize,
-        remark: String,
-    ) -> &mut Self {
+    pub(crate) fn area(&mut self, name: &str, area: f64, digits: usize, remark: &str) -> &mut Self {
         let unit = Dimension::Length.unit_for(area.sqrt());
         let (size, symbol) = unit.map_or((1.0, "m"), |unit| (unit.in_si(), unit.symbol));
         self.row(
             name,
             significant(area / (size * size), digits),
             &format!("{symbol}^2"),
-            &remark,
+            remark,
         )
     }
 

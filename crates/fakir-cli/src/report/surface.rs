@@ -329,12 +329,7 @@ fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
 }
 
 fn add_area(list: &mut QuantityList, contact: &SurfaceContact) {
-    list.area(
-        "contact area",
-        contact.contact_area,
-        AREA_DIGITS,
-        String::new(),
-    );
+    list.area("contact area", contact.contact_area, AREA_DIGITS, "");
     if let Some(radius) = contact.contact_radius {
         let error = contact.relative_contact_radius_error().unwrap_or(0.0);
         list.radius("contact radius", radius, error, String::new());
@@ -364,7 +359,7 @@ fn add_shares(list: &mut QuantityList, shares: &Shares, contact: &SurfaceContact
             &format!("contact area on the {name}"),
             share.area,
             AREA_DIGITS,
-            part(share.area, contact.contact_area),
+            &part(share.area, contact.contact_area),
         );
     }
 }
