@@ -10,7 +10,7 @@ mod common;
 
 use common::{paper_lattice, paper_system};
 use fakir::problem::{Accuracy, Control, FloorModel, Method, PillarCompliance, System};
-use fakir::state::{ContactState, Run};
+use fakir::state::{ContactState, Run, Warning};
 use std::sync::LazyLock;
 
 const UM: f64 = 1e-6;
@@ -235,6 +235,31 @@ fn force_and_stiffness_join_at_the_transition() {
         "{near:e} {far:e}"
     );
     assert!(near < 1e-5);
+}
+
+/// Deep enough the floor is in contact close to the rims of pillars: less than two cells from them, and that is said. The distances are
+/// those of the program of the table, 2 um at 5 and 1.6 um at 12 times the critical indentation.
+#[test]
+fn a_floor_contact_close_to_a_rim_is_warned_of() {
+    let system = system(0.03, 2e6, 0.0);
+    let first = critical(&system).indentation;
+    let near = |ratio: f64| {
+        let state = pressed(
+            &system,
+            Control::Indentation(ratio * first),
+            Accuracy::Default,
+        );
+        let warned = state.warnings.iter().find_map(|warning| match warning {
+            Warning::FloorNearRim { distance, .. } => Some(*distance),
+            _ => None,
+        });
+        (state.floor.unwrap().smallest_distance_to_rim, warned)
+    };
+    let (distance, warned) = near(1.5);
+    assert!(distance > 4.0 * UM && warned.is_none(), "{distance}");
+    let (distance, warned) = near(12.0);
+    assert!((0.5..2.5).contains(&(distance / UM)), "{distance}");
+    assert_eq!(warned, Some(distance));
 }
 
 /// Far past the transition the lens rests on the floor, as on a flat surface that is higher by the volume of the pillars, `h (1 - phi)` at the

@@ -17,7 +17,9 @@ use crate::numerics::convergence::larger;
 use crate::problem::Control;
 use crate::problem::scaled::Problem;
 use crate::problem::{Accuracy, Point, PunchForm, System};
-use crate::state::{ContactState, FloorContact, FloorErrors, Run, SolveError, Termination};
+use crate::state::{
+    ContactState, FloorContact, FloorErrors, Run, SolveError, Termination, Warning,
+};
 
 /// Largest side of a cell, pillar radii, on the average over both directions; and by how much it may be larger where that saves a
 /// grid.
@@ -46,6 +48,9 @@ const FEWEST_HALVES: usize = 3;
 /// and some cells of that grid farther.
 const NEAR_CONTACT: f64 = 0.02;
 const WINDOW_MARGIN: f64 = 2.5;
+
+/// Cells between the contact with the floor and a rim at the least: closer contacts are warned of.
+const CELLS_TO_RIM: f64 = 2.0;
 
 /// Around the holes that the lens enters on the tops alone, in pitches.
 const ENTERED_MARGIN: f64 = 1.0;
@@ -213,7 +218,7 @@ fn finish(
     }
     let floor = floor_contact(problem, &solution, &levels, of_floor);
     let method = PillarMethod::Spectral(accuracy);
-    let state = assemble(
+    let mut state = assemble(
         system,
         problem,
         target,
@@ -222,6 +227,15 @@ fn finish(
         OfFloor::Contact(floor),
         error,
     )?;
+    if let Some(floor) = &state.floor {
+        let cell = floor.cell().into_iter().fold(0.0, larger);
+        let distance = floor.smallest_distance_to_rim;
+        if distance < CELLS_TO_RIM * cell {
+            state
+                .warnings
+                .push(Warning::FloorNearRim { distance, cell });
+        }
+    }
     Ok(ContactState {
         smallest_floor_gap: 0.0,
         smallest_gap_position: state

@@ -69,6 +69,14 @@ pub enum Warning {
         /// Contact radius over lens radius.
         ratio: f64,
     },
+    /// The floor is in contact less than two of its cells from the rim of a pillar, where its pressure and the gap beside it change
+    /// over less than a cell.
+    FloorNearRim {
+        /// The smallest distance of the contact with the floor from a rim, m.
+        distance: f64,
+        /// The longer side of a cell, m.
+        cell: f64,
+    },
     /// The contact of a plate reaches the border of a grid that stands free, or at the border a lens
     /// is below the highest of the surface: there may be more contact on a larger surface.
     ReachesBorder,
@@ -93,6 +101,12 @@ impl std::fmt::Display for Warning {
                 f,
                 "the contact radius is {ratio:.2} of the lens radius: above 0.2 the lens is no \
                  longer well described as a half-space"
+            ),
+            Self::FloorNearRim { distance, cell } => write!(
+                f,
+                "the floor is in contact {distance:.2e} m from the rim of a pillar, less than two \
+                 of its cells of {cell:.2e} m: what it bears may be less exact than estimated; \
+                 take accuracy = \"accurate\", whose cells are smaller"
             ),
             Self::ReachesBorder => f.write_str(
                 "at the border of the height map what is pressed is as low as the surface: what lies \
