@@ -8,8 +8,9 @@ use crate::theory;
 
 /// The contact under what is prescribed, by the given method.
 ///
-/// A load past the transition is answered as if the floor were not there; the smallest floor
-/// gap is then negative.
+/// Past the transition the spectral method has the floor bear its part: [`ContactState::floor`]. By the other methods, and where the
+/// [system](System::with_floor) ignores the floor, such a load is answered as if that were not there; the smallest floor gap is
+/// then negative.
 ///
 /// # Errors
 /// A load that cannot be, a contact too large for the lens or for memory, or interruption:
