@@ -119,7 +119,7 @@ fn a_case_that_fails_keeps_its_row() {
     let csv = table.to_csv();
     let line = csv.lines().nth(3).unwrap();
     assert!(
-        line.starts_with("2,0.001,homogenised,,,,,,,,,,,,,false,\"the contact would"),
+        line.starts_with("2,0.001,homogenised,,,,,,,,,,,,,,,,,,false,\"the contact would"),
         "{line}"
     );
     insta::assert_snapshot!(csv.lines().next().unwrap());

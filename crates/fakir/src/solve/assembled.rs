@@ -102,6 +102,11 @@ pub(super) fn assemble(
     let mut touched = touched_pillars(problem, newton);
     let on_floor = floor.as_ref().map_or(0.0, |floor| floor.force);
     let force = share_force(&mut touched, on_floor, target, problem);
+    // Over the force that is told, to the last digit.
+    let floor = floor.map(|floor| FloorContact {
+        share: floor.force / force,
+        ..floor
+    });
     let Reach {
         radius: contact_radius,
         error: radius_error,
