@@ -276,22 +276,10 @@ pub(crate) struct Approach {
 
 impl Approach {
     pub(crate) fn path(&self) -> Result<LoadingPath, Failure> {
-        let lengths = [
-            ("--step", Some(self.step)),
-            ("--until", self.until),
-            ("--to", self.to),
-        ];
-        let force = ("--to-force", self.to_force);
-        for (kind, (name, value)) in lengths
-            .map(|length| ("length", length))
-            .into_iter()
-            .chain([("force", force)])
-        {
-            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
-                return Err(Failure::Argument(format!(
-                    "{name} must be a {kind} greater than 0"
-                )));
-            }
+        if !(self.step > 0.0 && self.step.is_finite()) {
+            return Err(Failure::Argument(
+                "--step must be a length greater than 0".to_owned(),
+            ));
         }
         Ok(LoadingPath {
             step: self.step,

@@ -69,6 +69,10 @@ impl From<ApproachError> for Failure {
     fn from(error: ApproachError) -> Self {
         match error {
             ApproachError::Solve(error) => error.into(),
+            ApproachError::NotPositive { name } => {
+                let option = name.replace('_', "-");
+                Self::Argument(format!("--{option} must be greater than 0"))
+            }
             other => Self::Argument(other.to_string()),
         }
     }

@@ -1,7 +1,7 @@
 //! The answers: contacts with their pillars and section, curves over the surface fraction, and the
 //! phase diagram. Everything is in SI units, with the unit in the name.
 
-use crate::floor::{self, FloorCells};
+use crate::floor::FloorCells;
 use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars};
@@ -11,7 +11,7 @@ use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
 use fakir_case::Case;
 use fakir_figure::{FigureError, SectionDetail};
-use fakir_study::result::{PressSummary, TransitionSummary, warnings};
+use fakir_study::result::{PressSummary, TransitionSummary, of_floor, warnings};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -132,10 +132,7 @@ fn first_touch(case: &Case) -> f64 {
     if case.method == Method::Homogenised {
         return 0.0;
     }
-    let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
-    let [x, y] = system.lattice().centre(i, j);
-    let edge = (x.hypot(y) - 0.5 * system.pillar().diameter).max(0.0);
-    system.lens().sag(edge)
+    system.first_touch()
 }
 
 #[derive(Serialize)]
@@ -366,10 +363,7 @@ fn section(
     floor_contact: Option<Point>,
     worker: &Worker,
 ) -> Result<Option<Section>, Failure> {
-    let of_floor = state.floor.as_ref();
-    let half_width = fakir_figure::Section::half_width(state)
-        .max(of_floor.map_or(0.0, |floor| 1.2 * floor.radius))
-        .min(0.99 * state.system.lens().radius);
+    let half_width = fakir_figure::Section::half_width(state);
     let detail = SectionDetail::Screen;
     let run = worker.run();
     match fakir_figure::Section::new(state, half_width, floor_contact, detail, &run) {
@@ -378,7 +372,7 @@ fn section(
             lens_m: section.lens,
             surface_m: section.surface,
             floor_contacts_m: section.floor_contacts,
-            floor_m: of_floor.map_or_else(Vec::new, floor::along_x),
+            floor_m: section.floor_patches,
         })),
         Err(FigureError::NoPillars { .. }) => Ok(None),
         Err(error) => Err(error.into()),
@@ -593,12 +587,11 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
         let load = Control::Indentation(indentation(&case, critical, fraction));
         match fakir::press(system, load, method, &run) {
             Ok(state) => {
-                let floor_force = state.floor.as_ref().map(|floor| floor.force);
                 worker.send(&PhaseLine::Path(PathState {
                     fraction,
                     indentation_m: state.indentation,
                     force_N: state.force,
-                    floor_force_N: floor_force.or((!state.beyond_transition()).then_some(0.0)),
+                    floor_force_N: of_floor(&state, |floor| floor.force),
                     normalized: reduced(state.force, state.contact_radius),
                 }));
             }

@@ -1,4 +1,4 @@
-//! The contact with the floor as it is drawn: its cells with their pressures, and where a section cuts them.
+//! The contact with the floor as it is drawn: its cells with their pressures.
 
 use fakir::problem::Point;
 use fakir::state::FloorContact;
@@ -61,27 +61,13 @@ fn ends(ranges: impl Iterator<Item = (usize, usize)>) -> (usize, usize) {
     all.unwrap_or((0, 0))
 }
 
-/// Where the floor is in contact along x through the lens axis: first and last place of every part, m.
-pub(crate) fn along_x(floor: &FloorContact) -> Vec<[f64; 2]> {
-    let grid = floor.cells.grid();
-    let [width, height] = grid.cell();
-    let row = (-grid.origin()[1] / height).floor();
-    let segments = floor.cells.segments().iter();
-    segments
-        .filter(|one| (one.row as f64 - row).abs() < 0.5)
-        .map(|one| {
-            let start = grid.origin()[0] + one.column as f64 * width;
-            [start, start + one.count as f64 * width]
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use fakir::problem::{Control, Method};
     use fakir::state::{ContactState, Run};
     use fakir_case::{Case, CaseFile};
+    use fakir_figure::{Section, SectionDetail};
 
     fn pressed() -> ContactState {
         let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
@@ -125,7 +111,10 @@ mod tests {
             state.floor.as_ref().unwrap(),
             state.fields.as_ref().unwrap(),
         );
-        let parts = along_x(floor);
+        let half_width = Section::half_width(&state);
+        let detail = SectionDetail::Screen;
+        let section = Section::new(&state, half_width, None, detail, &Run::default());
+        let parts = section.unwrap().floor_patches;
         assert!(!parts.is_empty());
         let y = 0.5 * floor.cell()[1];
         let pressure = |x: f64| fields.sample(&[[x, y]], &Run::default()).unwrap().pressure[0];

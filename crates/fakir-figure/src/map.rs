@@ -13,6 +13,8 @@ use crate::series::Dash;
 use crate::text::Text;
 use crate::unit::{Unit, significant};
 use fakir::problem::{HexagonalLattice, Point};
+use fakir::state::ContactState;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// A square window on the surface, from `-half_width` to `half_width` (m) around a centre, shown
@@ -94,6 +96,29 @@ impl Window {
                 (x - self.centre[0]).abs() < limit && (y - self.centre[1]).abs() < limit
             })
             .collect()
+    }
+
+    /// The pillars of a state as discs of two colours: that of the touched ones, and that of the others.
+    pub(crate) fn pillar_discs(
+        &self,
+        state: &ContactState,
+        [touched, untouched]: [Colour; 2],
+        stroke: Option<&Stroke>,
+    ) -> Vec<Item> {
+        let diameter = state.system.pillar().diameter;
+        let indices: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
+        let disc = |(index, centre)| Item::Disc {
+            centre: self.place(centre),
+            radius: self.length(0.5 * diameter),
+            fill: Some(if indices.contains(&index) {
+                touched
+            } else {
+                untouched
+            }),
+            stroke: stroke.cloned(),
+        };
+        let pillars = self.pillars(state.system.lattice(), diameter);
+        pillars.into_iter().map(disc).collect()
     }
 
     /// The name of an axis with its unit.

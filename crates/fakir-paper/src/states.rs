@@ -123,13 +123,9 @@ impl States {
                         .collect();
                     done(0.4);
                     let mixed = past_transition(&single);
-                    let wanted: Vec<(f64, f64)> = MIXED
-                        .into_iter()
-                        .flat_map(|fraction| SHARES.map(|share| (fraction, share)))
-                        .collect();
-                    let shared: Result<Vec<_>, StateError> = wanted
+                    let shared: Result<Vec<_>, StateError> = MIXED
                         .into_par_iter()
-                        .map(|(fraction, share)| shared_load(fraction, share, &single))
+                        .map(|fraction| shared_loads(fraction, &single))
                         .collect();
                     done(1.0);
                     (approaches, loadings, mixed, shared)
@@ -140,7 +136,7 @@ impl States {
                 dense: dense?,
                 loadings: loadings?,
                 mixed: mixed?,
-                shared: shared?.into_iter().flatten().collect(),
+                shared: shared?.into_iter().flatten().flatten().collect(),
             })
         })
     }
@@ -205,14 +201,26 @@ fn past_transition(run: &Run<'_>) -> Result<ContactState, StateError> {
     )?)
 }
 
+/// The states in which the floor bears each of [`SHARES`], as far as they are found.
+fn shared_loads(
+    surface_fraction: f64,
+    run: &Run<'_>,
+) -> Result<Vec<Option<SharedLoad>>, StateError> {
+    let critical = critical(Substrate::Intermediate, surface_fraction, run)?.contact;
+    SHARES
+        .into_par_iter()
+        .map(|share| shared_load(surface_fraction, &critical, share, run))
+        .collect()
+}
+
 /// The state in which the floor bears a share of the load, by secants: the logarithm of the share is nearly linear in that of the
 /// indentation beyond the critical one.
 fn shared_load(
     surface_fraction: f64,
+    critical: &ContactState,
     share: f64,
     run: &Run<'_>,
 ) -> Result<Option<SharedLoad>, StateError> {
-    let critical = critical(Substrate::Intermediate, surface_fraction, run)?.contact;
     let press = |beyond: f64| {
         let control = Control::Indentation((1.0 + beyond.exp()) * critical.indentation);
         fakir::press(&critical.system, control, Method::default(), run)

@@ -46,11 +46,11 @@ pub fn approach(
     let across = Unit::of_length(largest(&|point| point.indentation));
     let force = Unit::of_force(largest(&|point| point.force));
     let radius = Unit::of_length(largest(&|point| point.contact_radius.unwrap_or(0.0)));
+    let x = || Axis::linear(format!("indentation *ζ* ({})", across.name));
     let curve = |name: &str, unit: Unit, tint, value: Value, symbol: &str| {
         let series = series(points, critical.as_ref(), [across, unit], value, name, tint);
-        let x = Axis::linear(format!("indentation *ζ* ({})", across.name));
         let y = Axis::linear(format!("{symbol} ({})", unit.name));
-        Chart::new(x, y, series)
+        Chart::new(x(), y, series)
     };
     let mut upper = curve("force", force, Tint::Blue, |p| Some(p.force), "force *F*");
     if all().any(|point| point.floor_force.is_some_and(|force| force > 0.0)) {
@@ -81,10 +81,9 @@ pub fn approach(
             .iter()
             .filter_map(|point| Some([across.of(point.indentation), share(point)?]));
         let style = Style::line(1).in_tint(Tint::Vermillion);
-        let x = Axis::linear(format!("indentation *ζ* ({})", across.name));
         let y = Axis::linear("share of the floor");
         let line = Series::new("", points.collect(), style);
-        charts.push(unnamed(Chart::new(x, y, vec![line])));
+        charts.push(unnamed(Chart::new(x(), y, vec![line])));
         heights.push(80.0);
     }
     if points.iter().any(|point| point.pillars.is_some()) {
@@ -98,9 +97,8 @@ pub fn approach(
         let touched = series("touched", Style::line(0), |[all, _]| all);
         let partial = Style::line(2).in_tint(Tint::Black);
         let partial = series("partially", partial, |[_, partial]| partial);
-        let x = Axis::linear(format!("indentation *ζ* ({})", across.name));
         charts.push(Chart::new(
-            x,
+            x(),
             Axis::linear("pillars"),
             vec![touched, partial],
         ));

@@ -8,7 +8,6 @@ use crate::patches::{ON_FLOOR, patches};
 use crate::scene::{Colour, Item, Stroke};
 use crate::unit::Unit;
 use fakir::state::{ContactState, Run};
-use std::collections::HashSet;
 
 /// Pixels of the map, along a side.
 const PIXELS: usize = 220;
@@ -73,20 +72,11 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     if let Some(floor) = &state.floor {
         inside.push(Item::filled(patches(&window, floor), ON_FLOOR));
     }
-    let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
-    for (index, centre) in window.pillars(lattice, pillar.diameter) {
-        let fill = if touched.contains(&index) {
-            TOUCHED
-        } else {
-            UNTOUCHED
-        };
-        inside.push(Item::Disc {
-            centre: window.place(centre),
-            radius: window.length(0.5 * pillar.diameter),
-            fill: Some(fill),
-            stroke: Some(Stroke::solid(Colour::BLACK, 0.4)),
-        });
-    }
+    inside.extend(window.pillar_discs(
+        state,
+        [TOUCHED, UNTOUCHED],
+        Some(&Stroke::solid(Colour::BLACK, 0.4)),
+    ));
     let signs = if state.floor.is_some() {
         [(KeySign::Patch(ON_FLOOR), "in contact")]
     } else {

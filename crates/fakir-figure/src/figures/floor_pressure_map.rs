@@ -7,7 +7,6 @@ use crate::map::{ColourBar, KeySign, Sheet, Window, edge_stroke};
 use crate::scene::{Colour, Item};
 use crate::unit::Unit;
 use fakir::state::{ContactState, FloorContact};
-use std::collections::HashSet;
 
 const FLOOR: Colour = Colour::grey(246);
 const TOUCHED: Colour = Colour::grey(120);
@@ -31,10 +30,10 @@ pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
         unit.of(highest),
         format!("pressure on the floor ({})", unit.name),
     );
-    let (lattice, pillar) = (state.system.lattice(), state.system.pillar());
+    let pitch = state.system.lattice().pitch;
     let half_width = (1.1 * floor.radius)
         .max(1.05 * state.contact_radius.min(1.5 * floor.radius))
-        .max(1.4 * lattice.pitch);
+        .max(1.4 * pitch);
     let sheet = Sheet::new([0.0, 0.0], half_width, &bar);
     let window = sheet.window;
     let colours = pixels(&window, floor).map(|pressure| match pressure {
@@ -42,20 +41,7 @@ pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
         _ => FLOOR,
     });
     let mut inside = vec![window.image(PIXELS, &colours.collect::<Vec<Colour>>())];
-    let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
-    for (index, centre) in window.pillars(lattice, pillar.diameter) {
-        let fill = if touched.contains(&index) {
-            TOUCHED
-        } else {
-            UNTOUCHED
-        };
-        inside.push(Item::Disc {
-            centre: window.place(centre),
-            radius: window.length(0.5 * pillar.diameter),
-            fill: Some(fill),
-            stroke: None,
-        });
-    }
+    inside.extend(window.pillar_discs(state, [TOUCHED, UNTOUCHED], None));
     let is_seen = state.contact_radius < half_width;
     if is_seen {
         inside.push(Item::Disc {

@@ -46,7 +46,8 @@ impl From<&FloorContact> for FloorObject {
 }
 
 /// A number of what the floor bears: zero before it is touched, none past that if it was to be ignored.
-pub(crate) fn of_floor(state: &ContactState, number: impl Fn(&FloorContact) -> f64) -> Option<f64> {
+#[must_use]
+pub fn of_floor(state: &ContactState, number: impl Fn(&FloorContact) -> f64) -> Option<f64> {
     match &state.floor {
         Some(floor) => Some(number(floor)),
         None => (!state.beyond_transition()).then_some(0.0),

@@ -16,8 +16,7 @@ mod verify;
 
 pub use approach::{ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow};
 pub use compare::{CompareSummary, MethodRow};
-pub(crate) use contact::of_floor;
-pub use contact::{FloorObject, PressSummary};
+pub use contact::{FloorObject, PressSummary, of_floor};
 pub use critical::TransitionSummary;
 pub use pillars::pillars;
 pub(crate) use surface::METHOD as SURFACE_METHOD;

@@ -44,17 +44,23 @@ pub(crate) struct SurfaceCoupling<'a> {
 
 impl Coupling for SurfaceCoupling<'_> {
     fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
-        let Some(floor) = &mut self.floor else {
-            return self.tops.apply(coefficients, far, workers);
-        };
-        let tops = far.len() - floor.cells;
-        let (of_tops, of_floor) = coefficients.split_at(tops);
-        let (far_tops, far_floor) = far.split_at_mut(tops);
-        self.tops.apply(of_tops, far_tops, workers);
-        floor.apply([of_tops, of_floor], [far_tops, far_floor]);
+        self.apply_by(FloorCoupling::apply, coefficients, far, workers);
     }
 
     fn apply_roughly(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+        self.apply_by(FloorCoupling::apply_roughly, coefficients, far, workers);
+    }
+}
+
+impl<'a> SurfaceCoupling<'a> {
+    /// The tops with each other, and then with the floor by one of its products.
+    fn apply_by(
+        &mut self,
+        product: impl FnOnce(&mut FloorCoupling<'a>, [&[f64]; 2], [&mut [f64]; 2]),
+        coefficients: &[f64],
+        far: &mut [f64],
+        workers: Workers<'_>,
+    ) {
         let Some(floor) = &mut self.floor else {
             return self.tops.apply(coefficients, far, workers);
         };
@@ -62,7 +68,7 @@ impl Coupling for SurfaceCoupling<'_> {
         let (of_tops, of_floor) = coefficients.split_at(tops);
         let (far_tops, far_floor) = far.split_at_mut(tops);
         self.tops.apply(of_tops, far_tops, workers);
-        floor.apply_roughly([of_tops, of_floor], [far_tops, far_floor]);
+        product(floor, [of_tops, of_floor], [far_tops, far_floor]);
     }
 }
 

@@ -54,7 +54,7 @@ impl SurfaceSystem {
         };
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
-        check_fields(&self.surface, run)?;
+        check_fields(self.surface.grid(), run)?;
         for surface in self.levels() {
             let mut level = Level::new(self, surface, removed_floor, run);
             if removed_floor.is_some() && !level.has_floor() {

@@ -311,8 +311,8 @@ impl<'a> Level<'a> {
     /// Whether `bytes` for `cells` of them fit the memory allowed, with the fields.
     fn check_memory(&self, cells: usize, bytes: usize) -> Result<(), SolveError> {
         let fields = BYTES_PER_CELL * self.separation.len();
-        let whole = self.system.surface();
-        check_memory(whole, &self.surface, cells, bytes + fields, self.run)
+        let whole = self.system.surface().grid();
+        check_memory(whole, self.surface.grid(), cells, bytes + fields, self.run)
     }
 
     fn check_cancelled(&self) -> Result<(), SolveError> {
@@ -746,16 +746,16 @@ fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
         .collect()
 }
 
-/// Whether the fields of a surface fit the memory allowed.
-pub(super) fn check_fields(surface: &HeightMap, run: &Run<'_>) -> Result<(), SolveError> {
-    let cells = surface.grid().cell_count();
-    check_memory(surface, surface, cells, BYTES_PER_CELL * cells, run)
+/// Whether the fields of a surface on a grid fit the memory allowed.
+pub(super) fn check_fields(grid: &Grid, run: &Run<'_>) -> Result<(), SolveError> {
+    let cells = grid.cell_count();
+    check_memory(grid, grid, cells, BYTES_PER_CELL * cells, run)
 }
 
 /// Whether `bytes` for `cells` of the surface on a level fit the memory allowed.
 fn check_memory(
-    whole: &HeightMap,
-    level: &HeightMap,
+    whole: &Grid,
+    level: &Grid,
     cells: usize,
     bytes: usize,
     run: &Run<'_>,
@@ -764,7 +764,7 @@ fn check_memory(
     if bytes <= limit {
         return Ok(());
     }
-    let side = |surface: &HeightMap| surface.grid().cell().into_iter().fold(0.0, f64::max);
+    let side = |grid: &Grid| grid.cell().into_iter().fold(0.0, f64::max);
     Err(SolveError::TooManyCells {
         cells,
         bytes,

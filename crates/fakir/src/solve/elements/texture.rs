@@ -2,10 +2,11 @@
 //!
 //! The cells cover pillar tops and floor alike, and the discs are matched to flat punches.
 
+use super::surface_level::check_fields;
 use crate::problem::pattern::{Arrangement, InvalidPattern, Pattern, PillarShape};
 use crate::problem::{
-    Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, Indenter, MeshLayout, Method,
-    SurfaceSystem, System,
+    Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, Indenter, InvalidGrid,
+    MeshLayout, Method, SurfaceSystem, System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
@@ -25,29 +26,37 @@ pub(crate) fn press_with_floor(
     reach: f64,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let surface = surface_system(system, cells_per_diameter, reach)
-        .map_err(|_| SolveError::NotFinite { what: "cell" })?;
+    let impossible = SolveError::NotFinite {
+        what: "cell of the surface",
+    };
+    let grid = grid(system, cells_per_diameter, reach).map_err(|_| impossible.clone())?;
+    // Better known before the surface is drawn.
+    check_fields(&grid, run)?;
+    let surface = surface_system(system, &grid).map_err(|_| impossible)?;
     let contact = surface.press(control, run)?;
     Ok(state(system, &surface, &contact, cells_per_diameter))
+}
+
+/// Cells that hold all within `reach` (m) of the lens axis.
+fn grid(system: &System, cells_per_diameter: usize, reach: f64) -> Result<Grid, InvalidGrid> {
+    let cell = system.pillar().diameter / cells_per_diameter as f64;
+    // Three levels of cells.
+    let count = 8 * (reach / (4.0 * cell)).ceil() as usize;
+    Grid::centred(count, count, cell)
 }
 
 /// The texture on cells.
 fn surface_system(
     system: &System,
-    cells_per_diameter: usize,
-    reach: f64,
+    grid: &Grid,
 ) -> Result<SurfaceSystem, Box<dyn std::error::Error>> {
     let pillar = system.pillar();
-    let cell = pillar.diameter / cells_per_diameter as f64;
-    // Three levels of cells.
-    let count = 8 * (reach / (4.0 * cell)).ceil() as usize;
-    let grid = Grid::centred(count, count, cell)?;
     let shape = PillarShape {
         compliance: pillar.compliance,
         ..PillarShape::cylinder(pillar.diameter, pillar.height)
     };
     let pattern = Pattern::new(shape, Arrangement::Hexagonal(*system.lattice()));
-    let heights: Result<HeightMap, InvalidPattern> = pattern.height_map(&grid, system.substrate());
+    let heights: Result<HeightMap, InvalidPattern> = pattern.height_map(grid, system.substrate());
     let lens = Indenter::Lens(*system.lens());
     let surface = SurfaceSystem::new(lens, *system.substrate(), heights?, Boundary::FreeSpace)?;
     let surface = surface.continued().with_round_tops(pillar.diameter)?;
