@@ -115,10 +115,13 @@ impl Findings {
                 self.faults.push(format!("{name} is {number}"));
             }
         }
-        let sum: f64 = state.pillars.iter().map(|pillar| pillar.force).sum();
-        if state.converged() && (sum - state.force).abs() > 1e-9 * state.force {
-            self.faults
-                .push(format!("pillars bear {sum:e} of {:e}", state.force));
+        let pillars: f64 = state.pillars.iter().map(|pillar| pillar.force).sum();
+        let floor = state.floor.as_ref().map_or(0.0, |floor| floor.force);
+        if state.converged() && (pillars + floor - state.force).abs() > 1e-9 * state.force {
+            self.faults.push(format!(
+                "pillars bear {pillars:e} and the floor {floor:e} of {:e}",
+                state.force
+            ));
         }
     }
 
