@@ -910,7 +910,7 @@ impl Search<'_> {
         let sides = [self.trial(middle - step)?, self.trial(middle + step)?];
         let logarithms = sides.map(|trial| {
             let candidate = trial.outcome.ok()?;
-            let answer = self.wanted.of(&candidate.reached);
+            let answer = self.wanted.of(&candidate.reached) / self.wanted.value();
             (answer > 0.0).then(|| (candidate.value.ln(), answer.ln()))
         });
         Ok(match logarithms {
