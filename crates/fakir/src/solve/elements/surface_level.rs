@@ -505,7 +505,8 @@ impl<'a> Level<'a> {
             }
             let sides = [(at + count - 1) % count, (at + 1) % count]
                 .map(|side| cell + side * step - at * step);
-            let alike = |side: &usize| is_floor(*side) && heights[*side] == heights[cell];
+            let step_up = |side: usize| (heights[side] - heights[cell]).abs();
+            let alike = |side: &usize| is_floor(*side) && step_up(*side) < f64::MIN_POSITIVE;
             if !sides.iter().all(alike) {
                 continue;
             }
