@@ -65,7 +65,7 @@ def test_the_controls_are_those_of_the_key_table(explore):
     """Labels, symbols, help, units, ranges and words are those that the program says."""
     page = explore("#" + "&".join(paper(0.01)))
     start = page.page.evaluate("async () => (await fetch('start.json')).json()")
-    units = {"length": "m", "pressure": "Pa", "angle": "rad", "number": ""}
+    units = {"length": "m", "pressure": "Pa", "angle": "rad", "number": "", "fraction": ""}
     for key in start["keys"]:
         name = key["key"].replace(".", "-")
         control = page.page.locator(f"#{name}")
