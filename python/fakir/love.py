@@ -420,8 +420,8 @@ class SurfaceTransition:
     regime: str
     """What is met first: ``"top_first"`` or ``"bottom_first"``."""
     floor_contact: tuple[float, float]
-    """Centre of the floor cell that is touched, m: from the lens axis, or under a plate from where ``x`` and
-    ``y`` of the surface begin."""
+    """Where the floor is touched, m: from the lens axis, or under a plate from where ``x`` and ``y`` of the
+    surface begin."""
     _json: str = field(repr=False)
 
     @property

@@ -9,7 +9,7 @@ use crate::method::press;
 use crate::numerics::convergence::{larger, within};
 use crate::problem::{Accuracy, Control, ElementMesh, FloorModel, Method, System};
 use crate::solve::elements::texture;
-use crate::state::{ContactState, FloorContact, FloorErrors, Run, SolveError, Termination};
+use crate::state::{ContactState, FloorErrors, Run, SolveError, Termination};
 
 /// The answers of both methods, and what they differ by.
 #[derive(Debug, Clone)]
@@ -246,24 +246,18 @@ pub fn verify(
 /// Where cells cover tops and floor, the estimates of one mesh may be small by chance: what the other mesh differs by is added to them. What the
 /// floor bears converges in proportion to the size of the cells at least, so that its error on the smaller ones is no more than the difference.
 fn compare_meshes([coarse, fine]: &mut [ContactState; 2]) {
-    if coarse.floor.is_none() || fine.floor.is_none() {
-        return;
-    }
-    let between = |of: fn(&ContactState) -> f64| (of(coarse) - of(fine)).abs() / of(fine);
-    let [force, indentation] = [
-        between(|state| state.force),
-        between(|state| state.indentation),
-    ];
-    for state in [&mut *coarse, &mut *fine] {
-        state.error.force += force;
-        state.error.indentation += indentation;
-    }
-    let (Some(coarse), Some(fine)) = (&mut coarse.floor, &mut fine.floor) else {
+    let (Some(on_coarse), Some(on_fine)) = (&mut coarse.floor, &mut fine.floor) else {
         return;
     };
-    let change = |of: fn(&FloorContact) -> f64| (of(coarse) - of(fine)).abs();
-    let [share, area] = [change(|floor| floor.share), change(|floor| floor.area)];
-    for (floor, times) in [(coarse, 2.0), (fine, 1.0)] {
+    let force = (coarse.force - fine.force).abs() / fine.force;
+    let indentation = (coarse.indentation - fine.indentation).abs() / fine.indentation;
+    for error in [&mut coarse.error, &mut fine.error] {
+        error.force += force;
+        error.indentation += indentation;
+    }
+    let share = (on_coarse.share - on_fine.share).abs();
+    let area = (on_coarse.area - on_fine.area).abs();
+    for (floor, times) in [(on_coarse, 2.0), (on_fine, 1.0)] {
         floor.error = FloorErrors {
             share: times * share / floor.share,
             area: times * area / floor.area,

@@ -352,18 +352,20 @@ fn energy_bound(newton: &Newton<'_>, level: &Level) -> f64 {
 
 /// Numbers of cells along half a pitch that can be halved and are quick to transform: the smallest that is no less, but for a margin.
 fn halves(least: f64) -> usize {
-    (0..40)
-        .flat_map(|power| [2 << power, 3 << power])
-        .find(|half| *half as f64 * CELL_MARGIN >= least)
-        .unwrap_or(2)
+    doubled([2, 3], least)
 }
 
 /// The same with numbers between them, which cannot be halved.
 fn halves_between(least: f64) -> usize {
+    doubled([4, 5, 6], least)
+}
+
+/// The smallest of these numbers, doubled any number of times, that is no less, but for a margin.
+fn doubled<const COUNT: usize>(numbers: [usize; COUNT], least: f64) -> usize {
     (0..40)
-        .flat_map(|power| [4 << power, 5 << power, 6 << power])
+        .flat_map(|power| numbers.map(|number| number << power))
         .find(|half| *half as f64 * CELL_MARGIN >= least)
-        .unwrap_or(4)
+        .unwrap_or(numbers[0])
 }
 
 /// The next grid.

@@ -32,8 +32,8 @@ pub struct Critical<C> {
     /// top contact radius, pillars or cells.
     pub contact: C,
     /// Where the floor is touched, m from the lens axis. On a lattice folded into one symmetry copy by
-    /// [`LatticeSymmetry::fold`](crate::problem::lattice::LatticeSymmetry::fold); on a surface the centre of the
-    /// cell.
+    /// [`LatticeSymmetry::fold`](crate::problem::lattice::LatticeSymmetry::fold); on a surface
+    /// between the centres of cells too.
     pub floor_contact: Point,
 }
 

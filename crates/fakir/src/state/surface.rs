@@ -29,7 +29,7 @@ pub struct SurfaceContact {
     pub gap: Vec<f64>,
     /// What tops and floor bear, where it is known which part of the surface is the [floor](crate::problem::Floor).
     pub shares: Option<Shares>,
-    /// Smallest gap to the floor, m, with the centre of its cell, m; likewise.
+    /// Smallest gap to the floor, m, and where it is, m: between the centres of cells too, where these are of one height; likewise.
     pub nearest_floor: Option<(f64, Point)>,
     /// How well the contact conditions are met.
     pub certificate: Certificate,
