@@ -20,7 +20,7 @@
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
-use crate::numerics::vector::{Vectors, subtract};
+use crate::numerics::vector::{Vectors, dot, subtract};
 use crate::numerics::workers::Workers;
 use crate::state::{Run, SolveError};
 
@@ -285,6 +285,24 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         O: Sync,
     {
         |place, load| self.load(place, load)
+    }
+
+    /// The incident loads on all places at the present indentation.
+    pub(crate) fn all_loads(&self, loads: &mut [f64]) {
+        self.right_side(Source::Present, loads);
+        subtract(loads, &self.present.far);
+    }
+
+    /// Their change with the indentation.
+    pub(crate) fn unit_loads(&self, loads: &mut [f64]) {
+        self.right_side(Source::Unit, loads);
+        subtract(loads, &self.unit.far);
+    }
+
+    /// Half the work of all pressures on what they move.
+    pub(crate) fn elastic_energy(&self) -> f64 {
+        let shape = dot(&self.present.coefficients, &self.own_load);
+        0.5 * (shape + self.base * self.force())
     }
 
     /// Goes along the response to another indentation.

@@ -8,6 +8,7 @@
 pub(crate) mod answers;
 pub(crate) mod assembled;
 pub(crate) mod control;
+pub(crate) mod cycle;
 pub mod elements;
 mod estimate;
 pub(crate) mod floor;
