@@ -305,8 +305,8 @@ impl<'a> Cycle<'a> {
     fn respond(&mut self) -> Result<(), SolveError> {
         let unit = self
             .contact
-            .solve(&self.tops, Source::Unit, UNIT_TOLERANCE)?;
-        let present = self.contact.solve(&self.tops, Source::Present, TOLERANCE)?;
+            .solve(&mut self.tops, Source::Unit, UNIT_TOLERANCE)?;
+        let present = self.contact.solve(&mut self.tops, Source::Present, TOLERANCE)?;
         self.converged &= unit == Judgement::Good && present == Judgement::Good;
         self.find_loads();
         Ok(())
@@ -362,10 +362,10 @@ impl<'a> Cycle<'a> {
                 self.tops.domains[pillar] = next;
             }
             if beta != 0.0 {
-                let unit = self.contact.solve(&self.tops, Source::Unit, TOLERANCE)?;
+                let unit = self.contact.solve(&mut self.tops, Source::Unit, TOLERANCE)?;
                 self.converged &= unit == Judgement::Good;
             }
-            let present = self.contact.solve(&self.tops, Source::Present, TOLERANCE)?;
+            let present = self.contact.solve(&mut self.tops, Source::Present, TOLERANCE)?;
             self.converged &= present == Judgement::Good;
             if beta != 0.0 {
                 let missing = held - alpha * self.indentation() - beta * self.force();
