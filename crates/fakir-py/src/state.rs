@@ -248,7 +248,7 @@ pub(crate) fn path(
 }
 
 /// The object that `fakir approach --json` prints, the critical state, and the other states.
-type Loading = (String, Critical, Vec<State>);
+type Loading = (String, Option<Critical>, Vec<State>);
 
 /// The states of a loading by steps of the indentation (m).
 #[pyfunction]
@@ -272,11 +272,8 @@ pub(crate) fn approach(
     })?;
     let found = found.map_err(|error| approach_error(&error))?;
     let summary = json(&ApproachSummary::new(method, &found));
-    // A texture always has a floor.
-    let critical = found
-        .critical
-        .ok_or_else(|| solve_error(&SolveError::NoFloor))?;
-    let critical = Critical::new(critical, found.critical_time);
+    let time = found.critical_time;
+    let critical = found.critical.map(|critical| Critical::new(critical, time));
     Ok((summary, critical, states))
 }
 
