@@ -5,10 +5,10 @@
 #![doc = include_str!("../../doc/rendered/mixed.md")]
 #![doc = include_str!("../../doc/rendered/punch.md")]
 
+pub(crate) mod adhesive;
 pub(crate) mod answers;
 pub(crate) mod assembled;
 pub(crate) mod control;
-pub(crate) mod cycle;
 pub mod elements;
 mod estimate;
 pub(crate) mod floor;
@@ -16,6 +16,7 @@ mod floor_start;
 mod frozen;
 mod mixed;
 pub(crate) mod newton;
+pub(crate) mod path;
 mod reach;
 pub(crate) mod rules;
 pub(crate) mod spectral;

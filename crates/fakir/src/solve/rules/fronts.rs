@@ -15,7 +15,7 @@
 //!
 //! Lengths are in pillar radii, pressures in `E*`, so that works of adhesion are in `E* a`.
 
-use crate::halfspace::disc::basis::{BasisEvaluator, compliances, mode_count};
+use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with, mode_count};
 use std::f64::consts::{PI, TAU};
 
 /// Levels of area, the empty one not counted; the last is the whole top.
@@ -32,7 +32,7 @@ const RIM_ANGLES: usize = 360;
 
 /// Rings of points at which the lens may touch a top, and points on each.
 const RINGS: [f64; 4] = [0.3, 0.6, 0.85, 1.0];
-const RING_POINTS: usize = 36;
+const RING_POINTS: usize = 72;
 
 /// The direction of a front follows its load when they differ by more than this, rad.
 const DIRECTION_TOLERANCE: f64 = 0.02;
@@ -211,9 +211,42 @@ impl Fronts {
         self.full.len()
     }
 
+    /// Degree of the pressure on tops in full contact.
+    pub(crate) fn degree(&self) -> usize {
+        degree_with(self.full.len())
+    }
+
+    pub(crate) fn works(&self) -> Works {
+        self.works
+    }
+
+    /// Smallest and largest edge coefficient of a top in full contact with these pressure coefficients.
+    pub(crate) fn edge_range(&self, coefficients: &[f64]) -> [f64; 2] {
+        let rows = self.rim.chunks_exact(self.count());
+        let at = |row: &[f64]| -> f64 {
+            let terms = row.iter().zip(&self.full).zip(coefficients);
+            terms.map(|((q, full), c)| q / full * c).sum()
+        };
+        rows.map(at)
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], q| {
+                [least.min(q), most.max(q)]
+            })
+    }
+
     /// Area in contact, in squares of the pillar radius.
     pub(crate) fn area(&self, domain: Domain) -> f64 {
         self.area[domain.level]
+    }
+
+    /// Part of the top that is in contact at a level.
+    pub(crate) fn part(&self, level: usize) -> f64 {
+        self.area[level] / PI
+    }
+
+    /// Whether the middle of the top is in contact.
+    pub(crate) fn holds_centre(&self, domain: Domain) -> bool {
+        domain.is_full()
+            || domain.is_partial() && self.shapes[domain.level][domain.curvature][1] > 0.0
     }
 
     /// Distance of the farthest point in contact from a point, in pillar radii from the centre of the top.
@@ -275,12 +308,6 @@ impl Fronts {
         let critical = critical_edge_coefficient(work);
         let mut rows = self.rim.chunks_exact(self.count());
         rows.all(|row| sum(row, load) >= -critical)
-    }
-
-    /// The smallest edge coefficient of a top in full contact.
-    pub(crate) fn smallest_edge_coefficient(&self, load: &[f64]) -> f64 {
-        let rows = self.rim.chunks_exact(self.count());
-        rows.map(|row| sum(row, load)).fold(f64::INFINITY, f64::min)
     }
 
     /// What a top does under its load, all others frozen: its front goes on until it neither advances nor recedes.

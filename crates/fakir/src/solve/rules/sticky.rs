@@ -2,6 +2,7 @@
 //! [front](super::fronts).
 
 use super::fronts::{Course, Domain, Fronts, Line};
+use crate::halfspace::disc::basis::mode_count;
 use crate::numerics::workers::Workers;
 use crate::solve::frozen::Rule;
 
@@ -17,11 +18,11 @@ pub(crate) struct StickyTops {
 }
 
 impl StickyTops {
-    pub(crate) fn new(fronts: Fronts, pillars: usize, modes: usize) -> Self {
+    pub(crate) fn new(fronts: Fronts, pillars: usize) -> Self {
         Self {
+            modes: mode_count(fronts.degree()),
             fronts,
             domains: vec![Domain::OUT; pillars],
-            modes,
         }
     }
 

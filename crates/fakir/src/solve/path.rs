@@ -11,57 +11,61 @@ use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
 use super::frozen::{FrozenContact, Source};
 use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::sticky::StickyTops;
+use super::spectral::{LARGEST_CONTACT, checked_window};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::window::Window;
-use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
+use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::convergence::Judgement;
 use crate::numerics::vector::add_scaled;
 use crate::problem::Point;
 use crate::problem::scaled::Problem;
-use crate::state::{Progress, Run, SolveError, Stage};
+use crate::state::{Progress, Run, SolveError, Stage, Termination};
 
-/// Relative energy of the residual of the response at the present indentation, and of that to a unit indentation,
-/// which only says where to look next.
+/// Relative energy of the residual of the responses.
 const TOLERANCE: f64 = 1e-9;
-const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// The path goes this much beyond an event, in the unit of length, so that rounding does not hide it ...
+/// The path goes this much beyond an event, in the unit of length or of the indentation, so that rounding does not hide it ...
 const BEYOND: f64 = 1e-8;
 
 /// ... and this many times further every time that nothing was found to change there.
 const FURTHER: f64 = 4.0;
 
-/// Longest way without looking at all tops again, pillar heights.
+/// Longest way without looking at all tops again, as parts of the pillar height and of the indentation: the larger of the two.
 const LONGEST_STEP: f64 = 0.02;
+const LONGEST_RELATIVE_STEP: f64 = 0.01;
 
-/// The floor is looked at anew when it is nearer than this part of the indentation at which it would be reached, and
-/// every so many steps.
+/// The floor is looked at again after this part of the way to where it would be reached; when that is nearer than `NEAR_FLOOR` of the
+/// indentation, at every step. It is looked for everywhere, as another point may have become the lowest.
+const LOOK_AGAIN: f64 = 0.5;
 const NEAR_FLOOR: f64 = 0.02;
-const STEPS_REMEMBERED: usize = 10;
 
 /// Rounds of a cascade before giving up.
 const ROUND_LIMIT: usize = 2000;
 
+/// A window has pillars up to this many pitches beyond the farthest one in contact. It is made wider by `GROWTH` at the least, and
+/// narrower where less than `SHRINKAGE` of its radius is needed.
+const MARGIN: f64 = 1.5;
+const GROWTH: f64 = 1.25;
+const SHRINKAGE: f64 = 0.75;
+
 /// What is held while tops change.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Drive {
-    /// The indentation.
-    Displacement,
+pub(crate) enum Held {
+    Indentation,
     /// The crosshead of a machine of this stiffness, in units of the solvers.
-    Machine(f64),
-    /// The force.
+    Crosshead(f64),
     Force,
 }
 
-impl Drive {
+impl Held {
     /// What is held is `alpha zeta + beta F`.
     fn weights(self) -> [f64; 2] {
         match self {
-            Self::Displacement => [1.0, 0.0],
-            Self::Machine(stiffness) => [1.0, stiffness.recip()],
+            Self::Indentation => [1.0, 0.0],
+            Self::Crosshead(stiffness) => [1.0, stiffness.recip()],
             Self::Force => [0.0, 1.0],
         }
     }
@@ -77,6 +81,10 @@ pub(crate) struct Station {
     pub(crate) touched: [usize; 2],
     /// Area in contact.
     pub(crate) area: f64,
+    /// Distance of the farthest point in contact from the lens axis.
+    pub(crate) radius: f64,
+    /// Events so far.
+    pub(crate) events: usize,
 }
 
 /// A top that changed.
@@ -94,10 +102,23 @@ pub(crate) struct TopEvent {
 pub(crate) enum End {
     /// At an indentation.
     Indentation(f64),
-    /// Where the floor is reached.
+    /// Where a force is borne by something in contact.
+    Force(f64),
+    /// Nowhere before the floor.
     Floor,
     /// Where nothing is in contact any more.
     Separation,
+}
+
+/// What a part of the path ended at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Stop {
+    /// What was asked.
+    End,
+    /// The floor is reached.
+    Floor(FloorPoint),
+    /// There is no solution.
+    Failed(Termination),
 }
 
 /// What the path has added up.
@@ -105,89 +126,99 @@ pub(crate) enum End {
 pub(crate) struct Energies {
     /// `∫ F d zeta` along the path.
     pub(crate) work: f64,
+    /// What of that was done against pulls on unloading.
+    pub(crate) separation: f64,
     /// Energy dissipated by what changed.
     pub(crate) dissipation: f64,
+    /// What of that was dissipated by fronts that went from one level to the next and stayed there: without levels
+    /// they would go there gradually.
+    pub(crate) between_levels: f64,
     /// Area that came out of contact.
     pub(crate) receded: f64,
 }
 
+/// A top in contact with what it bears.
+#[derive(Debug, Clone)]
+pub(crate) struct HeldTop {
+    pub(crate) index: (i64, i64),
+    pub(crate) centre: Point,
+    pub(crate) domain: Domain,
+    pub(crate) coefficients: Vec<f64>,
+}
+
+/// The strongest pull so far on unloading.
+#[derive(Debug, Clone)]
+pub(crate) struct StrongestPull {
+    pub(crate) station: usize,
+    pub(crate) tops: Vec<HeldTop>,
+}
+
 /// A lens that goes up and down on tops that stick.
-pub(crate) struct Cycle<'a> {
-    problem: &'a Problem,
+pub(crate) struct Path<'a> {
+    pub(crate) problem: &'a Problem,
     run: &'a Run<'a>,
+    pair: PairCoupling,
+    projector: LensProjector,
     pub(crate) window: Window,
     pub(crate) tops: StickyTops,
     pub(crate) contact: FrozenContact<'a, LatticeCoupling>,
-    pub(crate) exterior: Exterior,
-    floor: FloorSearch,
+    exterior: Exterior,
     works: Works,
-    drive: Drive,
-    /// Steps gone so far.
-    steps: usize,
+    held: Held,
+    /// Indentation from which on the floor is looked at again.
+    look_again: f64,
     /// Loads on all tops at the present indentation, and their change with it.
     loads: Vec<f64>,
     along: Vec<f64>,
     pub(crate) stations: Vec<Station>,
     pub(crate) events: Vec<TopEvent>,
     pub(crate) energies: Energies,
-    /// Whether every linear problem was solved and every cascade ended.
-    pub(crate) converged: bool,
+    pub(crate) strongest: Option<StrongestPull>,
+    /// Why there is no solution, if there is none.
+    failed: Option<Termination>,
 }
 
-impl<'a> Cycle<'a> {
-    /// The lens above the tops within a radius of its axis, at an indentation at which it touches none.
+impl<'a> Path<'a> {
+    /// The lens above all tops, at an indentation at which it touches none.
     pub(crate) fn new(
         problem: &'a Problem,
         run: &'a Run<'a>,
-        radius: f64,
-        degree: usize,
-        works: Works,
-        partial: bool,
-        start: f64,
-    ) -> Self {
-        let window = Window::new(&problem.lattice, radius);
-        let pair = PairCoupling::new(degree, problem.lattice.pitch);
+        fronts: Fronts,
+        held: Held,
+    ) -> Result<Self, SolveError> {
+        let degree = fronts.degree();
         let modes = mode_count(degree);
-        let workers = run.workers();
+        let pair = PairCoupling::new(degree, problem.lattice.pitch);
         let projector = LensProjector::new(problem, degree);
-        let mut own_load = vec![0.0; window.len() * modes];
-        for (centre, load) in window
-            .centres()
-            .iter()
-            .zip(own_load.chunks_exact_mut(modes))
-        {
-            projector.project(problem, *centre, load);
-        }
-        let coupling = LatticeCoupling::new(&window, &pair, workers);
-        let fronts = Fronts::new(degree, problem.column_compliance_ratio, works, partial);
-        let size = own_load.len();
-        let mut contact = FrozenContact::new(run, coupling, modes, own_load);
-        contact.move_to(start);
-        let mut cycle = Self {
+        let radius = problem.nearest_edge() + 1.0 + MARGIN * problem.lattice.pitch;
+        let window = checked_window(problem, radius, modes, run)?;
+        let coupling = LatticeCoupling::new(&window, &pair, run.workers());
+        let own_load = own_load(problem, &projector, &window, modes);
+        let mut path = Self {
             problem,
             run,
-            tops: StickyTops::new(fronts, window.len(), modes),
+            works: fronts.works(),
+            tops: StickyTops::new(fronts, window.len()),
+            loads: vec![0.0; own_load.len()],
+            along: vec![0.0; own_load.len()],
+            contact: FrozenContact::new(run, coupling, modes, own_load),
             window,
-            contact,
+            pair,
+            projector,
             exterior: Exterior::new(degree),
-            floor: FloorSearch::default(),
-            works,
-            drive: Drive::Displacement,
-            steps: 0,
-            loads: vec![0.0; size],
-            along: vec![0.0; size],
+            held,
+            look_again: f64::NEG_INFINITY,
             stations: Vec::new(),
             events: Vec::new(),
             energies: Energies::default(),
-            converged: true,
+            strongest: None,
+            failed: None,
         };
-        cycle.record(Course::Loading);
-        cycle
-    }
-
-    /// What is held from now on while tops change.
-    pub(crate) fn drive_by(&mut self, drive: Drive) {
-        self.drive = drive;
+        let first_touch = problem.lens.sag(problem.nearest_edge());
+        let start = first_touch.min(problem.height);
+        path.contact.move_to(start - path.longest_step());
+        path.record(Course::Loading);
+        Ok(path)
     }
 
     pub(crate) fn indentation(&self) -> f64 {
@@ -217,60 +248,85 @@ impl<'a> Cycle<'a> {
         touched.map(|(_, [x, y])| x.hypot(*y)).fold(0.0, f64::max)
     }
 
-    /// Whether the window is too small for what is in contact.
-    pub(crate) fn is_too_small(&self) -> bool {
-        self.reach() + self.problem.lattice.pitch > self.window.radius()
+    fn longest_step(&self) -> f64 {
+        let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
+        (LONGEST_STEP * self.problem.height).max(part_of_path)
     }
 
-    /// Goes on until the end. Returns the floor point where the floor was reached, which ends every loading.
+    /// Goes on until the end. Where `watch_floor` a loading stops at the floor too.
     pub(crate) fn go(
         &mut self,
         course: Course,
         end: End,
-    ) -> Result<Option<FloorPoint>, SolveError> {
+        watch_floor: bool,
+    ) -> Result<Stop, SolveError> {
         let sign = course.sign();
         let mut beyond = BEYOND;
+        // What changes because the course does.
+        self.cascade(course)?;
         self.respond()?;
         loop {
-            if end == End::Separation && self.tops.counts()[0] == 0 {
-                return Ok(None);
+            if let Some(termination) = self.failed {
+                return Ok(Stop::Failed(termination));
             }
-            let along: Vec<f64> = self.along.iter().map(|l| sign * l).collect();
-            let loads = [self.loads.as_slice(), along.as_slice()];
-            let event = self.tops.next_event(loads, course, self.run.workers());
-            let longest = LONGEST_STEP * self.problem.height;
-            let to_event = event.map_or(f64::INFINITY, |distance| distance + beyond);
-            let to_end = match end {
-                End::Indentation(indentation) => sign * (indentation - self.indentation()),
-                End::Floor | End::Separation => f64::INFINITY,
-            };
+            if end == End::Separation && self.tops.counts()[0] == 0 {
+                return Ok(Stop::End);
+            }
+            let along = self.along.iter_mut();
+            along.for_each(|load| *load *= sign);
+            let event =
+                self.tops
+                    .next_event([&self.loads, &self.along], course, self.run.workers());
+            let longest = self.longest_step();
+            let to_event = event.unwrap_or(f64::INFINITY);
+            let to_end = self.distance(sign, end);
             let step = to_event.min(longest).min(to_end);
-            if course == Course::Loading
+            if watch_floor
+                && course == Course::Loading
                 && let Some(lowest) = self.lowest_floor_within(step)
             {
-                self.advance(course, lowest.indentation - self.indentation());
-                return Ok(Some(lowest));
+                // In a cascade the lens may have come nearer to it.
+                self.advance((lowest.indentation - self.indentation()).max(0.0));
+                self.record(course);
+                return Ok(Stop::Floor(lowest));
             }
-            self.advance(course, sign * step);
-            self.steps += 1;
+            self.advance(sign * step);
+            self.record(course);
+            if to_end <= step {
+                return Ok(Stop::End);
+            }
+            if self.indentation() > LARGEST_CONTACT * self.problem.lens.radius {
+                return Err(self.too_large(self.indentation()));
+            }
+            let past = beyond * self.indentation().abs().max(1.0);
+            if to_event <= longest {
+                self.advance(sign * past);
+            }
             let changes = self.cascade(course)?;
-            if !self.converged {
-                return Ok(None);
-            }
             beyond = if changes == 0 && to_event <= longest {
                 beyond * FURTHER
             } else {
                 BEYOND
             };
             if changes > 0 {
+                self.fit_window()?;
                 self.respond()?;
             } else {
                 self.find_loads();
             }
-            if to_end <= step {
-                return Ok(None);
-            }
             self.report();
+        }
+    }
+
+    /// How far the indentation goes to an end along the frozen response.
+    fn distance(&self, sign: f64, end: End) -> f64 {
+        match end {
+            End::Indentation(indentation) => sign * (indentation - self.indentation()),
+            End::Force(force) if self.tops.counts()[0] > 0 => {
+                let missing = sign * (force - self.force());
+                missing.max(0.0) / self.contact.stiffness()
+            }
+            End::Force(_) | End::Floor | End::Separation => f64::INFINITY,
         }
     }
 
@@ -284,31 +340,78 @@ impl<'a> Cycle<'a> {
     }
 
     /// Goes along the frozen response.
-    fn advance(&mut self, course: Course, step: f64) {
+    fn advance(&mut self, step: f64) {
         let force = self.force();
         self.contact.move_to(self.indentation() + step);
-        self.energies.work += 0.5 * step * (force + self.force());
-        self.record(course);
+        self.add_work(step, [force, self.force()]);
+    }
+
+    /// Adds the work on a way along which the force is linear.
+    fn add_work(&mut self, step: f64, [before, after]: [f64; 2]) {
+        self.energies.work += 0.5 * step * (before + after);
+        if step < 0.0 {
+            // The part of the way on which the force, linear, pulls.
+            let (low, high) = (before.min(after), before.max(after));
+            let pulling = if high <= 0.0 {
+                0.5 * (before + after)
+            } else if low < 0.0 {
+                -0.5 * low * low / (high - low)
+            } else {
+                0.0
+            };
+            self.energies.separation += step * pulling;
+        }
     }
 
     fn record(&mut self, course: Course) {
-        self.stations.push(Station {
+        let station = Station {
             course,
             indentation: self.indentation(),
             force: self.force(),
             touched: self.tops.counts(),
             area: self.tops.area(),
-        });
+            radius: self.contact_radius(),
+            events: self.events.len(),
+        };
+        let strongest = self.strongest.as_ref();
+        let before = strongest.map_or(0.0, |pull| self.stations[pull.station].force);
+        if course == Course::Unloading && station.force < before {
+            self.strongest = Some(StrongestPull {
+                station: self.stations.len(),
+                tops: self.held_tops(),
+            });
+        }
+        self.stations.push(station);
     }
 
-    /// Both responses with the present domains, and the loads.
+    /// All tops in contact.
+    pub(crate) fn held_tops(&self) -> Vec<HeldTop> {
+        let modes = self.contact.modes();
+        let held = |pillar: usize| HeldTop {
+            index: self.window.index(pillar),
+            centre: self.window.centres()[pillar],
+            domain: self.tops.domains[pillar],
+            coefficients: self.contact.coefficients()[pillar * modes..][..modes].to_vec(),
+        };
+        let touched = (0..self.window.len()).filter(|p| !self.tops.domains[*p].is_out());
+        touched.map(held).collect()
+    }
+
+    /// The response to a unit indentation with the present domains, and the loads.
     fn respond(&mut self) -> Result<(), SolveError> {
-        let unit = self
-            .contact
-            .solve(&mut self.tops, Source::Unit, UNIT_TOLERANCE)?;
-        let present = self.contact.solve(&mut self.tops, Source::Present, TOLERANCE)?;
-        self.converged &= unit == Judgement::Good && present == Judgement::Good;
+        self.solve(Source::Unit)?;
         self.find_loads();
+        Ok(())
+    }
+
+    fn solve(&mut self, source: Source<'_>) -> Result<(), SolveError> {
+        let judgement = self.contact.solve(&mut self.tops, source, TOLERANCE)?;
+        if judgement != Judgement::Good {
+            self.failed = Some(match judgement {
+                Judgement::TooLarge => Termination::Stagnated,
+                _ => Termination::NotFinite,
+            });
+        }
         Ok(())
     }
 
@@ -319,19 +422,15 @@ impl<'a> Cycle<'a> {
 
     /// All that changes while what drives the lens stands still. Returns how many tops changed.
     fn cascade(&mut self, course: Course) -> Result<usize, SolveError> {
-        let [alpha, beta] = self.drive.weights();
+        let [alpha, beta] = self.held.weights();
         let (start, force) = (self.indentation(), self.force());
         let held = alpha * start + beta * force;
-        let (energy, area) = (self.contact.elastic_energy(), self.tops.area());
+        let energy = self.contact.elastic_energy();
         let before = self.tops.domains.clone();
         let mut natural = vec![false; before.len()];
-        let (mut gained, mut lost) = (0.0, 0.0);
+        let (mut gained, mut lost, mut rounds) = (0.0, 0.0, 0);
         let workers = self.run.workers();
-        for round in 0.. {
-            if round == ROUND_LIMIT {
-                self.converged = false;
-                break;
-            }
+        loop {
             self.contact.all_loads(&mut self.loads);
             let moves = self.tops.marched(&self.loads, workers);
             let is_natural = |(pillar, next): &(usize, Domain)| {
@@ -354,6 +453,10 @@ impl<'a> Cycle<'a> {
             if chosen.is_empty() {
                 break;
             }
+            rounds += 1;
+            if rounds > ROUND_LIMIT {
+                self.failed = Some(Termination::IterationLimit);
+            }
             for (pillar, next) in chosen {
                 let fronts = &self.tops.fronts;
                 let change = fronts.area(next) - fronts.area(self.tops.domains[pillar]);
@@ -362,11 +465,12 @@ impl<'a> Cycle<'a> {
                 self.tops.domains[pillar] = next;
             }
             if beta != 0.0 {
-                let unit = self.contact.solve(&mut self.tops, Source::Unit, TOLERANCE)?;
-                self.converged &= unit == Judgement::Good;
+                self.solve(Source::Unit)?;
             }
-            let present = self.contact.solve(&mut self.tops, Source::Present, TOLERANCE)?;
-            self.converged &= present == Judgement::Good;
+            self.solve(Source::Present)?;
+            if self.failed.is_some() {
+                break;
+            }
             if beta != 0.0 {
                 let missing = held - alpha * self.indentation() - beta * self.force();
                 let rate = alpha + beta * self.contact.stiffness();
@@ -374,52 +478,101 @@ impl<'a> Cycle<'a> {
                     // Nothing is left to bear the force.
                     break;
                 }
-                let change = missing / rate;
-                self.contact.move_to(self.indentation() + change);
+                self.contact.move_to(self.indentation() + missing / rate);
             }
         }
+        if rounds == 0 {
+            return Ok(0);
+        }
         let (indentation, after) = (self.indentation(), self.force());
-        let changed: Vec<usize> = (0..before.len())
-            .filter(|pillar| before[*pillar].level != self.tops.domains[*pillar].level)
-            .collect();
-        for pillar in &changed {
-            self.events.push(TopEvent {
-                course,
-                indentation,
-                force: after,
-                index: self.window.index(*pillar),
-                levels: [before[*pillar].level, self.tops.domains[*pillar].level],
-            });
+        let mut farthest = 0;
+        let first = self.events.len();
+        for (pillar, before) in before.iter().enumerate() {
+            let levels = [before.level, self.tops.domains[pillar].level];
+            if levels[0] != levels[1] {
+                farthest = farthest.max(levels[0].abs_diff(levels[1]));
+                self.events.push(TopEvent {
+                    course,
+                    indentation,
+                    force: after,
+                    index: self.window.index(pillar),
+                    levels,
+                });
+            }
         }
-        if gained + lost > 0.0 {
-            // What the drive does on the way; at a fixed indentation nothing.
-            let done = 0.5 * (indentation - start) * (force + after);
-            let stored = self.contact.elastic_energy() - energy;
-            self.energies.work += done;
-            self.energies.dissipation +=
-                done - stored + self.works.advancing * gained - self.works.receding * lost;
-            self.energies.receded += lost;
-            debug_assert!((self.tops.area() - area - gained + lost).abs() < 1e-6);
-            self.record(course);
+        // What the drive does on the way; at a fixed indentation nothing.
+        let way = indentation - start;
+        let done = 0.5 * way * (force + after);
+        self.add_work(way, [force, after]);
+        let stored = self.contact.elastic_energy() - energy;
+        let dissipated = done - stored + self.works.advancing * gained - self.works.receding * lost;
+        self.energies.dissipation += dissipated;
+        if farthest <= 1 {
+            self.energies.between_levels += dissipated.abs();
         }
-        Ok(changed.len())
+        self.energies.receded += lost;
+        self.record(course);
+        Ok(self.events.len() - first)
     }
 
-    /// The lowest point of the floor, if it is reached within a step. Low points are remembered from step to step; near the
-    /// floor they are sought anew, as another may have become the lowest.
+    /// Another window where the contact comes near the edge of the present one, or needs much less.
+    fn fit_window(&mut self) -> Result<(), SolveError> {
+        let (reach, pitch) = (self.reach(), self.problem.lattice.pitch);
+        let lens = self.problem.lens.radius;
+        if reach - 1.0 > LARGEST_CONTACT * lens {
+            return Err(self.too_large(reach));
+        }
+        let (present, needed) = (self.window.radius(), reach + MARGIN * pitch);
+        let radius = if reach + pitch > present {
+            needed.max(GROWTH * present)
+        } else if needed < SHRINKAGE * present && self.window.len() > FEW_PILLARS {
+            needed
+        } else {
+            return Ok(());
+        };
+        let modes = self.contact.modes();
+        let window = checked_window(self.problem, radius, modes, self.run)?;
+        let coupling = LatticeCoupling::new(&window, &self.pair, self.run.workers());
+        let own_load = own_load(self.problem, &self.projector, &window, modes);
+        let mut contact = FrozenContact::new(self.run, coupling, modes, own_load);
+        let [present, unit] = self.contact.parts();
+        let before = |pillar: usize| self.window.find(window.index(pillar));
+        contact.start_from(self.indentation(), |pillar| {
+            let range = before(pillar)? * modes..;
+            Some([&present[range.clone()][..modes], &unit[range][..modes]])
+        });
+        let domain = |pillar| before(pillar).map_or(Domain::OUT, |p| self.tops.domains[p]);
+        self.tops.domains = (0..window.len()).map(domain).collect();
+        self.loads.resize(window.len() * modes, 0.0);
+        self.along.resize(window.len() * modes, 0.0);
+        self.contact = contact;
+        self.window = window;
+        Ok(())
+    }
+
+    fn too_large(&self, radius: f64) -> SolveError {
+        SolveError::ContactExceedsLens {
+            contact_radius: radius * self.problem.length,
+            lens_radius: self.problem.lens.radius * self.problem.length,
+        }
+    }
+
+    /// The lowest point of the floor, if it is reached within a step.
     fn lowest_floor_within(&mut self, step: f64) -> Option<FloorPoint> {
-        let remembered = self.lowest_floor()?;
-        let ahead = remembered.indentation - self.indentation();
-        if ahead > step + NEAR_FLOOR * remembered.indentation && self.steps % STEPS_REMEMBERED > 0 {
+        if self.indentation() + step < self.look_again {
             return None;
         }
-        self.floor = FloorSearch::default();
         let lowest = self.lowest_floor()?;
+        let ahead = lowest.indentation - self.indentation();
+        if ahead > step + NEAR_FLOOR * lowest.indentation {
+            self.look_again = self.indentation() + LOOK_AGAIN * ahead;
+            return None;
+        }
         (lowest.indentation <= self.indentation() + step).then_some(lowest)
     }
 
     /// The lowest point of the floor along the frozen response.
-    pub(crate) fn lowest_floor(&mut self) -> Option<FloorPoint> {
+    pub(crate) fn lowest_floor(&self) -> Option<FloorPoint> {
         let modes = self.contact.modes();
         let touched: Vec<usize> = (0..self.window.len())
             .filter(|pillar| !self.tops.domains[*pillar].is_out())
@@ -441,18 +594,26 @@ impl<'a> Cycle<'a> {
             coefficients: [&along, &without],
             run: self.run,
         };
-        self.floor.lowest(self.problem, &discs, &self.run.cancel)
+        FloorSearch::default().lowest(self.problem, &discs, &self.run.cancel)
     }
 }
 
-/// The indentation at which a lens is surely above all tops.
-pub(crate) fn above(problem: &Problem) -> f64 {
-    problem.lens.sag(problem.nearest_edge()) - LONGEST_STEP * problem.height
-}
+/// Windows of so few pillars are not made smaller.
+const FEW_PILLARS: usize = 24;
 
-/// What a full top bears at a pull, for tests and limits: Kendall's `sqrt(8 pi w)`.
-pub(crate) fn kendall_force(work: f64) -> f64 {
-    UNIT_FORCE * (4.0 * work).sqrt()
+/// `bs`: the lens shape over every top.
+fn own_load(
+    problem: &Problem,
+    projector: &LensProjector,
+    window: &Window,
+    modes: usize,
+) -> Vec<f64> {
+    let mut own_load = vec![0.0; window.len() * modes];
+    let loads = own_load.chunks_exact_mut(modes);
+    for (centre, load) in window.centres().iter().zip(loads) {
+        projector.project(problem, *centre, load);
+    }
+    own_load
 }
 
 #[cfg(test)]
