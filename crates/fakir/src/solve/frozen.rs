@@ -35,8 +35,16 @@ pub(crate) trait Rule {
     /// `c += cb`
     fn add_constants(&self, coefficients: &mut [f64]);
 
-    /// About what makes a residual vanish: `P` where there is one; zero of places that bear no pressure.
-    fn precondition(&mut self, residual: &[f64], direction: &mut [f64], workers: Workers<'_>) {
+    /// About what makes a residual vanish: `P` of a load where there is one, such as of the residual itself; zero of places that bear no
+    /// pressure. The load is told too, of the places that give way by themselves, which come first.
+    fn precondition(
+        &mut self,
+        residual: &[f64],
+        direction: &mut [f64],
+        load: &mut [f64],
+        workers: Workers<'_>,
+    ) {
+        load.copy_from_slice(&residual[..load.len()]);
         self.respond(residual, direction, workers);
     }
 }
@@ -414,9 +422,10 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         self.coupling.apply(coefficients, far, workers);
         self.run.check_cancelled()?;
         vectors.subtract(&mut room.residual, far);
-        rule.precondition(&room.residual, &mut room.preconditioned, workers);
+        let preconditioned = &mut room.preconditioned;
+        let direction_load = &mut room.direction_load[..tops];
+        rule.precondition(&room.residual, preconditioned, direction_load, workers);
         room.direction.copy_from_slice(&room.preconditioned);
-        room.direction_load[..tops].copy_from_slice(&room.residual[..tops]);
         room.direction_load[tops..].fill(0.0);
         let mut energy = vectors.dot(&room.residual, &room.preconditioned);
         if tops < room.load.len() {
@@ -448,16 +457,14 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 -length,
                 &room.direction_load[..tops],
             );
-            rule.precondition(&room.residual, &mut room.preconditioned, workers);
+            let preconditioned = &mut room.preconditioned;
+            let load = &mut room.load[..tops];
+            rule.precondition(&room.residual, preconditioned, load, workers);
             let next = vectors.dot(&room.residual, &room.preconditioned);
             let ratio = next / energy;
             energy = next;
             vectors.scale_and_add(&mut room.direction, ratio, &room.preconditioned);
-            vectors.scale_and_add(
-                &mut room.direction_load[..tops],
-                ratio,
-                &room.residual[..tops],
-            );
+            vectors.scale_and_add(&mut room.direction_load[..tops], ratio, &room.load[..tops]);
         }
         Ok(Judgement::TooLarge)
     }

@@ -8,7 +8,7 @@
 //! sets free is dissipated.
 
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
-use super::frozen::{FrozenContact, Source};
+use super::frozen::{FrozenContact, Rule, Source};
 use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::sticky::StickyTops;
 use super::spectral::{LARGEST_CONTACT, checked_window};
@@ -19,12 +19,14 @@ use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::convergence::Judgement;
-use crate::numerics::vector::add_scaled;
+use crate::numerics::vector::{add_scaled, dot, subtract};
 use crate::problem::Point;
 use crate::problem::scaled::Problem;
 use crate::state::{Progress, Run, SolveError, Stage, Termination};
 
-/// Relative energy of the residual of the responses.
+/// Relative size of the residuals of the responses: to a unit indentation and at the present one where it is held, and of both where it is not.
+const UNIT_TOLERANCE: f64 = 1e-5;
+const PRESENT_TOLERANCE: f64 = 1e-7;
 const TOLERANCE: f64 = 1e-9;
 
 /// The path goes this much beyond an event, in the unit of length or of the indentation, so that rounding does not hide it ...
@@ -45,11 +47,15 @@ const NEAR_FLOOR: f64 = 0.02;
 /// Rounds of a cascade before giving up.
 const ROUND_LIMIT: usize = 2000;
 
-/// A window has pillars up to this many pitches beyond the farthest one in contact. It is made wider by `GROWTH` at the least, and
-/// narrower where less than `SHRINKAGE` of its radius is needed.
+/// On loading a window has pillars up to this many pitches beyond the farthest one in contact. It is made wider by `GROWTH` at the least.
 const MARGIN: f64 = 1.5;
 const GROWTH: f64 = 1.25;
-const SHRINKAGE: f64 = 0.75;
+
+/// On unloading no more come into contact: a window is made narrower where less than this part of its radius is needed.
+const SHRINKAGE: f64 = 0.88;
+
+/// Windows of so few pillars are not made smaller.
+const FEW_PILLARS: usize = 24;
 
 /// What is held while tops change.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,6 +159,24 @@ pub(crate) struct StrongestPull {
     pub(crate) tops: Vec<HeldTop>,
 }
 
+/// What residuals take from the force at an indentation, and from its change.
+#[derive(Debug, Clone, Copy, Default)]
+struct Refined {
+    indentation: f64,
+    force: f64,
+    stiffness: f64,
+}
+
+/// What a cascade changed.
+#[derive(Debug, Default)]
+struct Change {
+    /// Area that came into contact, and out of it.
+    gained: f64,
+    lost: f64,
+    /// Tops whose level is another, with both levels.
+    tops: Vec<((i64, i64), [usize; 2])>,
+}
+
 /// A lens that goes up and down on tops that stick.
 pub(crate) struct Path<'a> {
     pub(crate) problem: &'a Problem,
@@ -167,6 +191,7 @@ pub(crate) struct Path<'a> {
     held: Held,
     /// Indentation from which on the floor is looked at again.
     look_again: f64,
+    refined: Refined,
     /// Loads on all tops at the present indentation, and their change with it.
     loads: Vec<f64>,
     along: Vec<f64>,
@@ -198,7 +223,7 @@ impl<'a> Path<'a> {
             problem,
             run,
             works: fronts.works(),
-            tops: StickyTops::new(fronts, window.len()),
+            tops: StickyTops::new(fronts, &problem.lattice, &window),
             loads: vec![0.0; own_load.len()],
             along: vec![0.0; own_load.len()],
             contact: FrozenContact::new(run, coupling, modes, own_load),
@@ -208,6 +233,7 @@ impl<'a> Path<'a> {
             exterior: Exterior::new(degree),
             held,
             look_again: f64::NEG_INFINITY,
+            refined: Refined::default(),
             stations: Vec::new(),
             events: Vec::new(),
             energies: Energies::default(),
@@ -226,19 +252,28 @@ impl<'a> Path<'a> {
     }
 
     pub(crate) fn force(&self) -> f64 {
-        self.contact.force()
+        let Refined {
+            indentation,
+            force,
+            stiffness,
+        } = self.refined;
+        self.contact.force() + force + stiffness * (self.indentation() - indentation)
+    }
+
+    fn stiffness(&self) -> f64 {
+        self.contact.stiffness() + self.refined.stiffness
     }
 
     /// Distance from the lens axis of the farthest point in contact.
     pub(crate) fn contact_radius(&self) -> f64 {
-        let pillars = self.tops.domains.iter().zip(self.window.centres());
-        pillars
-            .filter(|(domain, _)| !domain.is_out())
-            .map(|(domain, centre)| {
+        let mut farthest = 0.0_f64;
+        for (domain, centre) in self.tops.domains.iter().zip(self.window.centres()) {
+            if !domain.is_out() && centre[0].hypot(centre[1]) + 1.0 > farthest {
                 let axis = centre.map(|x| -x);
-                self.tops.fronts.farthest_from(*domain, axis)
-            })
-            .fold(0.0, f64::max)
+                farthest = farthest.max(self.tops.fronts.farthest_from(*domain, axis));
+            }
+        }
+        farthest
     }
 
     /// Distance from the lens axis of the farthest centre of a top in contact.
@@ -264,7 +299,6 @@ impl<'a> Path<'a> {
         let mut beyond = BEYOND;
         // What changes because the course does.
         self.cascade(course)?;
-        self.respond()?;
         loop {
             if let Some(termination) = self.failed {
                 return Ok(Stop::Failed(termination));
@@ -274,10 +308,9 @@ impl<'a> Path<'a> {
             }
             let along = self.along.iter_mut();
             along.for_each(|load| *load *= sign);
-            let event =
-                self.tops
-                    .next_event([&self.loads, &self.along], course, self.run.workers());
             let longest = self.longest_step();
+            let loads = [self.loads.as_slice(), self.along.as_slice()];
+            let event = self.tops.next_event(loads, course, longest);
             let to_event = event.unwrap_or(f64::INFINITY);
             let to_end = self.distance(sign, end);
             let step = to_event.min(longest).min(to_end);
@@ -285,16 +318,21 @@ impl<'a> Path<'a> {
                 && course == Course::Loading
                 && let Some(lowest) = self.lowest_floor_within(step)
             {
+                self.sharpen()?;
+                let lowest = self.lowest_floor().unwrap_or(lowest);
                 // In a cascade the lens may have come nearer to it.
                 self.advance((lowest.indentation - self.indentation()).max(0.0));
                 self.record(course);
                 return Ok(Stop::Floor(lowest));
             }
-            self.advance(sign * step);
-            self.record(course);
             if to_end <= step {
+                self.sharpen()?;
+                self.advance(sign * self.distance(sign, end));
+                self.record(course);
                 return Ok(Stop::End);
             }
+            self.advance(sign * step);
+            self.record(course);
             if self.indentation() > LARGEST_CONTACT * self.problem.lens.radius {
                 return Err(self.too_large(self.indentation()));
             }
@@ -308,12 +346,6 @@ impl<'a> Path<'a> {
             } else {
                 BEYOND
             };
-            if changes > 0 {
-                self.fit_window()?;
-                self.respond()?;
-            } else {
-                self.find_loads();
-            }
             self.report();
         }
     }
@@ -324,7 +356,7 @@ impl<'a> Path<'a> {
             End::Indentation(indentation) => sign * (indentation - self.indentation()),
             End::Force(force) if self.tops.counts()[0] > 0 => {
                 let missing = sign * (force - self.force());
-                missing.max(0.0) / self.contact.stiffness()
+                missing.max(0.0) / self.stiffness()
             }
             End::Force(_) | End::Floor | End::Separation => f64::INFINITY,
         }
@@ -397,15 +429,29 @@ impl<'a> Path<'a> {
         touched.map(held).collect()
     }
 
-    /// The response to a unit indentation with the present domains, and the loads.
-    fn respond(&mut self) -> Result<(), SolveError> {
-        self.solve(Source::Unit)?;
+    /// Solves with the present domains. Where the indentation is held the residuals need only be as small as makes their
+    /// product negligible: see [`refine`](Self::refine).
+    fn solve(&mut self, source: Source<'_>) -> Result<(), SolveError> {
+        let tolerance = match (self.held, source) {
+            (Held::Indentation, Source::Unit) => UNIT_TOLERANCE,
+            (Held::Indentation, _) => PRESENT_TOLERANCE,
+            _ => TOLERANCE,
+        };
+        self.solve_within(source, tolerance)
+    }
+
+    /// The present state as exactly as it is handed out.
+    fn sharpen(&mut self) -> Result<(), SolveError> {
+        self.solve_within(Source::Present, TOLERANCE)?;
+        self.solve_within(Source::Unit, TOLERANCE)?;
         self.find_loads();
+        self.refine();
         Ok(())
     }
 
-    fn solve(&mut self, source: Source<'_>) -> Result<(), SolveError> {
-        let judgement = self.contact.solve(&mut self.tops, source, TOLERANCE)?;
+    fn solve_within(&mut self, source: Source<'_>, tolerance: f64) -> Result<(), SolveError> {
+        self.tops.prepare(&self.window);
+        let judgement = self.contact.solve(&mut self.tops, source, tolerance)?;
         if judgement != Judgement::Good {
             self.failed = Some(match judgement {
                 Judgement::TooLarge => Termination::Stagnated,
@@ -415,23 +461,80 @@ impl<'a> Path<'a> {
         Ok(())
     }
 
+    /// The response to a unit indentation, the loads, and what residuals take from the force.
+    fn respond(&mut self) -> Result<(), SolveError> {
+        self.solve(Source::Unit)?;
+        self.find_loads();
+        self.refine();
+        Ok(())
+    }
+
     fn find_loads(&mut self) {
         self.contact.all_loads(&mut self.loads);
         self.contact.unit_loads(&mut self.along);
     }
 
+    /// What tops would bear more than they do under loads.
+    fn missing(&self, loads: &[f64], coefficients: &[f64]) -> Vec<f64> {
+        let mut missing = vec![0.0; loads.len()];
+        self.tops.respond(loads, &mut missing, self.run.workers());
+        subtract(&mut missing, coefficients);
+        missing
+    }
+
+    /// What the force lacks by the residual of the response, to first order in that: as the response `c1` to a unit indentation `b1` is
+    /// known, the exact force `b1'c` is `b1'c + c1'r` with `r` the residual, but for the product of both residuals.
+    fn refine(&mut self) {
+        let [present, unit] = self.contact.parts();
+        let of_present = self.missing(&self.loads, present);
+        let of_unit = self.missing(&self.along, unit);
+        self.refined = Refined {
+            indentation: self.indentation(),
+            force: dot(&self.along, &of_present),
+            stiffness: dot(&self.along, &of_unit),
+        };
+    }
+
+    /// The elastic energy, as exactly.
+    fn elastic_energy(&self) -> f64 {
+        let [present, _] = self.contact.parts();
+        let missing = self.missing(&self.loads, present);
+        self.contact.elastic_energy() + 0.5 * dot(&self.loads, &missing)
+    }
+
     /// All that changes while what drives the lens stands still. Returns how many tops changed.
     fn cascade(&mut self, course: Course) -> Result<usize, SolveError> {
-        let [alpha, beta] = self.held.weights();
-        let (start, force) = (self.indentation(), self.force());
-        let held = alpha * start + beta * force;
-        let energy = self.contact.elastic_energy();
+        self.contact.all_loads(&mut self.loads);
+        let start = [self.indentation(), self.force()];
+        let energy = self.elastic_energy();
         let before = self.tops.domains.clone();
-        let mut natural = vec![false; before.len()];
-        let (mut gained, mut lost, mut rounds) = (0.0, 0.0, 0);
+        if !self.change(course)? {
+            self.find_loads();
+            return Ok(0);
+        }
+        let mut change = Change::default();
+        for (pillar, before) in before.iter().enumerate() {
+            let after = self.tops.domains[pillar];
+            let area = self.tops.fronts.area(after) - self.tops.fronts.area(*before);
+            change.gained += area.max(0.0);
+            change.lost += (-area).max(0.0);
+            if before.level != after.level {
+                let index = self.window.index(pillar);
+                change.tops.push((index, [before.level, after.level]));
+            }
+        }
+        self.fit_window(course)?;
+        self.respond()?;
+        Ok(self.account(course, start, energy, &change))
+    }
+
+    /// Changes all tops that do until none does any more. Returns whether any did.
+    fn change(&mut self, course: Course) -> Result<bool, SolveError> {
+        let [alpha, beta] = self.held.weights();
+        let held = alpha * self.indentation() + beta * self.contact.force();
+        let mut natural = vec![false; self.tops.domains.len()];
         let workers = self.run.workers();
-        loop {
-            self.contact.all_loads(&mut self.loads);
+        for round in 0..ROUND_LIMIT {
             let moves = self.tops.marched(&self.loads, workers);
             let is_natural = |(pillar, next): &(usize, Domain)| {
                 let grows = next.level > self.tops.domains[*pillar].level;
@@ -451,84 +554,86 @@ impl<'a> Path<'a> {
                 chosen = self.tops.adjusted(&self.loads, workers);
             }
             if chosen.is_empty() {
-                break;
-            }
-            rounds += 1;
-            if rounds > ROUND_LIMIT {
-                self.failed = Some(Termination::IterationLimit);
+                return Ok(round > 0);
             }
             for (pillar, next) in chosen {
-                let fronts = &self.tops.fronts;
-                let change = fronts.area(next) - fronts.area(self.tops.domains[pillar]);
-                gained += change.max(0.0);
-                lost += (-change).max(0.0);
                 self.tops.domains[pillar] = next;
             }
             if beta != 0.0 {
                 self.solve(Source::Unit)?;
             }
             self.solve(Source::Present)?;
-            if self.failed.is_some() {
-                break;
-            }
             if beta != 0.0 {
-                let missing = held - alpha * self.indentation() - beta * self.force();
+                let missing = held - alpha * self.indentation() - beta * self.contact.force();
                 let rate = alpha + beta * self.contact.stiffness();
                 if rate <= 0.0 {
                     // Nothing is left to bear the force.
-                    break;
+                    return Ok(true);
                 }
                 self.contact.move_to(self.indentation() + missing / rate);
             }
+            self.contact.all_loads(&mut self.loads);
+            if self.failed.is_some() {
+                return Ok(true);
+            }
         }
-        if rounds == 0 {
-            return Ok(0);
-        }
+        self.failed = Some(Termination::IterationLimit);
+        Ok(true)
+    }
+
+    /// Adds the events of a cascade, and what it dissipated. Returns their number.
+    fn account(
+        &mut self,
+        course: Course,
+        [start, force]: [f64; 2],
+        energy: f64,
+        change: &Change,
+    ) -> usize {
         let (indentation, after) = (self.indentation(), self.force());
         let mut farthest = 0;
-        let first = self.events.len();
-        for (pillar, before) in before.iter().enumerate() {
-            let levels = [before.level, self.tops.domains[pillar].level];
-            if levels[0] != levels[1] {
-                farthest = farthest.max(levels[0].abs_diff(levels[1]));
-                self.events.push(TopEvent {
-                    course,
-                    indentation,
-                    force: after,
-                    index: self.window.index(pillar),
-                    levels,
-                });
-            }
+        for (index, levels) in &change.tops {
+            farthest = farthest.max(levels[0].abs_diff(levels[1]));
+            self.events.push(TopEvent {
+                course,
+                indentation,
+                force: after,
+                index: *index,
+                levels: *levels,
+            });
         }
         // What the drive does on the way; at a fixed indentation nothing.
         let way = indentation - start;
-        let done = 0.5 * way * (force + after);
         self.add_work(way, [force, after]);
-        let stored = self.contact.elastic_energy() - energy;
-        let dissipated = done - stored + self.works.advancing * gained - self.works.receding * lost;
+        let done = 0.5 * way * (force + after);
+        let stored = self.elastic_energy() - energy;
+        let parted = self.works.receding * change.lost - self.works.advancing * change.gained;
+        let dissipated = done - stored - parted;
         self.energies.dissipation += dissipated;
         if farthest <= 1 {
             self.energies.between_levels += dissipated.abs();
         }
-        self.energies.receded += lost;
+        self.energies.receded += change.lost;
         self.record(course);
-        Ok(self.events.len() - first)
+        change.tops.len()
     }
 
     /// Another window where the contact comes near the edge of the present one, or needs much less.
-    fn fit_window(&mut self) -> Result<(), SolveError> {
+    fn fit_window(&mut self, course: Course) -> Result<(), SolveError> {
         let (reach, pitch) = (self.reach(), self.problem.lattice.pitch);
         let lens = self.problem.lens.radius;
         if reach - 1.0 > LARGEST_CONTACT * lens {
             return Err(self.too_large(reach));
         }
-        let (present, needed) = (self.window.radius(), reach + MARGIN * pitch);
-        let radius = if reach + pitch > present {
-            needed.max(GROWTH * present)
-        } else if needed < SHRINKAGE * present && self.window.len() > FEW_PILLARS {
-            needed
-        } else {
-            return Ok(());
+        let present = self.window.radius();
+        let radius = match course {
+            Course::Loading if reach + pitch > present => {
+                (reach + MARGIN * pitch).max(GROWTH * present)
+            }
+            // But for rounding.
+            Course::Unloading if reach < SHRINKAGE * present && self.window.len() > FEW_PILLARS => {
+                reach + 0.1 * pitch
+            }
+            _ => return Ok(()),
         };
         let modes = self.contact.modes();
         let window = checked_window(self.problem, radius, modes, self.run)?;
@@ -542,7 +647,8 @@ impl<'a> Path<'a> {
             Some([&present[range.clone()][..modes], &unit[range][..modes]])
         });
         let domain = |pillar| before(pillar).map_or(Domain::OUT, |p| self.tops.domains[p]);
-        self.tops.domains = (0..window.len()).map(domain).collect();
+        let domains = (0..window.len()).map(domain).collect();
+        self.tops.move_to(&self.problem.lattice, &window, domains);
         self.loads.resize(window.len() * modes, 0.0);
         self.along.resize(window.len() * modes, 0.0);
         self.contact = contact;
@@ -597,9 +703,6 @@ impl<'a> Path<'a> {
         FloorSearch::default().lowest(self.problem, &discs, &self.run.cancel)
     }
 }
-
-/// Windows of so few pillars are not made smaller.
-const FEW_PILLARS: usize = 24;
 
 /// `bs`: the lens shape over every top.
 fn own_load(
@@ -659,6 +762,7 @@ mod tests {
             path.tops.domains.fill(Domain::FULL);
             path.contact.move_to(0.0);
             path.solve(Source::Present).unwrap();
+            path.respond().unwrap();
             path.go(Course::Unloading, End::Separation, false).unwrap();
             // Kendall's sqrt(8 pi w).
             let kendall = (8.0 * std::f64::consts::PI * work).sqrt();
@@ -695,6 +799,7 @@ mod tests {
                 let moves: Vec<_> = moves.iter().filter(shrink).copied().collect();
                 if moves.is_empty() {
                     path.cascade(Course::Unloading).unwrap();
+                    path.respond().unwrap();
                     return path;
                 }
                 let (pillar, next) = moves[random.next_u64() as usize % moves.len()];

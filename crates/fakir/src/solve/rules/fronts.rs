@@ -16,6 +16,7 @@
 //! Lengths are in pillar radii, pressures in `E*`, so that works of adhesion are in `E* a`.
 
 use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with, mode_count};
+use crate::halfspace::disc::exterior::MAXIMUM_DEGREE;
 use std::f64::consts::{PI, TAU};
 
 /// Levels of area, the empty one not counted; the last is the whole top.
@@ -26,6 +27,9 @@ const CURVATURES: usize = 5;
 
 /// Modes to which tops in partial contact answer: those up to degree 2.
 const MODES: usize = 6;
+
+/// Modes of the highest degree that there is.
+const MOST_MODES: usize = mode_count(MAXIMUM_DEGREE);
 
 /// Angles at which the edge of a top is looked at.
 const RIM_ANGLES: usize = 360;
@@ -129,6 +133,16 @@ pub(crate) struct Line<'l> {
     pub(crate) along: &'l [f64],
 }
 
+impl<'l> Line<'l> {
+    /// A load that stays.
+    fn at(load: &'l [f64]) -> Self {
+        Self {
+            start: load,
+            along: &[0.0; MOST_MODES][..load.len()],
+        }
+    }
+}
+
 /// How all tops answer, and when they change.
 pub(crate) struct Fronts {
     works: Works,
@@ -144,8 +158,9 @@ pub(crate) struct Fronts {
     rim: Vec<f64>,
     /// The modes at the points where a top may be touched.
     points: Vec<f64>,
-    /// Bounds of the modes at those points.
+    /// Bounds of the modes at those points, and of the edge coefficients.
     bounds: Vec<f64>,
+    rim_bounds: Vec<f64>,
     /// Whether fronts stop at levels in between; otherwise tops are out of contact or in full.
     partial: bool,
 }
@@ -170,6 +185,12 @@ impl Fronts {
             basis.evaluate([cos, sin], row);
             for (value, full) in row.iter_mut().zip(&full) {
                 *value *= full;
+            }
+        }
+        let mut rim_bounds = vec![0.0_f64; count];
+        for row in rim.chunks_exact(count) {
+            for (bound, value) in rim_bounds.iter_mut().zip(row) {
+                *bound = bound.max(value.abs());
             }
         }
         let ring = |rho: f64| {
@@ -203,6 +224,7 @@ impl Fronts {
             rim,
             points,
             bounds,
+            rim_bounds,
             partial,
         }
     }
@@ -287,25 +309,60 @@ impl Fronts {
         }
     }
 
+    /// `P_00`: what a top answers with in the mean to a mean load; none out of contact.
+    pub(crate) fn mean_compliance(&self, domain: Domain) -> f64 {
+        if domain.is_out() {
+            0.0
+        } else if domain.is_full() {
+            self.full[0]
+        } else {
+            self.response(domain)[0]
+        }
+    }
+
     fn response(&self, domain: Domain) -> &Entries {
         &self.responses[domain.level][domain.curvature]
     }
 
     /// Whether the lens touches a top that is out of contact, under its load.
     fn is_touched(&self, load: &[f64]) -> bool {
-        // No point is higher than this.
-        let bound = |(l, bound): (&f64, &f64)| l.abs() * bound;
-        let rest: f64 = load[1..].iter().zip(&self.bounds[1..]).map(bound).sum();
-        if load[0] * self.bounds[0] + rest < 0.0 {
+        if self.highest_point(Line::at(load), 0.0) < 0.0 {
             return false;
         }
         let mut rows = self.points.chunks_exact(self.count());
         rows.any(|row| sum(row, load) >= 0.0)
     }
 
+    /// A bound above all points of a top, of its load at a place of a line.
+    fn highest_point(&self, load: Line<'_>, t: f64) -> f64 {
+        let loads = load
+            .start
+            .iter()
+            .zip(load.along)
+            .map(|(l, along)| l + t * along);
+        let mut terms = loads.zip(&self.bounds);
+        let mean = terms.next().map_or(0.0, |(l, bound)| l * bound);
+        mean + terms.map(|(l, bound)| l.abs() * bound).sum::<f64>()
+    }
+
+    /// A bound below the edge coefficient all around, of the load at a place of a line.
+    fn lowest_edge(&self, load: Line<'_>, t: f64) -> f64 {
+        let loads = load
+            .start
+            .iter()
+            .zip(load.along)
+            .map(|(l, along)| l + t * along);
+        let mut terms = loads.zip(&self.rim_bounds);
+        let mean = terms.next().map_or(0.0, |(l, bound)| l * bound);
+        mean - terms.map(|(l, bound)| l.abs() * bound).sum::<f64>()
+    }
+
     /// Whether the whole rim of a top in full contact holds.
     fn holds(&self, load: &[f64], work: f64) -> bool {
         let critical = critical_edge_coefficient(work);
+        if self.lowest_edge(Line::at(load), 0.0) > -critical {
+            return true;
+        }
         let mut rows = self.rim.chunks_exact(self.count());
         rows.all(|row| sum(row, load) >= -critical)
     }
@@ -434,8 +491,32 @@ impl Fronts {
         }
     }
 
-    /// How far the load of a top goes along its line before the top changes in the sense of the course; `None` if it does not.
-    pub(crate) fn next_event(&self, domain: Domain, load: Line<'_>, course: Course) -> Option<f64> {
+    /// How far the load of a top goes along its line before the top changes in the sense of the course; `None` if it does not, or if
+    /// that is surely farther than `within`.
+    pub(crate) fn next_event(
+        &self,
+        domain: Domain,
+        load: Line<'_>,
+        course: Course,
+        within: f64,
+    ) -> Option<f64> {
+        let ends = [0.0, within];
+        let stays = match course {
+            Course::Loading if domain.is_out() => ends
+                .map(|t| self.highest_point(load, t))
+                .into_iter()
+                .all(|l| l < 0.0),
+            Course::Unloading if domain.is_full() => {
+                let held = -critical_edge_coefficient(self.works.receding);
+                ends.map(|t| self.lowest_edge(load, t))
+                    .into_iter()
+                    .all(|q| q > held)
+            }
+            _ => false,
+        };
+        if stays {
+            return None;
+        }
         let event = match course {
             Course::Loading => self.next_gain(domain, load),
             Course::Unloading => self.next_loss(domain, load),

@@ -1,5 +1,6 @@
 //! What a pillar top, and a cell of the floor, does next under the load on it.
 
+mod coarse;
 pub(crate) mod floor;
 pub(crate) mod fronts;
 pub(crate) mod patch;
