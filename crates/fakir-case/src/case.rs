@@ -89,8 +89,13 @@ impl Case {
             Spacing::SurfaceFraction(_) => Key::Pitch,
         };
         let mut parts = Parts::of(self);
-        let is_absent =
-            key == not_given || key.is_of_surface() || key.idle_with(&mut parts).is_some();
+        let adhesion = self.system.adhesion();
+        let does_without = match key {
+            Key::WorkOfAdhesion => adhesion.is_none(),
+            Key::RecedingWorkOfAdhesion => adhesion.work_receding.is_none(),
+            _ => key == not_given,
+        };
+        let is_absent = does_without || key.is_of_surface() || key.idle_with(&mut parts).is_some();
         (!is_absent).then(|| key.get(&mut parts))
     }
 
