@@ -67,9 +67,10 @@ pub(crate) enum Command {
     ///
     /// With pillar tops that stick (a case with [adhesion]) the loading ends at the critical state: the floor does
     /// not stick, and what it bears then is not solved. With --retract the lens is pulled off again.
-    #[command(after_help = "Examples:
-  fakir approach case.toml --to 18um --output through-the-transition
-  fakir approach case.toml --set adhesion.work=50mJ/m2 --retract --output pulled-off")]
+    #[command(
+        after_help = "Example: fakir approach case.toml --to 18um --output through-the-transition
+         fakir approach case.toml --set adhesion.work=50mJ/m2 --retract"
+    )]
     Approach(Approach),
     /// A second opinion: the spectral method and Love elements on the same question
     ///

@@ -196,7 +196,7 @@ fn quantities(cycle: &Cycle, wall_time: f64) -> String {
         );
         list.row(
             "certificate",
-            format!("{certificate:.1e}"),
+            certificate_words(certificate),
             "",
             "relative difference from what all events dissipate",
         );
@@ -228,6 +228,15 @@ fn quantities(cycle: &Cycle, wall_time: f64) -> String {
         ),
     );
     list.text()
+}
+
+/// What is smaller than any error that matters is rounding, and differs between machines.
+fn certificate_words(certificate: f64) -> String {
+    if certificate < 1e-9 {
+        "< 1e-9".to_owned()
+    } else {
+        format!("{certificate:.1e}")
+    }
 }
 
 /// Digits that the numerical error leaves.
