@@ -183,6 +183,29 @@ fn a_cycle_turns_where_it_is_told_to() {
     assert_close(&too_far["turn_indentation_m"], 4.07602e-6, 1e-4);
 }
 
+/// With the floor left out the lens goes on past the critical state, which is told.
+#[test]
+fn without_floor_the_cycle_goes_past_the_critical_state() {
+    let bench = Bench::new();
+    let arguments = [
+        "approach",
+        &adhesive(),
+        "--retract",
+        "--to",
+        "6um",
+        "--without-floor",
+    ];
+    let result = bench.json(&arguments);
+    assert_close(&result["turn_indentation_m"], 6e-6, 1e-9);
+    assert_close(&result["critical_indentation_m"], 4.07602e-6, 1e-4);
+    assert_eq!(result["stopped_by_floor"], false);
+    let shown = bench.result(&arguments);
+    assert!(
+        shown.contains("as if without floor: the critical state is at 377.376 uN and 4.07602 um"),
+        "{shown}"
+    );
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     let bench = Bench::new();

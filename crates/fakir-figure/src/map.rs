@@ -346,6 +346,8 @@ pub(crate) enum KeySign {
     Edge,
     /// A disc with an outline.
     Outline,
+    /// A disc with a ring around it.
+    Ring,
     /// A patch of this colour.
     Patch(Colour),
 }
@@ -375,10 +377,28 @@ pub(crate) fn key(entries: &[(KeySign, &str)], [right, middle]: Place, items: &m
                 fill: Some(Colour::grey(160)),
                 stroke: Some(Stroke::solid(Colour::BLACK, 0.7)),
             }),
+            KeySign::Ring => items.extend(ringed([x - 2.5, middle], 1.6, Colour::grey(160))),
         }
         x -= SIGN + 6.0;
     }
 }
+
+/// A disc with a ring around it, which is seen on discs of any colour.
+pub(crate) fn ringed(centre: Place, radius: f64, colour: Colour) -> [Item; 2] {
+    let disc = |radius, fill, stroke| Item::Disc {
+        centre,
+        radius,
+        fill,
+        stroke,
+    };
+    let ring = Stroke::solid(RED, RING_WIDTH);
+    [
+        disc(radius + RING_WIDTH, None, Some(ring)),
+        disc(radius, Some(colour), None),
+    ]
+}
+
+const RING_WIDTH: f64 = 0.7;
 
 /// The stroke of the circle around the contact.
 pub(crate) fn edge_stroke() -> Stroke {

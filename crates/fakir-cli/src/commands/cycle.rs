@@ -127,16 +127,28 @@ fn quantities(cycle: &Cycle, wall_time: f64) -> String {
     }
     let turn = &cycle.turn;
     let reason = match &cycle.critical {
-        Some(_) => "critical state: the lens just reaches the floor",
-        None if cycle.stopped_by_floor => "the lens reaches the floor",
-        None => "",
+        Some(critical) if turn.indentation > critical.contact.indentation => {
+            let state = &critical.contact;
+            format!(
+                "as if without floor: the critical state is at {} and {}",
+                with_unit(state.force, Dimension::Force, known(errors.critical_force)),
+                with_unit(
+                    state.indentation,
+                    Dimension::Length,
+                    known(errors.critical_indentation)
+                )
+            )
+        }
+        Some(_) => "critical state: the lens just reaches the floor".to_owned(),
+        None if cycle.stopped_by_floor => "the lens reaches the floor".to_owned(),
+        None => String::new(),
     };
     list.quantity(
         "loaded up to a force of",
         turn.force,
         Dimension::Force,
         known(errors.critical_force),
-        reason.to_owned(),
+        reason,
     )
     .quantity(
         "  at an indentation of",

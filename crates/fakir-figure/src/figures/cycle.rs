@@ -5,8 +5,8 @@ use crate::chart::{Chart, Grid};
 use crate::colour::{ColourMap, Tint};
 use crate::error::FigureError;
 use crate::figure::{COLUMN, Figure};
-use crate::map::{ColourBar, KeySign, Sheet};
-use crate::scene::{Colour, Item, Stroke};
+use crate::map::{ColourBar, KeySign, Sheet, ringed};
+use crate::scene::{Colour, Item};
 use crate::series::{Marker, Series, Style};
 use crate::unit::Unit;
 use fakir::problem::Method;
@@ -160,11 +160,10 @@ fn up_to(points: &[Point], largest: Option<f64>) -> Vec<Point> {
     };
     let mut seen = Vec::new();
     for (k, point) in points.iter().enumerate() {
-        if let Some(before) = k.checked_sub(1).map(|k| points[k]) {
-            if (before[1] > largest) != (point[1] > largest) {
-                let part = (largest - before[1]) / (point[1] - before[1]);
-                seen.push([before[0] + part * (point[0] - before[0]), largest]);
-            }
+        let before = k.checked_sub(1).map(|k| points[k]);
+        if let Some(before) = before.filter(|it| (it[1] > largest) != (point[1] > largest)) {
+            let part = (largest - before[1]) / (point[1] - before[1]);
+            seen.push([before[0] + part * (point[0] - before[0]), largest]);
         }
         if point[1] <= largest {
             seen.push(*point);
@@ -212,30 +211,31 @@ pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
     let radius = window.length(0.5 * pillar.diameter);
     let pulling = cycle.pull_off.iter().flat_map(|it| &it.pillars);
     let pulling: HashSet<(i64, i64)> = pulling.map(|pillar| pillar.index).collect();
-    let outline = Stroke::solid(Colour::BLACK, (0.3 * radius).clamp(0.4, 0.9));
     let discs = window.pillars(lattice, pillar.diameter);
-    let discs = discs.into_iter().map(|(index, centre)| {
+    let discs = discs.into_iter().flat_map(|(index, centre)| {
         let found = released.get(&index);
         let colour = found.map_or(Colour::grey(226), |(_, at)| bar.colour(unit.of(*at)));
-        let stroke = pulling.contains(&index).then(|| outline.clone());
-        let inset = stroke.as_ref().map_or(0.0, |stroke| 0.5 * stroke.width);
-        Item::Disc {
-            centre: window.place(centre),
-            radius: radius - inset,
-            fill: Some(colour),
-            stroke,
+        let centre = window.place(centre);
+        if pulling.contains(&index) {
+            return ringed(centre, radius, colour).to_vec();
         }
+        vec![Item::Disc {
+            centre,
+            radius,
+            fill: Some(colour),
+            stroke: None,
+        }]
     });
     let mut signs = Vec::new();
     if !pulling.is_empty() {
-        signs.push((KeySign::Outline, "held at pull-off"));
+        signs.push((KeySign::Ring, "held at pull-off"));
     }
     let figure = sheet.figure("releases", &bar, discs.collect(), &signs);
     Ok(figure.with_description(
         "Release of the pillars",
         &format!(
             "Map of the {} pillars that were in contact, coloured by the indentation at which each was released; the {} that \
-             held at the pull-off are outlined.",
+             held at the pull-off have a ring.",
             released.len(),
             pulling.len()
         ),
