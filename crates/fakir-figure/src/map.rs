@@ -174,7 +174,10 @@ impl Sheet {
         let name = guess.axis_name("y");
         let lettering = Lettering::All(&name);
         let left = MARGIN + Frame::left_room(guess.frame.y, 0.6 * COLUMN, lettering);
-        let side = COLUMN - left - 6.0 - bar.width(0.6 * COLUMN) - MARGIN;
+        let beside = |height: f64| COLUMN - left - 6.0 - bar.width(height) - MARGIN;
+        // The numbers on the bar do depend on its height, which is that of the window.
+        let side = beside(0.6 * COLUMN);
+        let side = side.min(beside(side - ARROW));
         Self {
             window: Window::new([left, MARGIN + 3.0], side, centre, half_width),
         }
