@@ -4,7 +4,7 @@ use crate::key::{Key, Setting};
 use crate::parts::Parts;
 use crate::row::Range;
 use fakir::problem::{
-    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
+    Adhesion, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
 };
 use std::fmt::Write;
 use std::ops::Bound::{self, Excluded, Included};
@@ -91,7 +91,7 @@ impl Case {
         let mut parts = Parts::of(self);
         let adhesion = self.system.adhesion();
         let does_without = match key {
-            Key::WorkOfAdhesion => adhesion.is_none(),
+            Key::WorkOfAdhesion => adhesion == Adhesion::NONE,
             Key::RecedingWorkOfAdhesion => adhesion.work_receding.is_none(),
             _ => key == not_given,
         };

@@ -90,6 +90,10 @@ fn works_of_adhesion() {
     );
     assert!(text.contains("\nwork_receding = \"80 mJ/m2\" "), "{text}");
     assert_eq!(parse(&text), case);
+    // Two works of zero stick as little as none, and are read back as they are.
+    let zeros = with(&["adhesion.work=0", "adhesion.work_receding=0"]).unwrap();
+    assert!(zeros.system.adhesion().is_none());
+    assert_eq!(parse(&zeros.to_toml()), zeros);
     // Without adhesion all methods will do, and the case is written as ever.
     let none = with(&["adhesion.work=0", "method.name=love"]).unwrap();
     assert_eq!(none, with(&["method.name=love"]).unwrap());

@@ -55,7 +55,8 @@ impl Topic {
             periodic: surface.boundary == Boundary::Periodic,
             random: surface.is_random,
         });
-        textures.chain(surfaces).collect()
+        let adhesion = study.has_adhesion().then_some(Self::Adhesion);
+        textures.chain(adhesion).chain(surfaces).collect()
     }
 }
 
@@ -309,7 +310,7 @@ fn sources(topic: &str) -> impl Iterator<Item = Citation> {
 mod tests {
     use super::*;
     use fakir::problem::ElementMesh;
-    use fakir_case::CaseFile;
+    use fakir_case::{CaseFile, StudyFile};
 
     fn every_topic() -> Vec<Topic> {
         let mesh = ElementMesh::default();
@@ -382,6 +383,14 @@ mod tests {
         assert_eq!(sticky, [method, Topic::Adhesion]);
         let cited = citations(&sticky);
         assert!(cited.iter().any(|work| work.key == "Kendall1971"));
+        // A study cites it if any of its cases sticks.
+        let study = |works: &str| {
+            let example = Case::example().to_toml();
+            let text = format!("[axes]\n\"adhesion.work\" = [{works}]\n{example}");
+            Topic::of_study(&StudyFile::parse("study", &text).unwrap().study().unwrap())
+        };
+        assert_eq!(study("0, 0.05"), sticky);
+        assert_eq!(study("0"), [method]);
     }
 
     #[test]
