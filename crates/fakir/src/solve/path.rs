@@ -3,8 +3,8 @@
 //! With what every top has in contact [frozen](super::frozen) all is linear in the indentation, so that the next indentation at which a
 //! top changes follows in closed form ([`next_event`](StickyTops::next_event)). There all tops that change do, which changes the
 //! loads on the others: a *cascade*, at a fixed indentation, or force, or crosshead of a machine. In a cascade changes in the sense of
-//! the course come first (more contact on loading, less on unloading); a top that has made one does not go back, so that every
-//! cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
+//! the course come first (more contact on loading, less on unloading); a top that has made one does not go back, and a front turns
+//! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
 //! sets free is dissipated.
 
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
@@ -533,6 +533,7 @@ impl<'a> Path<'a> {
         let [alpha, beta] = self.held.weights();
         let held = alpha * self.indentation() + beta * self.contact.force();
         let mut natural = vec![false; self.tops.domains.len()];
+        let mut adjusted = natural.clone();
         let workers = self.run.workers();
         for round in 0..ROUND_LIMIT {
             let moves = self.tops.marched(&self.loads, workers);
@@ -552,6 +553,10 @@ impl<'a> Path<'a> {
             }
             if chosen.is_empty() {
                 chosen = self.tops.adjusted(&self.loads, workers);
+                chosen.retain(|(pillar, _)| !adjusted[*pillar]);
+                for (pillar, _) in &chosen {
+                    adjusted[*pillar] = true;
+                }
             }
             if chosen.is_empty() {
                 return Ok(round > 0);
