@@ -34,6 +34,9 @@ const MOST_MODES: usize = mode_count(MAXIMUM_DEGREE);
 /// Angles at which the edge of a top is looked at.
 const RIM_ANGLES: usize = 360;
 
+/// Points around the part of a top in contact: the farthest one is found to 6e-4 pillar radii.
+const OUTLINE_ANGLES: usize = 90;
+
 /// Rings of points at which the lens may touch a top, and points on each.
 const RINGS: [f64; 4] = [0.3, 0.6, 0.85, 1.0];
 const RING_POINTS: usize = 72;
@@ -150,6 +153,8 @@ pub(crate) struct Fronts {
     area: [f64; LEVELS + 1],
     /// `b` and `s` of every front, by level and curvature.
     shapes: Vec<[[f64; 2]; CURVATURES]>,
+    /// Points around the part in contact, in the frame of the front, by level and curvature.
+    outlines: Vec<[Vec<[f64; 2]>; CURVATURES]>,
     /// `P` by level and curvature, columns included.
     responses: Vec<[Entries; CURVATURES]>,
     /// `1/lambda` of the coupling's modes.
@@ -215,9 +220,11 @@ impl Fronts {
             shapes,
             responses,
         } = Table::read(PI * column_compliance_ratio);
+        let outlines = shapes.iter().map(|of_level| of_level.map(outline));
         Self {
             works,
             area,
+            outlines: outlines.collect(),
             shapes,
             responses,
             full,
@@ -276,20 +283,14 @@ impl Fronts {
         if domain.is_full() {
             return 1.0 + x.hypot(y);
         }
-        let [curvature, place] = self.shapes[domain.level][domain.curvature];
+        // In the frame of the front.
         let (sin, cos) = domain.direction.sin_cos();
-        let mut farthest = 0.0_f64;
-        for number in 0..RIM_ANGLES {
-            let (dy, dx) = (TAU * number as f64 / RIM_ANGLES as f64).sin_cos();
-            // In the frame of the front: the rim, or the front where that is nearer.
-            let along = dx.min(place - curvature * dy * dy);
-            if along * along + dy * dy > 1.0 + 1e-9 {
-                continue;
-            }
-            let point = [cos * along - sin * dy, sin * along + cos * dy];
-            farthest = farthest.max((point[0] - x).hypot(point[1] - y));
-        }
-        farthest
+        let from = [cos * x + sin * y, cos * y - sin * x];
+        let outline = &self.outlines[domain.level][domain.curvature];
+        let squares = outline
+            .iter()
+            .map(|at| (at[0] - from[0]).powi(2) + (at[1] - from[1]).powi(2));
+        squares.fold(0.0, f64::max).sqrt()
     }
 
     /// `c = P l`
@@ -626,6 +627,18 @@ impl Fronts {
         }
         Some(last)
     }
+}
+
+/// Points around the part of the disc that lies before the front `x < s - b y^2`.
+fn outline([curvature, place]: [f64; 2]) -> Vec<[f64; 2]> {
+    (0..OUTLINE_ANGLES)
+        .map(|number| {
+            let (y, x) = (TAU * number as f64 / OUTLINE_ANGLES as f64).sin_cos();
+            // The rim, or the front where that is nearer.
+            [x.min(place - curvature * y * y), y]
+        })
+        .filter(|[x, y]| x * x + y * y <= 1.0 + 1e-9)
+        .collect()
 }
 
 /// The direction in which a load falls: against its gradient at the centre.
