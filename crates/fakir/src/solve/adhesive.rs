@@ -214,6 +214,7 @@ impl<'a> Loading<'a> {
             radius: 1.0,
             coefficients: top.coefficients.clone(),
             gap: None,
+            held: Some(path.tops.fronts.held_part(top.domain)),
             sliver: None,
         });
         let indentation = path.indentation();

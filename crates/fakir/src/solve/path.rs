@@ -815,14 +815,12 @@ mod tests {
         let expected = unloaded(None);
         for seed in 0..3 {
             let path = unloaded(Some(seed));
-            let levels = |path: &Path<'_>| -> Vec<usize> {
-                path.tops
-                    .domains
-                    .iter()
-                    .map(|domain| domain.level)
-                    .collect()
+            let held = |path: &Path<'_>| -> Vec<((i64, i64), usize)> {
+                let tops = path.held_tops();
+                let of_top = |top: &HeldTop| (top.index, top.domain.level);
+                tops.iter().map(of_top).collect()
             };
-            assert_eq!(levels(&path), levels(&expected));
+            assert_eq!(held(&path), held(&expected));
             assert!((path.force() / expected.force() - 1.0).abs() < 1e-10);
         }
         assert!(expected.tops.counts()[0] > 5);

@@ -17,6 +17,7 @@
 
 use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with, mode_count};
 use crate::halfspace::disc::exterior::MAXIMUM_DEGREE;
+use crate::state::fields::{Front, HeldPart};
 use std::f64::consts::{PI, TAU};
 
 /// Levels of area, the empty one not counted; the last is the whole top.
@@ -276,6 +277,20 @@ impl Fronts {
     pub(crate) fn holds_centre(&self, domain: Domain) -> bool {
         domain.is_full()
             || domain.is_partial() && self.shapes[domain.level][domain.curvature][1] > 0.0
+    }
+
+    /// What of a top that is not out of contact is held.
+    pub(crate) fn held_part(&self, domain: Domain) -> HeldPart {
+        if domain.is_full() {
+            return HeldPart::All;
+        }
+        let [curvature, place] = self.shapes[domain.level][domain.curvature];
+        HeldPart::Before(Front {
+            curvature,
+            place,
+            direction: domain.direction,
+            area: self.area[domain.level],
+        })
     }
 
     /// Distance of the farthest point in contact from a point, in pillar radii from the centre of the top.
