@@ -776,7 +776,8 @@ mod tests {
         }
     }
 
-    /// All that lets go at an indentation, one top after the other in any order, leaves the same as all at once.
+    /// All that lets go at an indentation, one top after the other in any order, leaves the same as all at once: but for the directions of
+    /// fronts, which follow the load within 0.02 rad.
     #[test]
     fn tops_may_let_go_in_any_order() {
         use rand_chacha::ChaCha8Rng;
@@ -784,8 +785,8 @@ mod tests {
 
         let run = Run::default();
         let problem = problem(0.03, 0.3, PillarCompliance::Column);
-        let unloaded = |seed: Option<u64>| {
-            let fronts = fronts(&problem, 2, 0.01, true);
+        let unloaded = |partial: bool, seed: Option<u64>| {
+            let fronts = fronts(&problem, 2, 0.01, partial);
             let mut path = Path::new(&problem, &run, fronts, Held::Indentation).unwrap();
             path.go(Course::Loading, End::Indentation(1.0), false)
                 .unwrap();
@@ -812,17 +813,20 @@ mod tests {
                 path.solve(Source::Present).unwrap();
             }
         };
-        let expected = unloaded(None);
-        for seed in 0..3 {
-            let path = unloaded(Some(seed));
-            let held = |path: &Path<'_>| -> Vec<((i64, i64), usize)> {
-                let tops = path.held_tops();
-                let of_top = |top: &HeldTop| (top.index, top.domain.level);
-                tops.iter().map(of_top).collect()
-            };
-            assert_eq!(held(&path), held(&expected));
-            assert!((path.force() / expected.force() - 1.0).abs() < 1e-10);
+        for (partial, tolerance) in [(false, 1e-10), (true, 1e-3)] {
+            let expected = unloaded(partial, None);
+            for seed in 0..3 {
+                let path = unloaded(partial, Some(seed));
+                let held = |path: &Path<'_>| -> Vec<((i64, i64), usize)> {
+                    let tops = path.held_tops();
+                    let of_top = |top: &HeldTop| (top.index, top.domain.level);
+                    tops.iter().map(of_top).collect()
+                };
+                assert_eq!(held(&path), held(&expected));
+                let difference = (path.force() / expected.force() - 1.0).abs();
+                assert!(difference < tolerance, "{partial}: {difference:e}");
+            }
+            assert!(expected.tops.counts()[0] > 5);
         }
-        assert!(expected.tops.counts()[0] > 5);
     }
 }
