@@ -3,8 +3,8 @@
 //! With what every top has in contact [frozen](super::frozen) all is linear in the indentation, so that the next indentation at which a
 //! top changes follows in closed form ([`next_event`](StickyTops::next_event)). There all tops that change do, which changes the
 //! loads on the others: a *cascade*, at a fixed indentation, or force, or crosshead of a machine. In a cascade changes in the sense of
-//! the course come first (more contact on loading, less on unloading); a top that has made one does not go back, so that every
-//! cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
+//! the course come first (more contact on loading, less on unloading); a top that has made one does not go back, and a front turns
+//! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
 //! sets free is dissipated.
 
 use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
@@ -533,6 +533,7 @@ impl<'a> Path<'a> {
         let [alpha, beta] = self.held.weights();
         let held = alpha * self.indentation() + beta * self.contact.force();
         let mut natural = vec![false; self.tops.domains.len()];
+        let mut adjusted = natural.clone();
         let workers = self.run.workers();
         for round in 0..ROUND_LIMIT {
             let moves = self.tops.marched(&self.loads, workers);
@@ -552,6 +553,10 @@ impl<'a> Path<'a> {
             }
             if chosen.is_empty() {
                 chosen = self.tops.adjusted(&self.loads, workers);
+                chosen.retain(|(pillar, _)| !adjusted[*pillar]);
+                for (pillar, _) in &chosen {
+                    adjusted[*pillar] = true;
+                }
             }
             if chosen.is_empty() {
                 return Ok(round > 0);
@@ -771,7 +776,8 @@ mod tests {
         }
     }
 
-    /// All that lets go at an indentation, one top after the other in any order, leaves the same as all at once.
+    /// All that lets go at an indentation, one top after the other in any order, leaves the same as all at once: but for the directions of
+    /// fronts, which follow the load within 0.02 rad.
     #[test]
     fn tops_may_let_go_in_any_order() {
         use rand_chacha::ChaCha8Rng;
@@ -779,8 +785,8 @@ mod tests {
 
         let run = Run::default();
         let problem = problem(0.03, 0.3, PillarCompliance::Column);
-        let unloaded = |seed: Option<u64>| {
-            let fronts = fronts(&problem, 2, 0.01, true);
+        let unloaded = |partial: bool, seed: Option<u64>| {
+            let fronts = fronts(&problem, 2, 0.01, partial);
             let mut path = Path::new(&problem, &run, fronts, Held::Indentation).unwrap();
             path.go(Course::Loading, End::Indentation(1.0), false)
                 .unwrap();
@@ -807,19 +813,20 @@ mod tests {
                 path.solve(Source::Present).unwrap();
             }
         };
-        let expected = unloaded(None);
-        for seed in 0..3 {
-            let path = unloaded(Some(seed));
-            let levels = |path: &Path<'_>| -> Vec<usize> {
-                path.tops
-                    .domains
-                    .iter()
-                    .map(|domain| domain.level)
-                    .collect()
-            };
-            assert_eq!(levels(&path), levels(&expected));
-            assert!((path.force() / expected.force() - 1.0).abs() < 1e-10);
+        for (partial, tolerance) in [(false, 1e-10), (true, 1e-3)] {
+            let expected = unloaded(partial, None);
+            for seed in 0..3 {
+                let path = unloaded(partial, Some(seed));
+                let held = |path: &Path<'_>| -> Vec<((i64, i64), usize)> {
+                    let tops = path.held_tops();
+                    let of_top = |top: &HeldTop| (top.index, top.domain.level);
+                    tops.iter().map(of_top).collect()
+                };
+                assert_eq!(held(&path), held(&expected));
+                let difference = (path.force() / expected.force() - 1.0).abs();
+                assert!(difference < tolerance, "{partial}: {difference:e}");
+            }
+            assert!(expected.tops.counts()[0] > 5);
         }
-        assert!(expected.tops.counts()[0] > 5);
     }
 }
