@@ -8,7 +8,18 @@ import sys
 import common
 import texture_report
 from common import HERE, PEERS, RESULTS, say
-from texture_rows import FAKIR, MOST_BYTES, MOST_SECONDS, PRESSED, QUESTIONS, TRUTH, Row, Table
+from texture_rows import (
+    FAKIR,
+    INDENTATIONS,
+    MOST_BYTES,
+    MOST_SECONDS,
+    PRESSED,
+    QUESTIONS,
+    TRUTH,
+    WITH_FLOOR,
+    Row,
+    Table,
+)
 
 # The lens and the pillars of fakir's case below, in um and MPa, for the peers.
 LENS = {"lens_radius": 2200.0, "diameter": 6.0, "height": 2.2, "contact_modulus": 4 / 3}
@@ -87,11 +98,10 @@ class Programs:
     def ask_fakir(self, fraction, question, setting):
         words = [f"texture.surface_fraction={fraction}", *FAKIR[setting]]
         words = [word for text in words for word in ("--set", text)]
-        load = ["--indentation", repr(PRESSED[fraction])] if question == "press" else []
-        command = [self.fakir, question, self.case, *words, *load, "--threads", "1", "--quiet", "--json"]
-        printed, process = launched(command)
+        printed, process = launched([*self.question(fraction, question), *words, "--threads", "1"])
         answer = json.loads(printed)
         prefix = "critical_" if question == "transition" else ""
+        floor = answer.get("floor")
         return {
             "processor_s": process["processor_s"],
             "peak_bytes": process["peak_bytes"],
@@ -102,14 +112,22 @@ class Programs:
             "extrapolated_indentation_m": None,
             "solutions": None,
             "estimated_force_error": answer["relative_error_estimate"]["force"],
+            "floor_share": floor and floor["share"],
+            "estimated_share_error": floor and floor["relative_error_estimate"]["share"],
         }
+
+    def question(self, fraction, question):
+        """The command of fakir that asks it."""
+        if question == "transition":
+            return [self.fakir, question, self.case, "--quiet", "--json"]
+        load = ["--indentation", repr(INDENTATIONS[question][fraction])]
+        return [self.fakir, "press", self.case, *load, "--quiet", "--json"]
 
     def truth(self, fraction, question):
         """What a peer's search starts from on its coarsest grid, and the square that it needs."""
         if (fraction, question) not in self.truths:
             words = ["--set", f"texture.surface_fraction={fraction}", "--set", FAKIR[TRUTH][0]]
-            load = ["--indentation", repr(PRESSED[fraction])] if question == "press" else []
-            printed, _ = launched([self.fakir, question, self.case, *words, *load, "--quiet", "--json"])
+            printed, _ = launched([*self.question(fraction, question), *words])
             answer = json.loads(printed)
             critical = question == "transition"
             self.truths[fraction, question] = {
@@ -126,7 +144,7 @@ class Programs:
         printed, _ = launched([self.python, HERE / "texture_worker.py", json.dumps(order)])
         answer = json.loads(printed.splitlines()[-1])
         answer.pop("log")
-        return {**answer, "estimated_force_error": None}
+        return {**answer, "estimated_force_error": None, "estimated_share_error": None}
 
 
 def wanted_runs(seconds):
@@ -158,7 +176,11 @@ def measure(programs, table, fractions, quick):
 
 def take(programs, table, what, turn):
     fraction, question, program, setting = what
-    if question == "press" and program != "fakir" and int(setting) > FINEST_PRESSED:
+    if question != "transition" and program != "fakir" and int(setting) > FINEST_PRESSED:
+        return
+    if question == "mixed" and (
+        fraction not in INDENTATIONS[question] or (program == "fakir" and setting not in WITH_FLOOR)
+    ):
         return
     before = [row for row in table.rows if row.what == what]
     enough = before and wanted_runs(before[0].processor_s) <= turn

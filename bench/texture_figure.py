@@ -22,7 +22,11 @@ FAKIR = {
     "punch": ("#111111", "D", "fakir, punch"),
     "homogenised": ("#111111", "s", "fakir, homogenised"),
 }
-NAMES = {"transition": "critical force", "press": "force at an indentation"}
+NAMES = {
+    "transition": "critical force",
+    "press": "force at an indentation",
+    "mixed": "force past the transition",
+}
 
 
 def draw(axes, found, cost):
@@ -34,11 +38,14 @@ def draw(axes, found, cost):
                         mfc=face, ms=4.5, lw=1.2, label=program + (", extrapolated" if way else ""))
     for setting, (colour, marker, label) in FAKIR.items():
         known = [p for p in found if (p.program, p.setting) == ("fakir", setting)]
+        if not known:
+            continue
         axes.loglog([cost(p) for p in known], [p.shown_error for p in known], marker, color=colour,
                     ms=9 if marker == "*" else 5, ls="none", label=label)
     love = [p for p in found if p.program == "fakir" and p.setting.startswith("love")]
-    axes.loglog([cost(p) for p in love], [p.shown_error for p in love], "^-", color="#5a8f3d", ms=5, lw=1.2,
-                label="fakir, Love elements: 8, 16, 32 cells\nacross a pillar")
+    if love:
+        axes.loglog([cost(p) for p in love], [p.shown_error for p in love], "^-", color="#5a8f3d", ms=5, lw=1.2,
+                    label="fakir, Love elements: 8, 16, 32 cells\nacross a pillar")
     for error in [1e-2, 1e-3]:
         axes.axhline(error, color="0.75", lw=0.8, zorder=0)
     axes.grid(True, which="major", color="0.92", lw=0.6)
@@ -46,6 +53,9 @@ def draw(axes, found, cost):
 
 
 def figure(rows, question, results):
+    rows = [row for row in rows if row.question == question]
+    if not rows:
+        return
     fractions = sorted({row.surface_fraction for row in rows})
     size = (9.2, 0.9 + 2.9 * len(fractions))
     picture, grid = plt.subplots(len(fractions), 2, figsize=size, squeeze=False, sharex="col", layout="constrained")

@@ -4,9 +4,19 @@ import texture_rows
 from common import PEERS
 
 COMMAND = "python3 bench/run.py texture"
-TARGETS = [1e-2, 1e-3]
-HEADLINE = (0.1, "transition")
-TITLES = {"transition": "critical state", "press": "pressed to {:.3g} µm"}
+# What is compared at equal error: surface fraction, question, quantity, errors.
+HEADLINES = [
+    (0.1, "transition", "force", [1e-2, 1e-3]),
+    (0.03, "mixed", "force", [1e-2, 1e-3]),
+    (0.03, "mixed", "share of the floor", [1e-1, 1e-2]),
+    (0.1, "mixed", "force", [1e-2, 1e-3]),
+    (0.1, "mixed", "share of the floor", [1e-1, 1e-2]),
+]
+TITLES = {
+    "transition": "critical state",
+    "press": "pressed to {:.3g} µm",
+    "mixed": "tops and floor, pressed to {:.3g} µm",
+}
 
 
 def seconds(point):
@@ -44,14 +54,15 @@ def machine(rows):
 def table(found, question):
     lines = [
         "| program | setting | error of the force | "
-        + ("error of the indentation | " if question == "transition" else "")
+        + {"transition": "error of the indentation | ", "press": "", "mixed": "error of the floor's share | "}[question]
         + "processor time, s | memory, MB | whole process, MB | solutions | runs |",
     ]
     lines.append("|" + "---|" * (lines[0].count("|") - 1))
     for p in found:
         setting = p.setting if p.program == "fakir" else f"{p.setting}²"
         truth = (p.program, p.setting) == ("fakir", texture_rows.TRUTH)
-        errors = [p.force_error, p.indentation_error] if question == "transition" else [p.force_error]
+        second = {"transition": [p.indentation_error], "press": [], "mixed": [p.share_error]}[question]
+        errors = [p.force_error, *second]
         errors = ["truth" if truth else percent(error) for error in errors]
         cells = [p.program, setting, *errors, f"{p.processor_s:.3g}", number(p.memory / 1e6)]
         cells += [number(p.peak_bytes / 1e6), f"{p.solutions:.0f}" if p.solutions else "", str(p.runs)]
@@ -68,14 +79,21 @@ def costs(found, peer, target, cost):
     return cost(known[-1]), True
 
 
-def headline(rows):
-    found = texture_rows.points(rows, *HEADLINE)
+def title(fraction, question):
+    pressed = texture_rows.INDENTATIONS.get(question, {}).get(fraction, 0.0)
+    return TITLES[question].format(1e6 * pressed)
+
+
+def headline(rows, fraction, question, quantity, targets):
+    found = texture_rows.points(rows, fraction, question)
+    if quantity != "force":
+        found = [p.of_share for p in found]
     peers = [peer + way for way in ["", texture_rows.EXTRAPOLATED] for peer in PEERS]
     peers = [peer for peer in peers if any(p.program == peer for p in found)]
     if not peers:
         return []
     lines = [
-        "## Critical state at a surface fraction of 0.1, at equal error of the force",
+        f"## Surface fraction {fraction:g}, {title(fraction, question)}, at equal error of the {quantity}",
         "",
         "Processor time and memory that a peer takes to an error, interpolated on its curve, and over those of fakir. Where a peer "
         f"does not reach the error within {texture_rows.MOST_SECONDS:.0f} s and {texture_rows.MOST_BYTES / 1e9:.0f} GB, the cost of its finest grid "
@@ -83,21 +101,22 @@ def headline(rows):
         "where that is near the first.",
     ]
     others = [setting for setting in texture_rows.FAKIR if setting != texture_rows.TRUTH]
-    for target in TARGETS:
+    for target in targets:
         own = [texture_rows.best_of_fakir(found, target, seconds, methods) for methods in [["spectral"], others]]
+        # The same one may be both.
+        own = [p for place, p in enumerate(own) if p and p not in own[:place]]
         lines += ["", f"### To {100 * target:g} %", ""]
         lines += [
             f"* fakir, {p.setting}: error {p.shown_error:.1g}, {p.processor_s:.3g} s, {number(p.memory / 1e6)} MB."
             + ("" if p is own[0] else " The cheapest of its methods that does.")
             for p in own
-            if p
         ]
-        names = [p.setting for p in own if p]
+        names = [p.setting for p in own]
         lines += ["", "| peer | finest grid, error | time, s | memory, MB | " + " | ".join(f"time over {n}'s | memory over {n}'s" for n in names)
                   + " | by its order, not measured: time, s; memory, MB |"]
         lines.append("|" + "---|" * (lines[-1].count("|") - 1))
-        lines += [peer_line(found, peer, target, [p for p in own if p]) for peer in peers]
-    return lines
+        lines += [peer_line(found, peer, target, own) for peer in peers]
+    return [*lines, ""]
 
 
 def peer_line(found, peer, target, own):
@@ -119,7 +138,9 @@ def text(rows):
     if not rows:
         return [*lines, "Nothing yet."]
     lines += [machine(rows) + f". Command: `{COMMAND}`. What is compared, and how: [README.md](../README.md).", ""]
-    lines += headline(rows)
+    for what in HEADLINES:
+        lines += headline(rows, *what)
+    lines.pop()
     for question in texture_rows.QUESTIONS:
         lines += ["", f"![Error against time and memory](texture-{question}.svg)"]
         for fraction in sorted({row.surface_fraction for row in rows}):
@@ -127,11 +148,15 @@ def text(rows):
             if not found:
                 continue
             truth = next(r for r in rows if r.what == (fraction, question, "fakir", texture_rows.TRUTH))
-            title = TITLES[question].format(1e6 * texture_rows.PRESSED[fraction])
-            lines += ["", f"## Surface fraction {fraction:g}, {title}", ""]
+            lines += ["", f"## Surface fraction {fraction:g}, {title(fraction, question)}", ""]
             lines += [
                 f"Truth: force {1e3 * truth.force_N:.7g} mN, indentation {1e6 * truth.indentation_m:.7g} µm, "
-                f"estimated error {truth.estimated_force_error:.0e}.",
+                f"estimated error {truth.estimated_force_error:.0e}."
+                + (
+                    f" The floor bears {truth.floor_share:.6g} of it, estimated error {truth.estimated_share_error:.0e}."
+                    if truth.floor_share
+                    else ""
+                ),
                 "",
             ]
             lines += table(found, question)

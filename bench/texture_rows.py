@@ -4,12 +4,13 @@ import csv
 import math
 import os
 from collections import defaultdict
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from statistics import median
 
-QUESTIONS = ["transition", "press"]
-# Indentations to press to, by surface fraction: a little below the critical ones.
+QUESTIONS = ["transition", "press", "mixed"]
+# Indentations to press to, by surface fraction: a little below the critical ones; and 1.5 times the critical ones.
 PRESSED = {0.01: 2.9e-6, 0.03: 4.9e-6, 0.1: 26e-6}
+INDENTATIONS = {"press": PRESSED, "mixed": {0.03: 7.48e-6, 0.1: 40.2e-6}}
 FAKIR = {
     "spectral": [],
     "spectral, accurate": ["method.accuracy=accurate"],
@@ -20,6 +21,8 @@ FAKIR = {
     "love 32": ["method.name=love", "method.cells_per_diameter=32"],
 }
 TRUTH = "spectral, accurate"
+# Of fakir's methods those that let the floor bear its part.
+WITH_FLOOR = ["spectral", TRUTH]
 # What a program may take for one measurement.
 MOST_SECONDS, MOST_BYTES = 300.0, 8e9
 EXTRAPOLATED = ", extrapolated"
@@ -51,6 +54,10 @@ class Row:
     version: str
     # Unknown of the first runs.
     processor: str = ""
+    # Of mixed contact alone.
+    floor_share: float | None = None
+    extrapolated_floor_share: float | None = None
+    estimated_share_error: float | None = None
 
     @property
     def what(self):
@@ -102,14 +109,22 @@ class Point:
     net_bytes: float
     force_error: float
     indentation_error: float
-    # Smaller errors cannot be told from those of the truth.
+    # None where the floor bears nothing.
+    share_error: float | None
+    # Smaller errors cannot be told from those of the truth: of force and indentation, and of the share.
     resolution: float
+    share_resolution: float | None
     runs: int
     solutions: int | None
 
     @property
     def shown_error(self):
         return max(abs(self.force_error), self.resolution)
+
+    @property
+    def of_share(self):
+        """The same point with the error of the floor's share in the place of that of the force."""
+        return replace(self, force_error=self.share_error, resolution=self.share_resolution)
 
     @property
     def memory(self):
@@ -127,13 +142,18 @@ def points(rows, fraction, question):
         return []
     truth = groups["fakir", TRUTH][0]
 
-    def point(name, group, force, indentation):
+    def point(name, group, force, indentation, share):
         costs = [median(getattr(row, key) for row in group) for key in COSTS]
         errors = [force / truth.force_N - 1, indentation / truth.indentation_m - 1]
+        errors.append(share / truth.floor_share - 1 if share and truth.floor_share else None)
         first = group[0]
-        return Point(name, first.setting, *costs, *errors, truth.estimated_force_error, len(group), first.solutions)
+        resolutions = [truth.estimated_force_error, truth.estimated_share_error]
+        return Point(name, first.setting, *costs, *errors, *resolutions, len(group), first.solutions)
 
-    found = [point(program, group, group[0].force_N, group[0].indentation_m) for (program, _), group in groups.items()]
+    found = [
+        point(program, group, group[0].force_N, group[0].indentation_m, group[0].floor_share)
+        for (program, _), group in groups.items()
+    ]
     for (program, setting), group in groups.items():
         if program == "fakir":
             continue
@@ -141,9 +161,11 @@ def points(rows, fraction, question):
         coarser = groups.get((program, str(int(setting) // 2)))
         if first.extrapolated_force_N is not None:
             # The coarser grid was solved on the way.
-            found.append(point(name, group, first.extrapolated_force_N, first.extrapolated_indentation_m))
+            further = [first.extrapolated_force_N, first.extrapolated_indentation_m, first.extrapolated_floor_share]
+            found.append(point(name, group, *further))
         elif coarser:
-            both = point(name, group, 2 * first.force_N - coarser[0].force_N, first.indentation_m)
+            share = 2 * first.floor_share - coarser[0].floor_share if first.floor_share else None
+            both = point(name, group, 2 * first.force_N - coarser[0].force_N, first.indentation_m, share)
             both.processor_s += median(row.processor_s for row in coarser)
             found.append(both)
     return found

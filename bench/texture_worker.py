@@ -8,7 +8,7 @@ are in um, moduli in MPa, forces in uN.
 The grid is a square that just holds the contact. Its cells on pillar tops are those whose centre
 is on one. The others are lowered so far that they bear nothing, and the gap to the real floor is
 read from the displacements there; so states past the critical one are solved, and can be
-interpolated between. Each grid starts from Hertz's pressure on the tops and, on the same grid, from the
+interpolated between. In mixed contact they are the floor and bear their part. Each grid starts from Hertz's pressure on the tops and, on the same grid, from the
 solution before. The load starts at the true one on the coarsest grid, and where the coarser grids
 point to on the others, which are solved first, in the same process and time. It is moved along the
 slope that the gap had, until the step left is so small that it can be taken without another
@@ -27,6 +27,9 @@ COARSEST = 2.4
 # Steps of the load, relative, that need no other solution.
 STEP = 1e-2
 MOST_SOLUTIONS = 20
+# What is moved with the load.
+LOADS = ["force", "indentation", "floor_force"]
+SHARE = "extrapolated_floor_share"
 # How much the square may be wider than the contact.
 MARGINS = np.linspace(1.005, 1.045, 21)
 BLOCK = 64
@@ -80,8 +83,8 @@ class Texture:
             u = math.sqrt(3) * pitch * ((self.line / (math.sqrt(3) * pitch) - shift + 0.5) % 1.0 - 0.5)
             v = pitch * ((self.line / pitch - shift + 0.5) % 1.0 - 0.5)
             self.top |= u[:, None] ** 2 + v**2 < diameter**2 / 4
-        # Below any indentation that is looked at.
-        self.depth = order["indentation"] + self.height
+        # The floor, or below any indentation that is looked at.
+        self.depth = self.height if order["question"] == "mixed" else order["indentation"] + self.height
 
     def sag(self, rows):
         return self.lens - np.sqrt(self.lens**2 - self.line[rows, None] ** 2 - self.line**2)
@@ -104,6 +107,10 @@ class Texture:
             gap = self.sag(rows) + self.height + displacement[rows] - indentation
             smallest = gap[~self.top[rows]].min(initial=smallest)
         return float(smallest)
+
+    def floor_force(self, pressure):
+        """What the cells bear that are no top."""
+        return float(pressure[~self.top].sum()) * self.cell**2
 
     def hertz(self, force):
         """Pressure of the lens without a texture, on the pillar tops alone."""
@@ -151,6 +158,7 @@ class ContactMechanics:
             "force": float(forces.sum()),
             "indentation": indentation,
             "floor_gap": self.texture.floor_gap(displacement, indentation),
+            "floor_force": self.texture.floor_force(forces / area),
             "iterations": int(result.nit),
         }, forces / area
 
@@ -195,6 +203,7 @@ class Tamaas:
             "force": force,
             "indentation": indentation,
             "floor_gap": texture.floor_gap(displacement, indentation),
+            "floor_force": texture.floor_force(pressure),
         }, pressure
 
 
@@ -233,7 +242,7 @@ class Search:
             state, pressure = peer.solve(load, pressure)
             self.solutions += 1
             self.log.append({"cells": texture.cells, **state})
-            if self.question == "press" and self.kind.takes == "indentation":
+            if self.question != "transition" and self.kind.takes == "indentation":
                 return state
             here = (load, residual(self.question, self.order, state), state)
             if previous:
@@ -241,7 +250,7 @@ class Search:
             # From the coarsest grid there is no slope; it takes a step that is certain to tell one.
             step = -here[1] / self.slopes["residual"] if self.slopes else 0.02
             if self.slopes and abs(step) < STEP:
-                for key in ["force", "indentation"]:
+                for key in LOADS:
                     state[key] *= math.exp(self.slopes[key] * step)
                 return state
             previous, load = here, load * math.exp(max(-0.2, min(0.2, step)))
@@ -250,7 +259,7 @@ class Search:
     def run(self):
         cells = [self.order["cells"]]
         width = self.order["width"]
-        alone = self.question == "press" and self.kind.takes == "indentation"
+        alone = self.question != "transition" and self.kind.takes == "indentation"
         while not alone and cells[0] % 2 == 0 and cells[0] / 2 * self.order["diameter"] / width > COARSEST:
             cells.insert(0, cells[0] // 2)
         for count in cells:
@@ -260,16 +269,20 @@ class Search:
 
 def slopes(previous, here):
     step = math.log(here[0] / previous[0])
-    both = {key: math.log(here[2][key] / previous[2][key]) / step for key in ["force", "indentation"]}
-    return {"residual": (here[1] - previous[1]) / step, **both}
+    pairs = {key: (previous[2][key], here[2][key]) for key in LOADS}
+    # Nothing on the floor stays nothing.
+    loads = {key: math.log(b / a) / step if a > 0 and b > 0 else 0.0 for key, (a, b) in pairs.items()}
+    return {"residual": (here[1] - previous[1]) / step, **loads}
 
 
 def extrapolated(found):
     """Of the two finest grids, whose errors fall in proportion to the cells."""
     names = {"force": "extrapolated_force_N", "indentation": "extrapolated_indentation_m"}
     if len(found) < 2:
-        return dict.fromkeys(names.values())
-    return {name: 1e-6 * (2 * found[-1][key] - found[-2][key]) for key, name in names.items()}
+        return dict.fromkeys([*names.values(), SHARE])
+    shares = [state["floor_force"] / state["force"] for state in found[-2:]]
+    loads = {name: 1e-6 * (2 * found[-1][key] - found[-2][key]) for key, name in names.items()}
+    return {**loads, SHARE: 2 * shares[1] - shares[0] or None}
 
 
 def main():
@@ -289,6 +302,7 @@ def main():
                 "net_bytes": status("VmHWM") - baseline,
                 "force_N": 1e-6 * state["force"],
                 "indentation_m": 1e-6 * state["indentation"],
+                "floor_share": state["floor_force"] / state["force"] if search.question == "mixed" else None,
                 **extrapolated(search.found),
                 "solutions": search.solutions,
                 "log": search.log,

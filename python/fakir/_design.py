@@ -14,7 +14,7 @@ from . import _fakir
 from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, si
 from ._run import Progress, options
-from ._state import CriticalState, radius
+from ._state import ContactState, CriticalState, radius
 from ._system import System
 from .errors import DesignError
 
@@ -29,8 +29,18 @@ class Candidate(NamedTuple):
     """The value of the free key, in SI units."""
     system: System
     """The system with this value."""
-    critical: CriticalState
-    """Its critical state."""
+    reached: CriticalState | ContactState
+    """Its critical state; its contact under the load where a floor share was wanted."""
+
+    @property
+    def critical(self) -> CriticalState:
+        """Its critical state, which is computed now where a floor share was wanted."""
+        return self.reached if isinstance(self.reached, CriticalState) else self.system.transition()
+
+    @property
+    def state(self) -> ContactState:
+        """Its contact: critical, or under the load where a floor share was wanted."""
+        return self.reached.state if isinstance(self.reached, CriticalState) else self.reached
 
 
 class Design:
@@ -42,8 +52,6 @@ class Design:
     """Its value, in SI units."""
     system: System
     """The system with this value."""
-    critical: CriticalState
-    """Its critical state."""
     sensitivity: float
     """Relative change of the answer over that of the value: how exactly it must be made."""
 
@@ -52,7 +60,18 @@ class Design:
         answer = summary["design"]
         self.free = answer["free"]
         self.sensitivity = float("nan" if answer["sensitivity"] is None else answer["sensitivity"])
-        self.value, self.system, self.critical = found
+        self._found = found
+        self.value, self.system = found.value, found.system
+
+    @property
+    def critical(self) -> CriticalState:
+        """Its critical state, which is computed now where a floor share was wanted."""
+        return self._found.critical
+
+    @property
+    def state(self) -> ContactState:
+        """Its contact: critical, or under the load where a floor share was wanted."""
+        return self._found.state
 
     def to_dict(self) -> dict[str, Any]:
         """The object that ``fakir design --json`` prints."""
@@ -61,10 +80,21 @@ class Design:
     def _rows(self) -> list[Row]:
         length = not self.free.endswith(("fraction", "modulus"))
         unit = "m" if length else "Pa" if self.free.endswith("modulus") else ""
+        reached = self._found.reached
+        if isinstance(reached, CriticalState):
+            contact = [
+                ("critical force", engineering(reached.force, "N")),
+                ("critical contact radius", radius(reached.contact_radius, reached.error.contact_radius)),
+            ]
+        else:
+            contact = [
+                ("force", engineering(reached.force, "N")),
+                ("indentation", engineering(reached.indentation, "m")),
+                *([] if reached.floor is None else reached.floor._share_rows()),
+            ]
         return [
             (self.free, engineering(self.value, unit)),
-            ("critical force", engineering(self.critical.force, "N")),
-            ("critical contact radius", radius(self.critical.contact_radius, self.critical.error.contact_radius)),
+            *contact,
             ("sensitivity", f"{self.sensitivity:.3g} % of the answer for 1 % of the value"),
         ]
 
@@ -91,13 +121,16 @@ def design(
     *,
     critical_force: Quantity | None = None,
     critical_contact_radius: Quantity | None = None,
+    floor_share: Quantity | None = None,
+    at_force: Quantity | None = None,
+    at_indentation: Quantity | None = None,
     threads: int = 1,
     progress: Progress | None = None,
     memory_limit: int | None = None,
     force: Quantity | None = None,
     contact_radius: Quantity | None = None,
 ) -> Design:
-    """The value of one quantity that gives a wanted critical force or contact radius.
+    """The value of one quantity that gives a wanted critical force, critical contact radius or floor share.
 
     Parameters
     ----------
@@ -108,7 +141,12 @@ def design(
         ``"texture.pillar.height"``, ``"texture.pillar.diameter"``, ``"lens.radius"``,
         ``"lens.young_modulus"`` or ``"substrate.young_modulus"``.
     critical_force, critical_contact_radius
-        What is wanted of the critical state (N, m): exactly one of them.
+        What is wanted of the critical state (N, m).
+    floor_share, at_force, at_indentation
+        The part of the force that the floor is to bear past the transition, as in ``0.2`` or ``"20 %"``,
+        and the load at which it is to do so: a force (N) or an indentation (m). It is met to within its
+        own estimated error. Exactly one of ``critical_force``, ``critical_contact_radius`` and
+        ``floor_share`` must be given.
     force, contact_radius
         The older names of these.
 
@@ -121,8 +159,15 @@ def design(
     critical_contact_radius = _renamed(
         "contact_radius", contact_radius, "critical_contact_radius", critical_contact_radius
     )
-    if (critical_force is None) == (critical_contact_radius is None):
-        raise TypeError("give exactly one of critical_force and critical_contact_radius")
+    given = [critical_force, critical_contact_radius, floor_share]
+    if sum(value is not None for value in given) != 1:
+        raise TypeError(
+            "give exactly one of critical_force, critical_contact_radius and floor_share"
+        )
+    if floor_share is None and (at_force is not None or at_indentation is not None):
+        raise TypeError("at_force and at_indentation are the load of a floor_share: give it too")
+    if floor_share is not None and (at_force is None) == (at_indentation is None):
+        raise TypeError("give the load of floor_share: exactly one of at_force and at_indentation")
     wanted_force = (
         None if critical_force is None else si(critical_force, "force", "critical_force")
     )
@@ -132,11 +177,25 @@ def design(
         else si(critical_contact_radius, "length", "critical_contact_radius")
     )
     run = options(threads, progress, memory_limit)
-    summary, found = _fakir.design(system._case, free, wanted_force, wanted_radius, run)
+    wanted_share = (
+        None
+        if floor_share is None
+        else (
+            si(floor_share, "fraction", "floor_share"),
+            None if at_force is None else si(at_force, "force", "at_force"),
+            None if at_indentation is None else si(at_indentation, "length", "at_indentation"),
+        )
+    )
+    wanted = (wanted_force, wanted_radius, wanted_share)
+    summary, found = _fakir.design(system._case, free, wanted, run)
     answer = json.loads(summary)
     candidates = [
-        Candidate(value, System._of(case), CriticalState(critical))
-        for value, case, critical in found
+        Candidate(
+            value,
+            System._of(case),
+            ContactState(reached) if isinstance(reached, _fakir.State) else CriticalState(reached),
+        )
+        for value, case, reached in found
     ]
     if answer["design"]["status"] == "found":
         return Design(answer, candidates[0])

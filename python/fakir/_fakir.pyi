@@ -184,10 +184,11 @@ class Ledger:
 def design(
     case: Case,
     free: str,
-    force: float | None,
-    contact_radius: float | None,
+    wanted: tuple[
+        float | None, float | None, tuple[float, float | None, float | None] | None
+    ],
     options: Options,
-) -> tuple[str, list[tuple[float, Case, Critical]]]: ...
+) -> tuple[str, list[tuple[float, Case, Critical | State]]]: ...
 def sampling_defaults() -> tuple[int, int]: ...
 def parse_deviation(path: str, text: str) -> tuple[float, bool]: ...
 def spread(

@@ -86,14 +86,21 @@ class FloorContact:
         """The object ``floor`` that ``fakir press --json`` prints: same names, same numbers."""
         return copy.deepcopy(self._summary)
 
+    def _share_rows(self) -> list[Row]:
+        error = self.error.share
+        digits = known_digits(error)
+        return [
+            ("force on the floor", engineering(self.force, "N", digits) + remark(error)),
+            ("share of the floor", f"{self.share:.{digits}g}"),
+        ]
+
     def _rows(self) -> list[Row]:
         error = self.error
-        share, area = known_digits(error.share), known_digits(error.contact_area)
+        area = known_digits(error.contact_area)
         patches = "not known: two grids differ" if self.patches is None else str(self.patches)
         width, height = (engineering(side, "m", 3) for side in self.cell)
         return [
-            ("force on the floor", engineering(self.force, "N", share) + remark(error.share)),
-            ("share of the floor", f"{self.share:.{share}g}"),
+            *self._share_rows(),
             (
                 "contact area on the floor",
                 f"{1e12 * self.contact_area:.{area}g} µm^2" + remark(error.contact_area),

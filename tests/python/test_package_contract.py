@@ -209,6 +209,10 @@ def test_tables_and_other_answers_are_the_same(tmp_path):
     assert found.to_dict()["design"]["statement"] == expected["design"]["statement"]
     assert timeless(found.to_dict()) == timeless(expected)
 
+    _, expected = saved("design", "--free=pitch", "--floor-share=20%", "--at-indentation=8um", "--overwrite")
+    found = fakir.design(system, "texture.pitch", floor_share="20%", at_indentation="8 um")
+    assert timeless(found.to_dict()) == timeless(expected)
+
     sampled = ["--tolerance=texture.pillar.height=3%", "--samples=5", "--seed=1"]
     folder = tmp_path / "spread"
     setting = "--set=texture.surface_fraction=0.003"

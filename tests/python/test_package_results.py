@@ -187,6 +187,27 @@ def test_design_and_spread_and_citations(system):
     assert any("104, 055007" in entry.text for entry in fakir.cite(found.critical))
 
 
+def test_design_of_a_floor_share(system):
+    found = fakir.design(system, "pitch", floor_share="20 %", at_force="1 mN")
+    floor = found.system.press(force="1 mN").floor
+    assert abs(floor.share / 0.2 - 1.0) <= floor.error.share < 0.01
+    assert found.state.floor.share == floor.share and "share of the floor" in repr(found)
+    # Past the transition, whose load is below that of the design.
+    assert found.critical.force < found.state.force == 1e-3
+    value, solved, reached = fakir.design(system, "pitch", critical_force="1 mN")._found
+    assert value < found.value and reached.force == solved.transition().force
+    for wrong, match in [
+        ({"floor_share": 0.2}, "exactly one of at_force and at_indentation"),
+        ({"floor_share": 0.2, "at_force": 1e-3, "at_indentation": 1e-6}, "exactly one of at_force"),
+        ({"critical_force": 1e-3, "at_force": 1e-3}, "give it too"),
+        ({"critical_force": 1e-3, "floor_share": 0.2, "at_force": 1e-3}, "exactly one of critical_force"),
+    ]:
+        with pytest.raises(TypeError, match=match):
+            fakir.design(system, "pitch", **wrong)
+    with pytest.raises(fakir.errors.DesignError, match="less than 1"):
+        fakir.design(system, "pitch", floor_share=20, at_force="1 mN")
+
+
 class Topography:
     """As those of SurfaceTopography."""
 

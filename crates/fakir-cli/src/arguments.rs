@@ -113,7 +113,7 @@ pub(crate) enum Command {
     /// one page of claims, figures and numbers that needs nothing else.
     #[command(after_help = "Example: fakir reproduce paper --output paper")]
     Reproduce(Reproduce),
-    /// The inverse question: the pitch, size or modulus that gives a wanted critical state; and how
+    /// The inverse question: the pitch, size or modulus that gives a wanted critical state or floor share; and how
     /// far real samples scatter about it
     ///
     /// All else is as in the case file. With a pitch in the case file the pitch stays as it is, with
@@ -123,6 +123,7 @@ pub(crate) enum Command {
   fakir design case.toml --free pitch --critical-force 1mN
   fakir design case.toml --free pitch --critical-force 1mN \\
       --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
+  fakir design case.toml --free pitch --floor-share 20% --at-force 1mN
   fakir design case.toml --samples 1000")]
     Design(Design),
     /// Moduli and instrument parameters from a measured loading curve, by least squares
@@ -446,7 +447,10 @@ pub(crate) enum CitedMethod {
 }
 
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius"]).requires("free"))]
+#[command(
+    group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "floor_share"]).requires("free"),
+    group = ArgGroup::new("at").args(["at_force", "at_indentation"]).requires("floor_share")
+)]
 pub(crate) struct Design {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
@@ -460,6 +464,15 @@ pub(crate) struct Design {
     /// The critical contact radius that is wanted (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     critical_contact_radius: Option<f64>,
+    /// The share of the force that the floor is to bear, past the transition: 0.2 or 20%
+    #[arg(long, value_name = "SHARE", value_parser = fraction, allow_hyphen_values = true, requires = "at")]
+    floor_share: Option<f64>,
+    /// The force at which that share is wanted (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    at_force: Option<f64>,
+    /// The indentation at which that share is wanted (m, mm, um, nm)
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    at_indentation: Option<f64>,
     /// A quantity that varies, normally distributed, with its standard deviation as a quantity or
     /// in per cent: texture.pillar.height=0.05um, substrate.young_modulus=10%; may be repeated
     #[arg(long, value_name = "KEY=DEVIATION", value_parser = tolerance)]
@@ -484,15 +497,25 @@ impl Design {
         let wanted = self
             .critical_force
             .map(Wanted::Force)
-            .or(self.critical_contact_radius.map(Wanted::ContactRadius));
+            .or(self.critical_contact_radius.map(Wanted::ContactRadius))
+            .or(self
+                .floor_share
+                .zip(self.load())
+                .map(|(share, load)| Wanted::FloorShare { share, load }));
         if self.free.is_none() && self.tolerance.is_empty() && self.samples.is_none() {
             return Err(Failure::Argument(
-                "nothing to do: give --free and --critical-force for a design, or --tolerance or \
+                "nothing to do: give --free and --critical-force or --floor-share for a design, or --tolerance or \
                  --samples for a spread"
                     .to_owned(),
             ));
         }
         Ok(self.free.zip(wanted))
+    }
+
+    /// The load at which a floor share is wanted.
+    fn load(&self) -> Option<Control> {
+        let force = self.at_force.map(Control::Force);
+        force.or(self.at_indentation.map(Control::Indentation))
     }
 
     /// What is drawn, if a spread is asked for.
@@ -865,6 +888,10 @@ fn force(text: &str) -> Result<f64, QuantityError> {
 
 fn stiffness(text: &str) -> Result<f64, QuantityError> {
     parse_argument(text, Dimension::Stiffness)
+}
+
+fn fraction(text: &str) -> Result<f64, QuantityError> {
+    parse_argument(text, Dimension::Fraction)
 }
 
 /// Points across a map: at least the two ends.

@@ -84,10 +84,50 @@ fn what_cannot_be_had_is_status_3_with_the_nearest() {
     );
 }
 
+/// Designs a pitch for a floor share, then presses the case that was saved.
+#[test]
+fn what_is_designed_has_the_wanted_floor_share() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let question = [
+        "design",
+        &case,
+        "--free",
+        "pitch",
+        "--floor-share",
+        "20%",
+        "--at-force",
+        "1mN",
+    ];
+    let answer = bench.json(&[&question[..], &["--output", "found"]].concat());
+    let design = &answer["design"];
+    assert_eq!(design["status"], "found");
+    assert_eq!(
+        design["wanted"],
+        serde_json::json!({"floor_share": 0.2, "force_N": 1e-3})
+    );
+    assert!(design.get("critical_state").is_none());
+    let again = bench.json(&["press", "found/case.toml", "--force", "1mN"]);
+    assert_eq!(design["state"]["floor"], again["floor"]);
+    let share = again["floor"]["share"].as_f64().unwrap_or(0.0);
+    let error = again["floor"]["relative_error_estimate"]["share"].as_f64();
+    assert!((share / 0.2 - 1.0).abs() <= error.unwrap_or(0.0), "{share}");
+    let text = bench.result(&question);
+    assert!(
+        text.contains("gives a floor share of 0.2 in the contact under a force of 1 mN"),
+        "{text}"
+    );
+    assert!(
+        text.contains("% of the floor share for 1 % of texture.pitch"),
+        "{text}"
+    );
+}
+
 #[test]
 fn what_makes_no_sense_is_status_2() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
+    let share = ["design", &case, "--free", "pitch"];
     for (arguments, told) in [
         (&["design", &case][..], "nothing to do"),
         (&["design", &case, "--free", "pitch"], "required"),
@@ -106,6 +146,52 @@ fn what_makes_no_sense_is_status_2() {
         (
             &["design", &case, "--free", "pitch", "--critical-force=-1mN"],
             "must be greater than 0",
+        ),
+        (
+            &[&share[..], &["--floor-share", "20%"]].concat(),
+            "--at-force",
+        ),
+        (
+            &[&share[..], &["--at-force", "1mN"]].concat(),
+            "--floor-share",
+        ),
+        (
+            &[
+                &share[..],
+                &[
+                    "--floor-share",
+                    "20%",
+                    "--at-force",
+                    "1mN",
+                    "--at-indentation",
+                    "8um",
+                ],
+            ]
+            .concat(),
+            "cannot be used with",
+        ),
+        (
+            &[&share[..], &["--floor-share", "20", "--at-force", "1mN"]].concat(),
+            "less than 1 (100 %)",
+        ),
+        (
+            &[&share[..], &["--floor-share", "20%", "--at-force", "0"]].concat(),
+            "greater than 0",
+        ),
+        (
+            &[
+                &share[..],
+                &[
+                    "--floor-share",
+                    "20%",
+                    "--at-force",
+                    "1mN",
+                    "--set",
+                    "method.name=punch",
+                ],
+            ]
+            .concat(),
+            "needs method.name = \"spectral\"",
         ),
         (
             &["design", &case, "--tolerance", "texture.pillar.height=0%"],

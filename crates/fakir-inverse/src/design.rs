@@ -1,45 +1,115 @@
 //! The inverse question: which pitch, height, diameter, lens radius or modulus gives a wanted
-//! critical force or contact radius.
+//! critical force or contact radius, or has the floor bear a wanted share of the force under a load.
 //!
 //! The answer is sought as a root of `g(x) = ln(answer(x)/wanted)` over `ln x`: bracketed by
 //! strides that double, from where the homogenised lattice (a thousand times cheaper) has its
 //! root, or from the value in the case file; then closed in on by the [bracketing method](fakir::numerics::roots)
 //! that all searches share, which tells a root from a jump. Where the lens would sink in too far to
 //! be solved the answer counts as too large; where it meets the floor first, as zero.
+//!
+//! A floor share begins at the transition with the power 3/2 of how far the lens is past it. So
+//! `g(x) = (share(x)/wanted)^(2/3) - 1` is nearly straight there; before the transition, where the share is zero, it
+//! goes on with the gap to the floor. The search starts where the homogenised lattice has its transition under the load. What cannot be
+//! solved says nothing of the share there, and is an end of the range.
 
 use fakir::numerics::convergence::within;
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::Method;
-use fakir::state::{CriticalState, Run, SolveError};
-use fakir_case::unit::Dimension;
+use fakir::problem::{Control, FloorModel, Method};
+use fakir::state::{ContactState, CriticalState, Run, SolveError};
+use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, TextureOnly};
-use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, with_unit};
+use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, digits, with_unit};
+use fakir_study::result::control_words;
 use std::ops::Bound;
 
-/// What is wanted of the critical state.
+/// What is wanted of the critical state, or of the contact under a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Wanted {
     /// Critical force `F_c`, N.
     Force(f64),
     /// Critical contact radius `a_c`, m.
     ContactRadius(f64),
+    /// The part of the force that the floor bears.
+    FloorShare {
+        /// That part, more than 0 and less than 1.
+        share: f64,
+        /// Under this force or at this indentation.
+        load: Control,
+    },
 }
 
 impl Wanted {
-    /// The value, N or m.
+    /// The value: N, m, or a part of the force.
     #[must_use]
     pub fn value(self) -> f64 {
         match self {
-            Self::Force(value) | Self::ContactRadius(value) => value,
+            Self::Force(value)
+            | Self::ContactRadius(value)
+            | Self::FloorShare { share: value, .. } => value,
         }
     }
 
-    /// The same quantity of a critical state.
+    /// The same quantity of a contact. The share of a floor that is not touched is zero.
     #[must_use]
-    pub fn of(self, critical: &CriticalState) -> f64 {
+    pub fn of(self, reached: &Reached) -> f64 {
+        match (self, reached) {
+            (Self::Force(_), _) => reached.contact().force,
+            (Self::ContactRadius(_), Reached::Critical(critical)) => critical.contact_radius(),
+            (Self::ContactRadius(_), Reached::Pressed(contact)) => contact.contact_radius,
+            (Self::FloorShare { .. }, _) => {
+                let floor = reached.contact().floor.as_ref();
+                floor.map_or(0.0, |floor| floor.share)
+            }
+        }
+    }
+
+    /// What kind of number it is.
+    #[must_use]
+    pub fn dimension(self) -> Dimension {
         match self {
-            Self::Force(_) => critical.contact.force,
-            Self::ContactRadius(_) => critical.contact_radius(),
+            Self::Force(_) => Dimension::Force,
+            Self::ContactRadius(_) => Dimension::Length,
+            Self::FloorShare { .. } => Dimension::Fraction,
+        }
+    }
+
+    /// The contact of which it is wanted in words: ` in the contact under a force of 1 mN`; nothing for the critical state.
+    #[must_use]
+    pub fn load_words(self) -> String {
+        match self {
+            Self::FloorShare { load, .. } => format!(" in the {}", control_words(load)),
+            Self::Force(_) | Self::ContactRadius(_) => String::new(),
+        }
+    }
+
+    /// Whether it is a floor share.
+    fn is_share(self) -> bool {
+        matches!(self, Self::FloorShare { .. })
+    }
+
+    /// How far a contact is from what is wanted: zero where it is met, positive where there is too much.
+    fn excess(self, reached: &Reached) -> f64 {
+        let ratio = self.of(reached) / self.value();
+        if !self.is_share() {
+            return ratio.ln();
+        }
+        let contact = reached.contact();
+        let to_the_floor = contact.smallest_floor_gap / contact.system.pillar().height;
+        match &contact.floor {
+            Some(_) => ratio.powf(SHARE_POWER) - 1.0,
+            None => -1.0 - to_the_floor,
+        }
+    }
+
+    /// By how much the excess of a contact may be wrong by the contact's own estimate, as far as it
+    /// matters: critical states are known far better than samples can be made.
+    fn excess_error(self, reached: &Reached) -> f64 {
+        match &reached.contact().floor {
+            Some(floor) if self.is_share() => {
+                let slope = (self.of(reached) / self.value()).powf(SHARE_POWER) * SHARE_POWER;
+                slope * floor.error.share
+            }
+            _ => 0.0,
         }
     }
 
@@ -49,27 +119,48 @@ impl Wanted {
         match self {
             Self::Force(_) => "critical force",
             Self::ContactRadius(_) => "critical contact radius",
+            Self::FloorShare { .. } => "floor share",
         }
     }
 }
 
-/// A value of the free quantity and the critical state it gives.
+/// The contact of which something is wanted.
+#[derive(Debug, Clone)]
+pub enum Reached {
+    /// The critical state.
+    Critical(CriticalState),
+    /// The contact under the load for which a floor share is wanted.
+    Pressed(ContactState),
+}
+
+impl Reached {
+    /// The contact, critical or not.
+    #[must_use]
+    pub fn contact(&self) -> &ContactState {
+        match self {
+            Self::Critical(critical) => &critical.contact,
+            Self::Pressed(contact) => contact,
+        }
+    }
+}
+
+/// A value of the free quantity and the contact it gives.
 #[derive(Debug, Clone)]
 pub struct Candidate {
     /// Value of the free key, in SI units.
     pub value: f64,
     /// The case with this value.
     pub case: Case,
-    /// Its critical state.
-    pub critical: CriticalState,
+    /// Its critical state, or its contact under the load.
+    pub reached: Reached,
 }
 
 /// What came of a search.
 #[derive(Debug, Clone)]
 pub enum Design {
-    /// A value that gives what is wanted, to within [`TOLERANCE`].
+    /// A value that gives what is wanted, to within [`TOLERANCE`]; a floor share to within its own estimated error.
     Found {
-        /// The value and its critical state.
+        /// The value and its contact.
         candidate: Candidate,
         /// Relative change of the answer over that of the value, `d ln(answer)/d ln(x)`: how
         /// exactly the value has to be made. Near zero the answer hardly depends on it, and many
@@ -103,7 +194,7 @@ pub enum Limit {
 pub struct Answer {
     /// The key that was sought.
     pub free: Key,
-    /// The critical force or contact radius that was wanted.
+    /// What was wanted.
     pub wanted: Wanted,
     /// What came of it.
     pub design: Design,
@@ -120,11 +211,7 @@ impl Answer {
             Design::Found { candidate, .. } => candidate,
             Design::OutOfReach { nearest, .. } => nearest,
             Design::Jump(sides) => {
-                let away = |side: &Candidate| {
-                    (self.wanted.of(&side.critical) / self.wanted.value())
-                        .ln()
-                        .abs()
-                };
+                let away = |side: &Candidate| self.wanted.excess(&side.reached).abs();
                 let [a, b] = sides.as_ref();
                 if away(a) <= away(b) { a } else { b }
             }
@@ -141,23 +228,39 @@ impl Answer {
         with_unit(candidate.value, self.dimension(), 8)
     }
 
-    fn wanted_dimension(&self) -> (Dimension, usize) {
-        match self.wanted {
-            Wanted::Force(_) => (Dimension::Force, DIGITS),
-            Wanted::ContactRadius(_) => (Dimension::Length, LENGTH_DIGITS),
-        }
+    /// What the candidate has of what is wanted, with the digits that are known of it.
+    fn answer_of(&self, candidate: &Candidate) -> String {
+        let floor = candidate.reached.contact().floor.as_ref();
+        let digits = match self.wanted {
+            Wanted::Force(_) => DIGITS,
+            Wanted::ContactRadius(_) => LENGTH_DIGITS,
+            Wanted::FloorShare { .. } => {
+                floor.map_or(1, |floor| digits(floor.error.share).min(DIGITS))
+            }
+        };
+        with_unit(
+            self.wanted.of(&candidate.reached),
+            self.wanted.dimension(),
+            digits,
+        )
     }
 
-    fn answer_of(&self, candidate: &Candidate) -> String {
-        let (dimension, digits) = self.wanted_dimension();
-        with_unit(self.wanted.of(&candidate.critical), dimension, digits)
+    fn wanted_words(&self) -> String {
+        let dimension = self.wanted.dimension();
+        match self.wanted {
+            Wanted::Force(force) => with_unit(force, dimension, DIGITS),
+            Wanted::ContactRadius(radius) => with_unit(radius, dimension, LENGTH_DIGITS),
+            Wanted::FloorShare { share, .. } => {
+                let load = self.wanted.load_words();
+                format!("{}{load}", format_quantity(share, dimension))
+            }
+        }
     }
 
     /// The answer in a sentence.
     #[must_use]
     pub fn statement(&self) -> String {
-        let (dimension, digits) = self.wanted_dimension();
-        let wanted = with_unit(self.wanted.value(), dimension, digits);
+        let wanted = self.wanted_words();
         let (path, name) = (self.free.path(), self.wanted.name());
         let nearest = self.nearest();
         match &self.design {
@@ -222,9 +325,25 @@ pub enum DesignError {
     /// A wanted value that cannot be.
     #[error("the wanted {} must be greater than 0", .0.name())]
     NotPositive(Wanted),
+    /// A floor share that cannot be.
+    #[error("the wanted floor share must be greater than 0 and less than 1 (100 %): it is {0}")]
+    NotAShare(f64),
+    /// A floor share under no load, or one that cannot be.
+    #[error(
+        "a floor share is wanted at a load: give a force or an indentation that is a number greater than 0"
+    )]
+    NotALoad,
+    /// A floor share by a method that leaves the floor out.
+    #[error(
+        "the method {} leaves the floor out: a floor share needs method.name = \"spectral\"", .0.name()
+    )]
+    NoFloor(Method),
+    /// A floor share where the lens goes through the floor.
+    #[error("floor.contact = false leaves the floor out: a floor share needs floor.contact = true")]
+    FloorIgnored,
     /// A solution that did not converge kept the search from its end.
     #[error(
-        "the critical state at {} = {value:e} (SI units) did not converge: try another accuracy \
+        "the contact at {} = {value:e} (SI units) did not converge: try another accuracy \
          or an offset that is a little different", .key.path()
     )]
     NotConverged {
@@ -271,6 +390,15 @@ pub const TOLERANCE: f64 = 1e-9;
 /// Relative width of a bracket within which an answer that is still not met is a jump.
 const JUMP: f64 = 1e-12;
 
+/// The same of floor shares, which jump by their error where the grid on the floor changes.
+const SHARE_JUMP: f64 = 1e-7;
+
+/// A floor share to this power is nearly straight in what is left of the load past the transition.
+const SHARE_POWER: f64 = 2.0 / 3.0;
+
+/// Part of the estimated error of a floor share to which it is met, unless it jumps by more.
+const SHARPNESS: f64 = 0.1;
+
 /// Relative width of a bracket that is narrow enough to say beyond which value there is no contact.
 const EDGE: f64 = 1e-3;
 
@@ -300,16 +428,35 @@ pub fn design(
         return Err(DesignError::NotFree(free));
     }
     let target = wanted.value();
-    if !(target > 0.0 && target.is_finite()) {
+    if let Wanted::FloorShare { share, load } = wanted {
+        if !(share > 0.0 && share < 1.0) {
+            return Err(DesignError::NotAShare(share));
+        }
+        let (Control::Force(size) | Control::Indentation(size)) = load else {
+            return Err(DesignError::NotALoad);
+        };
+        if !(size > 0.0 && size.is_finite()) {
+            return Err(DesignError::NotALoad);
+        }
+    } else if !(target > 0.0 && target.is_finite()) {
         return Err(DesignError::NotPositive(wanted));
     }
     let first = first_value(file, free)?;
+    let case = with(file, free, first)?;
+    if wanted.is_share() {
+        if !matches!(case.method, Method::Spectral(_)) {
+            return Err(DesignError::NoFloor(case.method));
+        }
+        if case.system.floor_model() == FloorModel::Ignored {
+            return Err(DesignError::FloorIgnored);
+        }
+    }
     let mut search = Search {
         file,
         free,
         wanted,
         run,
-        range: range(free, first, &with(file, free, first)?),
+        range: range(free, first, &case),
         method: Some(Method::Homogenised),
     };
     let estimate = match search.find(first, STRIDES[1]) {
@@ -321,7 +468,14 @@ pub fn design(
     };
     search.method = None;
     let ending = match estimate {
-        Some(value) => search.find(value, STRIDES[0])?,
+        Some(value) => match search.find(value, STRIDES[0]) {
+            Err(DesignError::Solve(error))
+                if wanted.is_share() && error != SolveError::Interrupted =>
+            {
+                search.find(first, STRIDES[1])?
+            }
+            ending => ending?,
+        },
         None => search.find(first, STRIDES[1])?,
     };
     Ok(match ending {
@@ -407,19 +561,26 @@ struct Search<'a> {
     method: Option<Method>,
 }
 
-/// The critical state at one value.
+/// The contact at one value.
 #[derive(Clone)]
 struct Trial {
     /// The logarithm of the value, `ln x`.
     position: f64,
     outcome: Result<Candidate, SolveError>,
-    /// `ln(answer/wanted)`: infinite where there is none.
+    /// How far it is from what is wanted: infinite where there is no contact.
     excess: f64,
+    /// By how much the excess may be wrong.
+    error: f64,
 }
 
 impl Trial {
     fn is_met(&self) -> bool {
-        within(self.excess.abs(), TOLERANCE)
+        within(self.excess.abs(), TOLERANCE.max(SHARPNESS * self.error))
+    }
+
+    /// Whether it may be what is wanted, as far as it is known itself.
+    fn may_be_met(&self) -> bool {
+        within(self.excess.abs(), TOLERANCE.max(self.error))
     }
 
     /// For the search of roots: what meets the wanted value is a root.
@@ -433,16 +594,24 @@ impl Trial {
     fn limit(&self) -> Limit {
         match &self.outcome {
             Err(error) => Limit::Solver(error.clone()),
-            Ok(candidate) if candidate.critical.contact.force <= 0.0 => Limit::FloorFirst,
+            Ok(candidate) if candidate.reached.contact().force <= 0.0 => Limit::FloorFirst,
             Ok(_) => Limit::Range,
         }
     }
+}
+
+/// A search between the ends of the range that found the wanted value nowhere.
+struct Missed {
+    trials: Vec<Trial>,
+    /// Where no floor share can be computed, right beyond the last trials downwards and upwards.
+    unsolved: [Option<Trial>; 2],
 }
 
 impl Search<'_> {
     fn trial(&self, position: f64) -> Result<Trial, DesignError> {
         let value = position.exp().clamp(self.range[0], self.range[1]);
         if self.method.is_none()
+            && !self.wanted.is_share()
             && let Ok(outline) = self.trial_by(Some(Method::Homogenised), value)
             && self.is_clear(&outline, value)?
         {
@@ -459,7 +628,7 @@ impl Search<'_> {
     fn is_clear(&self, outline: &Trial, value: f64) -> Result<bool, DesignError> {
         Ok(match &outline.outcome {
             Ok(candidate) => {
-                let pillars = candidate.critical.contact.pillars_in_contact;
+                let pillars = candidate.reached.contact().pillars_in_contact;
                 pillars > MANY_PILLARS && outline.excess.abs() > CLEAR
             }
             // With that many pillars it knows the contact radius to a per cent.
@@ -477,33 +646,49 @@ impl Search<'_> {
         if let Some(method) = method {
             case.method = method;
         }
-        let outcome = match fakir::transition(&case.system, case.method, self.run) {
-            Ok(critical) if !critical.contact.converged() => {
+        let reached = match self.wanted {
+            Wanted::FloorShare { load, .. } => {
+                fakir::press(&case.system, load, case.method, self.run).map(Reached::Pressed)
+            }
+            _ => fakir::transition(&case.system, case.method, self.run).map(Reached::Critical),
+        };
+        let outcome = match reached {
+            Ok(reached) if !reached.contact().converged() => {
                 return Err(DesignError::NotConverged {
                     key: self.free,
                     value,
                 });
             }
-            Ok(critical) => Ok(Candidate {
+            Ok(reached) => Ok(Candidate {
                 value,
                 case,
-                critical,
+                reached,
             }),
             Err(
                 error @ (SolveError::ContactExceedsLens { .. }
                 | SolveError::TooLarge { .. }
                 | SolveError::TextureTooDense { .. }),
             ) => Err(error),
+            // The grid on the floor of wide lattices.
+            Err(error @ SolveError::TooManyCells { .. }) if self.wanted.is_share() => Err(error),
             Err(error) => return Err(error.into()),
         };
-        let excess = match &outcome {
-            Ok(candidate) => (self.wanted.of(&candidate.critical) / self.wanted.value()).ln(),
-            Err(_) => f64::INFINITY,
+        let (excess, error) = match &outcome {
+            // A method without a floor finds the transition, where the share begins.
+            Ok(candidate) if self.wanted.is_share() && method.is_some() => {
+                (1.0 + self.wanted.excess(&candidate.reached), 0.0)
+            }
+            Ok(candidate) => (
+                self.wanted.excess(&candidate.reached),
+                self.wanted.excess_error(&candidate.reached),
+            ),
+            Err(_) => (f64::INFINITY, 0.0),
         };
         Ok(Trial {
             position: value.ln(),
             outcome,
             excess,
+            error,
         })
     }
 
@@ -535,9 +720,14 @@ impl Search<'_> {
         {
             return Ok(Ending::Found(candidate));
         }
+        if self.wanted.is_share()
+            && let Err(error) = start.outcome
+        {
+            return Err(error.into());
+        }
         match self.bracket(start, stride)? {
             Ok(bracket) => self.close_in(bracket),
-            Err(trials) => self.nearest(trials),
+            Err(missed) => self.nearest(missed),
         }
     }
 
@@ -547,25 +737,41 @@ impl Search<'_> {
         &self,
         start: Trial,
         stride: f64,
-    ) -> Result<Result<[Trial; 2], Vec<Trial>>, DesignError> {
+    ) -> Result<Result<[Trial; 2], Missed>, DesignError> {
         let ends = self.range.map(f64::ln);
         let mut trials = vec![start.clone()];
         let mut fronts = [start.clone(), start]; // downwards and upwards
         let mut strides = [stride; 2];
-        let side_done = |fronts: &[Trial; 2], side: usize| match side {
-            0 => fronts[0].position <= ends[0],
-            _ => fronts[1].position >= ends[1],
+        let mut unsolved: [Option<Trial>; 2] = [None, None];
+        let side_done = |fronts: &[Trial; 2], unsolved: &[Option<Trial>; 2], side: usize| {
+            let front = fronts[side].position;
+            match (&unsolved[side], side) {
+                (Some(beyond), _) => (beyond.position - front).abs() < EDGE,
+                (None, 0) => front <= ends[0],
+                (None, _) => front >= ends[1],
+            }
         };
         // Upwards first; then whichever front is nearer to what is wanted.
         let mut side = 1;
-        while !(side_done(&fronts, 0) && side_done(&fronts, 1)) {
-            if side_done(&fronts, side) {
+        while !(side_done(&fronts, &unsolved, 0) && side_done(&fronts, &unsolved, 1)) {
+            if side_done(&fronts, &unsolved, side) {
                 side = 1 - side;
             }
-            let sign = if side == 1 { 1.0 } else { -1.0 };
-            let next = (fronts[side].position + sign * strides[side]).clamp(ends[0], ends[1]);
+            let front = fronts[side].position;
+            let next = match &unsolved[side] {
+                Some(beyond) => f64::midpoint(front, beyond.position),
+                None => {
+                    let sign = if side == 1 { 1.0 } else { -1.0 };
+                    (front + sign * strides[side]).clamp(ends[0], ends[1])
+                }
+            };
             strides[side] *= 2.0;
             let trial = self.trial(next)?;
+            // What cannot be solved has no floor share: the range ends before it.
+            if self.wanted.is_share() && trial.outcome.is_err() {
+                unsolved[side] = Some(trial);
+                continue;
+            }
             if trial.excess.signum() != fronts[side].excess.signum() || trial.is_met() {
                 let mut bracket = [fronts[side].clone(), trial];
                 if side == 0 {
@@ -580,7 +786,7 @@ impl Search<'_> {
                 side = 1 - side;
             }
         }
-        Ok(Err(trials))
+        Ok(Err(Missed { trials, unsolved }))
     }
 
     /// Closes in on the wanted value between two trials. Where contacts end, a rough search is enough; between
@@ -588,11 +794,22 @@ impl Search<'_> {
     fn close_in(&self, mut sides: [Trial; 2]) -> Result<Ending, DesignError> {
         let mut root = self.narrow(&mut sides, EDGE)?;
         if sides.iter().all(|trial| trial.excess.is_finite()) {
-            root = self.narrow(&mut sides, JUMP)?;
+            let width = if self.wanted.is_share() {
+                SHARE_JUMP
+            } else {
+                JUMP
+            };
+            root = self.narrow(&mut sides, width)?;
         }
         if let Some(Change::Crossing(_)) = root.map(|root| root.change(TOLERANCE))
             && let Some(met) = sides.iter().find(|side| side.is_met())
             && let Ok(candidate) = &met.outcome
+        {
+            return Ok(Ending::Found(candidate.clone()));
+        }
+        let nearer = usize::from(sides[1].excess.abs() < sides[0].excess.abs());
+        if sides[nearer].may_be_met()
+            && let Ok(candidate) = &sides[nearer].outcome
         {
             return Ok(Ending::Found(candidate.clone()));
         }
@@ -629,7 +846,11 @@ impl Search<'_> {
 
     /// The outcome where the wanted value is on one side of all trials: the nearest, sought
     /// between the neighbours of the nearest trial.
-    fn nearest(&self, mut trials: Vec<Trial>) -> Result<Ending, DesignError> {
+    fn nearest(&self, missed: Missed) -> Result<Ending, DesignError> {
+        let Missed {
+            mut trials,
+            unsolved,
+        } = missed;
         trials.sort_by(|a, b| a.position.total_cmp(&b.position));
         let farness = |trial: &Trial| trial.excess.abs();
         let Some(best) =
@@ -672,20 +893,28 @@ impl Search<'_> {
             };
             best = inner;
         }
+        let mut unsolved = unsolved.iter().flatten();
+        let beyond = unsolved.find(|trial| (trial.position - best.position).abs() < 2.0 * EDGE);
+        let limit = beyond.map_or(Limit::Range, Trial::limit);
         match best.outcome {
-            Ok(candidate) => Ok(Ending::OutOfReach(candidate, Limit::Range)),
+            Ok(candidate) => Ok(Ending::OutOfReach(candidate, limit)),
             Err(error) => Err(error.into()),
         }
     }
 
     /// The sensitivity `d ln(answer)/d ln(x)` by a central difference.
     fn sensitivity(&self, found: &Candidate) -> Result<f64, DesignError> {
-        const STEP: f64 = 1e-3;
+        // Floor shares are known to fewer digits: a longer step leaves more of their difference.
+        let step = if self.wanted.is_share() { 1e-2 } else { 1e-3 };
         let middle = found.value.ln();
-        let [low, high] = [self.trial(middle - STEP)?, self.trial(middle + STEP)?];
-        let at = |trial: &Trial| trial.outcome.as_ref().ok().map(|c| c.value.ln());
-        Ok(match (at(&low), at(&high)) {
-            (Some(a), Some(b)) if b > a => (high.excess - low.excess) / (b - a),
+        let sides = [self.trial(middle - step)?, self.trial(middle + step)?];
+        let logarithms = sides.map(|trial| {
+            let candidate = trial.outcome.ok()?;
+            let answer = self.wanted.of(&candidate.reached) / self.wanted.value();
+            (answer > 0.0).then(|| (candidate.value.ln(), answer.ln()))
+        });
+        Ok(match logarithms {
+            [Some(low), Some(high)] if high.0 > low.0 => (high.1 - low.1) / (high.0 - low.0),
             _ => f64::NAN,
         })
     }
@@ -768,11 +997,12 @@ mod tests {
             Design::Found {
                 candidate: found, ..
             } => {
-                assert!((found.critical.contact_radius() / 100e-6 - 1.0).abs() < 2.0 * TOLERANCE);
+                let radius = wanted.of(&found.reached);
+                assert!((radius / 100e-6 - 1.0).abs() < 2.0 * TOLERANCE);
             }
             // The contact radius jumps where the next pillars are touched.
             Design::Jump(sides) => {
-                let [a, b] = sides.map(|side| side.critical.contact_radius());
+                let [a, b] = sides.map(|side| wanted.of(&side.reached));
                 assert!((a - 100e-6) * (b - 100e-6) < 0.0);
             }
             Design::OutOfReach { .. } => panic!("100 um can be had"),
@@ -801,8 +1031,145 @@ mod tests {
             panic!("half the least force cannot be had");
         };
         assert_eq!(limit, Limit::Range);
-        let force = nearest.critical.contact.force;
+        let force = nearest.reached.contact().force;
         assert!(force < least * 1.001 && force > 0.9 * least);
+    }
+
+    fn found(file: &CaseFile, free: Key, wanted: Wanted) -> Candidate {
+        match design(file, free, wanted, &Run::default()).unwrap() {
+            Design::Found { candidate, .. } => candidate,
+            other => panic!("{wanted:?} can be had, but: {other:?}"),
+        }
+    }
+
+    /// The case as it is written down, pressed again, has the wanted share to within the error that it states itself.
+    #[test]
+    fn a_floor_share_is_had_by_the_case_that_is_found() {
+        let run = Run::default();
+        for (free, share, load) in [
+            (Key::Pitch, 0.2, Control::Force(1e-3)),
+            (Key::SurfaceFraction, 0.002, Control::Force(1e-3)),
+            (Key::PillarHeight, 0.05, Control::Indentation(8e-6)),
+            (Key::LensRadius, 0.5, Control::Indentation(12e-6)),
+            (Key::SubstrateYoungModulus, 0.1, Control::Force(1e-3)),
+        ] {
+            let candidate = found(&paper(0.03), free, Wanted::FloorShare { share, load });
+            let written = CaseFile::parse("found", &candidate.case.to_toml()).unwrap();
+            let case = written.case().unwrap();
+            assert_eq!(
+                case.number(free).map(f64::to_bits),
+                Some(candidate.value.to_bits())
+            );
+            let again = fakir::press(&case.system, load, case.method, &run).unwrap();
+            let floor = again.floor.unwrap();
+            let off = (floor.share / share - 1.0).abs();
+            assert!(
+                off <= floor.error.share,
+                "{free}: {off:e}, known to {:e}",
+                floor.error.share
+            );
+            // An estimate of no value would meet anything.
+            assert!(floor.error.share < 0.05, "{free}: {:e}", floor.error.share);
+        }
+    }
+
+    /// Pillars farther apart bear less of the same force. The smallest share is hardly past the transition: there the
+    /// pitch is nearly that of a critical force equal to the load.
+    #[test]
+    fn a_larger_floor_share_takes_a_wider_pitch() {
+        let load = 1e-3;
+        let critical = found(&paper(0.03), Key::Pitch, Wanted::Force(load)).value;
+        let mut last = critical;
+        for share in [1e-5, 0.01, 0.1, 0.5, 0.9] {
+            let load = Control::Force(load);
+            let wanted = Wanted::FloorShare { share, load };
+            let pitch = found(&paper(0.03), Key::Pitch, wanted).value;
+            assert!(pitch > last, "{share}: {pitch:e} after {last:e}");
+            last = pitch;
+            if share < 1e-4 {
+                assert!(
+                    (pitch / critical - 1.0).abs() < 0.01,
+                    "{pitch:e}, {critical:e}"
+                );
+            }
+        }
+    }
+
+    /// All lengths a thousand times as large with a force a million times as large are the same contact.
+    #[test]
+    fn a_floor_share_knows_no_scale() {
+        const TIMES: f64 = 1000.0;
+        let small = paper(0.03);
+        let mut large = small.clone();
+        let case = small.case().unwrap();
+        for key in [Key::LensRadius, Key::PillarDiameter, Key::PillarHeight] {
+            large.set_number(key, TIMES * case.number(key).unwrap());
+        }
+        let of = |force: f64| Wanted::FloorShare {
+            share: 0.1,
+            load: Control::Force(force),
+        };
+        let [small, large] = [
+            found(&small, Key::Pitch, of(1e-3)),
+            found(&large, Key::Pitch, of(1e-3 * TIMES * TIMES)),
+        ];
+        // The share is known to 1e-3 of itself, and changes five times as fast as the pitch.
+        let ratio = large.value / small.value / TIMES;
+        assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
+    }
+
+    /// With pillars that do not shorten, the contact at an indentation is the same by any modulus, up to a factor of all forces.
+    #[test]
+    fn a_floor_share_that_cannot_be_had_is_answered_with_the_nearest() {
+        let text = Case::example().to_toml().replace("\"column\"", "\"none\"");
+        let mut file = CaseFile::parse("rigid", &text).unwrap();
+        file.set_number(Key::SurfaceFraction, 0.03);
+        let (run, load) = (Run::default(), Control::Indentation(8e-6));
+        let case = file.case().unwrap();
+        let pressed = fakir::press(&case.system, load, case.method, &run).unwrap();
+        let floor = pressed.floor.unwrap();
+        for share in [0.5 * floor.share, 2.0 * floor.share] {
+            let wanted = Wanted::FloorShare { share, load };
+            let free = Key::LensYoungModulus;
+            let Design::OutOfReach { nearest, limit } = design(&file, free, wanted, &run).unwrap()
+            else {
+                panic!("the modulus cannot change the share");
+            };
+            assert_eq!(limit, Limit::Range);
+            let off = (wanted.of(&nearest.reached) / floor.share - 1.0).abs();
+            assert!(off <= floor.error.share, "{off:e}");
+        }
+    }
+
+    #[test]
+    fn a_floor_share_that_makes_no_sense_is_refused() {
+        let refused = |file: &CaseFile, share: f64, load: Control| {
+            let wanted = Wanted::FloorShare { share, load };
+            design(file, Key::Pitch, wanted, &Run::default())
+                .unwrap_err()
+                .to_string()
+        };
+        let file = paper(0.03);
+        for share in [0.0, 1.0, -0.1, 20.0, f64::NAN] {
+            let told = refused(&file, share, Control::Force(1e-3));
+            assert!(told.contains("greater than 0 and less than 1"), "{told}");
+        }
+        let infinite = Control::Indentation(f64::INFINITY);
+        for load in [Control::FloorContact, Control::Force(0.0), infinite] {
+            let told = refused(&file, 0.2, load);
+            assert!(told.contains("give a force or an indentation"), "{told}");
+        }
+        let mut other = file.case().unwrap();
+        other.method = Method::Homogenised;
+        let other = CaseFile::parse("homogenised", &other.to_toml()).unwrap();
+        let told = refused(&other, 0.2, Control::Force(1e-3));
+        assert!(told.contains("homogenised leaves the floor out"), "{told}");
+        let mut ignored = file.case().unwrap();
+        ignored.system = ignored.system.with_floor(FloorModel::Ignored);
+        let ignored = ignored.to_toml();
+        let ignored = CaseFile::parse("ignored", &ignored).unwrap();
+        let told = refused(&ignored, 0.2, Control::Force(1e-3));
+        assert!(told.contains("needs floor.contact = true"), "{told}");
     }
 
     #[test]
@@ -811,6 +1178,7 @@ mod tests {
             position: 0.0,
             outcome: Err(SolveError::Interrupted),
             excess,
+            error: 0.0,
         };
         assert!(trial(0.0).is_met() && trial(-0.5 * TOLERANCE).is_met());
         for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

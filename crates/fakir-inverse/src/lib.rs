@@ -1,6 +1,6 @@
 //! The inverse questions: what must be made, how far it scatters, and what was measured.
 //!
-//! * [`design`](mod@design) turns the question round: which value gives a wanted critical force.
+//! * [`design`](mod@design) turns the question round: which value gives a wanted critical force, or floor share.
 //! * [`spread`](mod@spread) draws samples about a case, and says how far their critical states scatter.
 //! * [`fit`](mod@fit) finds moduli, sizes and instrument parameters from measured loading curves.
 //! * [`DesignSummary`] and [`fit::FitSummary`] are the answers as JSON objects, as

@@ -1,10 +1,10 @@
 //! A design and a spread as one JSON object.
 
-use crate::design::{Answer, Design, Wanted};
+use crate::design::{Answer, Design, Reached, Wanted};
 use crate::spread::{Critical, Sampling, Spread};
-use fakir::problem::Method;
+use fakir::problem::{Control, Method};
 use fakir_study::VERSION;
-use fakir_study::result::TransitionSummary;
+use fakir_study::result::{PressSummary, TransitionSummary};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -50,7 +50,11 @@ struct AnswerObject {
     /// The relative change of what is wanted over that of the value, `d ln(wanted)/d ln(value)`.
     sensitivity: Option<f64>,
     statement: String,
-    critical_state: TransitionSummary,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    critical_state: Option<TransitionSummary>,
+    /// The contact under the load of a wanted floor share.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state: Option<PressSummary>,
 }
 
 impl AnswerObject {
@@ -65,10 +69,33 @@ impl AnswerObject {
         let wanted = match answer.wanted {
             Wanted::Force(_) => "critical_force_N",
             Wanted::ContactRadius(_) => "critical_contact_radius_m",
+            Wanted::FloorShare { .. } => "floor_share",
+        };
+        let mut wanted = named(wanted.to_owned(), answer.wanted.value());
+        match answer.wanted {
+            Wanted::FloorShare {
+                load: Control::Force(force),
+                ..
+            } => {
+                wanted.insert("force_N".to_owned(), force.into());
+            }
+            Wanted::FloorShare {
+                load: Control::Indentation(indentation),
+                ..
+            } => {
+                wanted.insert("indentation_m".to_owned(), indentation.into());
+            }
+            _ => {}
+        }
+        let (critical_state, state) = match &nearest.reached {
+            Reached::Critical(critical) => {
+                (Some(TransitionSummary::new(critical, wall_time)), None)
+            }
+            Reached::Pressed(contact) => (None, Some(PressSummary::new(contact, wall_time))),
         };
         Self {
             free: answer.free.path(),
-            wanted: named(wanted.to_owned(), answer.wanted.value()),
+            wanted,
             status,
             value: named(
                 format!("value{}", answer.dimension().suffix()),
@@ -76,7 +103,8 @@ impl AnswerObject {
             ),
             sensitivity,
             statement: answer.statement(),
-            critical_state: TransitionSummary::new(&nearest.critical, wall_time),
+            critical_state,
+            state,
         }
     }
 }

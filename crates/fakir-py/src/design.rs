@@ -2,35 +2,53 @@
 
 use crate::case::{Case, key};
 use crate::error::{design_error, spread_error, value_error};
-use crate::state::Critical;
+use crate::state::{Critical, State, load};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir_inverse::DesignSummary;
-use fakir_inverse::design::{Answer, Candidate, Design, Wanted, free_key};
+use fakir_inverse::design::{Answer, Candidate, Design, Reached, Wanted, free_key};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::citations::{Citation, Topic, citations};
 use fakir_study::result::json;
 use pyo3::prelude::*;
 use std::time::Instant;
 
-/// The object that `fakir design --json` prints, and value, case and critical state of what was found
+/// The object that `fakir design --json` prints, and value, case and contact of what was found
 /// or comes nearest.
-type Designed = (String, Vec<(f64, Case, Critical)>);
+type Designed = (String, Vec<(f64, Case, Contact)>);
 
-/// The value of a key that gives a wanted critical force (N) or contact radius (m).
+/// What was designed for: a critical state, or a contact under a load.
+#[derive(IntoPyObject)]
+pub(crate) enum Contact {
+    Critical(Critical),
+    Pressed(State),
+}
+
+/// What is wanted: a critical force (N), a critical contact radius (m), or a floor share with a force (N)
+/// or an indentation (m).
+type WantedNumbers = (
+    Option<f64>,
+    Option<f64>,
+    Option<(f64, Option<f64>, Option<f64>)>,
+);
+
+/// The value of a key that gives what is wanted.
 #[pyfunction]
 pub(crate) fn design(
     py: Python<'_>,
     case: &Case,
     free: &str,
-    force: Option<f64>,
-    contact_radius: Option<f64>,
+    wanted: WantedNumbers,
     options: Options,
 ) -> PyResult<Designed> {
-    let wanted = match (force, contact_radius) {
-        (Some(force), None) => Wanted::Force(force),
-        (None, Some(radius)) => Wanted::ContactRadius(radius),
-        _ => return Err(value_error("give a force or a contact radius, one of them")),
+    let wanted = match wanted {
+        (Some(force), None, None) => Wanted::Force(force),
+        (None, Some(radius), None) => Wanted::ContactRadius(radius),
+        (None, None, Some((share, force, indentation))) => Wanted::FloorShare {
+            share,
+            load: load(indentation, force)?,
+        },
+        _ => return Err(value_error("give one of what can be wanted")),
     };
     let file = case.file()?;
     let free =
@@ -54,8 +72,11 @@ pub(crate) fn design(
         Design::OutOfReach { nearest, .. } => vec![nearest],
     };
     let candidate = |candidate: Candidate| {
-        let critical = Critical::new(candidate.critical, wall_time);
-        (candidate.value, candidate.case.into(), critical)
+        let contact = match candidate.reached {
+            Reached::Critical(critical) => Contact::Critical(Critical::new(critical, wall_time)),
+            Reached::Pressed(state) => Contact::Pressed(State::new(state, wall_time)),
+        };
+        (candidate.value, candidate.case.into(), contact)
     };
     Ok((summary, candidates.into_iter().map(candidate).collect()))
 }

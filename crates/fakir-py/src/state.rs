@@ -179,6 +179,12 @@ impl Critical {
     }
 }
 
+impl State {
+    pub(crate) fn new(state: ContactState, wall_time: f64) -> Self {
+        Self { state, wall_time }
+    }
+}
+
 impl Critical {
     pub(crate) fn new(critical: CriticalState, wall_time: f64) -> Self {
         Self {

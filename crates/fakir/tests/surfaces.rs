@@ -487,7 +487,7 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
     let plain = paper_texture(0.03, 0.0, 150.0e-6, 12);
     let matched = plain.clone().with_round_tops(6.0e-6).unwrap();
     // About 0.24/12 without correction for the outline of the cells (first order in the cell).
-    for (system, tolerance) in [(plain, 0.02), (matched, 0.003)] {
+    for (system, tolerance, distance) in [(plain, 0.02, 0.25e-6), (matched, 0.003, 0.1e-6)] {
         let critical = system.transition(&Run::default()).unwrap();
         let contact = &critical.contact;
         assert!(contact.converged() && critical.regime == Regime::TopFirst);
@@ -504,11 +504,13 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
         let shares = contact.shares.unwrap();
         assert!(shares.floor.force.abs() < f64::MIN_POSITIVE);
         assert!((shares.tops.force / contact.force - 1.0).abs() < 1e-12);
-        let smallest = contact.gap.iter().copied().fold(f64::INFINITY, f64::min);
+        let (smallest, _) = contact.nearest_floor.unwrap();
         assert!(smallest.abs() < 1e-5 * indentation);
+        // Not at the centre of a cell, but where the gap between them is smallest.
         let [x, y] = critical.floor_contact;
         let [x_c, y_c] = spectral.floor_contact;
-        assert!((x.hypot(y) - x_c.hypot(y_c)).abs() < 1.0e-6);
+        println!("floor contact {:?} {:?}", [x, y], [x_c, y_c]);
+        assert!((x.hypot(y) - x_c.hypot(y_c)).abs() < distance);
     }
 }
 
@@ -625,9 +627,9 @@ fn plate_on_periodic_pillars_reaches_the_floor() {
     assert!(floor(0.999).force.abs() < f64::MIN_POSITIVE);
     let (before, after) = (floor(1.01), floor(1.3));
     assert!(before.force > 0.0 && after.force > 2.0 * before.force);
-    // First in the middle between four pillars, half a cell from it.
+    // First in the middle between four pillars, on the corner of cells.
     let [x, y] = critical.floor_contact.map(f64::abs);
-    assert!((x - 7.875e-6).abs() < 1e-12 && (y - 7.875e-6).abs() < 1e-12);
+    assert!((x - 8.0e-6).abs() < 1e-12 && (y - 8.0e-6).abs() < 1e-12);
 }
 
 /// A rough surface, all numbers made of sines: no symmetry, no flat parts.

@@ -1,4 +1,4 @@
-//! `fakir design`: the value that gives a wanted critical state, and how far real samples scatter
+//! `fakir design`: the value that gives a wanted critical state or floor share, and how far real samples scatter
 //! about it.
 
 use crate::arguments::Design as Options;
@@ -6,14 +6,15 @@ use crate::failure::Failure;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, column_unit, significant, with_unit};
 use crate::report::Report;
 use crate::report::figures::saved;
-use crate::report::state::{radius_digits, texture_line};
+use crate::report::state::{QuantityList, radius_digits, texture_line};
 use crate::report::table::{Column, list, table};
 use crate::session::Session;
+use fakir::state::{ContactState, CriticalState, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseFile, Key};
 use fakir_figure::{Figure, Histogram, Text, histogram};
 use fakir_inverse::DesignSummary;
-use fakir_inverse::design::{Answer, Design, Wanted, design};
+use fakir_inverse::design::{Answer, Design, Reached, Wanted, design};
 use fakir_inverse::spread::{Critical, Landing, Sampling, Spread, Summary, spread};
 use fakir_study::citations::Topic;
 use fakir_study::output::File;
@@ -70,7 +71,7 @@ pub(crate) fn run(
         scattered.map(|(sampling, scatter)| spread_text(&case, sampling, scatter)),
     ];
     let mut warned = answer.as_ref().map_or(Vec::new(), |answer| {
-        warnings(&answer.nearest().critical.contact)
+        warnings(answer.nearest().reached.contact())
     });
     warned.extend(answer.as_ref().and_then(Answer::caution));
     warned.extend(scatter.as_ref().and_then(failures));
@@ -108,12 +109,9 @@ pub(crate) fn run(
 /// The question in words: `texture.pitch for a critical force of 1 mN`.
 fn words(question: Option<(Key, Wanted)>, sampling: Option<&Sampling>) -> String {
     let design = question.map(|(free, wanted)| {
-        let dimension = match wanted {
-            Wanted::Force(_) => Dimension::Force,
-            Wanted::ContactRadius(_) => Dimension::Length,
-        };
-        let value = format_quantity(wanted.value(), dimension);
-        format!("{} for a {} of {value}", free.path(), wanted.name())
+        let value = format_quantity(wanted.value(), wanted.dimension());
+        let (name, load) = (wanted.name(), wanted.load_words());
+        format!("{} for a {name} of {value}{load}", free.path())
     });
     let spread = sampling.map(|sampling| {
         format!(
@@ -126,8 +124,54 @@ fn words(question: Option<(Key, Wanted)>, sampling: Option<&Sampling>) -> String
 }
 
 fn design_text(answer: &Answer, case: &Case) -> String {
-    let nearest = answer.nearest();
-    let state = &nearest.critical.contact;
+    let rows = match &answer.nearest().reached {
+        Reached::Critical(critical) => critical_rows(answer, critical),
+        Reached::Pressed(state) => pressed_rows(answer, state),
+    };
+    format!(
+        "{}\n{}\n{}\n\n{rows}",
+        answer.statement(),
+        texture_line(&case.system),
+        method_words(case.method),
+    )
+}
+
+/// What was found at the load of a wanted floor share.
+fn pressed_rows(answer: &Answer, state: &ContactState) -> String {
+    let mut rows = QuantityList::default();
+    let reduced = Normalized::new(
+        &state.system,
+        state.force,
+        state.contact_radius,
+        state.indentation,
+    );
+    rows.load(state, &reduced)
+        .radius(
+            "contact radius",
+            state.contact_radius,
+            state.relative_contact_radius_error(),
+            String::new(),
+        )
+        .floor(state)
+        .pillars(state);
+    if let Some((value, remark)) = sensitivity(answer) {
+        rows.row("sensitivity", value, "", &remark);
+    }
+    rows.text()
+}
+
+/// How far what is wanted changes with the value, and of what per cent it is.
+fn sensitivity(answer: &Answer) -> Option<(String, String)> {
+    let Design::Found { sensitivity, .. } = &answer.design else {
+        return None;
+    };
+    let (name, path) = (answer.wanted.name(), answer.free.path());
+    let remark = format!("% of the {name} for 1 % of {path}");
+    Some((significant(*sensitivity, 3), remark))
+}
+
+fn critical_rows(answer: &Answer, critical: &CriticalState) -> String {
+    let state = &critical.contact;
     let quantity = |name: &str, value, dimension, digits| {
         [
             name.to_owned(),
@@ -146,30 +190,15 @@ fn design_text(answer: &Answer, case: &Case) -> String {
         ),
         quantity(
             "critical contact radius",
-            nearest.critical.contact_radius(),
+            critical.contact_radius(),
             Dimension::Length,
-            radius_digits(nearest.critical.relative_contact_radius_error()),
+            radius_digits(critical.relative_contact_radius_error()),
         ),
     ];
-    if let Design::Found { sensitivity, .. } = &answer.design {
-        rows.push([
-            "sensitivity".to_owned(),
-            significant(*sensitivity, 3),
-            String::new(),
-            format!(
-                "% of the {} for 1 % of {}",
-                answer.wanted.name(),
-                answer.free.path()
-            ),
-        ]);
+    if let Some((value, remark)) = sensitivity(answer) {
+        rows.push(["sensitivity".to_owned(), value, String::new(), remark]);
     }
-    format!(
-        "{}\n{}\n{}\n\n{}",
-        answer.statement(),
-        texture_line(&case.system),
-        method_words(case.method),
-        list(rows)
-    )
+    list(rows)
 }
 
 fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {

@@ -11,6 +11,9 @@ use std::f64::consts::{FRAC_PI_6, PI, TAU};
 /// every system is solved some ten times.
 const MOST_PILLARS: f64 = 400.0;
 
+/// Squares of half a pillar radius that the lens would take from the floor, above which another system is drawn.
+const MOST_FLOOR: f64 = 2e4;
+
 /// What is asked of a system.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Asked {
@@ -37,7 +40,9 @@ impl Drawn {
         loop {
             let system = random.system();
             let asked = random.asked(&system);
-            if expected_pillars(&system, asked) < MOST_PILLARS {
+            if expected_pillars(&system, asked) < MOST_PILLARS
+                && expected_floor(&system, asked) < MOST_FLOOR
+            {
                 return Self {
                     seed,
                     number,
@@ -189,6 +194,18 @@ pub(crate) fn nearest_edge(system: &System) -> f64 {
     let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
     let [x, y]: Point = system.lattice().centre(i, j);
     (x.hypot(y) - 0.5 * system.pillar().diameter).max(0.0)
+}
+
+/// Squares of half a pillar radius within the circle in which the undeformed lens would be below the floor.
+fn expected_floor(system: &System, asked: Asked) -> f64 {
+    let (lens, pillar) = (system.lens().radius, system.pillar());
+    match asked {
+        Asked::Transition => 0.0,
+        Asked::Indentation(indentation) | Asked::ForceNear(indentation) => {
+            let depth = (indentation - pillar.height).max(0.0);
+            2.0 * PI * lens * depth / (0.25 * pillar.diameter).powi(2)
+        }
+    }
 }
 
 /// Pillars under a contact of the radius that the undeformed lens has at the indentation, or, at the

@@ -101,19 +101,29 @@ impl ComplexPlans {
 
 /// Smallest even number of the form 2^a 3^b 5^c not below `least`.
 pub(crate) fn smooth_size(least: usize) -> usize {
-    let smooth = |mut n: usize| {
-        for prime in [2, 3, 5] {
-            while n.is_multiple_of(prime) {
-                n /= prime;
-            }
-        }
-        n == 1
-    };
     let mut size = least.max(2);
-    while size % 2 == 1 || !smooth(size) {
+    while size % 2 == 1 || !is_product_of(&[2, 3, 5], size) {
         size += 1;
     }
     size
+}
+
+/// Smallest number not below `least` without prime factors above 11, for which the transforms have code of their own.
+pub(crate) fn smooth_number(least: usize) -> usize {
+    let mut number = least.max(1);
+    while !is_product_of(&[2, 3, 5, 7, 11], number) {
+        number += 1;
+    }
+    number
+}
+
+fn is_product_of(primes: &[usize], mut number: usize) -> bool {
+    for prime in primes {
+        while number.is_multiple_of(*prime) {
+            number /= prime;
+        }
+    }
+    number == 1
 }
 
 /// A length not below `least` that is quick to transform: the smallest `2^a 3^b`, once times 5 or

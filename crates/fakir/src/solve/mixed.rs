@@ -33,13 +33,16 @@ const CELLS_PER_RADIUS: [f64; 2] = [32.0, 64.0];
 /// share is wrong by 9e-4 with 200 cells a patch, by 3e-4 with 400, and by 1e-4 with 1000.
 const SMALL_SHARE: f64 = 0.01;
 const CELLS_OF_SMALL: f64 = 60.0;
-const CELLS_OF_LARGE: [f64; 2] = [230.0, 900.0];
+const CELLS_OF_LARGE: [f64; 2] = [320.0, 900.0];
 
 /// Points of a transform up to which grids are refined for small patches.
 const MOST_POINTS: [f64; 2] = [1.5e6, 5e6];
 
 /// A grid has at most so many times as many cells along a pitch as the one that it starts from.
 const LARGEST_RATIO: usize = 3;
+
+/// Between grids too far apart there is another: half-way on a logarithmic scale, or up to so many times as fine.
+const HALF_WAY: f64 = 1.5;
 
 /// Cells along half a pitch of the coarsest grid at the least.
 const FEWEST_HALVES: usize = 3;
@@ -347,12 +350,20 @@ fn energy_bound(newton: &Newton<'_>, level: &Level) -> f64 {
         + deepest * level.floor_force / level.energy.abs()
 }
 
-/// Numbers of cells along half a pitch that are quick to transform: the smallest that is no less, but for a margin.
+/// Numbers of cells along half a pitch that can be halved and are quick to transform: the smallest that is no less, but for a margin.
 fn halves(least: f64) -> usize {
     (0..40)
         .flat_map(|power| [2 << power, 3 << power])
         .find(|half| *half as f64 * CELL_MARGIN >= least)
         .unwrap_or(2)
+}
+
+/// The same with numbers between them, which cannot be halved.
+fn halves_between(least: f64) -> usize {
+    (0..40)
+        .flat_map(|power| [4 << power, 5 << power, 6 << power])
+        .find(|half| *half as f64 * CELL_MARGIN >= least)
+        .unwrap_or(4)
 }
 
 /// The next grid.
@@ -404,11 +415,15 @@ impl Wanted {
         };
         let cells = level.patches.cells as f64 / level.patches.count.max(1) as f64;
         let of_patches = half as f64 * (least / cells.max(1.0)).sqrt();
-        let mut next = halves(self.halves.max(of_patches));
+        let whatever = halves(self.halves);
+        let mut next = whatever.max(halves_between(of_patches));
         let last = next <= LARGEST_RATIO * half;
         if !last {
-            // Half-way to it.
-            next = halves((half as f64 * next as f64).sqrt());
+            // Twice the cells of that again and again, from about half-way to it.
+            let middle = (half as f64 * next as f64).sqrt();
+            while next as f64 > HALF_WAY * middle {
+                next = next.div_ceil(2);
+            }
         }
         let second = || {
             let half = 2 * half;
@@ -430,11 +445,10 @@ impl Wanted {
             let sides = [0, 1].map(|k| (period[k] * division.half[k]) as f64);
             sides[0] * sides[1]
         };
-        let whatever = halves(self.halves);
         while next > whatever && next > half && points(next) > MOST_POINTS[index] {
             next = (whatever..next)
                 .rev()
-                .find(|n| halves(*n as f64) == *n)
+                .find(|n| halves_between(*n as f64) == *n)
                 .unwrap_or(whatever);
         }
         let half_of_next = Next { half: next, last };
@@ -616,7 +630,8 @@ fn solve_level<'a>(
     for growth in 0..GROWTHS {
         let newton = &mut solution.newton;
         let pillars = newton.tops.window.extent(newton.pillar_reach());
-        let kept = grid_of(newton).is_some_and(|own| own >= radius);
+        let kept =
+            grid_of(newton).is_some_and(|own| own >= radius) && !newton.touches_beyond_reach();
         let grid = if kept {
             None
         } else {
@@ -635,6 +650,9 @@ fn solve_level<'a>(
         }
         if let Some(window) = wider_window(problem, newton, run)? {
             solution.newton = newton.rebuilt(window, newton.degrees());
+            continue;
+        }
+        if newton.touches_beyond_reach() {
             continue;
         }
         let patches = patches(problem, newton);

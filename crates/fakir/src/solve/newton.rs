@@ -178,6 +178,9 @@ impl Tolerances {
     }
 }
 
+/// Pillars so much farther from the lens axis than those touched are coupled with the floor, in pitches.
+const REACH_MARGIN: f64 = 1.0;
+
 /// Modes of a pillar that the floor sees and that see the floor, by their degree: 3 changes the force by 7e-8, also where
 /// the floor is touched 0.6 pillar radii from a rim.
 pub(crate) const FLOOR_DEGREE: usize = 2;
@@ -191,6 +194,8 @@ pub(crate) struct Newton<'a> {
     /// The floor's cells; none as long as it is not touched, or is to be ignored.
     pub(crate) cells: Option<FloorCells<'a>>,
     pub(crate) contact: FrozenContact<'a, SurfaceCoupling<'a>>,
+    /// Pillars up to this distance from the lens axis are coupled with the floor.
+    reach: f64,
     /// Of the floor's last grid.
     kernels: Option<FloorKernels>,
     pub(crate) exterior: Exterior,
@@ -225,6 +230,7 @@ impl<'a> Newton<'a> {
             run,
             stage,
             cells: None,
+            reach: 0.0,
             kernels: None,
             contact: FrozenContact::new(run, coupling, pair.modes().len(), own_load),
             tops,
@@ -399,7 +405,8 @@ impl<'a> Newton<'a> {
         let unit_cell = cells.unit_cell();
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
         let coefficients = |cell: usize| start(centres[cell]).map(|pressure| unit_cell * pressure);
-        let (window, reach) = (&self.tops.window, self.pillar_reach());
+        self.reach = self.pillar_reach();
+        let (window, reach) = (&self.tops.window, self.reach);
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
         let kernels = &mut self.kernels;
         let couple = |coupling: &mut SurfaceCoupling<'a>| {
@@ -427,12 +434,22 @@ impl<'a> Newton<'a> {
         self.cells = Some(cells);
     }
 
-    /// Distance of pillar centres from the lens axis beyond which none can be touched: there the undeformed lens is above the tops, and pressures
-    /// only move it away. With a margin for the indentation, where that is to be found.
+    /// Distance of pillar centres from the lens axis up to which they are coupled with the floor: those touched at present, and some more. Those
+    /// beyond do not feel the floor, which only moves the lens away from them. So if they are not touched without it, they are not with it.
+    ///
+    /// If none is touched yet: as far as the undeformed lens is below the tops, with a margin for the indentation, where that is to be found.
     pub(crate) fn pillar_reach(&self) -> f64 {
+        if self.touched() > 0 {
+            return self.tops.reach() + REACH_MARGIN * self.problem.lattice.pitch;
+        }
         let lens = self.problem.lens.radius;
         let depth = (1.1 * self.contact.indentation()).clamp(0.0, lens);
         (depth * (2.0 * lens - depth)).sqrt() + 1.0
+    }
+
+    /// Whether a pillar is touched that is not coupled with the floor.
+    pub(crate) fn touches_beyond_reach(&self) -> bool {
+        self.cells.is_some() && self.tops.reach() > self.reach
     }
 
     /// The pressure on the floor, where it bears any.

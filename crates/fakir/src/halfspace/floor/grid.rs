@@ -4,7 +4,7 @@
 //! rows, so that every pillar stands on a corner of the grid, and pillars differ by whole half lattice cells. What pillars do to the
 //! floor is then a convolution on the grid, wherever the lens axis is.
 
-use crate::numerics::fft::smooth_size;
+use crate::numerics::fft::smooth_number;
 use crate::problem::{Cells, Grid, HexagonalLattice, Point};
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
@@ -21,12 +21,13 @@ pub(crate) struct Division {
 impl Division {
     /// Of a lattice of that pitch into `2 half` rows a pitch, and columns nearly as wide.
     pub(crate) fn new(pitch: f64, half: usize) -> Self {
-        // 7/4 is near enough to sqrt 3, and quicker to transform than what would be nearest.
-        let columns = if half.is_multiple_of(4) {
-            7 * half / 4
-        } else {
-            ((SQRT_3 * half as f64).round() as usize).max(1)
-        };
+        // Prime factors up to 11 alone: nearly the nearest, and quick to transform.
+        let nearest = SQRT_3 * half as f64;
+        let above = smooth_number(nearest.ceil() as usize);
+        let below = (1..above).rev().find(|n| smooth_number(*n) == *n);
+        let columns = below
+            .filter(|below| nearest - (*below as f64) < above as f64 - nearest)
+            .unwrap_or(above);
         Self {
             half: [columns, half],
             cell: [
@@ -110,18 +111,17 @@ impl FloorGrid {
     }
 
     /// Half lattice cells along x and y of a period in which nothing meets its images: twice as long as the
-    /// farthest cell and the farthest pillar, `pillars`, are from the lens axis together, along x and y.
+    /// farthest cell and the farthest pillar, `pillars`, or two cells, are from the lens axis together, along x and y.
     pub(crate) fn period(division: &Division, radius: f64, pillars: [f64; 2]) -> [usize; 2] {
         [0, 1].map(|k| {
             let side = division.half[k] as f64 * division.cell[k];
-            let least = 2.0 * (radius + pillars[k]) + 2.0 * division.cell[k];
-            let count = (least / side).ceil() as usize + 1;
-            // Rows are taken four at a time.
-            if k == 1 {
-                2 * smooth_size(count.div_ceil(2))
-            } else {
-                smooth_size(count)
-            }
+            let farthest = radius + radius.max(pillars[k]);
+            // The cells themselves begin and end with whole half lattice cells.
+            let cells = (2.0 * radius / side).ceil() as usize + 1;
+            let count = cells.max((2.0 * farthest / side).ceil() as usize);
+            // Rows are taken four at a time, and columns two at a time.
+            let together = if k == 1 { 4 } else { 2 };
+            together * smooth_number(count.div_ceil(together))
         })
     }
 }

@@ -74,7 +74,7 @@ pub(super) struct Pressed {
     pub(super) force: f64,
     certificate: Certificate,
     termination: Termination,
-    /// The cell where the floor was reached, if that was sought.
+    /// The cell in which the floor was reached, if that was sought.
     floor_cell: Option<usize>,
 }
 
@@ -460,7 +460,7 @@ impl<'a> Level<'a> {
         })
     }
 
-    /// The smallest gap to the floor, and its cell.
+    /// The smallest gap to the floor, and the cell that has it.
     fn floor_gap(&mut self, indentation: f64) -> Result<(f64, usize), SolveError> {
         let reusable = self.floor_cells.take();
         let known = match reusable.filter(|known| known.bound >= indentation) {
@@ -473,14 +473,53 @@ impl<'a> Level<'a> {
         known.cells.gather(&self.pressure, &mut pressure);
         known.operator.apply(&pressure, &mut displacement);
         let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
-        let nearest = known
-            .cells
-            .indices()
-            .zip(&displacement)
-            .filter(|(cell, _)| floor[*cell])
-            .map(|(cell, displacement)| (self.separation[cell] + displacement - indentation, cell))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(nearest.unwrap_or((f64::INFINITY, 0)))
+        let mut gap = vec![f64::INFINITY; floor.len()];
+        for (cell, displacement) in known.cells.indices().zip(&displacement) {
+            gap[cell] = self.separation[cell] + displacement - indentation;
+        }
+        let of_floor = (0..gap.len()).filter(|cell| floor[*cell]);
+        let nearest = of_floor.min_by(|a, b| gap[*a].total_cmp(&gap[*b]));
+        Ok(nearest.map_or((f64::INFINITY, 0), |cell| {
+            let (gap, _) = self.lowest_near(cell, &gap, |cell| floor[cell]);
+            (gap, cell)
+        }))
+    }
+
+    /// The lowest point near a floor cell whose gap is the smallest: that of the parabola through it and its neighbours, along x and along y.
+    /// The centre of the cell where these are no floor of its height, on which the gap is not smooth.
+    fn lowest_near(
+        &self,
+        cell: usize,
+        gap: &[f64],
+        is_floor: impl Fn(usize) -> bool,
+    ) -> (f64, Point) {
+        let (grid, heights) = (self.surface.grid(), self.surface.heights());
+        let (columns, rows) = (grid.columns(), grid.rows());
+        let place = [cell % columns, cell / columns];
+        let (mut lowest, mut point) = (gap[cell], grid.centre(place[0], place[1]));
+        let goes_on = self.system.boundary() == Boundary::Periodic;
+        for (axis, (step, count)) in [(1, columns), (columns, rows)].into_iter().enumerate() {
+            let at = place[axis];
+            if !goes_on && (at == 0 || at + 1 == count) {
+                continue;
+            }
+            let sides = [(at + count - 1) % count, (at + 1) % count]
+                .map(|side| cell + side * step - at * step);
+            let step_up = |side: usize| (heights[side] - heights[cell]).abs();
+            let alike = |side: &usize| is_floor(*side) && step_up(*side) < f64::MIN_POSITIVE;
+            if !sides.iter().all(alike) {
+                continue;
+            }
+            let [before, after] = sides.map(|side| gap[side]);
+            let (slope, curvature) = (0.5 * (after - before), before - 2.0 * gap[cell] + after);
+            let shift = -slope / curvature;
+            // Neighbours may be so far from the lens that nothing is known of them.
+            if shift.abs() < 1.0 {
+                lowest += 0.5 * slope * shift;
+                point[axis] += shift * grid.cell()[axis];
+            }
+        }
+        (lowest, point)
     }
 
     /// All cells with a separation up to `bound`, floor or not; on a periodic surface all.
@@ -521,9 +560,9 @@ impl<'a> Level<'a> {
         let floor_cells = (0..gap.len()).filter(|cell| floor.contains(&self.surface, *cell));
         let nearest = floor_cells.min_by(|a, b| gap[*a].total_cmp(&gap[*b]));
         let cell = pressed.floor_cell.or(nearest)?;
-        let columns = self.surface.grid().columns();
-        let centre = self.surface.grid().centre(cell % columns, cell / columns);
-        gap[cell].is_finite().then_some((gap[cell], centre))
+        let is_floor = |cell| floor.contains(&self.surface, cell);
+        let (lowest, point) = self.lowest_near(cell, gap, is_floor);
+        lowest.is_finite().then_some((lowest, point))
     }
 
     /// The fields on the whole grid.
