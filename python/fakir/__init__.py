@@ -17,6 +17,7 @@ known in closed form, `fakir.love` contacts on height maps, `fakir.plot` figures
 
 from . import errors, love, plot, theory
 from ._comparison import Comparison
+from ._cycle import Adhesion, Cycle, CycleError, PullOff
 from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
@@ -40,6 +41,7 @@ from .errors import (
 )
 
 __all__ = [
+    "Adhesion",
     "Approach",
     "Candidate",
     "CaseError",
@@ -47,6 +49,8 @@ __all__ = [
     "Comparison",
     "ContactState",
     "CriticalState",
+    "Cycle",
+    "CycleError",
     "Design",
     "DesignError",
     "Difference",
@@ -64,6 +68,7 @@ __all__ = [
     "Normalized",
     "NotConverged",
     "OutOfReach",
+    "PullOff",
     "SolveError",
     "Spread",
     "StudyError",

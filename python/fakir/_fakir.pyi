@@ -80,6 +80,15 @@ def approach(
     to_force: float | None,
     options: Options,
 ) -> tuple[str, Critical, list[State]]: ...
+def cycle(
+    case: Case,
+    to: float | None,
+    to_force: float | None,
+    drive: str,
+    machine_stiffness: float | None,
+    retract: bool,
+    options: Options,
+) -> tuple[str, Critical | None, dict[str, Any] | None, str]: ...
 def compare(case: Case, options: Options) -> tuple[str, list[tuple[str, Critical]]]: ...
 
 _Estimate = tuple[float, float, float, float]

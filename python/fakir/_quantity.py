@@ -11,12 +11,16 @@ import numpy.typing as npt
 
 from . import _fakir
 
-Dimension: TypeAlias = Literal["length", "pressure", "force", "angle", "fraction", "number"]
+Dimension: TypeAlias = Literal[
+    "length", "pressure", "force", "energy per area", "stiffness", "angle", "fraction", "number"
+]
 
 UNITS: dict[Dimension, str] = {
     "length": "m",
     "pressure": "Pa",
     "force": "N",
+    "energy per area": "J/m^2",
+    "stiffness": "N/m",
     "angle": "rad",
     "fraction": "dimensionless",
     "number": "dimensionless",

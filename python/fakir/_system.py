@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _fakir
 from ._comparison import Comparison, compare
+from ._cycle import Adhesion, Cycle, Drive, cycle
 from ._format import Row, engineering, html_table, text_table
 from ._loading import Approach, approach, checked_path
 from ._quantity import Quantity, WithUnit, si
@@ -134,6 +135,9 @@ class System:
     floor_contact
         Whether the floor between the pillars bears its part past the transition. False is the fiction of the
         paper, in which the lens goes through the floor.
+    adhesion
+        How the pillar tops stick: an `Adhesion`, or the work of adhesion alone (J/m^2, or a text such as
+        ``"50 mJ/m2"``). Nothing sticks if there is none. Only the method ``"spectral"`` has adhesion.
 
     Examples
     --------
@@ -151,6 +155,12 @@ class System:
     >>> state = sparse.press(indentation="6 um")
     >>> round(state.floor.share, 2)
     0.15
+
+    Silicone sticks: `cycle` lowers the lens and pulls it off again.
+
+    >>> sticky = sparse.replace({"adhesion.work": "50 mJ/m2"})
+    >>> round(1e6 * sticky.cycle().pull_off.force)
+    -57
     """
 
     __slots__ = ("_case",)
@@ -163,6 +173,7 @@ class System:
         texture: HexagonalTexture,
         *,
         floor_contact: bool = True,
+        adhesion: Adhesion | Quantity | None = None,
     ) -> None:
         if not isinstance(floor_contact, (bool, np.bool_)):
             raise TypeError(
@@ -191,6 +202,10 @@ class System:
             ("texture.offset", texture.offset),
             ("texture.offset_angle", texture.offset_angle),
         ]
+        if adhesion is not None:
+            sticks = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
+            numbers.append(("adhesion.work", sticks.work))
+            numbers.append(("adhesion.work_receding", sticks.work_receding))
         words = [
             ("texture.pillar.compliance", texture.compliance),
             ("floor.contact", "true" if floor_contact else "false"),
@@ -278,6 +293,14 @@ class System:
     def floor_contact(self) -> bool:
         """Whether the floor bears its part past the transition; if not, the lens goes through it."""
         return bool(self._case.values()["floor.contact"] == "true")
+
+    @property
+    def adhesion(self) -> Adhesion | None:
+        """How the pillar tops stick; none if nothing does."""
+        values = self._case.values()
+        if "adhesion.work" not in values:
+            return None
+        return Adhesion(values["adhesion.work"], values.get("adhesion.work_receding"))
 
     @property
     def method(self) -> str:
@@ -396,6 +419,40 @@ class System:
         case = self._with_method(method, accuracy, None, None, None, None)
         return approach(case, path, options(threads, progress, memory_limit))
 
+    def cycle(
+        self,
+        *,
+        to: Quantity | None = None,
+        to_force: Quantity | None = None,
+        drive: Drive = "displacement",
+        machine_stiffness: Quantity | None = None,
+        retract: bool = True,
+        accuracy: Literal["default", "accurate"] | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> Cycle:
+        """Loading and unloading of pillar tops that stick, up to the critical state unless told otherwise.
+
+        The floor does not stick: loading ends at the latest where the lens reaches it, unless it is ignored
+        (``floor_contact=False``).
+
+        Parameters
+        ----------
+        to, to_force
+            The indentation (m) or the force (N) at which the lens turns back.
+        drive
+            What is held while contacts snap in or out: ``"displacement"``, ``"force"``, or the crosshead of a
+            ``"machine"``.
+        machine_stiffness
+            Of that machine (N/m).
+        retract
+            Whether the lens is pulled off again.
+        """
+        case = self._with_method(None, accuracy, None, None, None, None)
+        run = options(threads, progress, memory_limit)
+        return cycle(case, to, to_force, drive, machine_stiffness, retract, run)
+
     def compare(
         self,
         *,
@@ -471,6 +528,11 @@ class System:
         ]
         if not self.floor_contact:
             rows.append(("floor", "ignored: past the transition the lens goes through it"))
+        if self.adhesion is not None:
+            work = f"work {1e3 * self.adhesion.work:g} mJ/m2"
+            receding = self.adhesion.work_receding
+            more = "" if receding is None else f", {1e3 * receding:g} mJ/m2 to part"
+            rows.append(("adhesion", work + more))
         return rows
 
     def __repr__(self) -> str:

@@ -4,7 +4,7 @@ use crate::key::{Key, Setting};
 use crate::parts::Parts;
 use crate::row::Range;
 use fakir::problem::{
-    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
+    Adhesion, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
 };
 use std::fmt::Write;
 use std::ops::Bound::{self, Excluded, Included};
@@ -89,8 +89,13 @@ impl Case {
             Spacing::SurfaceFraction(_) => Key::Pitch,
         };
         let mut parts = Parts::of(self);
-        let is_absent =
-            key == not_given || key.is_of_surface() || key.idle_with(&mut parts).is_some();
+        let adhesion = self.system.adhesion();
+        let does_without = match key {
+            Key::WorkOfAdhesion => adhesion == Adhesion::NONE,
+            Key::RecedingWorkOfAdhesion => adhesion.work_receding.is_none(),
+            _ => key == not_given,
+        };
+        let is_absent = does_without || key.is_of_surface() || key.idle_with(&mut parts).is_some();
         (!is_absent).then(|| key.get(&mut parts))
     }
 

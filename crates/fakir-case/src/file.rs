@@ -11,7 +11,7 @@ use crate::parts::{Parts, TRUE_OR_FALSE};
 use crate::row::{Field, Presence, Range};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
-use fakir::problem::{HexagonalLattice, InvalidQuantity, System, Texture};
+use fakir::problem::{Adhesion, HexagonalLattice, InvalidQuantity, Method, System, Texture};
 use std::path::{Path, PathBuf};
 
 /// A case file that has been read, with the overrides applied so far.
@@ -213,11 +213,48 @@ impl CaseFile {
         let system = System::new(parts.lens, parts.substrate, Texture { pillar, lattice })
             .map_err(|invalid| self.impossible(&invalid))?
             .with_floor(texture.floor);
+        let method = parts.method.method();
+        let adhesion = self.adhesion(&parts);
+        let system = system
+            .with_adhesion(adhesion)
+            .map_err(|invalid| self.impossible(&invalid))?;
+        self.check_adhesion(adhesion, method)?;
         Ok(Case {
             system,
-            method: parts.method.method(),
+            method,
             spacing,
         })
+    }
+
+    /// The adhesion that is given.
+    fn adhesion(&self, parts: &Parts) -> Adhesion {
+        let given = &parts.texture.adhesion;
+        let receding = self.entry(Key::RecedingWorkOfAdhesion);
+        Adhesion {
+            work: given.work,
+            work_receding: receding.map(|_| given.work_receding),
+        }
+    }
+
+    /// Refuses a receding work of adhesion alone, and adhesion with a method that has none.
+    fn check_adhesion(&self, adhesion: Adhesion, method: Method) -> Result<(), CaseError> {
+        let work = Key::WorkOfAdhesion;
+        if adhesion.work_receding.is_some() && self.entry(work).is_none() {
+            return Err(self.missing(work));
+        }
+        match method {
+            Method::Spectral(_) => Ok(()),
+            _ if adhesion.is_none() => Ok(()),
+            other => Err(self
+                .problem(
+                    work,
+                    format!("the method \"{}\" has no adhesion", other.name()),
+                )
+                .accepted(format!(
+                    "leave it out, or {} = \"spectral\", the method that has adhesion",
+                    Key::MethodName
+                ))),
+        }
     }
 
     /// The values of the keys of some parts: those that are given, and the defaults of the others.

@@ -348,7 +348,15 @@ mod tests {
         }
         assert_eq!(
             names_in(""),
-            ["lens", "substrate", "texture", "floor", "surface", "method"]
+            [
+                "lens",
+                "substrate",
+                "texture",
+                "floor",
+                "adhesion",
+                "surface",
+                "method"
+            ]
         );
         assert!(names_in("texture").contains(&"pillar"));
     }

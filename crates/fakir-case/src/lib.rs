@@ -23,6 +23,9 @@
 //! height = "2.2 um"
 //! compliance = "column"         # or "none"
 //!
+//! [adhesion]                    # may be left out: nothing sticks
+//! work = "50 mJ/m2"
+//!
 //! [method]
 //! name = "spectral"             # or "love", "punch", "homogenised"
 //! accuracy = "default"          # or "accurate"

@@ -27,6 +27,14 @@ pub(crate) struct TextureParts {
     pub(crate) lattice: HexagonalLattice,
     pub(crate) pillar: Pillar,
     pub(crate) floor: FloorModel,
+    pub(crate) adhesion: AdhesionParts,
+}
+
+/// The table `[adhesion]`.
+#[derive(Debug, Clone)]
+pub(crate) struct AdhesionParts {
+    pub(crate) work: f64,
+    pub(crate) work_receding: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -102,6 +110,10 @@ impl Default for Parts {
                     compliance: PillarCompliance::default(),
                 },
                 floor: FloorModel::default(),
+                adhesion: AdhesionParts {
+                    work: 0.0,
+                    work_receding: NOT_GIVEN,
+                },
             },
             method: MethodParts {
                 name: MethodName::Spectral,
@@ -160,6 +172,11 @@ impl Parts {
         parts.texture.lattice = *case.system.lattice();
         parts.texture.pillar = *case.system.pillar();
         parts.texture.floor = case.system.floor_model();
+        let adhesion = case.system.adhesion();
+        parts.texture.adhesion = AdhesionParts {
+            work: adhesion.work,
+            work_receding: adhesion.receding(),
+        };
         parts.texture.surface_fraction = match case.spacing {
             Spacing::SurfaceFraction(fraction) => fraction,
             Spacing::Pitch(_) => case.system.texture().surface_fraction(),

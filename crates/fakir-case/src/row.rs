@@ -157,6 +157,7 @@ impl fmt::Display for Range {
             Self::Between(Excluded(lower), Included(upper)) => {
                 write!(f, "above {lower} and at most {upper}")
             }
+            Self::Between(Included(lower), Unbounded) => write!(f, "at least {lower}"),
             Self::Between(Unbounded, _) | Self::Between(_, Unbounded) => {
                 f.write_str("a finite number")
             }
@@ -277,6 +278,13 @@ pub(super) const fn length(summary: &'static str, place: fn(&mut Parts) -> &mut 
 
 pub(super) const fn pressure(summary: &'static str, place: fn(&mut Parts) -> &mut f64) -> Row {
     Row::number(Dimension::Pressure, summary, place)
+}
+
+pub(super) const fn energy_per_area(
+    summary: &'static str,
+    place: fn(&mut Parts) -> &mut f64,
+) -> Row {
+    Row::number(Dimension::EnergyPerArea, summary, place)
 }
 
 pub(super) const fn angle(summary: &'static str, place: fn(&mut Parts) -> &mut f64) -> Row {

@@ -3,11 +3,13 @@
 //! From it files are read and written, overrides and requests are taken, errors are worded, and
 //! the [reference](crate::reference) is made. To add a key, add a row.
 
-use crate::row::{Presence, Range, Row, angle, fraction, length, number, pressure, text, word};
+use crate::row::{
+    Presence, Range, Row, angle, energy_per_area, fraction, length, number, pressure, text, word,
+};
 use fakir::problem::Quantity;
 use fakir::problem::pattern::PatternQuantity as Q;
 use std::f64::consts::FRAC_PI_2;
-use std::ops::Bound::{Excluded, Included};
+use std::ops::Bound::{Excluded, Included, Unbounded};
 
 /// Makes the enum of keys, the list of them, and their rows.
 macro_rules! keys {
@@ -109,6 +111,15 @@ keys! {
         FloorContact = "floor.contact" is
             word("false: the lens goes through the floor, as in the paper; only the method spectral has floor contact", |p| &mut p.texture.floor)
                 .label("floor contact").optional();
+        WorkOfAdhesion = "adhesion.work" is
+            energy_per_area("work of adhesion between lens and pillar tops; only the method spectral has it", |p| &mut p.texture.adhesion.work)
+                .label("work of adhesion").symbol("w").usual(1e-3, 0.5)
+                .range(Range::Between(Included(0.0), Unbounded)).optional().of(Quantity::WorkOfAdhesion);
+        RecedingWorkOfAdhesion = "adhesion.work_receding" is
+            energy_per_area("where contact is broken, if that takes more", |p| &mut p.texture.adhesion.work_receding)
+                .label("receding work of adhesion")
+                .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`")
+                .of(Quantity::RecedingWorkOfAdhesion);
     }
     HeightMap {
         HeightMap = "surface.height_map" is

@@ -16,6 +16,8 @@ pub enum TextureOnly {
     Fit,
     /// The page with sliders.
     Explore,
+    /// Loading and unloading with adhesion.
+    Cycle,
 }
 
 impl TextureOnly {
@@ -40,6 +42,9 @@ impl TextureOnly {
             Self::Explore => {
                 "the sliders of the page need an answer in milliseconds, and a [surface] takes seconds"
             }
+            Self::Cycle => {
+                "adhesion is that of the round tops of a [texture]; a [surface] has none"
+            }
         }
     }
 
@@ -59,6 +64,9 @@ impl TextureOnly {
                  with the modulus and the indentation as axes"
             }
             Self::Explore => "use fakir press or fakir approach with --output, which save figures",
+            Self::Cycle => {
+                "ask for the loading alone: without adhesion the lens is withdrawn the way it came"
+            }
         }
     }
 }

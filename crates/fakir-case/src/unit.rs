@@ -16,6 +16,10 @@ pub enum Dimension {
     Pressure,
     /// A force, in N.
     Force,
+    /// An energy per area, in J/m^2.
+    EnergyPerArea,
+    /// A stiffness, in N/m.
+    Stiffness,
     /// An angle, in rad.
     Angle,
     /// A part of a whole: a plain number, or in per cent.
@@ -39,7 +43,7 @@ enum Scale {
     Degrees,
 }
 
-const UNITS: [Unit; 15] = [
+const UNITS: [Unit; 22] = [
     unit("m", Dimension::Length, Scale::PowerOfTen(0)),
     unit("mm", Dimension::Length, Scale::PowerOfTen(-3)),
     unit("um", Dimension::Length, Scale::PowerOfTen(-6)),
@@ -52,6 +56,13 @@ const UNITS: [Unit; 15] = [
     unit("mN", Dimension::Force, Scale::PowerOfTen(-3)),
     unit("uN", Dimension::Force, Scale::PowerOfTen(-6)),
     unit("nN", Dimension::Force, Scale::PowerOfTen(-9)),
+    unit("J/m2", Dimension::EnergyPerArea, Scale::PowerOfTen(0)),
+    unit("mJ/m2", Dimension::EnergyPerArea, Scale::PowerOfTen(-3)),
+    unit("N/m", Dimension::EnergyPerArea, Scale::PowerOfTen(0)),
+    unit("mN/m", Dimension::EnergyPerArea, Scale::PowerOfTen(-3)),
+    unit("kN/m", Dimension::Stiffness, Scale::PowerOfTen(3)),
+    unit("N/m", Dimension::Stiffness, Scale::PowerOfTen(0)),
+    unit("mN/m", Dimension::Stiffness, Scale::PowerOfTen(-3)),
     unit("deg", Dimension::Angle, Scale::Degrees),
     unit("rad", Dimension::Angle, Scale::PowerOfTen(0)),
     unit("%", Dimension::Fraction, Scale::PowerOfTen(-2)),
@@ -65,16 +76,26 @@ const fn unit(symbol: &'static str, dimension: Dimension, scale: Scale) -> Unit 
     }
 }
 
+/// A unit as it is written here: both Unicode micro signs are read as `u`, and squares may be written `m2`, `m^2` or `m\u{b2}`.
+fn in_ascii(symbol: &str) -> String {
+    symbol
+        .replace(['\u{b5}', '\u{3bc}'], "u")
+        .replace("^2", "2")
+        .replace('\u{b2}', "2")
+}
+
 impl Unit {
-    /// The unit written `symbol`; both Unicode micro signs are read as `u`.
-    fn named(symbol: &str) -> Option<Self> {
-        let ascii = symbol.replace(['\u{b5}', '\u{3bc}'], "u");
-        UNITS.into_iter().find(|unit| unit.symbol == ascii)
+    /// The unit written `symbol`, that of the dimension if there is one: `N/m` can be of several.
+    fn named(symbol: &str, dimension: Dimension) -> Option<Self> {
+        let ascii = in_ascii(symbol);
+        let named = || UNITS.into_iter().filter(|unit| unit.symbol == ascii);
+        let wanted = named().find(|unit| unit.dimension == dimension);
+        wanted.or_else(|| named().next())
     }
 
     /// A unit that differs from `symbol` in case only.
     fn similar(symbol: &str) -> Option<Self> {
-        let ascii = symbol.replace(['\u{b5}', '\u{3bc}'], "u");
+        let ascii = in_ascii(symbol);
         UNITS
             .into_iter()
             .find(|unit| unit.symbol.eq_ignore_ascii_case(&ascii))
@@ -112,6 +133,8 @@ impl Dimension {
             Self::Length => "length",
             Self::Pressure => "pressure",
             Self::Force => "force",
+            Self::EnergyPerArea => "energy per area",
+            Self::Stiffness => "stiffness",
             Self::Angle => "angle",
             Self::Fraction => "fraction",
             Self::Number => "number",
@@ -125,6 +148,8 @@ impl Dimension {
             Self::Length => "_m",
             Self::Pressure => "_Pa",
             Self::Force => "_N",
+            Self::EnergyPerArea => "_J_per_m2",
+            Self::Stiffness => "_N_per_m",
             Self::Angle => "_rad",
             Self::Fraction | Self::Number => "",
         }
@@ -137,6 +162,8 @@ impl Dimension {
             Self::Length => ("6 um", "m"),
             Self::Pressure => ("2 MPa", "Pa"),
             Self::Force => ("20 uN", "N"),
+            Self::EnergyPerArea => ("50 mJ/m2", "J/m2"),
+            Self::Stiffness => ("20 N/m", "N/m"),
             Self::Angle => ("30 deg", "rad"),
             Self::Fraction => {
                 return "give a fraction as a bare number such as 0.03, or in per cent, written like \"3 %\""
@@ -160,8 +187,10 @@ impl Dimension {
             Scale::Degrees => None,
         };
         // A number that six digits round up to the next unit gets that unit.
+        // Of units of one size the first one counts.
         let fitting = self
             .units()
+            .rev()
             .filter(|unit| size >= 0.999_999_5 * unit.in_si())
             .max_by_key(power);
         let smallest = || self.units().min_by_key(|unit| power(unit).unwrap_or(1));
@@ -169,7 +198,7 @@ impl Dimension {
             Self::Fraction | Self::Number => None,
             Self::Angle => self.units().next(),
             _ if size > 0.0 => fitting.or_else(smallest),
-            _ => self.units().max_by_key(|unit| power(unit) == Some(0)),
+            _ => self.units().find(|unit| power(unit) == Some(0)),
         }
     }
 }
@@ -227,7 +256,7 @@ pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, QuantityE
     if symbol.starts_with(',') {
         return Err(QuantityError::Comma(text.to_owned()));
     }
-    let unit = Unit::named(symbol).ok_or_else(|| QuantityError::UnknownUnit {
+    let unit = Unit::named(symbol, dimension).ok_or_else(|| QuantityError::UnknownUnit {
         unit: symbol.to_owned(),
         similar: Unit::similar(symbol).map(|unit| unit.symbol),
     })?;
@@ -406,10 +435,45 @@ mod tests {
         assert_eq!(format_quantity(0.1, Dimension::Angle), "0.1 rad");
     }
 
+    #[test]
+    fn energies_per_area() {
+        let work = |text| parse_quantity(text, Dimension::EnergyPerArea);
+        for text in [
+            "50 mJ/m2",
+            "50mJ/m^2",
+            "50 mJ/m\u{b2}",
+            "0.05 J/m2",
+            "50 mN/m",
+            "0.05 N/m",
+        ] {
+            assert_eq!(work(text).unwrap().to_bits(), 0.05_f64.to_bits(), "{text}");
+        }
+        for (text, problem) in [
+            ("50 mN", "mN is a unit of force, not of energy per area"),
+            (
+                "50 kN/m",
+                "kN/m is a unit of stiffness, not of energy per area",
+            ),
+            (
+                "50 mj/m2",
+                "\"mj/m2\" is not a known unit (did you mean mJ/m2?)",
+            ),
+        ] {
+            assert_eq!(work(text).unwrap_err().to_string(), problem);
+        }
+        let stiffness = parse_quantity("20 mN/m", Dimension::Stiffness).unwrap();
+        assert_eq!(stiffness.to_bits(), 0.02_f64.to_bits());
+        assert_eq!(format_quantity(0.05, Dimension::EnergyPerArea), "50 mJ/m2");
+        assert_eq!(format_quantity(0.0, Dimension::EnergyPerArea), "0 J/m2");
+        assert_eq!(format_quantity(20.0, Dimension::Stiffness), "20 N/m");
+    }
+
     proptest! {
         #[test]
         fn what_is_written_is_read_back_bit_for_bit(value in prop::num::f64::POSITIVE | prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO) {
-            for dimension in [Dimension::Length, Dimension::Pressure, Dimension::Force, Dimension::Angle] {
+            for dimension in [
+                Dimension::Length, Dimension::Pressure, Dimension::Force, Dimension::EnergyPerArea, Dimension::Stiffness, Dimension::Angle,
+            ] {
                 let text = format_quantity(value, dimension);
                 prop_assert_eq!(parse_quantity(&text, dimension).unwrap().to_bits(), value.to_bits());
             }

@@ -4,8 +4,8 @@
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use fakir::problem::{
-    Accuracy, ElementMesh, HexagonalLattice, MeshLayout, Method, PillarCompliance, PunchForm,
-    System,
+    Accuracy, Adhesion, ElementMesh, HexagonalLattice, MeshLayout, Method, PillarCompliance,
+    PunchForm, System,
 };
 use fakir_case::{Case, CaseError, CaseFile};
 use proptest::prelude::*;
@@ -51,6 +51,53 @@ fn examples_are_the_systems_of_the_paper() {
     let intermediate = check_paper("paper-intermediate.toml", 2e6);
     check_paper("paper-soft.toml", 2e3);
     assert_eq!(Case::example().system, intermediate);
+}
+
+/// 50 mJ/m^2 is 0.05 J/m^2, whichever way it is written, and without the table nothing sticks.
+#[test]
+fn works_of_adhesion() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/adhesive.toml");
+    let example = CaseFile::read(&path).unwrap().case().unwrap();
+    assert_eq!(example.system.adhesion(), Adhesion::new(0.05));
+    assert!(Case::example().system.adhesion().is_none());
+    let adhesion = |overrides: &[&str]| with(overrides).unwrap().system.adhesion();
+    for work in [
+        "50mJ/m2",
+        "50 mJ/m^2",
+        "50 mJ/m²",
+        "50 mN/m",
+        "0.05 N/m",
+        "0.05",
+    ] {
+        let found = adhesion(&[&format!("adhesion.work={work}")]);
+        assert_eq!(found, Adhesion::new(0.05), "{work}");
+    }
+    let both = [
+        "adhesion.work=50mJ/m2",
+        "adhesion.work_receding=80mJ/m2",
+        "method.accuracy=accurate",
+    ];
+    let sticky = Adhesion {
+        work: 0.05,
+        work_receding: Some(0.08),
+    };
+    let case = with(&both).unwrap();
+    assert_eq!(case.system.adhesion(), sticky);
+    let text = case.to_toml();
+    assert!(
+        text.contains("\n[adhesion]\nwork = \"50 mJ/m2\" "),
+        "{text}"
+    );
+    assert!(text.contains("\nwork_receding = \"80 mJ/m2\" "), "{text}");
+    assert_eq!(parse(&text), case);
+    // Two works of zero stick as little as none, and are read back as they are.
+    let zeros = with(&["adhesion.work=0", "adhesion.work_receding=0"]).unwrap();
+    assert!(zeros.system.adhesion().is_none());
+    assert_eq!(parse(&zeros.to_toml()), zeros);
+    // Without adhesion all methods will do, and the case is written as ever.
+    let none = with(&["adhesion.work=0", "method.name=love"]).unwrap();
+    assert_eq!(none, with(&["method.name=love"]).unwrap());
+    assert!(!none.to_toml().contains("adhesion"));
 }
 
 #[test]

@@ -33,6 +33,9 @@ fn case_for(key: Key) -> CaseFile {
 /// The error for this value of a key, if it is the value that is wrong.
 fn refusal(key: Key, value: f64) -> Option<CaseError> {
     let mut file = case_for(key);
+    if key == Key::RecedingWorkOfAdhesion {
+        file.set_number(Key::WorkOfAdhesion, 1e-3);
+    }
     // The lens of the example needs no word for it.
     if let Some((choice, words)) = key.goes_with().filter(|_| key != Key::LensRadius) {
         file.set(&format!("{choice}={}", words[0])).unwrap();

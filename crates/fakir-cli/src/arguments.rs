@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use fakir::problem::Control;
+use fakir::problem::{Control, CyclePlan, Drive, Turn};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
@@ -64,8 +64,12 @@ pub(crate) enum Command {
     /// general surface (a case with a [surface]). A height map without surface.floor has no critical state:
     /// there the loading ends at --to. With --output the states are saved as a table, and force, contact radius
     /// and the part of the floor over the indentation as a figure.
+    ///
+    /// With pillar tops that stick (a case with [adhesion]) the loading ends at the critical state: the floor does
+    /// not stick, and what it bears then is not solved. With --retract the lens is pulled off again.
     #[command(
-        after_help = "Example: fakir approach case.toml --to 18um --output through-the-transition"
+        after_help = "Example: fakir approach case.toml --to 18um --output through-the-transition
+         fakir approach case.toml --set adhesion.work=50mJ/m2 --retract"
     )]
     Approach(Approach),
     /// A second opinion: the spectral method and Love elements on the same question
@@ -269,6 +273,22 @@ pub(crate) struct Approach {
     /// Makes --until go on as --to does
     #[arg(long, requires = "until", hide = true)]
     past_transition: bool,
+    /// Pull the lens off again: for pillar tops that stick (a case with [adhesion])
+    ///
+    /// Loading ends at --to or --to-force, or at the critical state, and at the latest where the lens reaches the
+    /// floor: that does not stick, and what it bears with tops that stick is not solved (but see
+    /// --without-floor). Every change of contact on the way is found as such, so that there are no steps. With
+    /// --output the curve, the events and the pillars that hold at pull-off are saved as tables and
+    /// figures.
+    #[arg(long, conflicts_with_all = ["step", "until"])]
+    pub(crate) retract: bool,
+    /// What is held with --retract while contacts snap in or out
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = HeldLoad::Displacement, requires = "retract")]
+    drive: HeldLoad,
+    /// With --retract: move the lens by a machine of this stiffness, whose crosshead is held while contacts snap
+    /// (N/m, mN/m, kN/m; a bare number in N/m)
+    #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, requires = "retract", conflicts_with = "drive")]
+    machine_stiffness: Option<f64>,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
     #[command(flatten)]
@@ -287,6 +307,35 @@ impl Approach {
             end: LoadingEnd::of(self.until, self.past_transition, self.to, self.to_force)?,
         })
     }
+
+    /// The cycle of loading and unloading, where one is asked for.
+    pub(crate) fn cycle(&self) -> Option<CyclePlan> {
+        let turn = match (self.to, self.to_force) {
+            (Some(indentation), _) => Turn::Indentation(indentation),
+            (None, Some(force)) => Turn::Force(force),
+            (None, None) => Turn::Critical(1.0),
+        };
+        let drive = match (self.machine_stiffness, self.drive) {
+            (Some(stiffness), _) => Drive::Machine(stiffness),
+            (None, HeldLoad::Displacement) => Drive::Displacement,
+            (None, HeldLoad::Force) => Drive::Force,
+        };
+        let retract = self.retract;
+        retract.then_some(CyclePlan {
+            turn,
+            drive,
+            retract,
+        })
+    }
+}
+
+/// What is held while contacts snap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum HeldLoad {
+    /// The indentation
+    Displacement,
+    /// The force
+    Force,
 }
 
 #[derive(Debug, Args)]
@@ -835,6 +884,10 @@ fn length(text: &str) -> Result<f64, QuantityError> {
 
 fn force(text: &str) -> Result<f64, QuantityError> {
     parse_argument(text, Dimension::Force)
+}
+
+fn stiffness(text: &str) -> Result<f64, QuantityError> {
+    parse_argument(text, Dimension::Stiffness)
 }
 
 fn fraction(text: &str) -> Result<f64, QuantityError> {

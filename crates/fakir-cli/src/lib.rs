@@ -75,6 +75,12 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let (mut file, path) = (read_case(&options.case)?, options.path()?);
             options.floor.apply(&mut file)?;
             let saves = options.case.output.is_some();
+            if let Some(plan) = options.cycle() {
+                file.refuse_surface_for(TextureOnly::Cycle)?;
+                return answer(command, &options.case, &file, move |case| {
+                    commands::cycle::run(case, plan, saves, &session)
+                });
+            }
             if file.is_surface() {
                 return deliver(command, &options.case, move || {
                     commands::surface::approach(&file, &path, saves, &session)
@@ -217,7 +223,15 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
         }
     };
     file.refuse_surface_for(TextureOnly::Explore)?;
-    Ok(file.case()?)
+    let case = file.case()?;
+    if case.system.adhesion().is_none() {
+        Ok(case)
+    } else {
+        Err(Failure::Argument(
+            "the page has no adhesion: use fakir approach --retract --output, which saves figures, or --set adhesion.work=0"
+                .to_owned(),
+        ))
+    }
 }
 
 /// What errors call it.

@@ -532,6 +532,14 @@ fn the_explorer_says_what_keeps_it_from_starting() {
         "{}",
         outcome.stderr
     );
+    let sticky = ["explore", "--no-browser", "--set", "adhesion.work=50mJ/m2"];
+    let outcome = bench.run(&sticky);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("the page has no adhesion"),
+        "{}",
+        outcome.stderr
+    );
     let outcome = bench.run(&["explore", "missing.toml"]);
     assert_eq!(outcome.status, Some(2));
     assert!(

@@ -60,6 +60,12 @@ fn python(case: &Case, indentation: Option<f64>) -> String {
         FloorModel::Contact => "",
         FloorModel::Ignored => "    floor_contact=False,\n",
     };
+    let adhesion = if case.system.adhesion().is_none() {
+        String::new()
+    } else {
+        let works = arguments(case, "adhesion");
+        format!("    adhesion=fakir.Adhesion({works}),\n")
+    };
     let question = match indentation {
         None => format!(
             "critical = system.transition({method})\nprint(critical.force, \"N\", critical.indentation, \"m\")\n"
@@ -77,7 +83,7 @@ fn python(case: &Case, indentation: Option<f64>) -> String {
              texture=fakir.HexagonalTexture(\n        \
                  {pillar},\n        \
                  {texture},\n    \
-             ),\n{floor}\
+             ),\n{floor}{adhesion}\
          )\n{question}"
     )
 }
@@ -147,9 +153,10 @@ mod tests {
         assert!(!lines.contains("floor"), "{lines}");
         let mut file = CaseFile::parse("case.toml", &case.to_toml()).unwrap();
         file.set("floor.contact=false").unwrap();
+        file.set("adhesion.work=50mJ/m2").unwrap();
         let lines = python(&file.case().unwrap(), None);
         assert!(
-            lines.contains("    ),\n    floor_contact=False,\n)\n"),
+            lines.contains("    ),\n    floor_contact=False,\n    adhesion=fakir.Adhesion(work=\"50 mJ/m2\"),\n)\n"),
             "{lines}"
         );
     }

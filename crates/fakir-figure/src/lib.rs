@@ -52,6 +52,7 @@ pub use figures::approach::{LoadingPoint, approach};
 pub use figures::critical_curves::{
     CriticalColumn, CriticalCurve, CriticalPoint, Measured, critical_curves,
 };
+pub use figures::cycle::{cycle_curve, release_map};
 pub use figures::fit_curves::{FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 pub use figures::floor_gap_map::floor_gap_map;
 pub use figures::floor_pressure_map::floor_pressure_map;

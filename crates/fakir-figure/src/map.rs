@@ -174,7 +174,10 @@ impl Sheet {
         let name = guess.axis_name("y");
         let lettering = Lettering::All(&name);
         let left = MARGIN + Frame::left_room(guess.frame.y, 0.6 * COLUMN, lettering);
-        let side = COLUMN - left - 6.0 - bar.width(0.6 * COLUMN) - MARGIN;
+        let beside = |height: f64| COLUMN - left - 6.0 - bar.width(height) - MARGIN;
+        // The numbers on the bar do depend on its height, which is that of the window.
+        let side = beside(0.6 * COLUMN);
+        let side = side.min(beside(side - ARROW));
         Self {
             window: Window::new([left, MARGIN + 3.0], side, centre, half_width),
         }
@@ -346,6 +349,8 @@ pub(crate) enum KeySign {
     Edge,
     /// A disc with an outline.
     Outline,
+    /// A disc with a ring around it.
+    Ring,
     /// A patch of this colour.
     Patch(Colour),
 }
@@ -375,10 +380,28 @@ pub(crate) fn key(entries: &[(KeySign, &str)], [right, middle]: Place, items: &m
                 fill: Some(Colour::grey(160)),
                 stroke: Some(Stroke::solid(Colour::BLACK, 0.7)),
             }),
+            KeySign::Ring => items.extend(ringed([x - 2.5, middle], 1.6, Colour::grey(160))),
         }
         x -= SIGN + 6.0;
     }
 }
+
+/// A disc with a ring around it, which is seen on discs of any colour.
+pub(crate) fn ringed(centre: Place, radius: f64, colour: Colour) -> [Item; 2] {
+    let disc = |radius, fill, stroke| Item::Disc {
+        centre,
+        radius,
+        fill,
+        stroke,
+    };
+    let ring = Stroke::solid(RED, RING_WIDTH);
+    [
+        disc(radius + RING_WIDTH, None, Some(ring)),
+        disc(radius, Some(colour), None),
+    ]
+}
+
+const RING_WIDTH: f64 = 0.7;
 
 /// The stroke of the circle around the contact.
 pub(crate) fn edge_stroke() -> Stroke {

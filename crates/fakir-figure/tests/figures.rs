@@ -5,8 +5,9 @@
 
 use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
 use fakir::problem::{
-    Boundary, Control, Floor, Grid, HeightMap, HexagonalLattice, Indenter, Lens, Material, Method,
-    Pillar, PillarCompliance, SurfaceSystem, System, Texture,
+    Adhesion, Boundary, Control, CyclePlan, Drive, Floor, Grid, HeightMap, HexagonalLattice,
+    Indenter, Lens, Material, Method, Pillar, PillarCompliance, SurfaceSystem, System, Texture,
+    Turn,
 };
 use fakir::state::{ContactState, CriticalState, Run};
 use fakir::theory::closed_forms;
@@ -16,9 +17,10 @@ use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, Figure, FigureError, FittedCurve,
     FittedLoad, FittedPoint, FittedQuantity, Histogram, LineChart, LoadingPoint, Measured,
     PhaseDiagram, ProfileState, RESOLUTION, Section, SectionDetail, Series, Style, SurfaceState,
-    Text, View, approach, critical_curves, fit_curves, floor_gap_map, floor_pressure_map,
-    histogram, lattice_sums, lines, phase_diagram, phase_point, pillar_pressure, pressure_map,
-    profiles, surface_gap_map, surface_pressure_map, surface_profiles, top_view,
+    Text, View, approach, critical_curves, cycle_curve, fit_curves, floor_gap_map,
+    floor_pressure_map, histogram, lattice_sums, lines, phase_diagram, phase_point,
+    pillar_pressure, pressure_map, profiles, release_map, surface_gap_map, surface_pressure_map,
+    surface_profiles, top_view,
 };
 use png::{ColorType, Decoder};
 use resvg::tiny_skia::{Pixmap, Transform};
@@ -615,6 +617,46 @@ fn text_over_text_is_a_fault() {
 #[test]
 fn contacts_with_surfaces() {
     check(&figures_of_surfaces());
+}
+
+/// A cycle by both kinds of control, one that turns early, and a loading alone, of which there is no map.
+#[test]
+fn cycles() {
+    let sticky = system(2e6, 0.01, 0.0)
+        .with_adhesion(Adhesion::new(50e-3))
+        .unwrap();
+    let dense = system(2e6, 0.03, 0.3)
+        .with_adhesion(Adhesion::new(5e-3))
+        .unwrap();
+    let cycle = |system: &System, plan: CyclePlan| {
+        fakir::cycle(system, plan, Method::default(), &Run::default()).unwrap()
+    };
+    let plan = CyclePlan::default();
+    let by_force = CyclePlan {
+        drive: Drive::Force,
+        ..plan
+    };
+    let early = CyclePlan {
+        turn: Turn::Indentation(0.5e-6),
+        ..plan
+    };
+    for (system, plan) in [
+        (&sticky, plan),
+        (&dense, plan),
+        (&sticky, by_force),
+        (&sticky, early),
+    ] {
+        let cycle = cycle(system, plan);
+        check(&[cycle_curve(&cycle).unwrap(), release_map(&cycle).unwrap()]);
+    }
+    let loading = CyclePlan {
+        retract: false,
+        ..plan
+    };
+    let loading = cycle(&sticky, loading);
+    check(&[cycle_curve(&loading).unwrap()]);
+    let none = release_map(&loading).unwrap_err();
+    assert!(matches!(none, FigureError::NoPillars { .. }));
 }
 
 #[test]

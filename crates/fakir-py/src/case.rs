@@ -133,6 +133,8 @@ pub(crate) fn parse_quantity(text: &str, dimension: &str) -> PyResult<f64> {
         "length" => Dimension::Length,
         "pressure" => Dimension::Pressure,
         "force" => Dimension::Force,
+        "energy per area" => Dimension::EnergyPerArea,
+        "stiffness" => Dimension::Stiffness,
         "angle" => Dimension::Angle,
         "fraction" => Dimension::Fraction,
         "number" => Dimension::Number,

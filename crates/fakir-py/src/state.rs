@@ -4,11 +4,12 @@ use crate::case::Case;
 use crate::error::{approach_error, solve_error, value_error};
 use crate::study::columns;
 use crate::watched::{Options, watched};
-use fakir::problem::{Control, ElementMesh, Method, Point};
+use fakir::problem::{Control, CyclePlan, Drive, ElementMesh, Method, Point, Turn};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::result::{
-    ApproachSummary, PressSummary, TransitionSummary, VerifySummary, json, pillars,
+    ApproachSummary, CycleSummary, PressSummary, TransitionSummary, VerifySummary, json, pillars,
+    pillars_of,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -281,6 +282,56 @@ pub(crate) fn approach(
     let time = found.critical_time;
     let critical = found.critical.map(|critical| Critical::new(critical, time));
     Ok((summary, critical, states))
+}
+
+/// The object that `fakir approach --retract --json` prints, the critical state, the columns of the pillars that hold at pull-off, and
+/// how the computation ended.
+type Cycled<'py> = (
+    String,
+    Option<Critical>,
+    Option<Bound<'py, PyDict>>,
+    &'static str,
+);
+
+/// Loading up to an indentation (m), a force (N) or the critical state, and unloading if it is to be; a stiffness (N/m) is that of the
+/// machine that drives the lens.
+#[pyfunction]
+pub(crate) fn cycle<'py>(
+    py: Python<'py>,
+    case: &Case,
+    to: Option<f64>,
+    to_force: Option<f64>,
+    drive: &str,
+    machine_stiffness: Option<f64>,
+    retract: bool,
+    options: Options,
+) -> PyResult<Cycled<'py>> {
+    let turn = match (to, to_force) {
+        (Some(indentation), _) => Turn::Indentation(indentation),
+        (None, Some(force)) => Turn::Force(force),
+        (None, None) => Turn::Critical(1.0),
+    };
+    let drive = match (drive, machine_stiffness) {
+        (_, Some(stiffness)) => Drive::Machine(stiffness),
+        ("force", None) => Drive::Force,
+        _ => Drive::Displacement,
+    };
+    let plan = CyclePlan {
+        turn,
+        drive,
+        retract,
+    };
+    let (system, method) = (case.case.system, case.case.method);
+    let start = Instant::now();
+    let found = watched(py, &options, |run| fakir::cycle(&system, plan, method, run))?;
+    let cycle = found.map_err(|error| solve_error(&error))?;
+    let time = start.elapsed().as_secs_f64();
+    let summary = json(&CycleSummary::new(&cycle, time));
+    let pulling = cycle.pull_off.as_ref();
+    let pulling = pulling.map(|it| columns(py, &pillars_of(&it.pillars))?.into_py_dict(py));
+    let critical = cycle.critical.map(|critical| Critical::new(critical, time));
+    let ended = cycle.termination.description();
+    Ok((summary, critical, pulling.transpose()?, ended))
 }
 
 /// The object that `fakir compare --json` prints, and the critical states by method.

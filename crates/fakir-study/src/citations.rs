@@ -4,7 +4,7 @@
 //! with a few words on why. The formulas themselves are cited where the crate `fakir` has them.
 
 use fakir::problem::{Boundary, MeshLayout, Method, PunchForm};
-use fakir_case::Study;
+use fakir_case::{Case, Study};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -20,6 +20,8 @@ pub const REFERENCE_DOI: &str = "10.1103/PhysRevE.104.055007";
 pub enum Topic {
     /// A method for lattices of pillars.
     Method(Method),
+    /// Pillar tops that stick.
+    Adhesion,
     /// The closed forms of the paper, with their lattice sums.
     ClosedForms,
     /// Fits of measured curves.
@@ -34,6 +36,17 @@ pub enum Topic {
 }
 
 impl Topic {
+    /// What a case makes use of.
+    #[must_use]
+    pub fn of_case(case: &Case) -> Vec<Self> {
+        let sticks = !case.system.adhesion().is_none();
+        let adhesion = sticks.then_some(Self::Adhesion);
+        [Self::Method(case.method)]
+            .into_iter()
+            .chain(adhesion)
+            .collect()
+    }
+
     /// What the cases of a study make use of.
     #[must_use]
     pub fn of_study(study: &Study) -> Vec<Self> {
@@ -42,7 +55,8 @@ impl Topic {
             periodic: surface.boundary == Boundary::Periodic,
             random: surface.is_random,
         });
-        textures.chain(surfaces).collect()
+        let adhesion = study.has_adhesion().then_some(Self::Adhesion);
+        textures.chain(adhesion).chain(surfaces).collect()
     }
 }
 
@@ -220,6 +234,7 @@ impl Topic {
             Self::Method(Method::Love(_)) => vec!["love", "elements"],
             Self::Method(Method::Homogenised) => vec!["homogenised"],
             Self::Method(_) => Vec::new(), // a method that is added must name its sources here
+            Self::Adhesion => vec!["adhesion"],
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
             Self::Surface { periodic, random } => {
@@ -295,6 +310,7 @@ fn sources(topic: &str) -> impl Iterator<Item = Citation> {
 mod tests {
     use super::*;
     use fakir::problem::ElementMesh;
+    use fakir_case::{CaseFile, StudyFile};
 
     fn every_topic() -> Vec<Topic> {
         let mesh = ElementMesh::default();
@@ -314,6 +330,7 @@ mod tests {
             .map(Topic::Method)
             .into_iter()
             .chain([
+                Topic::Adhesion,
                 Topic::ClosedForms,
                 surface(true, false),
                 surface(false, true),
@@ -354,6 +371,26 @@ mod tests {
         named.dedup();
         assert_eq!(named, DATA.topics.keys().collect::<Vec<_>>());
         assert_eq!(citations(&[])[0].doi.as_deref(), Some(REFERENCE_DOI));
+    }
+
+    #[test]
+    fn cases_that_stick_cite_adhesion() {
+        let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
+        let method = Topic::Method(Method::default());
+        assert_eq!(Topic::of_case(&file.case().unwrap()), [method]);
+        file.set("adhesion.work=50mJ/m2").unwrap();
+        let sticky = Topic::of_case(&file.case().unwrap());
+        assert_eq!(sticky, [method, Topic::Adhesion]);
+        let cited = citations(&sticky);
+        assert!(cited.iter().any(|work| work.key == "Kendall1971"));
+        // A study cites it if any of its cases sticks.
+        let study = |works: &str| {
+            let example = Case::example().to_toml();
+            let text = format!("[axes]\n\"adhesion.work\" = [{works}]\n{example}");
+            Topic::of_study(&StudyFile::parse("study", &text).unwrap().study().unwrap())
+        };
+        assert_eq!(study("0, 0.05"), sticky);
+        assert_eq!(study("0"), [method]);
     }
 
     #[test]

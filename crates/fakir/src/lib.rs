@@ -27,25 +27,26 @@
 //! * [`halfspace`]: how an elastic half-space gives way under pillar tops and rectangles, and under both at once;
 //! * [`state`]: what comes back: forces, radii, every pillar, [fields](state::Fields), convergence, error
 //!   estimates, and why there is no answer;
-//! * [`theory`]: the closed forms of the paper with their errata, and the homogenised lattice;
+//! * [`theory`]: the closed forms of the paper with their errata, those of lone contacts that stick, and the homogenised lattice;
 //! * [`solve`]: the contact conditions, spectral and by [elements](solve::elements).
 //!
 //! [`press`] and [`transition`] hand a [`System`](problem::System) to a [`Method`](problem::Method), coarse to exact:
 //! [homogenised lattice](theory::homogenised), punch lattice, [Love elements](solve::elements), spectral.
 //! The spectral one goes on past the transition: the floor between the pillars bears its part, unless the system is
-//! [told](problem::System::with_floor) to ignore it. [`verify()`] asks two for the same. A lens or plate on any height map is a
+//! [told](problem::System::with_floor) to ignore it. It also has [adhesion](problem::Adhesion) on the pillar tops: [`cycle`] takes a lens
+//! down and off again, with all that snaps into contact and out of it on the way. [`verify()`] asks two for the same. A lens or plate on any height map is a
 //! [`SurfaceSystem`](problem::SurfaceSystem).
 //!
 //! # From a case to a force
 //!
-//! A [`System`](problem::System), checked once, goes to [`press`] or [`transition`], and from there to one method. That scales it to
+//! A [`System`](problem::System), checked once, goes to [`press`], [`transition`] or [`cycle`], and from there to one method. That scales it to
 //! pillar radii, chooses a window of pillars, and solves it ([`solve`] says how); answers come back in SI units, and are looked at once more
 //! before they are handed out: a number that is infinite or undefined is an error. No room is entered twice.
 //!
 //! # What is computed
 //!
-//! Both bodies are elastic half-spaces without friction or adhesion, in free space: nothing is
-//! periodic. The problem and its symbols are those of R. Ledesma-Alonso, E. Raphaël,
+//! Both bodies are elastic half-spaces without friction, in free space: nothing is periodic. Pillar tops may stick, the floor does
+//! not. The problem and its symbols are those of R. Ledesma-Alonso, E. Raphaël,
 //! F. Restagno, C. Poulard, Phys. Rev. E 104, 055007 (2021). The spectral method expands the
 //! pressure on every pillar top in the eigenfunctions of a disc, couples pillars in closed form,
 //! and solves the contact conditions by a semismooth Newton method in which the indentation is
@@ -65,5 +66,5 @@ pub mod state;
 pub mod theory;
 mod verify;
 
-pub use method::{press, transition};
+pub use method::{cycle, press, transition};
 pub use verify::{Difference, Doubt, Verdict, Verification, verify};

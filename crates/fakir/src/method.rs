@@ -1,9 +1,10 @@
 //! The one place where a question goes to a method.
 
-use crate::problem::{Control, Method, System};
+use crate::problem::{Accuracy, Control, CyclePlan, Method, System};
+use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
-use crate::state::{ContactState, CriticalState, Run, SolveError};
+use crate::state::{ContactState, CriticalState, Cycle, Run, SolveError};
 use crate::theory;
 
 /// The contact under what is prescribed, by the given method.
@@ -11,6 +12,9 @@ use crate::theory;
 /// Past the transition the spectral method has the floor bear its part: [`ContactState::floor`]. By the other methods, and where the
 /// [system](System::with_floor) ignores the floor, such a load is answered as if that were not there; the smallest floor gap is
 /// then negative.
+///
+/// With [adhesion](System::adhesion) it is the contact on loading, from the first touch on, and the loading ends at the critical state unless
+/// the floor is ignored. A force is that which is first borne; under none the lens rests where it snapped into contact.
 ///
 /// # Errors
 /// A load that cannot be, a contact too large for the lens or for memory, or interruption:
@@ -23,6 +27,9 @@ pub fn press(
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
+    if !system.adhesion().is_none() {
+        return adhesive::press(system, control, with_adhesion(method)?, run)?.checked();
+    }
     match method {
         Method::Spectral(accuracy) => {
             answers::press(system, control, PillarMethod::Spectral(accuracy), run)
@@ -49,4 +56,50 @@ pub fn transition(
 ) -> Result<CriticalState, SolveError> {
     let contact = press(system, Control::FloorContact, method, run)?;
     CriticalState::new(contact).checked()
+}
+
+/// A cycle of loading and unloading, with its events in order: [adhesion](System::adhesion) makes unloading another path than
+/// loading, which ends with a pull.
+///
+/// ```
+/// use fakir::problem::{Adhesion, CyclePlan, Method};
+/// use fakir::state::Run;
+/// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+/// # let rubber = Material::new(2.0e6, 0.5);
+/// # let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
+/// # let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
+/// # let lens = Lens { radius: 2.2e-3, material: rubber };
+/// # let system = System::new(lens, rubber, Texture { pillar, lattice })?;
+/// let system = system.with_adhesion(Adhesion::new(50e-3))?; // J/m^2
+/// let cycle = fakir::cycle(&system, CyclePlan::default(), Method::default(), &Run::default())?;
+/// let pull_off = cycle.pull_off.as_ref().ok_or("nothing pulls")?;
+/// assert!((pull_off.force / -34.2e-6 - 1.0).abs() < 1e-2); // N
+/// assert_eq!(pull_off.pillars.len(), 7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// A plan that cannot be, a method without adhesion, a system in which nothing sticks, and as [`press`]. A path that does not converge is not an error: it says so in
+/// [`Cycle::termination`].
+pub fn cycle(
+    system: &System,
+    plan: CyclePlan,
+    method: Method,
+    run: &Run<'_>,
+) -> Result<Cycle, SolveError> {
+    let plan = plan.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
+    if system.adhesion().is_none() {
+        return Err(SolveError::NothingSticks);
+    }
+    adhesive::cycle(system, plan, with_adhesion(method)?, run)?.checked()
+}
+
+/// The accuracy of the one method that has adhesion.
+fn with_adhesion(method: Method) -> Result<Accuracy, SolveError> {
+    match method {
+        Method::Spectral(accuracy) => Ok(accuracy),
+        other => Err(SolveError::NoAdhesion {
+            method: other.name(),
+        }),
+    }
 }

@@ -215,10 +215,12 @@ impl StudyFile {
         let cases = self.number_of_cases()?;
         let mut examples: Vec<Case> = Vec::new();
         let mut surfaces = Surfaces::default();
+        let mut sticks = false;
         for index in 0..cases {
             let blame = |error| self.blame(error, index);
             match self.resolve(index).map_err(blame)?.case {
                 StudiedCase::Texture(case) => {
+                    sticks |= !case.system.adhesion().is_none();
                     if examples.iter().all(|example| example.method != case.method) {
                         examples.push(case);
                     }
@@ -232,6 +234,7 @@ impl StudyFile {
             file: self,
             cases,
             examples,
+            sticks,
             surfaces,
             text: String::new(),
         };
@@ -472,6 +475,8 @@ pub struct Study {
     cases: usize,
     /// The first case of each method.
     examples: Vec<Case>,
+    /// Whether there is adhesion in any case.
+    sticks: bool,
     surfaces: Surfaces,
     text: String,
 }
@@ -571,6 +576,12 @@ impl Study {
     #[must_use]
     pub fn methods(&self) -> Vec<Method> {
         self.examples.iter().map(|case| case.method).collect()
+    }
+
+    /// Whether pillar tops stick in any of its cases.
+    #[must_use]
+    pub fn has_adhesion(&self) -> bool {
+        self.sticks
     }
 
     /// The study as a study file. It depends on the study alone, and reading it gives the same

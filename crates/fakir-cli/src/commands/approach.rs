@@ -30,7 +30,7 @@ pub(crate) fn run(
     let provenance = Provenance::new(
         path.words(),
         method_words(case.method),
-        &[Topic::Method(case.method)],
+        &Topic::of_case(case),
         case.to_toml(),
     );
     let mut tables = vec![csv("approach.csv", rows)];

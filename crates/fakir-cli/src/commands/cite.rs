@@ -74,10 +74,10 @@ fn of_file(path: &Path) -> Result<CiteJson, Failure> {
         let case = file.surface_case(Run::default().memory_limit())?;
         return Ok(CiteJson::new("elements on a surface", &[topic(&case)]));
     }
-    let method = file.case()?.method;
+    let case = file.case()?;
     Ok(CiteJson::new(
-        method_words(method),
-        &[Topic::Method(method)],
+        method_words(case.method),
+        &Topic::of_case(&case),
     ))
 }
 

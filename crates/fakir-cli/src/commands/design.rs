@@ -78,7 +78,7 @@ pub(crate) fn run(
     let provenance = Provenance::new(
         words(question, sampling.as_ref()),
         method_words(case.method),
-        &[Topic::Method(case.method)],
+        &Topic::of_case(&case),
         case.to_toml(),
     );
     let mut tables = Vec::new();

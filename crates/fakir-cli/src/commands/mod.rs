@@ -3,6 +3,7 @@
 pub(crate) mod approach;
 pub(crate) mod cite;
 pub(crate) mod compare;
+pub(crate) mod cycle;
 pub(crate) mod design;
 #[cfg(feature = "explore")]
 pub(crate) mod explore;

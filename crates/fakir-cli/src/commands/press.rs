@@ -34,7 +34,7 @@ pub(crate) fn run(
     let provenance = Provenance::new(
         control_words(control),
         method_words(case.method),
-        &[Topic::Method(case.method)],
+        &Topic::of_case(case),
         case.to_toml(),
     );
     let mut tables = Vec::from_iter(pillars(&state).some_csv("pillars.csv"));

@@ -24,7 +24,7 @@ pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, 
     let provenance = Provenance::new(
         "critical state",
         method_words(case.method),
-        &[Topic::Method(case.method)],
+        &Topic::of_case(case),
         case.to_toml(),
     );
     let mut tables = Vec::from_iter(pillars(state).some_csv("pillars.csv"));

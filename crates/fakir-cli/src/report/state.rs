@@ -274,7 +274,7 @@ fn largest_pillar_force(state: &ContactState) -> Option<f64> {
         .max_by(f64::total_cmp)
 }
 
-fn error_remark(error: f64) -> String {
+pub(crate) fn error_remark(error: f64) -> String {
     if error > 0.0 {
         format!(", estimated error {}", significant(error, 1))
     } else {

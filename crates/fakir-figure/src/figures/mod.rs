@@ -2,6 +2,7 @@
 
 pub(crate) mod approach;
 pub(crate) mod critical_curves;
+pub(crate) mod cycle;
 pub(crate) mod fit_curves;
 pub(crate) mod floor_gap_map;
 pub(crate) mod floor_pressure_map;

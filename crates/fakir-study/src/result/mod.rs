@@ -8,6 +8,7 @@ mod approach;
 mod compare;
 mod contact;
 mod critical;
+mod cycle;
 mod pillars;
 mod surface;
 mod sweep;
@@ -18,7 +19,8 @@ pub use approach::{ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceL
 pub use compare::{CompareSummary, MethodRow};
 pub use contact::{FloorObject, PressSummary, of_floor};
 pub use critical::TransitionSummary;
-pub use pillars::pillars;
+pub use cycle::{CycleErrorObject, CycleSummary, EventRow, StationRow, cycle_warnings};
+pub use pillars::{pillars, pillars_of};
 pub(crate) use surface::METHOD as SURFACE_METHOD;
 pub use surface::{SurfacePressSummary, SurfaceTransitionSummary, indenter_name};
 pub use sweep::SweepSummary;
@@ -29,7 +31,7 @@ pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
 use fakir::problem::Control;
-use fakir::state::{Contact, ErrorEstimate, Normalized};
+use fakir::state::{Contact, ErrorEstimate, Normalized, Termination, Warning};
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;
 
@@ -58,12 +60,16 @@ pub fn csv<T: Serialize>(name: &'static str, rows: impl IntoIterator<Item = T>) 
 /// What to be careful about, of a contact of either kind.
 #[must_use]
 pub fn warnings(contact: &impl Contact) -> Vec<String> {
-    let mut warnings: Vec<String> = contact.warnings().iter().map(ToString::to_string).collect();
-    if !contact.converged() {
-        let outcome = contact.termination().description();
-        warnings.push(format!("the solution {outcome}"));
+    warnings_of(contact.warnings(), contact.termination())
+}
+
+/// Warnings in words, and how the solution ended unless it converged.
+fn warnings_of(warnings: &[Warning], termination: Termination) -> Vec<String> {
+    let mut words: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    if termination != Termination::Converged {
+        words.push(format!("the solution {}", termination.description()));
     }
-    warnings
+    words
 }
 
 /// What is asked in words: `contact under a force of 20 uN`, `critical state`.

@@ -7,7 +7,12 @@ use fakir::state::{ContactState, PillarState};
 /// or the method does not resolve them.
 #[must_use]
 pub fn pillars(state: &ContactState) -> Table {
-    let pillars = &state.pillars;
+    pillars_of(&state.pillars)
+}
+
+/// The same of pillars that stand by themselves, such as those that hold at pull-off.
+#[must_use]
+pub fn pillars_of(pillars: &[PillarState]) -> Table {
     let counts = |name: &str, of: fn(&PillarState) -> i64| Column {
         name: name.to_owned(),
         values: Values::Counts(pillars.iter().map(|pillar| Some(of(pillar))).collect()),

@@ -15,7 +15,9 @@
 #![doc = ""]
 #![doc = include_str!("../../doc/rendered/problem.md")]
 
+pub(crate) mod adhesion;
 pub(crate) mod control;
+pub(crate) mod cycle_plan;
 pub(crate) mod grid;
 pub(crate) mod height_map;
 pub(crate) mod lattice;
@@ -27,7 +29,9 @@ pub(crate) mod scaled;
 pub(crate) mod surface;
 pub(crate) mod system;
 
+pub use adhesion::Adhesion;
 pub use control::Control;
+pub use cycle_plan::{CyclePlan, Drive, Turn};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};
 pub use height_map::{HeightMap, InvalidHeightMap, PillarColumns};
 pub use lattice::{HexagonalLattice, LatticeSymmetry, MAXIMUM_SURFACE_FRACTION};

@@ -36,6 +36,16 @@ pub enum Quantity {
     Indentation,
     /// Prescribed force, N.
     Force,
+    /// Work of adhesion where contact is made, J/m^2.
+    WorkOfAdhesion,
+    /// Work of adhesion where contact is broken, J/m^2.
+    RecedingWorkOfAdhesion,
+    /// Part of the critical indentation at which a loading ends.
+    CriticalPart,
+    /// Stiffness of the machine that moves the lens, N/m.
+    MachineStiffness,
+    /// Range of the attraction, m.
+    AttractionRange,
 }
 
 impl fmt::Display for Quantity {
@@ -54,6 +64,11 @@ impl fmt::Display for Quantity {
             Self::OffsetAngle => "offset angle",
             Self::Indentation => "indentation",
             Self::Force => "force",
+            Self::WorkOfAdhesion => "work of adhesion",
+            Self::RecedingWorkOfAdhesion => "receding work of adhesion",
+            Self::CriticalPart => "part of the critical indentation",
+            Self::MachineStiffness => "stiffness of the machine",
+            Self::AttractionRange => "range of the attraction",
         })
     }
 }
@@ -80,6 +95,12 @@ pub enum Requirement {
     ZeroOrForce(f64),
     /// An indentation, m: zero, or a finite number and at least this one.
     ZeroOrIndentation(f64),
+    /// A work of adhesion, J/m^2: zero, or a finite number and at least this one.
+    ZeroOrWork(f64),
+    /// At least the work of adhesion where contact is made (J/m^2).
+    AtLeastWork(f64),
+    /// Above zero and at most one.
+    PartOfWhole,
     /// A finite number.
     Finite,
     /// Pitches, zero or above, few enough to tell positions within one of them apart.
@@ -104,6 +125,15 @@ impl fmt::Display for Requirement {
             Self::ZeroOrIndentation(smallest) => {
                 write!(f, "0, or a finite number and at least {smallest:.2e} m")
             }
+            Self::ZeroOrWork(smallest) => {
+                write!(f, "0, or a finite number and at least {smallest:.0e} J/m^2 (1 mJ/m^2 is 1e-3)")
+            }
+            Self::AtLeastWork(work) => write!(
+                f,
+                "at least the work of adhesion where contact is made, {work:e} J/m^2 (parting takes no \
+                 less than what was won)"
+            ),
+            Self::PartOfWhole => f.write_str("greater than 0 and at most 1"),
             Self::Finite => f.write_str("a finite number"),
             Self::Pitches => f.write_str("a number of pitches from 0 to 1000"),
             Self::PoissonRatio => f.write_str("between 0 and 0.5 (0.5 is incompressible)"),
@@ -127,9 +157,11 @@ impl Requirement {
         let accepted = value.is_finite()
             && match self {
                 Self::Positive => value > 0.0,
-                Self::ZeroOrForce(smallest) | Self::ZeroOrIndentation(smallest) => {
-                    value == 0.0 || value >= smallest
-                }
+                Self::ZeroOrForce(smallest)
+                | Self::ZeroOrIndentation(smallest)
+                | Self::ZeroOrWork(smallest) => value == 0.0 || value >= smallest,
+                Self::AtLeastWork(work) => value >= work,
+                Self::PartOfWhole => value > 0.0 && value <= 1.0,
                 Self::Finite => true,
                 Self::Pitches => (0.0..=1000.0).contains(&value),
                 Self::PoissonRatio => (0.0..=0.5).contains(&value),

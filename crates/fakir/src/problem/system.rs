@@ -1,5 +1,6 @@
 //! A lens on a hexagonal lattice of cylindrical pillars.
 
+use super::adhesion::Adhesion;
 use super::lattice::{HexagonalLattice, MAXIMUM_SURFACE_FRACTION};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
@@ -122,6 +123,7 @@ pub struct System {
     substrate: Material,
     texture: Texture,
     floor: FloorModel,
+    adhesion: Adhesion,
 }
 
 /// What becomes of the floor between the pillars where the lens comes down to it.
@@ -165,6 +167,7 @@ impl System {
             substrate,
             texture,
             floor: FloorModel::Contact,
+            adhesion: Adhesion::NONE,
         })
     }
 
@@ -178,6 +181,23 @@ impl System {
     #[must_use]
     pub fn floor_model(&self) -> FloorModel {
         self.floor
+    }
+
+    /// The same system with pillar tops that stick.
+    ///
+    /// # Errors
+    /// Works of adhesion that are negative or no numbers, and a receding one below the advancing one.
+    pub fn with_adhesion(self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
+        Ok(Self {
+            adhesion: adhesion.checked()?,
+            ..self
+        })
+    }
+
+    /// How the pillar tops stick. Only the spectral method has it.
+    #[must_use]
+    pub fn adhesion(&self) -> Adhesion {
+        self.adhesion
     }
 
     /// The lens.
@@ -256,6 +276,26 @@ impl System {
         2.0 / PI * self.contact_compliance()
     }
 
+    /// Tensile stress of a lone flat punch at pull-off (K. Kendall, J. Phys. D 4, 1186 (1971)) over the Young's modulus of the substrate, for
+    /// the work at which contact breaks: about the strain of the pillars, `sqrt(8 w E*/(pi a))/E_s`.
+    #[must_use]
+    pub fn kendall_strain(&self) -> f64 {
+        let radius = 0.5 * self.pillar().diameter;
+        let work = self.adhesion.receding();
+        let stress = (8.0 * work * self.reduced_modulus() / (PI * radius)).sqrt();
+        stress / self.substrate.young_modulus
+    }
+
+    /// Tabor number of a pillar top for a range of the attraction (m): the stretch of the surfaces at pull-off over the range,
+    /// `sqrt(8 w a/(pi E*))/range`. The attraction acts in a zone along the rim of width `2 a/mu^2`, so that its range counts as small
+    /// where the number is much larger than one (D. Tabor, J. Colloid Interface Sci. 58, 2 (1977), for spheres).
+    #[must_use]
+    pub fn tabor_number(&self, range: f64) -> f64 {
+        let radius = 0.5 * self.pillar().diameter;
+        let work = self.adhesion.receding();
+        (8.0 * work * radius / (PI * self.reduced_modulus())).sqrt() / range
+    }
+
     /// Indentation at which the lens touches the first pillar: its height above its lowest point, over the
     /// nearest pillar edge, m. Zero with the lens axis on a pillar top, infinite if no pillar is under the lens.
     #[must_use]
@@ -280,7 +320,11 @@ impl System {
     pub fn with_lattice(&self, lattice: HexagonalLattice) -> Result<Self, InvalidQuantity> {
         let pillar = self.texture.pillar;
         let system = Self::new(self.lens, self.substrate, Texture { pillar, lattice })?;
-        Ok(system.with_floor(self.floor))
+        Ok(Self {
+            floor: self.floor,
+            adhesion: self.adhesion,
+            ..system
+        })
     }
 }
 

@@ -357,6 +357,7 @@ fn patch_state(
         radius: patch.radius,
         coefficients: patch.coefficients.clone(),
         gap: None,
+        held: None,
         sliver: None,
     };
     let fields = Fields::new(

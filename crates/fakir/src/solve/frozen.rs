@@ -20,7 +20,7 @@
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
-use crate::numerics::vector::{Vectors, subtract};
+use crate::numerics::vector::{Vectors, dot, subtract};
 use crate::numerics::workers::Workers;
 use crate::state::{Run, SolveError};
 
@@ -35,8 +35,16 @@ pub(crate) trait Rule {
     /// `c += cb`
     fn add_constants(&self, coefficients: &mut [f64]);
 
-    /// About what makes a residual vanish: `P` where there is one; zero of places that bear no pressure.
-    fn precondition(&mut self, residual: &[f64], direction: &mut [f64], workers: Workers<'_>) {
+    /// About what makes a residual vanish: `P` of a load where there is one, such as of the residual itself; zero of places that bear no
+    /// pressure. The load is told too, of the places that give way by themselves, which come first.
+    fn precondition(
+        &mut self,
+        residual: &[f64],
+        direction: &mut [f64],
+        load: &mut [f64],
+        workers: Workers<'_>,
+    ) {
+        load.copy_from_slice(&residual[..load.len()]);
         self.respond(residual, direction, workers);
     }
 }
@@ -287,6 +295,24 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         |place, load| self.load(place, load)
     }
 
+    /// The incident loads on all places at the present indentation.
+    pub(crate) fn all_loads(&self, loads: &mut [f64]) {
+        self.right_side(Source::Present, loads);
+        subtract(loads, &self.present.far);
+    }
+
+    /// Their change with the indentation.
+    pub(crate) fn unit_loads(&self, loads: &mut [f64]) {
+        self.right_side(Source::Unit, loads);
+        subtract(loads, &self.unit.far);
+    }
+
+    /// Half the work of all pressures on what they move.
+    pub(crate) fn elastic_energy(&self) -> f64 {
+        let shape = dot(&self.present.coefficients, &self.own_load);
+        0.5 * (shape + self.base * self.force())
+    }
+
     /// Goes along the response to another indentation.
     pub(crate) fn move_to(&mut self, indentation: f64) {
         let change = indentation - self.base;
@@ -396,9 +422,10 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         self.coupling.apply(coefficients, far, workers);
         self.run.check_cancelled()?;
         vectors.subtract(&mut room.residual, far);
-        rule.precondition(&room.residual, &mut room.preconditioned, workers);
+        let preconditioned = &mut room.preconditioned;
+        let direction_load = &mut room.direction_load[..tops];
+        rule.precondition(&room.residual, preconditioned, direction_load, workers);
         room.direction.copy_from_slice(&room.preconditioned);
-        room.direction_load[..tops].copy_from_slice(&room.residual[..tops]);
         room.direction_load[tops..].fill(0.0);
         let mut energy = vectors.dot(&room.residual, &room.preconditioned);
         if tops < room.load.len() {
@@ -430,16 +457,14 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 -length,
                 &room.direction_load[..tops],
             );
-            rule.precondition(&room.residual, &mut room.preconditioned, workers);
+            let preconditioned = &mut room.preconditioned;
+            let load = &mut room.load[..tops];
+            rule.precondition(&room.residual, preconditioned, load, workers);
             let next = vectors.dot(&room.residual, &room.preconditioned);
             let ratio = next / energy;
             energy = next;
             vectors.scale_and_add(&mut room.direction, ratio, &room.preconditioned);
-            vectors.scale_and_add(
-                &mut room.direction_load[..tops],
-                ratio,
-                &room.residual[..tops],
-            );
+            vectors.scale_and_add(&mut room.direction_load[..tops], ratio, &room.load[..tops]);
         }
         Ok(Judgement::TooLarge)
     }

@@ -5,6 +5,7 @@
 #![doc = include_str!("../../doc/rendered/mixed.md")]
 #![doc = include_str!("../../doc/rendered/punch.md")]
 
+pub(crate) mod adhesive;
 pub(crate) mod answers;
 pub(crate) mod assembled;
 pub(crate) mod control;
@@ -15,6 +16,7 @@ mod floor_start;
 mod frozen;
 mod mixed;
 pub(crate) mod newton;
+pub(crate) mod path;
 mod reach;
 pub(crate) mod rules;
 pub(crate) mod spectral;

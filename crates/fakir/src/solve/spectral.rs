@@ -164,7 +164,7 @@ fn limited(problem: &Problem, radius: f64) -> f64 {
 }
 
 /// The window of a radius, if it fits the memory allowed.
-fn checked_window(
+pub(crate) fn checked_window(
     problem: &Problem,
     radius: f64,
     modes: usize,

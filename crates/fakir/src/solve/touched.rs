@@ -63,6 +63,7 @@ pub(super) fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<Tou
             radius: 1.0,
             coefficients,
             gap,
+            held: None,
             sliver,
         };
         let state = PillarState {

@@ -208,7 +208,7 @@ impl Block {
                 for (column, force) in self.columns.clone().zip(forces.iter_mut()) {
                     let [left, right] = columns.bounds[column].map(angle);
                     over_pieces(left, right, rule, |s, weight_along| {
-                        let q = density.at([half * s.sin(), up]).max(0.0);
+                        let q = density.at([half * s.sin(), up]);
                         *force += area * weight * weight_along * q;
                     });
                 }
@@ -229,12 +229,12 @@ impl Block {
                     (x - disc.centre[0]) / disc.radius,
                     (y - disc.centre[1]) / disc.radius,
                 ];
-                at[0].hypot(at[1]) < 1.0 && density.at(at) > 0.0
+                at[0].hypot(at[1]) < 1.0 && density.at(at) != 0.0
             })
             .collect();
         let (height, width) = (self.rows.len(), self.columns.len());
         for (k, (_, force)) in places.iter().enumerate() {
-            if covered[k] || *force <= 0.0 {
+            if covered[k] || *force == 0.0 {
                 continue;
             }
             let (row, column) = (k / width, k % width);

@@ -3,6 +3,7 @@
 
 use super::contact::ContactState;
 use super::critical::CriticalState;
+use super::cycle::Cycle;
 use super::error::SolveError;
 use super::floor_contact::FloorContact;
 
@@ -65,6 +66,29 @@ impl FloorContact {
             check_number("pressure on the floor", pressure)?;
         }
         Ok(())
+    }
+}
+
+impl Cycle {
+    /// The cycle as it is handed out.
+    pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
+        for station in &mut self.stations {
+            check_number("force on the way", &mut station.force)?;
+            check_number("indentation on the way", &mut station.indentation)?;
+            check_number("contact radius on the way", &mut station.contact_radius)?;
+        }
+        for (what, value) in [
+            ("work of separation", &mut self.work_of_separation),
+            ("loop area", &mut self.loop_area),
+            ("dissipation", &mut self.dissipation),
+        ] {
+            check_number(what, value)?;
+        }
+        Ok(Self {
+            turn: self.turn.checked()?,
+            critical: self.critical.map(CriticalState::checked).transpose()?,
+            ..self
+        })
     }
 }
 

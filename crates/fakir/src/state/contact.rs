@@ -77,6 +77,11 @@ pub enum Warning {
         /// The longer side of a cell, m.
         cell: f64,
     },
+    /// At pull-off the tensile stress on a lone pillar is a large part of its modulus, beyond what linear elasticity is good for.
+    AdhesiveStretch {
+        /// Stress over the Young's modulus of the substrate.
+        ratio: f64,
+    },
     /// The contact of a plate reaches the border of a grid that stands free, or at the border a lens
     /// is below the highest of the surface: there may be more contact on a larger surface.
     ReachesBorder,
@@ -107,6 +112,11 @@ impl std::fmt::Display for Warning {
                 "the floor is in contact {distance:.2e} m from the rim of a pillar, less than two \
                  of its cells of {cell:.2e} m: what it bears may be less exact than estimated; \
                  take accuracy = \"accurate\", whose cells are smaller"
+            ),
+            Self::AdhesiveStretch { ratio } => write!(
+                f,
+                "with this work of adhesion pillars are stretched by about {ratio:.2} of their length \
+                 before they come off: above 0.3 linear elasticity no longer describes that"
             ),
             Self::ReachesBorder => f.write_str(
                 "at the border of the height map what is pressed is as low as the surface: what lies \

@@ -118,6 +118,33 @@ pub enum SolveError {
         /// Width of a grid around the lens axis that would do, m.
         needed: f64,
     },
+    /// A method that knows no adhesion.
+    #[error(
+        "the {method} method has no adhesion: use the spectral method, which has, or a work of \
+         adhesion of 0"
+    )]
+    NoAdhesion {
+        /// Its name.
+        method: &'static str,
+    },
+    /// A cycle without adhesion.
+    #[error(
+        "without adhesion a lens is withdrawn the way that it came, so that there is no cycle: give a \
+         work of adhesion above 0, or ask for the loading alone"
+    )]
+    NothingSticks,
+    /// A load past the transition, with tops that stick.
+    #[error(
+        "with adhesion the loading ends at the critical state, at an indentation of \
+         {indentation:.4e} m and a force of {force:.4e} N: what the floor then does is not solved with \
+         tops that stick; lower the load, or ignore the floor"
+    )]
+    PastTransition {
+        /// Critical indentation, m.
+        indentation: f64,
+        /// Critical force, N.
+        force: f64,
+    },
     /// There is no floor to be reached.
     #[error("no cell of the surface under the lens is floor")]
     NoFloor,

@@ -1,6 +1,6 @@
 //! Displacement, gap and pressure at any point of a contact state.
 
-use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with};
+use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, compliances, degree_with};
 use crate::halfspace::disc::covered::{CoverFinder, CoveredPart};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
@@ -26,14 +26,42 @@ pub(crate) struct Disc {
     pub(crate) coefficients: Vec<f64>,
     /// Coefficients of the gap, if the edge of the contact crosses the disc.
     pub(crate) gap: Option<Vec<f64>>,
+    /// What of the disc adhesion holds, if there is any: the pressure may pull there.
+    pub(crate) held: Option<HeldPart>,
     /// Where the contact ends, if it is a sliver along the rim: the gap is too coarse then.
     pub(crate) sliver: Option<SliverEdge>,
+}
+
+/// What of a disc is held by adhesion.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum HeldPart {
+    All,
+    /// That before a front.
+    Before(Front),
+}
+
+/// A front at `x = place - curvature y^2`, with `x` along a direction (rad) and in radii of the disc.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Front {
+    pub(crate) curvature: f64,
+    pub(crate) place: f64,
+    pub(crate) direction: f64,
+    /// Area of the disc before it.
+    pub(crate) area: f64,
+}
+
+impl Front {
+    fn has(&self, [x, y]: Point) -> bool {
+        let (sin, cos) = self.direction.sin_cos();
+        let [along, across] = [cos * x + sin * y, cos * y - sin * x];
+        along < self.place - self.curvature * across * across
+    }
 }
 
 impl Disc {
     /// Force, in scaled units.
     pub(crate) fn force(&self) -> f64 {
-        crate::halfspace::disc::basis::UNIT_FORCE * self.coefficients[0] * self.radius * self.radius
+        UNIT_FORCE * self.coefficients[0] * self.radius * self.radius
     }
 }
 
@@ -218,7 +246,8 @@ impl Fields {
     ///
     /// On a pillar top that the edge of the contact crosses it is positive inside that edge, which is
     /// known to a few hundredths of the pillar radius, goes to zero there as a root, and has the
-    /// force of the pillar.
+    /// force of the pillar. With adhesion it is negative where a top is pulled; on one that is held in part, it is
+    /// the mean over that part.
     #[must_use]
     pub fn pressure(&self, position: Point) -> f64 {
         self.pressure_at(self.scaled(position))
@@ -243,7 +272,7 @@ impl Fields {
             return 0.0;
         }
         let density = self.density_on(k).at(point);
-        if density <= 0.0 {
+        if density == 0.0 {
             return 0.0;
         }
         density / (1.0 - rho_squared).sqrt() * self.problem.pressure
@@ -251,15 +280,21 @@ impl Fields {
 
     /// `q` on a disc.
     pub(super) fn density_on(&self, disc: usize) -> Density<'_> {
+        let held = &self.discs[disc].held;
         let Disc {
             coefficients, gap, ..
         } = &self.discs[disc];
+        if let Some(HeldPart::Before(front)) = held {
+            let mean = UNIT_FORCE * coefficients[0] / front.area;
+            return Density::Part { mean, front };
+        }
         if gap.is_none() {
             let count = coefficients.len();
             return Density::Expansion {
                 coefficients,
                 basis: Box::new(BasisEvaluator::new(degree_with(count))),
                 values: vec![0.0; count],
+                pulls: held.is_some(),
             };
         }
         let covered = self.covered.get_or_init(|| self.covered_parts());
@@ -317,7 +352,11 @@ pub(super) enum Density<'f> {
         coefficients: &'f [f64],
         basis: Box<BasisEvaluator>,
         values: Vec<f64>,
+        /// Whether it may be negative.
+        pulls: bool,
     },
+    /// Of one that adhesion holds in part: the mean pressure there.
+    Part { mean: f64, front: &'f Front },
     /// Of one that the edge of the contact crosses.
     Covered(&'f CoveredPart),
     /// No contact can be made out.
@@ -331,10 +370,17 @@ impl Density<'_> {
                 coefficients,
                 basis,
                 values,
+                pulls,
             } => {
                 basis.evaluate(point, values);
-                dot(values, coefficients)
+                let density = dot(values, coefficients);
+                if *pulls { density } else { density.max(0.0) }
             }
+            Self::Part { mean, front } if front.has(point) => {
+                let rho_squared = point[0] * point[0] + point[1] * point[1];
+                *mean * (1.0 - rho_squared).max(0.0).sqrt()
+            }
+            Self::Part { .. } => 0.0,
             Self::Covered(part) => part.density(point),
             Self::None => 0.0,
         }

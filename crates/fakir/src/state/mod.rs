@@ -11,6 +11,7 @@ mod cell_means;
 pub(crate) mod checked;
 pub(crate) mod contact;
 pub(crate) mod critical;
+pub(crate) mod cycle;
 pub(crate) mod error;
 pub(crate) mod fields;
 pub(crate) mod floor_contact;
@@ -22,6 +23,10 @@ pub(crate) mod surface;
 pub use crate::numerics::workers::{CancelToken, Threads};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
 pub use critical::{Critical, CriticalState, Normalized, Regime};
+pub use cycle::{
+    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation, HeldPillar,
+    Limit, PullOff,
+};
 pub use error::SolveError;
 pub use fields::Fields;
 pub use floor_contact::{FloorContact, FloorErrors};

@@ -21,6 +21,8 @@ pub enum Stage {
     Elements,
     /// Solving for a height map; it reports cells in place of pillars.
     Surface,
+    /// Loading and unloading with adhesion; it reports events as steps.
+    Cycle,
     /// Estimating the error.
     ErrorEstimate,
 }
@@ -36,6 +38,7 @@ impl Stage {
             Self::Floor => "spectral solution with the floor",
             Self::Elements => "Love elements",
             Self::Surface => "contact on a height map",
+            Self::Cycle => "loading and unloading",
             Self::ErrorEstimate => "error estimate",
         }
     }

@@ -3,6 +3,7 @@
 //!
 //! * [`closed_forms`]: the paper's formulas for the critical state, as printed and
 //!   corrected where they differ, the transition curve and the phase diagram;
+//! * [`adhesion`]: lone contacts that stick;
 //! * [`lattice_sums`]: the sums over the pillars under a Hertz-like load that they rest on,
 //!   with the paper's fits and the exact limits of the fitted coefficients;
 //! * [`lattice_potential`]: what a uniformly loaded lattice of pillars does to one pillar
@@ -11,6 +12,7 @@
 //!
 //! "The paper" is the one named in [`crate::problem`]. All quantities are in SI units.
 
+pub mod adhesion;
 pub mod closed_forms;
 pub mod homogenised;
 pub mod lattice_potential;

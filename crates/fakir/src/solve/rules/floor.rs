@@ -146,7 +146,14 @@ impl Rule for Places<'_, '_> {
         self.tops.add_constants(coefficients);
     }
 
-    fn precondition(&mut self, residual: &[f64], direction: &mut [f64], workers: Workers<'_>) {
+    fn precondition(
+        &mut self,
+        residual: &[f64],
+        direction: &mut [f64],
+        load: &mut [f64],
+        workers: Workers<'_>,
+    ) {
+        load.copy_from_slice(&residual[..load.len()]);
         let tops = self.split(residual.len());
         let (of_tops, of_floor) = direction.split_at_mut(tops);
         self.tops.respond(&residual[..tops], of_tops, workers);

@@ -1,7 +1,10 @@
 //! What a pillar top, and a cell of the floor, does next under the load on it.
 
+mod coarse;
 pub(crate) mod floor;
+pub(crate) mod fronts;
 pub(crate) mod patch;
 pub(crate) mod rim;
+pub(crate) mod sticky;
 pub(crate) mod tops;
 pub(crate) mod unilateral;

@@ -1,0 +1,316 @@
+//! `fakir approach --retract`: loading and unloading of pillar tops that stick.
+
+use crate::failure::Failure;
+use crate::numbers::{digits, seconds, significant, with_unit};
+use crate::report::Report;
+use crate::report::figures::saved;
+use crate::report::state::{QuantityList, error_remark, texture_line};
+use crate::report::table::{Column, table};
+use crate::session::Session;
+use fakir::problem::{Adhesion, CyclePlan, Drive};
+use fakir::state::{Branch, Cycle, CycleError, CycleEventKind, CycleStation};
+use fakir_case::Case;
+use fakir_case::unit::{Dimension, format_quantity};
+use fakir_figure::{cycle_curve, release_map};
+use fakir_study::citations::Topic;
+use fakir_study::output::File;
+use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::result::{
+    CycleSummary, EventRow, StationRow, csv, cycle_warnings, json, pillars_of,
+};
+use std::time::Instant;
+
+pub(crate) fn run(
+    case: &Case,
+    plan: CyclePlan,
+    saves: bool,
+    session: &Session,
+) -> Result<Report, Failure> {
+    if case.system.adhesion().is_none() {
+        return Err(Failure::Argument(
+            "--retract needs pillar tops that stick: give adhesion.work in the case file, or --set \
+             adhesion.work=50mJ/m2; without adhesion the lens is withdrawn the way it came"
+                .to_owned(),
+        ));
+    }
+    session.part("cycle");
+    let start = Instant::now();
+    let cycle = fakir::cycle(&case.system, plan, case.method, &session.run())?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let provenance = Provenance::new(
+        "loading and unloading with adhesion",
+        method_words(case.method),
+        &Topic::of_case(case),
+        case.to_toml(),
+    );
+    let mut tables = vec![
+        csv("cycle.csv", cycle.stations.iter().map(StationRow::from)),
+        csv("events.csv", cycle.events.iter().map(EventRow::from)),
+    ];
+    if let Some(pull_off) = &cycle.pull_off {
+        let table = pillars_of(&pull_off.pillars);
+        tables.extend(table.some_csv("pull-off-pillars.csv"));
+    }
+    if saves {
+        tables.extend(figures(&cycle, &provenance));
+    }
+    Ok(Report {
+        json: json(&CycleSummary::new(&cycle, wall_time)),
+        text: text(case, &cycle, wall_time),
+        provenance,
+        tables,
+        warnings: cycle_warnings(&cycle),
+        converged: cycle.converged(),
+    })
+}
+
+fn figures(cycle: &Cycle, provenance: &Provenance) -> Vec<File> {
+    // Where nothing is released there is no map.
+    let figures = [cycle_curve(cycle), release_map(cycle)]
+        .into_iter()
+        .flatten();
+    figures
+        .flat_map(|figure| saved(figure, provenance))
+        .collect()
+}
+
+fn text(case: &Case, cycle: &Cycle, wall_time: f64) -> String {
+    format!(
+        "Loading and unloading with adhesion\n{}\n{}, {}\n{}\n\n{}\n{}",
+        texture_line(&case.system),
+        adhesion_words(case.system.adhesion()),
+        drive_words(cycle.plan.drive),
+        method_words(case.method),
+        quantities(cycle, wall_time),
+        table(&changes(cycle), &change_columns())
+    )
+}
+
+fn adhesion_words(adhesion: Adhesion) -> String {
+    let words = |work| format_quantity(work, Dimension::EnergyPerArea);
+    let receding = adhesion
+        .work_receding
+        .map(|work| format!(" ({} to part)", words(work)));
+    format!(
+        "work of adhesion {}{}",
+        words(adhesion.work),
+        receding.unwrap_or_default()
+    )
+}
+
+fn drive_words(drive: Drive) -> String {
+    match drive {
+        Drive::Displacement => "under a prescribed indentation".to_owned(),
+        Drive::Force => "under a prescribed force".to_owned(),
+        Drive::Machine(stiffness) => format!(
+            "by a machine of {}",
+            format_quantity(stiffness, Dimension::Stiffness)
+        ),
+    }
+}
+
+fn quantities(cycle: &Cycle, wall_time: f64) -> String {
+    let errors = &cycle.errors;
+    let mut list = QuantityList::default();
+    let first = cycle
+        .first_contact
+        .and_then(|place| cycle.stations.get(place));
+    if let Some(CycleStation {
+        indentation, force, ..
+    }) = first
+    {
+        let force = format!("force {}", with_unit(*force, Dimension::Force, 3));
+        list.length("first contact", *indentation, force);
+    }
+    if let Some(indentation) = cycle.zero_load_indentation {
+        list.length("at rest without load", indentation, String::new());
+    }
+    let turn = &cycle.turn;
+    let reason = match &cycle.critical {
+        Some(critical) if turn.indentation > critical.contact.indentation => {
+            let state = &critical.contact;
+            format!(
+                "as if without floor: the critical state is at {} and {}",
+                with_unit(state.force, Dimension::Force, known(errors.critical_force)),
+                with_unit(
+                    state.indentation,
+                    Dimension::Length,
+                    known(errors.critical_indentation)
+                )
+            )
+        }
+        Some(_) => "critical state: the lens just reaches the floor".to_owned(),
+        None if cycle.stopped_by_floor => "the lens reaches the floor".to_owned(),
+        None => String::new(),
+    };
+    list.quantity(
+        "loaded up to a force of",
+        turn.force,
+        Dimension::Force,
+        known(errors.critical_force),
+        reason,
+    )
+    .quantity(
+        "  at an indentation of",
+        turn.indentation,
+        Dimension::Length,
+        known(errors.critical_indentation),
+        remark(errors.critical_indentation),
+    )
+    .row(
+        "  with pillars in contact",
+        turn.pillars_in_contact.to_string(),
+        "",
+        &format!("{} of them partially", turn.pillars_partially_in_contact),
+    );
+    if let Some(pull_off) = &cycle.pull_off {
+        list.quantity(
+            "pull-off force",
+            pull_off.force,
+            Dimension::Force,
+            known(errors.pull_off_force),
+            remark(errors.pull_off_force),
+        )
+        .length(
+            "  at an indentation of",
+            pull_off.indentation,
+            String::new(),
+        )
+        .row(
+            "  with pillars in contact",
+            pull_off.pillars.len().to_string(),
+            "",
+            "",
+        );
+    }
+    match cycle.separation {
+        Some(indentation) => list.length("last release", indentation, String::new()),
+        None => list.row("last release", "-".to_owned(), "", "something still holds"),
+    };
+    let energy = |list: &mut QuantityList, name: &str, value: f64, error: CycleError, words| {
+        list.row(name, significant(value, known(error)), "J", words);
+    };
+    let area = errors.loop_area;
+    energy(
+        &mut list,
+        "work of separation",
+        cycle.work_of_separation,
+        area,
+        "",
+    );
+    if let Some(certificate) = cycle.certificate() {
+        energy(
+            &mut list,
+            "hysteresis",
+            cycle.loop_area,
+            area,
+            &remark(area),
+        );
+        list.row(
+            "certificate",
+            certificate_words(certificate),
+            "",
+            "relative difference from what all events dissipate",
+        );
+    }
+    for limit in cycle.limits(None) {
+        let doubtful = if limit.strained { "beyond" } else { "below" };
+        list.row(
+            match limit.name {
+                "kendall_strain" => "strain of pillars at pull-off",
+                "slope" => "slope of the lens",
+                other => other,
+            },
+            significant(limit.value, 2),
+            "",
+            &format!(
+                "{doubtful} {}, where the model is doubtful",
+                limit.threshold
+            ),
+        );
+    }
+    list.row(
+        "stations",
+        cycle.stations.len().to_string(),
+        "",
+        &format!(
+            "{}, in {}",
+            cycle.termination.description(),
+            seconds(wall_time)
+        ),
+    );
+    list.text()
+}
+
+/// What is smaller than any error that matters is rounding, and differs between machines.
+fn certificate_words(certificate: f64) -> String {
+    if certificate < 1e-9 {
+        "< 1e-9".to_owned()
+    } else {
+        format!("{certificate:.1e}")
+    }
+}
+
+/// Digits that the numerical error leaves.
+fn known(error: CycleError) -> usize {
+    digits(error.numerical())
+}
+
+/// The numerical error, and that of the model apart.
+fn remark(error: CycleError) -> String {
+    let numerical = error_remark(error.numerical());
+    let model = match error.fronts {
+        fronts if fronts > 0.0 => format!(
+            ", error of the model {} (shapes of partial contacts)",
+            significant(fronts, 1)
+        ),
+        _ => String::new(),
+    };
+    let remark = numerical + &model;
+    remark.trim_start_matches([',', ' ']).to_owned()
+}
+
+/// How often something happened on each branch.
+struct Change {
+    kind: CycleEventKind,
+    loading: usize,
+    unloading: usize,
+}
+
+fn changes(cycle: &Cycle) -> Vec<Change> {
+    let count = |kind, branch| {
+        let events = cycle.events.iter();
+        let of_kind = events.filter(|event| event.kind == kind && event.branch == branch);
+        of_kind.count()
+    };
+    let kinds = [
+        CycleEventKind::SnapIn,
+        CycleEventKind::Growth,
+        CycleEventKind::Recession,
+        CycleEventKind::Release,
+    ];
+    kinds
+        .map(|kind| Change {
+            kind,
+            loading: count(kind, Branch::Loading),
+            unloading: count(kind, Branch::Unloading),
+        })
+        .into()
+}
+
+fn change_columns() -> Vec<Column<Change>> {
+    vec![
+        Column::text("changes of contact", |change: &Change| {
+            match change.kind {
+                CycleEventKind::SnapIn => "made",
+                CycleEventKind::Growth => "grown",
+                CycleEventKind::Recession => "receded",
+                CycleEventKind::Release => "released",
+                CycleEventKind::FloorContact => "floor",
+            }
+            .to_owned()
+        }),
+        Column::right("loading", |change| change.loading.to_string()),
+        Column::right("unloading", |change| change.unloading.to_string()),
+    ]
+}

@@ -1,0 +1,243 @@
+//! A cycle of loading and unloading of pillars that stick.
+
+use crate::axis::Axis;
+use crate::chart::{Chart, Grid};
+use crate::colour::{ColourMap, Tint};
+use crate::error::FigureError;
+use crate::figure::{COLUMN, Figure};
+use crate::map::{ColourBar, KeySign, Sheet, ringed};
+use crate::scene::{Colour, Item};
+use crate::series::{Marker, Series, Style};
+use crate::unit::Unit;
+use fakir::problem::Method;
+use fakir::state::{Branch, Cycle, CycleEventKind, CycleStation};
+use std::collections::{BTreeMap, HashSet};
+
+/// A point in SI units: indentation (m), and force (N) or a number.
+type Point = [f64; 2];
+
+/// Force over indentation of both branches, the same near the pull-off, and how many pillars are in contact. Where pillars come into
+/// contact and are released, the critical state and the pull-off are marked.
+///
+/// # Errors
+/// [`FigureError::TooFewData`] of a curve of fewer than two stations.
+pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
+    let stations = &cycle.stations;
+    if stations.len() < 2 {
+        return Err(FigureError::TooFewData {
+            fewest: 2,
+            given: stations.len(),
+        });
+    }
+    let sizes = |value: fn(&CycleStation) -> f64| {
+        let values = stations.iter().map(|station| value(station).abs());
+        values.fold(0.0, f64::max)
+    };
+    let across = Unit::of_length(sizes(|station| station.indentation));
+    let x = || Axis::linear(format!("indentation *ζ* ({})", across.name));
+    let force = Unit::of_force(sizes(|station| station.force));
+    let y = Axis::linear(format!("force *F* ({})", force.name));
+    let mut charts = vec![Chart::new(
+        x(),
+        y,
+        force_series(cycle, [across, force], None),
+    )];
+    let mut heights = vec![122.0];
+    if let Some(pull_off) = &cycle.pull_off {
+        let near = Unit::of_force(pull_off.force);
+        let y = Axis::linear(format!("force *F* ({})", near.name));
+        let series = force_series(cycle, [across, near], Some(-pull_off.force));
+        charts.push(Chart::new(x(), y, series));
+        heights.push(122.0);
+    }
+    let count = |branch, style| {
+        let on_branch = stations.iter().filter(|station| station.branch == branch);
+        let points = on_branch.map(|station| {
+            let count = station.pillars_in_contact as f64;
+            [across.of(station.indentation), count]
+        });
+        Series::unnamed(points.collect(), style)
+    };
+    let counts = BRANCHES.map(|(branch, _, style)| count(branch, style()));
+    charts.push(Chart::new(
+        x(),
+        Axis::linear("pillars in contact"),
+        counts.into(),
+    ));
+    heights.push(80.0);
+    let figure = Grid {
+        name: "cycle",
+        width: COLUMN,
+        columns: 1,
+        heights,
+        charts,
+        common_x: false,
+        common_y: false,
+        titles: Vec::new(),
+        tagged: false,
+    }
+    .figure();
+    Ok(figure.with_description(
+        "Loading, unloading and pull-off",
+        "Force over indentation while the lens is lowered and withdrawn, the same where it is pulled off, and the number of \
+         pillars in contact; marks show where pillars come into contact and are released, the critical state and the \
+         pull-off.",
+    ))
+}
+
+type NamedBranch = (Branch, &'static str, fn() -> Style);
+
+const BRANCHES: [NamedBranch; 2] = [
+    (Branch::Loading, "loading", || {
+        Style::line(0).in_tint(Tint::Blue)
+    }),
+    (Branch::Unloading, "unloading", || {
+        Style::line(1).in_tint(Tint::Vermillion)
+    }),
+];
+
+/// Both branches with their events; where `largest` is given only as far as forces are no larger (N).
+fn force_series(cycle: &Cycle, [across, up]: [Unit; 2], largest: Option<f64>) -> Vec<Series> {
+    let at = |[indentation, force]: Point| [across.of(indentation), up.of(force)];
+    let marks = |tint, marker| Style {
+        tint,
+        line: None,
+        marker: Some(marker),
+    };
+    let mut series = Vec::new();
+    for (branch, name, style) in BRANCHES {
+        let on_branch = cycle.stations.iter().filter(|it| it.branch == branch);
+        let points: Vec<Point> = on_branch.map(|it| [it.indentation, it.force]).collect();
+        let points = up_to(&points, largest);
+        series.push(Series::new(
+            name,
+            points.into_iter().map(at).collect(),
+            style(),
+        ));
+    }
+    let seen = |force: f64| largest.is_none_or(|largest| force <= largest);
+    for (kind, name, style) in [
+        (
+            CycleEventKind::SnapIn,
+            "contact made",
+            marks(Tint::Blue, Marker::Ring),
+        ),
+        (
+            CycleEventKind::Release,
+            "released",
+            marks(Tint::Vermillion, Marker::Cross),
+        ),
+    ] {
+        let events = cycle.events.iter().filter(|event| event.kind == kind);
+        let mut places: Vec<Point> = events
+            .filter(|event| seen(event.force))
+            .map(|event| at([event.indentation, event.force]))
+            .collect();
+        // Events of one cascade share their place.
+        places.dedup();
+        if !places.is_empty() {
+            series.push(Series::new(name, places, style));
+        }
+    }
+    let critical = cycle.critical.as_ref().map(|it| &it.contact);
+    if let Some(state) = critical.filter(|state| seen(state.force)) {
+        let place = at([state.indentation, state.force]);
+        let style = marks(Tint::Black, Marker::Diamond);
+        series.push(Series::new("critical state", vec![place], style));
+    }
+    if let Some(pull_off) = &cycle.pull_off {
+        let place = at([pull_off.indentation, pull_off.force]);
+        let style = marks(Tint::Green, Marker::Square);
+        series.push(Series::new("pull-off", vec![place], style));
+    }
+    series
+}
+
+/// The curve where forces are at most `largest` (N), with its ends where it crosses that force.
+fn up_to(points: &[Point], largest: Option<f64>) -> Vec<Point> {
+    let Some(largest) = largest else {
+        return points.to_vec();
+    };
+    let mut seen = Vec::new();
+    for (k, point) in points.iter().enumerate() {
+        let before = k.checked_sub(1).map(|k| points[k]);
+        if let Some(before) = before.filter(|it| (it[1] > largest) != (point[1] > largest)) {
+            let part = (largest - before[1]) / (point[1] - before[1]);
+            seen.push([before[0] + part * (point[0] - before[0]), largest]);
+        }
+        if point[1] <= largest {
+            seen.push(*point);
+        }
+    }
+    seen
+}
+
+/// Map of the pillars that were in contact at all: at which indentation each was released for the last time, and which of them held at
+/// the pull-off.
+///
+/// # Errors
+/// [`FigureError::NoPillars`] if no pillar was released.
+pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
+    let released: BTreeMap<(i64, i64), ([f64; 2], f64)> = cycle
+        .release_order()
+        .into_iter()
+        .filter(|event| event.branch == Branch::Unloading)
+        .filter_map(|event| {
+            let pillar = event.pillar?;
+            Some((pillar.index, (pillar.centre, event.indentation)))
+        })
+        .collect();
+    if released.is_empty() {
+        return Err(FigureError::NoPillars {
+            method: Method::Spectral(cycle.accuracy).name(),
+        });
+    }
+    let indentations = || released.values().map(|(_, indentation)| *indentation);
+    let low = indentations().fold(f64::INFINITY, f64::min);
+    let high = indentations().fold(f64::NEG_INFINITY, f64::max);
+    let unit = Unit::of_length(low.abs().max(high.abs()));
+    let bar = ColourBar::over(
+        ColourMap::Viridis,
+        unit.of(low),
+        unit.of(high),
+        format!("indentation at release ({})", unit.name),
+    );
+    let pillar = cycle.system.pillar();
+    let lattice = cycle.system.lattice();
+    let farthest = released.values().map(|([x, y], _)| x.hypot(*y));
+    let half_width = farthest.fold(0.0, f64::max) + lattice.pitch;
+    let sheet = Sheet::new([0.0, 0.0], half_width, &bar);
+    let window = &sheet.window;
+    let radius = window.length(0.5 * pillar.diameter);
+    let pulling = cycle.pull_off.iter().flat_map(|it| &it.pillars);
+    let pulling: HashSet<(i64, i64)> = pulling.map(|pillar| pillar.index).collect();
+    let discs = window.pillars(lattice, pillar.diameter);
+    let discs = discs.into_iter().flat_map(|(index, centre)| {
+        let found = released.get(&index);
+        let colour = found.map_or(Colour::grey(226), |(_, at)| bar.colour(unit.of(*at)));
+        let centre = window.place(centre);
+        if pulling.contains(&index) {
+            return ringed(centre, radius, colour).to_vec();
+        }
+        vec![Item::Disc {
+            centre,
+            radius,
+            fill: Some(colour),
+            stroke: None,
+        }]
+    });
+    let mut signs = Vec::new();
+    if !pulling.is_empty() {
+        signs.push((KeySign::Ring, "held at pull-off"));
+    }
+    let figure = sheet.figure("releases", &bar, discs.collect(), &signs);
+    Ok(figure.with_description(
+        "Release of the pillars",
+        &format!(
+            "Map of the {} pillars that were in contact, coloured by the indentation at which each was released; the {} that \
+             held at the pull-off have a ring.",
+            released.len(),
+            pulling.len()
+        ),
+    ))
+}

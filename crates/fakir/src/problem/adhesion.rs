@@ -1,0 +1,71 @@
+//! How the pillar tops stick to the lens.
+
+use super::quantity::{InvalidQuantity, Quantity, Requirement};
+
+/// The work of adhesion between the lens and the pillar tops: the energy per area that it takes to part them. The range of the
+/// attraction counts as small against everything else (the limit of Johnson, Kendall and Roberts).
+///
+/// ```
+/// use fakir::problem::Adhesion;
+///
+/// let silicone = Adhesion::new(50e-3);
+/// assert_eq!(silicone.receding(), 50e-3);
+/// let harder_to_part = Adhesion { work_receding: Some(80e-3), ..silicone };
+/// assert_eq!(harder_to_part.receding(), 80e-3);
+/// assert!(Adhesion::NONE.is_none());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Adhesion {
+    /// Work of adhesion where contact is made, J/m^2. Zero is none.
+    pub work: f64,
+    /// Work of adhesion where contact is broken, J/m^2, if it is larger.
+    pub work_receding: Option<f64>,
+}
+
+/// Smallest work of adhesion that is not zero, J/m^2: many orders below any that is known.
+const SMALLEST_WORK: f64 = 1e-12;
+
+impl Adhesion {
+    /// Nothing sticks.
+    pub const NONE: Self = Self {
+        work: 0.0,
+        work_receding: None,
+    };
+
+    /// The same work (J/m^2) to break contact as is won where it is made.
+    #[must_use]
+    pub const fn new(work: f64) -> Self {
+        Self {
+            work,
+            work_receding: None,
+        }
+    }
+
+    /// Work of adhesion where contact is broken, J/m^2.
+    #[must_use]
+    pub fn receding(self) -> f64 {
+        self.work_receding.unwrap_or(self.work)
+    }
+
+    /// Whether nothing sticks.
+    #[must_use]
+    pub fn is_none(self) -> bool {
+        self.receding() <= 0.0
+    }
+
+    /// The works of adhesion, if they can be.
+    pub(super) fn checked(self) -> Result<Self, InvalidQuantity> {
+        let smallest = Requirement::ZeroOrWork(SMALLEST_WORK);
+        smallest.check(Quantity::WorkOfAdhesion, self.work)?;
+        if let Some(receding) = self.work_receding {
+            smallest.check(Quantity::RecedingWorkOfAdhesion, receding)?;
+            Requirement::AtLeastWork(self.work)
+                .check(Quantity::RecedingWorkOfAdhesion, receding)?;
+        }
+        // Adding zero takes the sign from a negative one.
+        Ok(Self {
+            work: self.work + 0.0,
+            work_receding: self.work_receding.map(|work| work + 0.0),
+        })
+    }
+}

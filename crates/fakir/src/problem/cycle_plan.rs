@@ -1,0 +1,83 @@
+//! How a lens is brought down onto pillars that stick, and off again.
+
+use super::control::Control;
+use super::quantity::{InvalidQuantity, Quantity, Requirement};
+
+/// A cycle of loading and unloading. The default goes to the critical state and back until nothing is in contact, by displacement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CyclePlan {
+    /// Where loading ends.
+    pub turn: Turn,
+    /// What is held while tops snap into contact and out of it.
+    pub drive: Drive,
+    /// Whether the lens is pulled off again.
+    pub retract: bool,
+}
+
+/// Where loading ends. With a floor that is not ignored it ends at the critical state at the latest: what follows with tops that
+/// stick is not solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Turn {
+    /// At this part of the critical indentation, above 0 and at most 1.
+    Critical(f64),
+    /// At an indentation, m.
+    Indentation(f64),
+    /// Where a force (N) is first borne.
+    Force(f64),
+}
+
+/// What drives the lens. Between events all are the same; they differ in what happens at one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Drive {
+    /// The indentation is held.
+    Displacement,
+    /// The force is held.
+    Force,
+    /// The crosshead of a machine of this stiffness (N/m) is held: the indentation plus force over stiffness.
+    Machine(f64),
+}
+
+impl Default for CyclePlan {
+    fn default() -> Self {
+        Self {
+            turn: Turn::Critical(1.0),
+            drive: Drive::Displacement,
+            retract: true,
+        }
+    }
+}
+
+impl Drive {
+    /// The name used in case files and results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::Force => "force",
+            Self::Machine(_) => "machine",
+        }
+    }
+}
+
+impl CyclePlan {
+    /// What is planned, if it can be; `length` and `modulus` as for [`Control::checked`].
+    pub(crate) fn checked(self, length: f64, modulus: f64) -> Result<Self, InvalidQuantity> {
+        let turn = match self.turn {
+            Turn::Critical(part) => {
+                Turn::Critical(Requirement::PartOfWhole.check(Quantity::CriticalPart, part)?)
+            }
+            Turn::Indentation(indentation) => {
+                Control::Indentation(indentation).checked(length, modulus)?;
+                Turn::Indentation(indentation + 0.0)
+            }
+            Turn::Force(force) => {
+                Control::Force(force).checked(length, modulus)?;
+                Turn::Force(force + 0.0)
+            }
+        };
+        if let Drive::Machine(stiffness) = self.drive {
+            Requirement::Positive.check(Quantity::MachineStiffness, stiffness)?;
+        }
+        Ok(Self { turn, ..self })
+    }
+}

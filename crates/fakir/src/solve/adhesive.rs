@@ -1,0 +1,512 @@
+//! Answers with pillar tops that stick, assembled from the [path](super::path) of loading and unloading.
+
+use super::assembled::floor_gap;
+use super::estimate::unknowns_only;
+use super::path::{End, Held, HeldTop, Path, Station, Stop, TopEvent};
+use super::rules::fronts::{Course, Fronts, Works};
+use super::spectral::degrees;
+use super::touched::nearest_first;
+use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE};
+use crate::numerics::vector::dot;
+use crate::problem::scaled::Problem;
+use crate::problem::{Accuracy, Control, CyclePlan, Drive, FloorModel, Method, System, Turn};
+use crate::state::contact::contact_warnings;
+use crate::state::cycle::LARGEST_STRAIN;
+use crate::state::fields::Disc;
+use crate::state::{
+    Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
+    CycleEventKind, CycleStation, ErrorEstimate, Fields, HeldPillar, PillarState, PillarStatus,
+    PullOff, Run, SolveError, Termination, Warning,
+};
+use std::sync::Arc;
+
+/// Relative error of the force of a top in partial contact: that of the shapes of fronts, against a cohesive zone on elements.
+const PARTIAL_ERROR: f64 = 0.05;
+
+/// Error of the critical indentation over that of the force, where tops are in partial contact.
+const INDENTATION_SHARE: f64 = 0.3;
+
+/// Error of the pull-off force by the shapes of fronts.
+const FRONT_ERROR: f64 = 0.05;
+
+/// Error of the pull-off force by 360 angles around a rim.
+const ANGLE_ERROR: f64 = 2e-5;
+
+/// Error of the forces on tops by the degree `p` of the pressure, over `pitch^-(2p + 2)`.
+const DEGREE_ERROR: f64 = 2e-3;
+
+/// That of the coefficient along the rim at which one is released, which does not average out, over `pitch^-(p + 2)`: 1e-3 for degree 2 at a
+/// pitch of 6 pillar radii, where seven tops on a flat lens have 6e-4.
+const RIM_DEGREE_ERROR: f64 = 1.3;
+
+/// Errors of the pull-off force and of the loop area by 16 levels of fronts: between 8 and 16 levels the one changes by 0.4 to 2.5 %, and by 6 %
+/// at 1 mJ/m^2; the other by 0.4 to 1.5 %.
+const LEVEL_ERROR: f64 = 0.03;
+const LEVEL_ERROR_OF_LOOP: f64 = 0.015;
+
+/// What the solver leaves, and steps beyond events.
+const SOLVER_ERROR: f64 = 1e-6;
+
+/// Error of the place of a front on its top, pillar radii: half a level.
+const FRONT_PLACE_ERROR: f64 = 0.0625;
+
+/// The contact under what is prescribed on the branch of loading, from the first contact on.
+pub(crate) fn press(
+    system: &System,
+    control: Control,
+    accuracy: Accuracy,
+    run: &Run<'_>,
+) -> Result<ContactState, SolveError> {
+    let problem = Problem::new(system);
+    let loading = Loading::new(system, &problem, accuracy, Drive::Displacement, run)?;
+    let end = match control {
+        Control::Indentation(indentation) => End::Indentation(indentation / problem.length),
+        Control::Force(force) => End::Force(force / problem.force()),
+        Control::FloorContact => End::Floor,
+    };
+    let loaded = loading.until(end)?;
+    if loaded.stopped_by_floor {
+        return Err(SolveError::PastTransition {
+            indentation: loaded.turn.indentation,
+            force: loaded.turn.force,
+        });
+    }
+    let ErrorEstimate { force, indentation } = loaded.turn.error;
+    let error = unknowns_only(control, loaded.turn.termination, [force, indentation]);
+    Ok(ContactState {
+        error,
+        ..loaded.turn
+    })
+}
+
+/// A cycle of loading and unloading; the plan has been checked.
+pub(crate) fn cycle(
+    system: &System,
+    plan: CyclePlan,
+    accuracy: Accuracy,
+    run: &Run<'_>,
+) -> Result<Cycle, SolveError> {
+    let problem = Problem::new(system);
+    let end = match plan.turn {
+        Turn::Critical(part) if part < 1.0 => {
+            let critical = press(system, Control::FloorContact, accuracy, run)?;
+            End::Indentation(part * critical.indentation / problem.length)
+        }
+        Turn::Critical(_) => End::Floor,
+        Turn::Indentation(indentation) => End::Indentation(indentation / problem.length),
+        Turn::Force(force) => End::Force(force / problem.force()),
+    };
+    let mut loaded = Loading::new(system, &problem, accuracy, plan.drive, run)?.until(end)?;
+    let path = &mut loaded.loading.path;
+    if plan.retract
+        && loaded.turn.converged()
+        && let Stop::Failed(termination) = path.go(Course::Unloading, End::Separation, false)?
+    {
+        loaded.turn.termination = termination;
+    }
+    Ok(loaded.cycle(plan))
+}
+
+/// A lens that comes down on tops that stick.
+struct Loading<'a> {
+    system: &'a System,
+    accuracy: Accuracy,
+    path: Path<'a>,
+}
+
+/// Where it came to.
+struct Loaded<'a> {
+    loading: Loading<'a>,
+    /// The contact there.
+    turn: ContactState,
+    critical: Option<CriticalState>,
+    /// Events when the floor was reached.
+    events_before_floor: Option<usize>,
+    /// Whether the floor was reached before the end.
+    stopped_by_floor: bool,
+}
+
+impl<'a> Loading<'a> {
+    fn new(
+        system: &'a System,
+        problem: &'a Problem,
+        accuracy: Accuracy,
+        drive: Drive,
+        run: &'a Run<'a>,
+    ) -> Result<Self, SolveError> {
+        let adhesion = system.adhesion();
+        let scale = problem.pressure * problem.length;
+        let works = Works {
+            advancing: adhesion.work / scale,
+            receding: adhesion.receding() / scale,
+        };
+        let degree = degrees(accuracy, problem).coupling;
+        let fronts = Fronts::new(degree, problem.column_compliance_ratio, works, true);
+        let held = match drive {
+            Drive::Displacement => Held::Indentation,
+            Drive::Force => Held::Force,
+            Drive::Machine(stiffness) => {
+                Held::Crosshead(stiffness * problem.length / problem.force())
+            }
+        };
+        Ok(Self {
+            system,
+            accuracy,
+            path: Path::new(problem, run, fronts, held)?,
+        })
+    }
+
+    /// Down to an end, or to the floor, unless that is ignored.
+    fn until(mut self, end: End) -> Result<Loaded<'a>, SolveError> {
+        let ignored = self.system.floor_model() == FloorModel::Ignored;
+        let (mut critical, mut events_before_floor) = (None, None);
+        loop {
+            match self
+                .path
+                .go(Course::Loading, end, events_before_floor.is_none())?
+            {
+                Stop::Floor(_) => {
+                    events_before_floor = Some(self.path.events.len());
+                    let contact = ContactState {
+                        smallest_floor_gap: 0.0, // but for rounding
+                        ..self.state(Termination::Converged)
+                    };
+                    critical = Some(CriticalState::new(contact.clone()));
+                    if ignored && end != End::Floor {
+                        continue;
+                    }
+                    return Ok(Loaded {
+                        loading: self,
+                        turn: contact,
+                        critical,
+                        events_before_floor,
+                        stopped_by_floor: end != End::Floor,
+                    });
+                }
+                stop => {
+                    let termination = match stop {
+                        Stop::Failed(termination) => termination,
+                        _ => Termination::Converged,
+                    };
+                    return Ok(Loaded {
+                        turn: self.state(termination),
+                        loading: self,
+                        critical,
+                        events_before_floor,
+                        stopped_by_floor: false,
+                    });
+                }
+            }
+        }
+    }
+
+    /// The present contact.
+    fn state(&self, termination: Termination) -> ContactState {
+        let (system, problem) = (self.system, self.path.problem);
+        let lowest = self.path.lowest_floor();
+        let path = &self.path;
+        let tops = path.held_tops();
+        let pillars = self.pillars(&tops);
+        let degree = path.tops.fronts.degree();
+        let discs = tops.iter().map(|top| Disc {
+            index: top.index,
+            centre: top.centre,
+            radius: 1.0,
+            coefficients: top.coefficients.clone(),
+            gap: None,
+            held: Some(path.tops.fronts.held_part(top.domain)),
+            sliver: None,
+        });
+        let indentation = path.indentation();
+        let fields = Fields::new(
+            problem.clone(),
+            indentation,
+            discs.collect(),
+            degree,
+            degree,
+        );
+        let radius = path.contact_radius();
+        let (force, partly) = (path.force(), partly_borne(&pillars));
+        let error = if termination == Termination::Converged {
+            let share = relative(PARTIAL_ERROR * partly / problem.force(), force);
+            let [degree, _] = self.degree_errors();
+            ErrorEstimate {
+                force: degree + share,
+                indentation: degree + INDENTATION_SHARE * share,
+            }
+        } else {
+            ErrorEstimate {
+                force: 1.0,
+                indentation: 1.0,
+            }
+        };
+        let partial = pillars
+            .iter()
+            .filter(|pillar| pillar.status == PillarStatus::Partial)
+            .count();
+        let radius_error = match (termination, partial) {
+            (Termination::Converged, 0) => 0.0,
+            (Termination::Converged, _) => FRONT_PLACE_ERROR,
+            _ => radius,
+        };
+        let state = ContactState {
+            force: force * problem.force(),
+            contact_radius: radius * problem.length,
+            contact_radius_error: radius_error * problem.length,
+            pillars_in_contact: pillars.len(),
+            pillars_partially_in_contact: partial,
+            pillars,
+            fields: Some(Arc::new(fields)),
+            error,
+            termination,
+            iterations: path.events.len(),
+            warnings: warnings(system, radius / problem.lens.radius),
+            ..ContactState::untouched(
+                system,
+                Method::Spectral(self.accuracy),
+                indentation * problem.length,
+            )
+        };
+        floor_gap(problem, state, indentation, lowest)
+    }
+
+    /// Tops in contact with what each bears, nearest to the lens axis first.
+    fn pillars(&self, tops: &[HeldTop]) -> Vec<PillarState> {
+        let problem = self.path.problem;
+        let fronts = &self.path.tops.fronts;
+        let mut basis = BasisEvaluator::new(fronts.degree());
+        let mut at_centre = vec![0.0; tops.first().map_or(0, |top| top.coefficients.len())];
+        if !at_centre.is_empty() {
+            basis.evaluate([0.0, 0.0], &mut at_centre);
+        }
+        let pillar = |top: &HeldTop| {
+            let coefficients = &top.coefficients;
+            let centre_is_held = fronts.holds_centre(top.domain);
+            let edge = || {
+                fronts
+                    .edge_range(coefficients)
+                    .map(|q| q * problem.pressure)
+            };
+            PillarState {
+                index: top.index,
+                centre: problem.metres(top.centre),
+                status: if top.domain.is_full() {
+                    PillarStatus::Full
+                } else {
+                    PillarStatus::Partial
+                },
+                force: UNIT_FORCE * coefficients[0] * problem.force(),
+                centre_pressure: if centre_is_held {
+                    dot(&at_centre, coefficients) * problem.pressure
+                } else {
+                    0.0
+                },
+                edge_coefficient: top.domain.is_full().then(edge),
+            }
+        };
+        let mut pillars: Vec<PillarState> = tops.iter().map(pillar).collect();
+        nearest_first(&mut pillars, |pillar| pillar, problem.length);
+        pillars
+    }
+
+    /// Errors of the degree of the pressure, relative: of forces, and of where a rim lets go.
+    fn degree_errors(&self) -> [f64; 2] {
+        let pitch = self.path.problem.lattice.pitch;
+        let degree = self.path.tops.fronts.degree() as i32;
+        [
+            SOLVER_ERROR + DEGREE_ERROR * pitch.powi(-2 * degree - 2),
+            SOLVER_ERROR + RIM_DEGREE_ERROR * pitch.powi(-degree - 2),
+        ]
+    }
+}
+
+impl Loaded<'_> {
+    fn cycle(self, plan: CyclePlan) -> Cycle {
+        let Self {
+            loading,
+            turn,
+            critical,
+            events_before_floor,
+            stopped_by_floor,
+        } = self;
+        let path = &loading.path;
+        let problem = path.problem;
+        let (metres, newtons) = (problem.length, problem.force());
+        let stations: Vec<CycleStation> = path
+            .stations
+            .iter()
+            .map(|station| CycleStation {
+                branch: branch(station.course),
+                indentation: station.indentation * metres,
+                force: station.force * newtons,
+                contact_radius: station.radius * metres,
+                pillars_in_contact: station.touched[0],
+                pillars_partially_in_contact: station.touched[1],
+                contact_area: station.area * metres * metres,
+                events: station.events + events_before(events_before_floor, station),
+            })
+            .collect();
+        let mut events: Vec<CycleEvent> = path.events.iter().map(|e| loading.event(e)).collect();
+        if let (Some(place), Some(critical)) = (events_before_floor, &critical) {
+            let floor = CycleEvent {
+                branch: Branch::Loading,
+                kind: CycleEventKind::FloorContact,
+                indentation: critical.contact.indentation,
+                force: critical.contact.force,
+                pillar: None,
+                covered_before: 0.0,
+            };
+            events.insert(place, floor);
+        }
+        let pull_off = path.strongest.as_ref().map(|pull| PullOff {
+            force: stations[pull.station].force,
+            indentation: stations[pull.station].indentation,
+            station: pull.station,
+            pillars: loading.pillars(&pull.tops),
+        });
+        let last = stations.last().filter(|_| plan.retract && turn.converged());
+        let energies = path.energies;
+        let joules = newtons * metres;
+        let works = path.tops.fronts.works();
+        let dissipation =
+            energies.dissipation + (works.receding - works.advancing) * energies.receded;
+        Cycle {
+            system: *loading.system,
+            plan,
+            accuracy: loading.accuracy,
+            first_contact: stations.iter().position(|s| s.pillars_in_contact > 0),
+            zero_load_indentation: zero_load(&stations),
+            separation: last
+                .filter(|station| station.pillars_in_contact == 0)
+                .map(|station| station.indentation),
+            errors: loading.errors(critical.as_ref(), pull_off.as_ref()),
+            work_of_separation: energies.separation * joules,
+            loop_area: energies.work * joules,
+            dissipation: dissipation * joules,
+            termination: turn.termination,
+            warnings: turn.warnings.clone(),
+            stations,
+            events,
+            critical,
+            turn,
+            stopped_by_floor,
+            pull_off,
+        }
+    }
+}
+
+impl Loading<'_> {
+    fn event(&self, event: &TopEvent) -> CycleEvent {
+        let problem = self.path.problem;
+        let [before, after] = event.levels;
+        let (i, j) = event.index;
+        let covered = |level: usize| self.path.tops.fronts.part(level);
+        CycleEvent {
+            branch: branch(event.course),
+            kind: match (before, after) {
+                (0, _) => CycleEventKind::SnapIn,
+                (_, 0) => CycleEventKind::Release,
+                _ if after > before => CycleEventKind::Growth,
+                _ => CycleEventKind::Recession,
+            },
+            indentation: event.indentation * problem.length,
+            force: event.force * problem.force(),
+            pillar: Some(HeldPillar {
+                index: event.index,
+                centre: problem.metres(problem.lattice.centre(i, j)),
+                covered: covered(after),
+            }),
+            covered_before: covered(before),
+        }
+    }
+
+    /// Where the errors of the figures come from.
+    fn errors(&self, critical: Option<&CriticalState>, pull_off: Option<&PullOff>) -> CycleErrors {
+        let [degree, rim] = self.degree_errors();
+        let of_critical = critical.map_or([0.0; 2], |critical| {
+            let borne = PARTIAL_ERROR * partly_borne(&critical.contact.pillars);
+            let share = relative(borne, critical.contact.force);
+            [share, INDENTATION_SHARE * share]
+        });
+        let [critical_force, critical_indentation] = of_critical.map(|fronts| CycleError {
+            degree,
+            fronts,
+            ..CycleError::default()
+        });
+        let alone = |pull: &PullOff| pull.pillars.len() == 1;
+        let pull_off_force = pull_off.map_or_else(CycleError::default, |pull| CycleError {
+            levels: if alone(pull) { 0.0 } else { LEVEL_ERROR },
+            rim_angles: ANGLE_ERROR,
+            degree: rim,
+            fronts: if alone(pull) { 0.0 } else { FRONT_ERROR },
+        });
+        let energies = self.path.energies;
+        let loop_area = CycleError {
+            levels: LEVEL_ERROR_OF_LOOP + relative(energies.between_levels, energies.work),
+            rim_angles: 2.0 * ANGLE_ERROR,
+            degree: 2.0 * rim,
+            fronts: FRONT_ERROR,
+        };
+        CycleErrors {
+            critical_force,
+            critical_indentation,
+            pull_off_force,
+            loop_area,
+        }
+    }
+}
+
+/// Whether the floor had been reached before a station.
+fn events_before(floor: Option<usize>, station: &Station) -> usize {
+    let after_floor = |events: usize| {
+        station.events > events || (station.events == events && station.course == Course::Unloading)
+    };
+    usize::from(floor.is_some_and(after_floor))
+}
+
+fn branch(course: Course) -> Branch {
+    match course {
+        Course::Loading => Branch::Loading,
+        Course::Unloading => Branch::Unloading,
+    }
+}
+
+/// Sum of what tops in partial contact bear, of either sign, N.
+fn partly_borne(pillars: &[PillarState]) -> f64 {
+    let partial = pillars.iter().filter(|p| p.status == PillarStatus::Partial);
+    partial.map(|pillar| pillar.force.abs()).sum()
+}
+
+fn relative(error: f64, value: f64) -> f64 {
+    if value == 0.0 {
+        0.0
+    } else {
+        (error / value).abs()
+    }
+}
+
+/// Where the force first rises through zero on loading, with something in contact.
+fn zero_load(stations: &[CycleStation]) -> Option<f64> {
+    let loading = stations.iter().filter(|s| s.branch == Branch::Loading);
+    let touched: Vec<&CycleStation> = loading.filter(|s| s.pillars_in_contact > 0).collect();
+    if let Some(first) = touched.first()
+        && first.force >= 0.0
+    {
+        return Some(first.indentation);
+    }
+    let pairs = touched.windows(2);
+    let mut rising = pairs.filter(|pair| pair[0].force < 0.0 && pair[1].force >= 0.0);
+    rising.next().map(|pair| {
+        let part = -pair[0].force / (pair[1].force - pair[0].force);
+        pair[0].indentation + part * (pair[1].indentation - pair[0].indentation)
+    })
+}
+
+fn warnings(system: &System, contact_ratio: f64) -> Vec<Warning> {
+    let mut warnings = contact_warnings(contact_ratio);
+    let ratio = system.kendall_strain();
+    if ratio > LARGEST_STRAIN {
+        warnings.push(Warning::AdhesiveStretch { ratio });
+    }
+    warnings
+}

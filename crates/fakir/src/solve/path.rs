@@ -1,0 +1,832 @@
+//! Loading and unloading with adhesion: an exact path of events.
+//!
+//! With what every top has in contact [frozen](super::frozen) all is linear in the indentation, so that the next indentation at which a
+//! top changes follows in closed form ([`next_event`](StickyTops::next_event)). There all tops that change do, which changes the
+//! loads on the others: a *cascade*, at a fixed indentation, or force, or crosshead of a machine. In a cascade changes in the sense of
+//! the course come first (more contact on loading, less on unloading); a top that has made one does not go back, and a front turns
+//! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
+//! sets free is dissipated.
+
+use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::frozen::{FrozenContact, Rule, Source};
+use super::rules::fronts::{Course, Domain, Fronts, Works};
+use super::rules::sticky::StickyTops;
+use super::spectral::{LARGEST_CONTACT, checked_window};
+use crate::halfspace::coupling::lattice::LatticeCoupling;
+use crate::halfspace::coupling::pair::PairCoupling;
+use crate::halfspace::coupling::window::Window;
+use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::exterior::Exterior;
+use crate::halfspace::disc::projection::LensProjector;
+use crate::numerics::convergence::Judgement;
+use crate::numerics::vector::{add_scaled, dot, subtract};
+use crate::problem::Point;
+use crate::problem::scaled::Problem;
+use crate::state::{Progress, Run, SolveError, Stage, Termination};
+
+/// Relative size of the residuals of the responses: to a unit indentation and at the present one where it is held, and of both where it is not.
+const UNIT_TOLERANCE: f64 = 1e-5;
+const PRESENT_TOLERANCE: f64 = 1e-7;
+const TOLERANCE: f64 = 1e-9;
+
+/// The path goes this much beyond an event, in the unit of length or of the indentation, so that rounding does not hide it ...
+const BEYOND: f64 = 1e-8;
+
+/// ... and this many times further every time that nothing was found to change there.
+const FURTHER: f64 = 4.0;
+
+/// Longest way without looking at all tops again, as parts of the pillar height and of the indentation: the larger of the two.
+const LONGEST_STEP: f64 = 0.02;
+const LONGEST_RELATIVE_STEP: f64 = 0.01;
+
+/// The floor is looked at again after this part of the way to where it would be reached; when that is nearer than `NEAR_FLOOR` of the
+/// indentation, at every step. It is looked for everywhere, as another point may have become the lowest.
+const LOOK_AGAIN: f64 = 0.5;
+const NEAR_FLOOR: f64 = 0.02;
+
+/// Rounds of a cascade before giving up.
+const ROUND_LIMIT: usize = 2000;
+
+/// On loading a window has pillars up to this many pitches beyond the farthest one in contact. It is made wider by `GROWTH` at the least.
+const MARGIN: f64 = 1.5;
+const GROWTH: f64 = 1.25;
+
+/// On unloading no more come into contact: a window is made narrower where less than this part of its radius is needed.
+const SHRINKAGE: f64 = 0.88;
+
+/// Windows of so few pillars are not made smaller.
+const FEW_PILLARS: usize = 24;
+
+/// What is held while tops change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Held {
+    Indentation,
+    /// The crosshead of a machine of this stiffness, in units of the solvers.
+    Crosshead(f64),
+    Force,
+}
+
+impl Held {
+    /// What is held is `alpha zeta + beta F`.
+    fn weights(self) -> [f64; 2] {
+        match self {
+            Self::Indentation => [1.0, 0.0],
+            Self::Crosshead(stiffness) => [1.0, stiffness.recip()],
+            Self::Force => [0.0, 1.0],
+        }
+    }
+}
+
+/// A state on the path, in units of the solvers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Station {
+    pub(crate) course: Course,
+    pub(crate) indentation: f64,
+    pub(crate) force: f64,
+    /// Tops in contact, and those in contact in part.
+    pub(crate) touched: [usize; 2],
+    /// Area in contact.
+    pub(crate) area: f64,
+    /// Distance of the farthest point in contact from the lens axis.
+    pub(crate) radius: f64,
+    /// Events so far.
+    pub(crate) events: usize,
+}
+
+/// A top that changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TopEvent {
+    pub(crate) course: Course,
+    pub(crate) indentation: f64,
+    pub(crate) force: f64,
+    pub(crate) index: (i64, i64),
+    pub(crate) levels: [usize; 2],
+}
+
+/// Where a part of the path ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum End {
+    /// At an indentation.
+    Indentation(f64),
+    /// Where a force is borne by something in contact.
+    Force(f64),
+    /// Nowhere before the floor.
+    Floor,
+    /// Where nothing is in contact any more.
+    Separation,
+}
+
+/// What a part of the path ended at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Stop {
+    /// What was asked.
+    End,
+    /// The floor is reached.
+    Floor(FloorPoint),
+    /// There is no solution.
+    Failed(Termination),
+}
+
+/// What the path has added up.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Energies {
+    /// `∫ F d zeta` along the path.
+    pub(crate) work: f64,
+    /// What of that was done against pulls on unloading.
+    pub(crate) separation: f64,
+    /// Energy dissipated by what changed.
+    pub(crate) dissipation: f64,
+    /// What of that was dissipated by fronts that went from one level to the next and stayed there: without levels
+    /// they would go there gradually.
+    pub(crate) between_levels: f64,
+    /// Area that came out of contact.
+    pub(crate) receded: f64,
+}
+
+/// A top in contact with what it bears.
+#[derive(Debug, Clone)]
+pub(crate) struct HeldTop {
+    pub(crate) index: (i64, i64),
+    pub(crate) centre: Point,
+    pub(crate) domain: Domain,
+    pub(crate) coefficients: Vec<f64>,
+}
+
+/// The strongest pull so far on unloading.
+#[derive(Debug, Clone)]
+pub(crate) struct StrongestPull {
+    pub(crate) station: usize,
+    pub(crate) tops: Vec<HeldTop>,
+}
+
+/// What residuals take from the force at an indentation, and from its change.
+#[derive(Debug, Clone, Copy, Default)]
+struct Refined {
+    indentation: f64,
+    force: f64,
+    stiffness: f64,
+}
+
+/// What a cascade changed.
+#[derive(Debug, Default)]
+struct Change {
+    /// Area that came into contact, and out of it.
+    gained: f64,
+    lost: f64,
+    /// Tops whose level is another, with both levels.
+    tops: Vec<((i64, i64), [usize; 2])>,
+}
+
+/// A lens that goes up and down on tops that stick.
+pub(crate) struct Path<'a> {
+    pub(crate) problem: &'a Problem,
+    run: &'a Run<'a>,
+    pair: PairCoupling,
+    projector: LensProjector,
+    pub(crate) window: Window,
+    pub(crate) tops: StickyTops,
+    pub(crate) contact: FrozenContact<'a, LatticeCoupling>,
+    exterior: Exterior,
+    works: Works,
+    held: Held,
+    /// Indentation from which on the floor is looked at again.
+    look_again: f64,
+    refined: Refined,
+    /// Loads on all tops at the present indentation, and their change with it.
+    loads: Vec<f64>,
+    along: Vec<f64>,
+    pub(crate) stations: Vec<Station>,
+    pub(crate) events: Vec<TopEvent>,
+    pub(crate) energies: Energies,
+    pub(crate) strongest: Option<StrongestPull>,
+    /// Why there is no solution, if there is none.
+    failed: Option<Termination>,
+}
+
+impl<'a> Path<'a> {
+    /// The lens above all tops, at an indentation at which it touches none.
+    pub(crate) fn new(
+        problem: &'a Problem,
+        run: &'a Run<'a>,
+        fronts: Fronts,
+        held: Held,
+    ) -> Result<Self, SolveError> {
+        let degree = fronts.degree();
+        let modes = mode_count(degree);
+        let pair = PairCoupling::new(degree, problem.lattice.pitch);
+        let projector = LensProjector::new(problem, degree);
+        let radius = problem.nearest_edge() + 1.0 + MARGIN * problem.lattice.pitch;
+        let window = checked_window(problem, radius, modes, run)?;
+        let coupling = LatticeCoupling::new(&window, &pair, run.workers());
+        let own_load = own_load(problem, &projector, &window, modes);
+        let mut path = Self {
+            problem,
+            run,
+            works: fronts.works(),
+            tops: StickyTops::new(fronts, &problem.lattice, &window),
+            loads: vec![0.0; own_load.len()],
+            along: vec![0.0; own_load.len()],
+            contact: FrozenContact::new(run, coupling, modes, own_load),
+            window,
+            pair,
+            projector,
+            exterior: Exterior::new(degree),
+            held,
+            look_again: f64::NEG_INFINITY,
+            refined: Refined::default(),
+            stations: Vec::new(),
+            events: Vec::new(),
+            energies: Energies::default(),
+            strongest: None,
+            failed: None,
+        };
+        let first_touch = problem.lens.sag(problem.nearest_edge());
+        let start = first_touch.min(problem.height);
+        path.contact.move_to(start - path.longest_step());
+        path.record(Course::Loading);
+        Ok(path)
+    }
+
+    pub(crate) fn indentation(&self) -> f64 {
+        self.contact.indentation()
+    }
+
+    pub(crate) fn force(&self) -> f64 {
+        let Refined {
+            indentation,
+            force,
+            stiffness,
+        } = self.refined;
+        self.contact.force() + force + stiffness * (self.indentation() - indentation)
+    }
+
+    fn stiffness(&self) -> f64 {
+        self.contact.stiffness() + self.refined.stiffness
+    }
+
+    /// Distance from the lens axis of the farthest point in contact.
+    pub(crate) fn contact_radius(&self) -> f64 {
+        let mut farthest = 0.0_f64;
+        for (domain, centre) in self.tops.domains.iter().zip(self.window.centres()) {
+            if !domain.is_out() && centre[0].hypot(centre[1]) + 1.0 > farthest {
+                let axis = centre.map(|x| -x);
+                farthest = farthest.max(self.tops.fronts.farthest_from(*domain, axis));
+            }
+        }
+        farthest
+    }
+
+    /// Distance from the lens axis of the farthest centre of a top in contact.
+    fn reach(&self) -> f64 {
+        let pillars = self.tops.domains.iter().zip(self.window.centres());
+        let touched = pillars.filter(|(domain, _)| !domain.is_out());
+        touched.map(|(_, [x, y])| x.hypot(*y)).fold(0.0, f64::max)
+    }
+
+    fn longest_step(&self) -> f64 {
+        let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
+        (LONGEST_STEP * self.problem.height).max(part_of_path)
+    }
+
+    /// Goes on until the end. Where `watch_floor` a loading stops at the floor too.
+    pub(crate) fn go(
+        &mut self,
+        course: Course,
+        end: End,
+        watch_floor: bool,
+    ) -> Result<Stop, SolveError> {
+        let sign = course.sign();
+        let mut beyond = BEYOND;
+        // What changes because the course does.
+        self.cascade(course)?;
+        loop {
+            if let Some(termination) = self.failed {
+                return Ok(Stop::Failed(termination));
+            }
+            if end == End::Separation && self.tops.counts()[0] == 0 {
+                return Ok(Stop::End);
+            }
+            let along = self.along.iter_mut();
+            along.for_each(|load| *load *= sign);
+            let longest = self.longest_step();
+            let loads = [self.loads.as_slice(), self.along.as_slice()];
+            let event = self.tops.next_event(loads, course, longest);
+            let to_event = event.unwrap_or(f64::INFINITY);
+            let to_end = self.distance(sign, end);
+            let step = to_event.min(longest).min(to_end);
+            if watch_floor
+                && course == Course::Loading
+                && let Some(lowest) = self.lowest_floor_within(step)
+            {
+                self.sharpen()?;
+                let lowest = self.lowest_floor().unwrap_or(lowest);
+                // In a cascade the lens may have come nearer to it.
+                self.advance((lowest.indentation - self.indentation()).max(0.0));
+                self.record(course);
+                return Ok(Stop::Floor(lowest));
+            }
+            if to_end <= step {
+                self.sharpen()?;
+                self.advance(sign * self.distance(sign, end));
+                self.record(course);
+                return Ok(Stop::End);
+            }
+            self.advance(sign * step);
+            self.record(course);
+            if self.indentation() > LARGEST_CONTACT * self.problem.lens.radius {
+                return Err(self.too_large(self.indentation()));
+            }
+            let past = beyond * self.indentation().abs().max(1.0);
+            if to_event <= longest {
+                self.advance(sign * past);
+            }
+            let changes = self.cascade(course)?;
+            beyond = if changes == 0 && to_event <= longest {
+                beyond * FURTHER
+            } else {
+                BEYOND
+            };
+            self.report();
+        }
+    }
+
+    /// How far the indentation goes to an end along the frozen response.
+    fn distance(&self, sign: f64, end: End) -> f64 {
+        match end {
+            End::Indentation(indentation) => sign * (indentation - self.indentation()),
+            End::Force(force) if self.tops.counts()[0] > 0 => {
+                let missing = sign * (force - self.force());
+                missing.max(0.0) / self.stiffness()
+            }
+            End::Force(_) | End::Floor | End::Separation => f64::INFINITY,
+        }
+    }
+
+    fn report(&self) {
+        self.run.report(Progress {
+            stage: Stage::Cycle,
+            step: self.events.len(),
+            pillars: self.window.len(),
+            touched: self.tops.counts()[0],
+        });
+    }
+
+    /// Goes along the frozen response.
+    fn advance(&mut self, step: f64) {
+        let force = self.force();
+        self.contact.move_to(self.indentation() + step);
+        self.add_work(step, [force, self.force()]);
+    }
+
+    /// Adds the work on a way along which the force is linear.
+    fn add_work(&mut self, step: f64, [before, after]: [f64; 2]) {
+        self.energies.work += 0.5 * step * (before + after);
+        if step < 0.0 {
+            // The part of the way on which the force, linear, pulls.
+            let (low, high) = (before.min(after), before.max(after));
+            let pulling = if high <= 0.0 {
+                0.5 * (before + after)
+            } else if low < 0.0 {
+                -0.5 * low * low / (high - low)
+            } else {
+                0.0
+            };
+            self.energies.separation += step * pulling;
+        }
+    }
+
+    fn record(&mut self, course: Course) {
+        let station = Station {
+            course,
+            indentation: self.indentation(),
+            force: self.force(),
+            touched: self.tops.counts(),
+            area: self.tops.area(),
+            radius: self.contact_radius(),
+            events: self.events.len(),
+        };
+        let strongest = self.strongest.as_ref();
+        let before = strongest.map_or(0.0, |pull| self.stations[pull.station].force);
+        if course == Course::Unloading && station.force < before {
+            self.strongest = Some(StrongestPull {
+                station: self.stations.len(),
+                tops: self.held_tops(),
+            });
+        }
+        self.stations.push(station);
+    }
+
+    /// All tops in contact.
+    pub(crate) fn held_tops(&self) -> Vec<HeldTop> {
+        let modes = self.contact.modes();
+        let held = |pillar: usize| HeldTop {
+            index: self.window.index(pillar),
+            centre: self.window.centres()[pillar],
+            domain: self.tops.domains[pillar],
+            coefficients: self.contact.coefficients()[pillar * modes..][..modes].to_vec(),
+        };
+        let touched = (0..self.window.len()).filter(|p| !self.tops.domains[*p].is_out());
+        touched.map(held).collect()
+    }
+
+    /// Solves with the present domains. Where the indentation is held the residuals need only be as small as makes their
+    /// product negligible: see [`refine`](Self::refine).
+    fn solve(&mut self, source: Source<'_>) -> Result<(), SolveError> {
+        let tolerance = match (self.held, source) {
+            (Held::Indentation, Source::Unit) => UNIT_TOLERANCE,
+            (Held::Indentation, _) => PRESENT_TOLERANCE,
+            _ => TOLERANCE,
+        };
+        self.solve_within(source, tolerance)
+    }
+
+    /// The present state as exactly as it is handed out.
+    fn sharpen(&mut self) -> Result<(), SolveError> {
+        self.solve_within(Source::Present, TOLERANCE)?;
+        self.solve_within(Source::Unit, TOLERANCE)?;
+        self.find_loads();
+        self.refine();
+        Ok(())
+    }
+
+    fn solve_within(&mut self, source: Source<'_>, tolerance: f64) -> Result<(), SolveError> {
+        self.tops.prepare(&self.window);
+        let judgement = self.contact.solve(&mut self.tops, source, tolerance)?;
+        if judgement != Judgement::Good {
+            self.failed = Some(match judgement {
+                Judgement::TooLarge => Termination::Stagnated,
+                _ => Termination::NotFinite,
+            });
+        }
+        Ok(())
+    }
+
+    /// The response to a unit indentation, the loads, and what residuals take from the force.
+    fn respond(&mut self) -> Result<(), SolveError> {
+        self.solve(Source::Unit)?;
+        self.find_loads();
+        self.refine();
+        Ok(())
+    }
+
+    fn find_loads(&mut self) {
+        self.contact.all_loads(&mut self.loads);
+        self.contact.unit_loads(&mut self.along);
+    }
+
+    /// What tops would bear more than they do under loads.
+    fn missing(&self, loads: &[f64], coefficients: &[f64]) -> Vec<f64> {
+        let mut missing = vec![0.0; loads.len()];
+        self.tops.respond(loads, &mut missing, self.run.workers());
+        subtract(&mut missing, coefficients);
+        missing
+    }
+
+    /// What the force lacks by the residual of the response, to first order in that: as the response `c1` to a unit indentation `b1` is
+    /// known, the exact force `b1'c` is `b1'c + c1'r` with `r` the residual, but for the product of both residuals.
+    fn refine(&mut self) {
+        let [present, unit] = self.contact.parts();
+        let of_present = self.missing(&self.loads, present);
+        let of_unit = self.missing(&self.along, unit);
+        self.refined = Refined {
+            indentation: self.indentation(),
+            force: dot(&self.along, &of_present),
+            stiffness: dot(&self.along, &of_unit),
+        };
+    }
+
+    /// The elastic energy, as exactly.
+    fn elastic_energy(&self) -> f64 {
+        let [present, _] = self.contact.parts();
+        let missing = self.missing(&self.loads, present);
+        self.contact.elastic_energy() + 0.5 * dot(&self.loads, &missing)
+    }
+
+    /// All that changes while what drives the lens stands still. Returns how many tops changed.
+    fn cascade(&mut self, course: Course) -> Result<usize, SolveError> {
+        self.contact.all_loads(&mut self.loads);
+        let start = [self.indentation(), self.force()];
+        let energy = self.elastic_energy();
+        let before = self.tops.domains.clone();
+        if !self.change(course)? {
+            self.find_loads();
+            return Ok(0);
+        }
+        let mut change = Change::default();
+        for (pillar, before) in before.iter().enumerate() {
+            let after = self.tops.domains[pillar];
+            let area = self.tops.fronts.area(after) - self.tops.fronts.area(*before);
+            change.gained += area.max(0.0);
+            change.lost += (-area).max(0.0);
+            if before.level != after.level {
+                let index = self.window.index(pillar);
+                change.tops.push((index, [before.level, after.level]));
+            }
+        }
+        self.fit_window(course)?;
+        self.respond()?;
+        Ok(self.account(course, start, energy, &change))
+    }
+
+    /// Changes all tops that do until none does any more. Returns whether any did.
+    fn change(&mut self, course: Course) -> Result<bool, SolveError> {
+        let [alpha, beta] = self.held.weights();
+        let held = alpha * self.indentation() + beta * self.contact.force();
+        let mut natural = vec![false; self.tops.domains.len()];
+        let mut adjusted = natural.clone();
+        let workers = self.run.workers();
+        for round in 0..ROUND_LIMIT {
+            let moves = self.tops.marched(&self.loads, workers);
+            let is_natural = |(pillar, next): &(usize, Domain)| {
+                let grows = next.level > self.tops.domains[*pillar].level;
+                grows == (course == Course::Loading)
+            };
+            let mut chosen: Vec<(usize, Domain)> =
+                moves.iter().filter(|m| is_natural(m)).copied().collect();
+            if chosen.is_empty() {
+                let others = moves.into_iter().filter(|(pillar, _)| !natural[*pillar]);
+                chosen = others.collect();
+            } else {
+                for (pillar, _) in &chosen {
+                    natural[*pillar] = true;
+                }
+            }
+            if chosen.is_empty() {
+                chosen = self.tops.adjusted(&self.loads, workers);
+                chosen.retain(|(pillar, _)| !adjusted[*pillar]);
+                for (pillar, _) in &chosen {
+                    adjusted[*pillar] = true;
+                }
+            }
+            if chosen.is_empty() {
+                return Ok(round > 0);
+            }
+            for (pillar, next) in chosen {
+                self.tops.domains[pillar] = next;
+            }
+            if beta != 0.0 {
+                self.solve(Source::Unit)?;
+            }
+            self.solve(Source::Present)?;
+            if beta != 0.0 {
+                let missing = held - alpha * self.indentation() - beta * self.contact.force();
+                let rate = alpha + beta * self.contact.stiffness();
+                if rate <= 0.0 {
+                    // Nothing is left to bear the force.
+                    return Ok(true);
+                }
+                self.contact.move_to(self.indentation() + missing / rate);
+            }
+            self.contact.all_loads(&mut self.loads);
+            if self.failed.is_some() {
+                return Ok(true);
+            }
+        }
+        self.failed = Some(Termination::IterationLimit);
+        Ok(true)
+    }
+
+    /// Adds the events of a cascade, and what it dissipated. Returns their number.
+    fn account(
+        &mut self,
+        course: Course,
+        [start, force]: [f64; 2],
+        energy: f64,
+        change: &Change,
+    ) -> usize {
+        let (indentation, after) = (self.indentation(), self.force());
+        let mut farthest = 0;
+        for (index, levels) in &change.tops {
+            farthest = farthest.max(levels[0].abs_diff(levels[1]));
+            self.events.push(TopEvent {
+                course,
+                indentation,
+                force: after,
+                index: *index,
+                levels: *levels,
+            });
+        }
+        // What the drive does on the way; at a fixed indentation nothing.
+        let way = indentation - start;
+        self.add_work(way, [force, after]);
+        let done = 0.5 * way * (force + after);
+        let stored = self.elastic_energy() - energy;
+        let parted = self.works.receding * change.lost - self.works.advancing * change.gained;
+        let dissipated = done - stored - parted;
+        self.energies.dissipation += dissipated;
+        if farthest <= 1 {
+            self.energies.between_levels += dissipated.abs();
+        }
+        self.energies.receded += change.lost;
+        self.record(course);
+        change.tops.len()
+    }
+
+    /// Another window where the contact comes near the edge of the present one, or needs much less.
+    fn fit_window(&mut self, course: Course) -> Result<(), SolveError> {
+        let (reach, pitch) = (self.reach(), self.problem.lattice.pitch);
+        let lens = self.problem.lens.radius;
+        if reach - 1.0 > LARGEST_CONTACT * lens {
+            return Err(self.too_large(reach));
+        }
+        let present = self.window.radius();
+        let radius = match course {
+            Course::Loading if reach + pitch > present => {
+                (reach + MARGIN * pitch).max(GROWTH * present)
+            }
+            // But for rounding.
+            Course::Unloading if reach < SHRINKAGE * present && self.window.len() > FEW_PILLARS => {
+                reach + 0.1 * pitch
+            }
+            _ => return Ok(()),
+        };
+        let modes = self.contact.modes();
+        let window = checked_window(self.problem, radius, modes, self.run)?;
+        let coupling = LatticeCoupling::new(&window, &self.pair, self.run.workers());
+        let own_load = own_load(self.problem, &self.projector, &window, modes);
+        let mut contact = FrozenContact::new(self.run, coupling, modes, own_load);
+        let [present, unit] = self.contact.parts();
+        let before = |pillar: usize| self.window.find(window.index(pillar));
+        contact.start_from(self.indentation(), |pillar| {
+            let range = before(pillar)? * modes..;
+            Some([&present[range.clone()][..modes], &unit[range][..modes]])
+        });
+        let domain = |pillar| before(pillar).map_or(Domain::OUT, |p| self.tops.domains[p]);
+        let domains = (0..window.len()).map(domain).collect();
+        self.tops.move_to(&self.problem.lattice, &window, domains);
+        self.loads.resize(window.len() * modes, 0.0);
+        self.along.resize(window.len() * modes, 0.0);
+        self.contact = contact;
+        self.window = window;
+        Ok(())
+    }
+
+    fn too_large(&self, radius: f64) -> SolveError {
+        SolveError::ContactExceedsLens {
+            contact_radius: radius * self.problem.length,
+            lens_radius: self.problem.lens.radius * self.problem.length,
+        }
+    }
+
+    /// The lowest point of the floor, if it is reached within a step.
+    fn lowest_floor_within(&mut self, step: f64) -> Option<FloorPoint> {
+        if self.indentation() + step < self.look_again {
+            return None;
+        }
+        let lowest = self.lowest_floor()?;
+        let ahead = lowest.indentation - self.indentation();
+        if ahead > step + NEAR_FLOOR * lowest.indentation {
+            self.look_again = self.indentation() + LOOK_AGAIN * ahead;
+            return None;
+        }
+        (lowest.indentation <= self.indentation() + step).then_some(lowest)
+    }
+
+    /// The lowest point of the floor along the frozen response.
+    pub(crate) fn lowest_floor(&self) -> Option<FloorPoint> {
+        let modes = self.contact.modes();
+        let touched: Vec<usize> = (0..self.window.len())
+            .filter(|pillar| !self.tops.domains[*pillar].is_out())
+            .collect();
+        let gather = |coefficients: &[f64]| -> Vec<f64> {
+            let of_pillar = |p: &usize| &coefficients[p * modes..(p + 1) * modes];
+            touched.iter().flat_map(of_pillar).copied().collect()
+        };
+        let [present, unit] = self.contact.parts();
+        let (mut without, along) = (gather(present), gather(unit));
+        add_scaled(&mut without, -self.contact.indentation(), &along);
+        let centre = |p: &usize| self.window.centres()[*p];
+        let centres: Vec<Point> = touched.iter().map(centre).collect();
+        let discs = LoadedDiscs {
+            exterior: &self.exterior,
+            modes,
+            centres: &centres,
+            radius: 1.0,
+            coefficients: [&along, &without],
+            run: self.run,
+        };
+        FloorSearch::default().lowest(self.problem, &discs, &self.run.cancel)
+    }
+}
+
+/// `bs`: the lens shape over every top.
+fn own_load(
+    problem: &Problem,
+    projector: &LensProjector,
+    window: &Window,
+    modes: usize,
+) -> Vec<f64> {
+    let mut own_load = vec![0.0; window.len() * modes];
+    let loads = own_load.chunks_exact_mut(modes);
+    for (centre, load) in window.centres().iter().zip(loads) {
+        projector.project(problem, *centre, load);
+    }
+    own_load
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::PillarCompliance;
+    use crate::theory::reference;
+
+    /// The paper's intermediate system.
+    fn problem(surface_fraction: f64, offset: f64, compliance: PillarCompliance) -> Problem {
+        let lattice = reference::lattice(surface_fraction).offset_by(offset);
+        let system = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance);
+        Problem::new(&system)
+    }
+
+    /// Fronts for a work of adhesion (J/m^2).
+    fn fronts(problem: &Problem, degree: usize, work: f64, partial: bool) -> Fronts {
+        let work = work / (problem.pressure * problem.length);
+        let works = Works {
+            advancing: work,
+            receding: work,
+        };
+        Fronts::new(degree, problem.column_compliance_ratio, works, partial)
+    }
+
+    fn least_force(path: &Path<'_>) -> f64 {
+        path.stations.iter().map(|s| s.force).fold(0.0, f64::min)
+    }
+
+    /// Seven tops at the pitch of a surface fraction of 0.1 (18.07 um) on a flat lens, out of contact or in full. An
+    /// independent program of the same modes: 0.89620, 0.89674 and 0.89674 of seven punches of Kendall at degree 2, 3 and 4.
+    #[test]
+    fn seven_tops_pull_each_other_off() {
+        let run = Run::default();
+        let mut problem = problem(0.1, 0.0, PillarCompliance::None);
+        problem.lens.radius = 1e9;
+        for (degree, expected) in [(2, 0.89620), (3, 0.89674), (4, 0.89674)] {
+            let fronts = fronts(&problem, degree, 0.05, false);
+            let work = fronts.works().receding;
+            let mut path = Path::new(&problem, &run, fronts, Held::Indentation).unwrap();
+            // The first window holds them and no others.
+            assert_eq!(path.tops.domains.len(), 7);
+            path.tops.domains.fill(Domain::FULL);
+            path.contact.move_to(0.0);
+            path.solve(Source::Present).unwrap();
+            path.respond().unwrap();
+            path.go(Course::Unloading, End::Separation, false).unwrap();
+            // Kendall's sqrt(8 pi w).
+            let kendall = (8.0 * std::f64::consts::PI * work).sqrt();
+            let ratio = -least_force(&path) / (7.0 * kendall);
+            assert!((ratio - expected).abs() < 2e-5, "{degree}: {ratio}");
+        }
+    }
+
+    /// All that lets go at an indentation, one top after the other in any order, leaves the same as all at once: but for the directions of
+    /// fronts, which follow the load within 0.02 rad.
+    #[test]
+    fn tops_may_let_go_in_any_order() {
+        use rand_chacha::ChaCha8Rng;
+        use rand_chacha::rand_core::{Rng, SeedableRng};
+
+        let run = Run::default();
+        let problem = problem(0.03, 0.3, PillarCompliance::Column);
+        let unloaded = |partial: bool, seed: Option<u64>| {
+            let fronts = fronts(&problem, 2, 0.01, partial);
+            let mut path = Path::new(&problem, &run, fronts, Held::Indentation).unwrap();
+            path.go(Course::Loading, End::Indentation(1.0), false)
+                .unwrap();
+            // Up by a step in which many let go.
+            path.advance(-0.9);
+            let Some(seed) = seed else {
+                path.cascade(Course::Unloading).unwrap();
+                return path;
+            };
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            loop {
+                path.find_loads();
+                let moves = path.tops.marched(&path.loads, run.workers());
+                let shrink =
+                    |(p, next): &&(usize, Domain)| next.level < path.tops.domains[*p].level;
+                let moves: Vec<_> = moves.iter().filter(shrink).copied().collect();
+                if moves.is_empty() {
+                    path.cascade(Course::Unloading).unwrap();
+                    path.respond().unwrap();
+                    return path;
+                }
+                let (pillar, next) = moves[random.next_u64() as usize % moves.len()];
+                path.tops.domains[pillar] = next;
+                path.solve(Source::Present).unwrap();
+            }
+        };
+        for (partial, tolerance) in [(false, 1e-10), (true, 1e-3)] {
+            let expected = unloaded(partial, None);
+            for seed in 0..3 {
+                let path = unloaded(partial, Some(seed));
+                let held = |path: &Path<'_>| -> Vec<((i64, i64), usize)> {
+                    let tops = path.held_tops();
+                    let of_top = |top: &HeldTop| (top.index, top.domain.level);
+                    tops.iter().map(of_top).collect()
+                };
+                assert_eq!(held(&path), held(&expected));
+                let difference = (path.force() / expected.force() - 1.0).abs();
+                assert!(difference < tolerance, "{partial}: {difference:e}");
+            }
+            assert!(expected.tops.counts()[0] > 5);
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! How the mean pressures of all tops in contact go together: a preconditioner for the [frozen contact](super::super::frozen) of
+//! tops that change a few at a time.
+//!
+//! With `D` the compliances `P_00` of the tops and `B_00` what a force on one does to the mean displacement of another, the mean
+//! pressures follow from `K = 1 + D^1/2 B_00 D^1/2`. Its Cholesky factor is kept, in single precision, while few tops change.
+
+use crate::halfspace::coupling::pair::PairCoupling;
+use crate::halfspace::coupling::window::Window;
+use crate::numerics::cholesky::factorise;
+use crate::numerics::vector::widest;
+use crate::problem::HexagonalLattice;
+
+/// Numbers of tops from which on and up to which it pays.
+const FEWEST: usize = 12;
+const MOST: usize = 1500;
+
+/// The factor is made anew after this part of the tops has come in or out of contact, and this many at the least.
+const STALE: f64 = 0.04;
+const FEW_CHANGES: usize = 8;
+
+/// Numbers that are added up side by side.
+const LANES: usize = 16;
+
+/// `B_00` between all places of a window by the difference of their indices.
+struct MeanCoupling {
+    /// Places along the second index on either side.
+    reach: (i64, i64),
+    values: Vec<f64>,
+}
+
+impl MeanCoupling {
+    fn new(lattice: &HexagonalLattice, window: &Window) -> Self {
+        let (rows, columns) = window.shape();
+        let reach = (rows as i64 - 1, columns as i64 - 1);
+        let pair = PairCoupling::new(0, lattice.pitch);
+        let [x0, y0] = lattice.centre(0, 0);
+        let mut values = Vec::with_capacity((2 * rows - 1) * (2 * columns - 1));
+        let mut block = [0.0];
+        for i in -reach.0..=reach.0 {
+            for j in -reach.1..=reach.1 {
+                let [x, y] = lattice.centre(i, j);
+                block[0] = 0.0;
+                if (i, j) != (0, 0) {
+                    pair.block([x - x0, y - y0], &mut block);
+                }
+                values.push(block[0]);
+            }
+        }
+        Self { reach, values }
+    }
+
+    fn between(&self, a: (i64, i64), b: (i64, i64)) -> f64 {
+        let (i, j) = (a.0 - b.0 + self.reach.0, a.1 - b.1 + self.reach.1);
+        self.values[(i * (2 * self.reach.1 + 1) + j) as usize]
+    }
+}
+
+/// The factor of `K` for the tops that were in contact when it was made.
+pub(crate) struct Coarse {
+    coupling: MeanCoupling,
+    /// The tops, by their places in the window.
+    pub(crate) tops: Vec<usize>,
+    /// Columns of the factor from their diagonals down, one after the other.
+    factor: Vec<f32>,
+}
+
+impl Coarse {
+    pub(crate) fn new(lattice: &HexagonalLattice, window: &Window) -> Self {
+        Self {
+            coupling: MeanCoupling::new(lattice, window),
+            tops: Vec::new(),
+            factor: Vec::new(),
+        }
+    }
+
+    /// Makes the factor anew if many tops have come in or out of contact. `compliance` is `P_00`, zero out of contact.
+    pub(crate) fn refresh(&mut self, window: &Window, compliance: impl Fn(usize) -> f64) {
+        let touched: Vec<usize> = (0..window.len())
+            .filter(|top| compliance(*top) > 0.0)
+            .collect();
+        let most = MOST.min((STALE * touched.len() as f64) as usize);
+        if difference(&touched, &self.tops) <= most.max(FEW_CHANGES) {
+            return;
+        }
+        self.factor.clear();
+        self.tops.clear();
+        if touched.len() < FEWEST || touched.len() > MOST {
+            return;
+        }
+        let size = touched.len();
+        let roots: Vec<f64> = touched.iter().map(|top| compliance(*top).sqrt()).collect();
+        let mut matrix = vec![0.0; size * size];
+        for (k, column) in matrix.chunks_exact_mut(size).enumerate() {
+            let from = window.index(touched[k]);
+            for row in k..size {
+                let coupled = self.coupling.between(window.index(touched[row]), from);
+                column[row] = roots[k] * roots[row] * coupled;
+            }
+            column[k] += 1.0;
+        }
+        if !factorise(&mut matrix, size) {
+            return;
+        }
+        for (k, column) in matrix.chunks_exact(size).enumerate() {
+            self.factor.extend(column[k..].iter().map(|l| *l as f32));
+        }
+        self.tops = touched;
+    }
+
+    /// `K^-1 x - x`, in place.
+    pub(crate) fn correct(&self, values: &mut [f64], room: &mut Vec<f32>) {
+        room.clear();
+        room.extend(values.iter().map(|x| *x as f32));
+        widest(
+            #[inline(always)]
+            || self.solve(room),
+        );
+        for (value, solved) in values.iter_mut().zip(room) {
+            *value = f64::from(*solved) - *value;
+        }
+    }
+
+    #[inline(always)]
+    fn solve(&self, values: &mut [f32]) {
+        let size = values.len();
+        let mut start = 0;
+        for k in 0..size {
+            let column = &self.factor[start..start + size - k];
+            start += size - k;
+            let value = values[k] / column[0];
+            values[k] = value;
+            for (x, l) in values[k + 1..].iter_mut().zip(&column[1..]) {
+                *x -= value * l;
+            }
+        }
+        for k in (0..size).rev() {
+            start -= size - k;
+            let column = &self.factor[start..start + size - k];
+            let mut sums = [0.0; LANES];
+            let mut known = values[k + 1..].chunks_exact(LANES);
+            let mut factors = column[1..].chunks_exact(LANES);
+            for (x, l) in known.by_ref().zip(factors.by_ref()) {
+                for lane in 0..LANES {
+                    sums[lane] += x[lane] * l[lane];
+                }
+            }
+            let rest = known.remainder().iter().zip(factors.remainder());
+            let sum: f32 = sums.iter().sum::<f32>() + rest.map(|(x, l)| x * l).sum::<f32>();
+            values[k] = (values[k] - sum) / column[0];
+        }
+    }
+}
+
+/// How many numbers are in one of two sorted lists and not in the other.
+fn difference(a: &[usize], b: &[usize]) -> usize {
+    let common = a.iter().filter(|x| b.binary_search(x).is_ok()).count();
+    a.len() + b.len() - 2 * common
+}

@@ -1,0 +1,175 @@
+//! Pillar tops that stick, all of a window, as a rule of the [frozen contact](super::super::frozen): each with its
+//! [front](super::fronts).
+
+use super::coarse::Coarse;
+use super::fronts::{Course, Domain, Fronts, Line};
+use crate::halfspace::coupling::window::Window;
+use crate::halfspace::disc::basis::mode_count;
+use crate::numerics::workers::Workers;
+use crate::problem::HexagonalLattice;
+use crate::solve::frozen::Rule;
+
+/// Pillars a thread takes at a time, at the least.
+const PILLARS: usize = 400;
+
+/// The tops and what part of each is in contact.
+pub(crate) struct StickyTops {
+    pub(crate) fronts: Fronts,
+    pub(crate) domains: Vec<Domain>,
+    /// Modes per pillar.
+    modes: usize,
+    coarse: Coarse,
+    /// Room for the preconditioner.
+    means: Vec<f64>,
+    room: Vec<f32>,
+}
+
+impl StickyTops {
+    /// All tops of a window out of contact.
+    pub(crate) fn new(fronts: Fronts, lattice: &HexagonalLattice, window: &Window) -> Self {
+        Self {
+            modes: mode_count(fronts.degree()),
+            fronts,
+            domains: vec![Domain::OUT; window.len()],
+            coarse: Coarse::new(lattice, window),
+            means: Vec::new(),
+            room: Vec::new(),
+        }
+    }
+
+    /// Takes another window with the domains of its tops.
+    pub(crate) fn move_to(
+        &mut self,
+        lattice: &HexagonalLattice,
+        window: &Window,
+        domains: Vec<Domain>,
+    ) {
+        self.coarse = Coarse::new(lattice, window);
+        self.domains = domains;
+    }
+
+    /// Prepares for solving with the present domains.
+    pub(crate) fn prepare(&mut self, window: &Window) {
+        let Self {
+            coarse,
+            fronts,
+            domains,
+            ..
+        } = self;
+        coarse.refresh(window, |top| fronts.mean_compliance(domains[top]));
+    }
+
+    /// Number of tops in contact, and of those in contact in part.
+    pub(crate) fn counts(&self) -> [usize; 2] {
+        let touched = self.domains.iter().filter(|domain| !domain.is_out());
+        let partial = self.domains.iter().filter(|domain| domain.is_partial());
+        [touched.count(), partial.count()]
+    }
+
+    /// Area in contact, in squares of the pillar radius.
+    pub(crate) fn area(&self) -> f64 {
+        let areas = self.domains.iter().map(|domain| self.fronts.area(*domain));
+        areas.sum()
+    }
+
+    /// What every top would be next under these loads, those that change.
+    pub(crate) fn marched(&self, loads: &[f64], workers: Workers<'_>) -> Vec<(usize, Domain)> {
+        self.changed(loads, workers, |domain, load| {
+            self.fronts.march(domain, load)
+        })
+    }
+
+    /// Fronts that turn or bend under these loads.
+    pub(crate) fn adjusted(&self, loads: &[f64], workers: Workers<'_>) -> Vec<(usize, Domain)> {
+        self.changed(loads, workers, |domain, load| {
+            self.fronts.adjusted(domain, load).unwrap_or(domain)
+        })
+    }
+
+    fn changed(
+        &self,
+        loads: &[f64],
+        workers: Workers<'_>,
+        next: impl Fn(Domain, &[f64]) -> Domain + Sync,
+    ) -> Vec<(usize, Domain)> {
+        let load = |pillar: usize| &loads[pillar * self.modes..][..self.modes];
+        let of_pillar = |(): &mut (), pillar: usize| next(self.domains[pillar], load(pillar));
+        let found = workers.map(self.domains.len(), PILLARS, || (), of_pillar);
+        let pairs = found.into_iter().enumerate();
+        pairs
+            .filter(|(pillar, domain)| *domain != self.domains[*pillar])
+            .collect()
+    }
+
+    /// How far the indentation goes before the first top changes in the sense of the course, if that is within `longest`. `loads` are
+    /// present ones and those of a unit indentation along the course.
+    pub(crate) fn next_event(
+        &self,
+        [loads, along]: [&[f64]; 2],
+        course: Course,
+        longest: f64,
+    ) -> Option<f64> {
+        let mut nearest = None;
+        let mut within = longest;
+        let lines = loads
+            .chunks_exact(self.modes)
+            .zip(along.chunks_exact(self.modes));
+        for (domain, (start, along)) in self.domains.iter().zip(lines) {
+            let line = Line { start, along };
+            if let Some(event) = self.fronts.next_event(*domain, line, course, within)
+                && event <= within
+            {
+                within = event;
+                nearest = Some(event);
+            }
+        }
+        nearest
+    }
+}
+
+impl Rule for StickyTops {
+    fn respond(&self, load: &[f64], result: &mut [f64], workers: Workers<'_>) {
+        let one = |(): &mut (), pillar: usize, result: &mut [f64]| {
+            let load = &load[pillar * self.modes..(pillar + 1) * self.modes];
+            self.fronts.respond(self.domains[pillar], load, result);
+        };
+        workers.fill(result, self.modes, 10 * PILLARS, || (), one);
+    }
+
+    fn add_constants(&self, _: &mut [f64]) {}
+
+    /// Besides the answer to the residual, that of the mean pressures as they go together.
+    fn precondition(
+        &mut self,
+        residual: &[f64],
+        direction: &mut [f64],
+        load: &mut [f64],
+        workers: Workers<'_>,
+    ) {
+        self.respond(residual, direction, workers);
+        load.copy_from_slice(residual);
+        let Self {
+            fronts,
+            domains,
+            modes,
+            coarse,
+            means,
+            room,
+        } = self;
+        let root = |top: &usize| fronts.mean_compliance(domains[*top]).sqrt();
+        means.clear();
+        means.extend(coarse.tops.iter().map(|top| match root(top) {
+            root if root > 0.0 => direction[top * *modes] / root,
+            _ => 0.0,
+        }));
+        coarse.correct(means, room);
+        for (top, mean) in coarse.tops.iter().zip(means) {
+            let root = root(top);
+            if root > 0.0 {
+                let places = top * *modes..(top + 1) * *modes;
+                load[places.start] += *mean / root;
+                fronts.respond(domains[*top], &load[places.clone()], &mut direction[places]);
+            }
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! What comes back of a cycle of loading and unloading with adhesion.
+
+use super::contact::{ContactState, PillarState, Termination, Warning};
+use super::critical::CriticalState;
+use crate::problem::{Accuracy, CyclePlan, Point, System};
+
+/// Which way the lens goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Branch {
+    /// Down.
+    Loading,
+    /// Up.
+    Unloading,
+}
+
+impl Branch {
+    /// `"loading"` or `"unloading"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Loading => "loading",
+            Self::Unloading => "unloading",
+        }
+    }
+}
+
+/// A point of the curve of force over indentation. Between one and the next the force is linear, so that these are the whole curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CycleStation {
+    /// Which branch it is on.
+    pub branch: Branch,
+    /// Indentation, m; negative where the lens pulls at the tops above their height.
+    pub indentation: f64,
+    /// Normal force, N; negative where the lens is held back.
+    pub force: f64,
+    /// Distance of the farthest point in contact from the lens axis, m.
+    pub contact_radius: f64,
+    /// Number of pillars in contact.
+    pub pillars_in_contact: usize,
+    /// Number of those in contact in part.
+    pub pillars_partially_in_contact: usize,
+    /// Area in contact, m^2.
+    pub contact_area: f64,
+    /// How many of [`Cycle::events`] had happened.
+    pub events: usize,
+}
+
+/// What happens at an event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CycleEventKind {
+    /// A pillar comes into contact.
+    SnapIn,
+    /// The contact with a pillar grows.
+    Growth,
+    /// The contact with a pillar recedes.
+    Recession,
+    /// A pillar comes out of contact.
+    Release,
+    /// The lens reaches the floor.
+    FloorContact,
+}
+
+impl CycleEventKind {
+    /// `"snap_in"`, `"growth"`, `"recession"`, `"release"` or `"floor_contact"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SnapIn => "snap_in",
+            Self::Growth => "growth",
+            Self::Recession => "recession",
+            Self::Release => "release",
+            Self::FloorContact => "floor_contact",
+        }
+    }
+}
+
+/// A change of what is in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CycleEvent {
+    /// On which branch.
+    pub branch: Branch,
+    /// What happened.
+    pub kind: CycleEventKind,
+    /// Indentation after it, m. Events of one cascade share it.
+    pub indentation: f64,
+    /// Force after it, N.
+    pub force: f64,
+    /// The pillar, with the part of its top in contact afterwards; none where the floor is reached.
+    pub pillar: Option<HeldPillar>,
+    /// The part of its top that was in contact before.
+    pub covered_before: f64,
+}
+
+/// A pillar that is held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldPillar {
+    /// Lattice indices `(i, j)` of [`HexagonalLattice::centre`](crate::problem::lattice::HexagonalLattice::centre).
+    pub index: (i64, i64),
+    /// Centre, m from the lens axis.
+    pub centre: Point,
+    /// Part of its top that is in contact, 0 to 1.
+    pub covered: f64,
+}
+
+/// The largest pull of the unloading.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PullOff {
+    /// Force, N: the least of the unloading, negative.
+    pub force: f64,
+    /// Indentation, m.
+    pub indentation: f64,
+    /// Its place in [`Cycle::stations`].
+    pub station: usize,
+    /// The pillars in contact with what each bears, those nearest to the lens axis first.
+    pub pillars: Vec<PillarState>,
+}
+
+/// Estimated relative errors of one figure, by where they come from.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CycleError {
+    /// From the levels at which fronts on pillar tops stop.
+    pub levels: f64,
+    /// From the angles at which rims are looked at.
+    pub rim_angles: f64,
+    /// From the degree of the pressure on pillar tops.
+    pub degree: f64,
+    /// Of the model: from the shapes that fronts can take.
+    pub fronts: f64,
+}
+
+impl CycleError {
+    /// That of the numerical solution of the model.
+    #[must_use]
+    pub fn numerical(&self) -> f64 {
+        self.levels + self.rim_angles + self.degree
+    }
+}
+
+/// Estimated relative errors of the figures of a cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CycleErrors {
+    /// Of the critical force.
+    pub critical_force: CycleError,
+    /// Of the critical indentation.
+    pub critical_indentation: CycleError,
+    /// Of the pull-off force.
+    pub pull_off_force: CycleError,
+    /// Of the loop area.
+    pub loop_area: CycleError,
+}
+
+/// A condition of the model, and how near this case comes to where it ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit {
+    /// Its name in results.
+    pub name: &'static str,
+    /// Its value here.
+    pub value: f64,
+    /// From where on it is doubtful.
+    pub threshold: f64,
+    /// Whether it is doubtful here.
+    pub strained: bool,
+}
+
+/// A cycle of loading and unloading with adhesion on the pillar tops.
+#[derive(Debug, Clone)]
+pub struct Cycle {
+    /// What was solved.
+    pub system: System,
+    /// What was planned.
+    pub plan: CyclePlan,
+    /// How finely.
+    pub accuracy: Accuracy,
+    /// The curve of force over indentation in its order; two at one indentation where contacts snap.
+    pub stations: Vec<CycleStation>,
+    /// What changed, in order.
+    pub events: Vec<CycleEvent>,
+    /// The first station with something in contact.
+    pub first_contact: Option<usize>,
+    /// Where the force on loading first rises through zero with something in contact, m: a lens without load comes to rest there.
+    pub zero_load_indentation: Option<f64>,
+    /// The critical state, if the lens went down so far.
+    pub critical: Option<CriticalState>,
+    /// The contact where the loading ended.
+    pub turn: ContactState,
+    /// Whether the floor ended the loading before what was planned.
+    pub stopped_by_floor: bool,
+    /// The largest pull of the unloading; none without unloading, or if nothing pulls.
+    pub pull_off: Option<PullOff>,
+    /// Indentation of the last release, m; none if something is still in contact.
+    pub separation: Option<f64>,
+    /// Work done against the pull of the pillars while the lens was withdrawn, J.
+    pub work_of_separation: f64,
+    /// The hysteresis: area of the loop of force over indentation, J. Of a path that is not closed, the work done.
+    pub loop_area: f64,
+    /// Energy dissipated by all changes of contact, J: what they release, less what it takes to part the surfaces, and what parting takes
+    /// more than contact gains. It is summed up independently, and is equal to the loop area of a closed path.
+    pub dissipation: f64,
+    /// Estimated relative errors.
+    pub errors: CycleErrors,
+    /// Why the path ended.
+    pub termination: Termination,
+    /// What to be careful about.
+    pub warnings: Vec<Warning>,
+}
+
+impl Cycle {
+    /// Whether the numbers are the solution.
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.termination == Termination::Converged
+    }
+
+    /// The certificate of a closed path: difference between loop area and dissipation, over the loop area. It is made of
+    /// rounding and of what the solver leaves; none if the path is not closed.
+    #[must_use]
+    pub fn certificate(&self) -> Option<f64> {
+        let largest = self.loop_area.abs().max(self.dissipation.abs());
+        let difference = (self.loop_area - self.dissipation).abs();
+        self.separation?;
+        Some(if largest > 0.0 {
+            difference / largest
+        } else {
+            0.0
+        })
+    }
+
+    /// The pillars in contact at a station, in the order in which they came.
+    #[must_use]
+    pub fn holding(&self, station: usize) -> Vec<HeldPillar> {
+        let happened = self.stations.get(station).map_or(0, |at| at.events);
+        let mut held: Vec<HeldPillar> = Vec::new();
+        let mut place = std::collections::HashMap::new();
+        for pillar in self.events[..happened].iter().filter_map(|e| e.pillar) {
+            let at = *place.entry(pillar.index).or_insert_with(|| {
+                held.push(pillar);
+                held.len() - 1
+            });
+            held[at] = pillar;
+        }
+        held.retain(|pillar| pillar.covered > 0.0);
+        held
+    }
+
+    /// Pillars in the order of their last release.
+    #[must_use]
+    pub fn release_order(&self) -> Vec<&CycleEvent> {
+        let released = |event: &&CycleEvent| event.kind == CycleEventKind::Release;
+        self.events.iter().filter(released).collect()
+    }
+
+    /// The conditions of the model, and how near this case comes to where they end. `range` is that of the attraction (m),
+    /// if it is known.
+    #[must_use]
+    pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
+        let strain = self.system.kendall_strain();
+        let farthest = self.stations.iter().map(|s| s.contact_radius);
+        let slope = farthest.fold(0.0, f64::max) / self.system.lens().radius;
+        let mut limits = vec![
+            Limit {
+                name: "kendall_strain",
+                value: strain,
+                threshold: LARGEST_STRAIN,
+                strained: strain > LARGEST_STRAIN,
+            },
+            Limit {
+                name: "slope",
+                value: slope,
+                threshold: super::contact::DOUBTFUL_CONTACT,
+                strained: slope > super::contact::DOUBTFUL_CONTACT,
+            },
+        ];
+        if let Some(range) = range {
+            let number = self.system.tabor_number(range);
+            limits.push(Limit {
+                name: "tabor_number",
+                value: number,
+                threshold: SMALLEST_TABOR_NUMBER,
+                strained: number < SMALLEST_TABOR_NUMBER,
+            });
+        }
+        limits
+    }
+}
+
+/// Stress of Kendall's punch at pull-off over the modulus of the substrate beyond which pillars stretch by more than linear elasticity
+/// is good for.
+pub(crate) const LARGEST_STRAIN: f64 = 0.3;
+
+/// Tabor number below which the range of the attraction is not small: the zone at the rim in which it acts is then wider than 8 % of the
+/// pillar radius.
+const SMALLEST_TABOR_NUMBER: f64 = 5.0;

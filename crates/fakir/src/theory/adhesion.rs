@@ -1,0 +1,263 @@
+//! Closed forms of lone contacts that stick.
+//!
+//! `E*` is the reduced modulus (Pa), `w` the work of adhesion (J/m^2), `a` the radius of a flat top or of a contact (m). Forces are positive
+//! where the bodies are pressed together. How far a system is from where these hold say
+//! [`System::kendall_strain`](crate::problem::System::kendall_strain) and [`System::tabor_number`](crate::problem::System::tabor_number).
+//!
+//! Sources: K. Kendall, J. Phys. D 4, 1186 (1971) (flat punch); K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)
+//! (sphere); D. Maugis, J. Colloid Interface Sci. 150, 243 (1992) (range of attraction); D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
+
+use crate::problem::quantity::Requirement;
+use crate::problem::{InvalidQuantity, Quantity};
+use std::f64::consts::PI;
+
+/// Pull-off force of a flat punch, N, negative: `-sqrt(8 pi w E* a^3)`. It is the same for every compliance of a column below and of the
+/// machine.
+#[must_use]
+pub fn kendall_pull_off(modulus: f64, radius: f64, work: f64) -> f64 {
+    -(8.0 * PI * work * modulus * radius.powi(3)).sqrt()
+}
+
+/// Pull-off force of a flat top in the middle under a sphere of radius `R`, in full contact: `2 a E* (2 a^2/(3 R)) - sqrt(8 pi w E* a^3)`, N.
+#[must_use]
+pub fn pull_off_under_lens(modulus: f64, radius: f64, work: f64, lens_radius: f64) -> f64 {
+    4.0 * modulus * radius.powi(3) / (3.0 * lens_radius) + kendall_pull_off(modulus, radius, work)
+}
+
+/// Force at which the rim of a flat top tilted by an angle (rad) against the other surface first yields, N: on it the edge coefficient is
+/// `F/(2 pi a^2)` less `2 E* theta/pi` on the side that is pulled, and `q_c = sqrt(2 w E*/(pi a))` holds:
+/// `F = -sqrt(8 pi w E* a^3) (1 - 2 E* theta/(pi q_c))`. From there on the top peels.
+#[must_use]
+pub fn first_yield_of_tilted_top(modulus: f64, radius: f64, work: f64, tilt: f64) -> f64 {
+    let critical = (2.0 * work * modulus / (PI * radius)).sqrt();
+    let relative = 2.0 * modulus * tilt.abs() / (PI * critical);
+    kendall_pull_off(modulus, radius, work) * (1.0 - relative)
+}
+
+/// A circular contact of a sphere that sticks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StickySphere {
+    /// Radius of contact, m.
+    pub radius: f64,
+    /// Force, N.
+    pub force: f64,
+    /// Indentation, m.
+    pub indentation: f64,
+}
+
+/// The contact of a sphere (as a paraboloid) of a radius `R` with a flat of the same reduced modulus, inside one pillar top:
+/// `F = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3)`, `zeta = a^2/R - sqrt(2 pi w a/E*)`.
+#[must_use]
+pub fn sticky_sphere(modulus: f64, lens_radius: f64, work: f64, radius: f64) -> StickySphere {
+    StickySphere {
+        radius,
+        force: pull_off_under_lens(modulus, radius, work, lens_radius),
+        indentation: radius * radius / lens_radius - (2.0 * PI * work * radius / modulus).sqrt(),
+    }
+}
+
+/// Where a sphere comes off under a prescribed force: `F = -(3/2) pi w R`.
+#[must_use]
+pub fn sphere_pull_off_by_force(modulus: f64, lens_radius: f64, work: f64) -> StickySphere {
+    let cube = 9.0 * PI * work * lens_radius * lens_radius / (8.0 * modulus);
+    sticky_sphere(modulus, lens_radius, work, cube.cbrt())
+}
+
+/// Where a sphere comes off under a prescribed indentation: at 5/9 of the largest pull.
+#[must_use]
+pub fn sphere_pull_off_by_displacement(modulus: f64, lens_radius: f64, work: f64) -> StickySphere {
+    let cube = PI * work * lens_radius * lens_radius / (8.0 * modulus);
+    sticky_sphere(modulus, lens_radius, work, cube.cbrt())
+}
+
+/// Pull-off force of a sphere of a radius `R` whose attraction is constant over a range `h0 = w/sigma_0` (Maugis's Dugdale model), N, negative.
+///
+/// It goes from `-2 pi w R` (rigid, long range) to `-(3/2) pi w R` (soft, short range). In Maugis's reduced quantities
+/// (`P = F/(pi w R)`, `A = a/(pi w R^2/K)^(1/3)`, `lambda = 2 sigma_0/(pi w K^2/R)^(1/3)`, `K = 4 E*/3`) with `m` the outer over the inner radius of
+/// the zone of attraction and `s = sqrt(m^2 - 1)`, `t = atan(s)`:
+///
+/// ```text
+/// (lambda A^2/2) (s + (m^2 - 2) t) + (4 lambda^2 A/3) (s t - m + 1) = 1,
+/// P = A^3 - lambda A^2 (s + m^2 t).
+/// ```
+///
+/// # Errors
+/// A range that is no positive number.
+pub fn dugdale_pull_off(
+    modulus: f64,
+    lens_radius: f64,
+    work: f64,
+    range: f64,
+) -> Result<f64, InvalidQuantity> {
+    Requirement::Positive.check(Quantity::AttractionRange, range)?;
+    let rigidity = 4.0 / 3.0 * modulus;
+    let stress = work / range;
+    let lambda = 2.0 * stress / (PI * work * rigidity * rigidity / lens_radius).cbrt();
+    let least =
+        (0..=SCAN).map(|k| LEAST_ZONE + (MOST_ZONE - LEAST_ZONE) * f64::from(k) / f64::from(SCAN));
+    let value = |logarithm: f64| reduced_dugdale_force(lambda, logarithm.exp());
+    let start = least
+        .min_by(|a, b| value(*a).total_cmp(&value(*b)))
+        .unwrap_or(0.0);
+    // Around it by golden sections.
+    let step = (MOST_ZONE - LEAST_ZONE) / f64::from(SCAN);
+    let (mut low, mut high) = (start - step, start + step);
+    let ratio = 0.5 * (5f64.sqrt() - 1.0);
+    for _ in 0..SECTIONS {
+        let (left, right) = (high - ratio * (high - low), low + ratio * (high - low));
+        if value(left) < value(right) {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    Ok(PI * work * lens_radius * value(0.5 * (low + high)))
+}
+
+/// Logarithms of the width `s` of the zone of attraction between which the largest pull is sought, places at which it is looked first, and
+/// golden sections after that.
+const LEAST_ZONE: f64 = -14.0;
+const MOST_ZONE: f64 = 14.0;
+const SCAN: i32 = 280;
+const SECTIONS: usize = 60;
+
+/// `P` of Maugis's model at a width of the zone of attraction.
+fn reduced_dugdale_force(lambda: f64, s: f64) -> f64 {
+    let (m, t) = (s.hypot(1.0), s.atan());
+    // s - t and s t - m + 1 cancel where s is small.
+    let difference = if s < 0.1 {
+        let square = s * s;
+        s * square
+            * (1.0 / 3.0
+                - square * (0.2 - square * (1.0 / 7.0 - square * (1.0 / 9.0 - square / 11.0))))
+    } else {
+        s - t
+    };
+    let quadratic = 0.5 * lambda * (difference + s * s * t);
+    let linear = 4.0 / 3.0 * lambda * lambda * (s * t - s * s / (m + 1.0));
+    let radius = 2.0 / (linear + (linear * linear + 4.0 * quadratic).sqrt());
+    radius.powi(3) - lambda * radius * radius * (s + m * m * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, compliances, mode_count};
+    use crate::numerics::quadrature::hemisphere;
+
+    const MODULUS: f64 = 4e6 / 3.0;
+
+    /// The disc solved in the modes of a circle of the contact's radius, with the edge coefficient `-q_c`: force and indentation.
+    fn disc(radius: f64, work: f64, shape: impl Fn([f64; 2]) -> f64) -> (Vec<f64>, f64) {
+        let degree = 2;
+        let count = mode_count(degree);
+        let mut basis = BasisEvaluator::new(degree);
+        let mut load = vec![0.0; count];
+        let mut values = vec![0.0; count];
+        for (point, weight) in hemisphere(degree, 9) {
+            basis.evaluate(point, &mut values);
+            let height = shape(point.map(|x| radius * x));
+            for (b, y) in load.iter_mut().zip(&values) {
+                *b -= weight * y * height;
+            }
+        }
+        let lambda = compliances(degree, 0.0);
+        basis.evaluate([1.0, 0.0], &mut values);
+        let at_edge = |load: &[f64]| -> f64 {
+            let terms = load.iter().zip(&lambda).zip(&values);
+            terms.map(|((b, lambda), y)| b / lambda * y).sum::<f64>() * MODULUS / radius
+        };
+        let critical = (2.0 * work * MODULUS / (PI * radius)).sqrt();
+        let unit = UNIT_FORCE * values[0] / lambda[0] * MODULUS / radius;
+        let indentation = (-critical - at_edge(&load)) / unit;
+        load[0] += UNIT_FORCE * indentation;
+        let coefficients = load
+            .iter()
+            .zip(&lambda)
+            .map(|(b, lambda)| b / lambda * MODULUS / radius);
+        (coefficients.collect(), indentation)
+    }
+
+    fn force_of(coefficients: &[f64], radius: f64) -> f64 {
+        UNIT_FORCE * coefficients[0] * radius * radius
+    }
+
+    /// Johnson, Kendall and Roberts against the modes of the disc, whose edge holds as Griffith's criterion says, over the whole branch.
+    #[test]
+    fn spheres_stick_as_the_modes_of_a_disc_do() {
+        let (lens, work) = (2.2e-3, 1e-5);
+        let largest = sphere_pull_off_by_force(MODULUS, lens, work).radius;
+        for part in [0.3, 0.481, 0.63, 1.0, 1.5, 3.0] {
+            let radius = part * largest;
+            let expected = sticky_sphere(MODULUS, lens, work, radius);
+            let (coefficients, indentation) =
+                disc(radius, work, |[x, y]| (x * x + y * y) / (2.0 * lens));
+            let force = force_of(&coefficients, radius);
+            let scale = 1.5 * PI * work * lens;
+            assert!((force - expected.force).abs() < 1e-8 * scale, "{part}");
+            let scale = radius * radius / lens;
+            assert!(
+                (indentation - expected.indentation).abs() < 1e-8 * scale,
+                "{part}"
+            );
+        }
+    }
+
+    #[test]
+    fn spheres_come_off_at_three_halves_and_at_five_ninths_of_it() {
+        let (lens, work) = (2.2e-3, 1e-5);
+        let by_force = sphere_pull_off_by_force(MODULUS, lens, work);
+        let by_displacement = sphere_pull_off_by_displacement(MODULUS, lens, work);
+        assert!((by_force.force / (-1.5 * PI * work * lens) - 1.0).abs() < 1e-12);
+        assert!((by_displacement.force / by_force.force - 5.0 / 9.0).abs() < 1e-12);
+        for (state, measure) in [
+            (
+                by_force,
+                (|s: StickySphere| s.force) as fn(StickySphere) -> f64,
+            ),
+            (by_displacement, |s: StickySphere| s.indentation),
+        ] {
+            // Least of all on the branch.
+            for part in [0.99, 1.01] {
+                let other = sticky_sphere(MODULUS, lens, work, part * state.radius);
+                assert!(measure(other) > measure(state));
+            }
+        }
+    }
+
+    /// A tilted flat top in the modes of its disc.
+    #[test]
+    fn tilted_tops_yield_at_their_rim_first() {
+        let (radius, work) = (3e-6, 50e-3);
+        for tilt in [0.0, 0.02, 0.1] {
+            let (mut coefficients, _) = disc(radius, work, |[x, _]| tilt * x);
+            let critical = (2.0 * work * MODULUS / (PI * radius)).sqrt();
+            // Turned round, the rim at x = -1 has what that at x = 1 had.
+            let mut basis = BasisEvaluator::new(2);
+            let mut values = vec![0.0; coefficients.len()];
+            let mut edge = |coefficients: &[f64], x: f64| -> f64 {
+                basis.evaluate([x, 0.0], &mut values);
+                coefficients.iter().zip(&values).map(|(c, y)| c * y).sum()
+            };
+            let least = edge(&coefficients, 1.0).min(edge(&coefficients, -1.0));
+            coefficients[0] += (-critical - least) / edge(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 1.0);
+            let force = force_of(&coefficients, radius);
+            let expected = first_yield_of_tilted_top(MODULUS, radius, work, tilt);
+            assert!((force / expected - 1.0).abs() < 1e-12, "{force} {expected}");
+        }
+    }
+
+    /// The limits of Bradley and of Johnson, Kendall and Roberts, between which the pull falls with the range.
+    #[test]
+    fn the_range_of_attraction_leads_from_rigid_to_soft() {
+        let (lens, work) = (2.2e-3, 1e-3);
+        let pull =
+            |range: f64| dugdale_pull_off(MODULUS, lens, work, range).unwrap() / (PI * work * lens);
+        assert!((pull(1.0) + 2.0).abs() < 1e-6);
+        assert!((pull(1e-12) + 1.5).abs() < 1e-6);
+        let ranges = (-11..-2).map(|power| pull(10f64.powi(power)));
+        let pulls: Vec<f64> = ranges.collect();
+        assert!(pulls.windows(2).all(|pair| pair[1] <= pair[0] + 1e-12));
+        assert!(dugdale_pull_off(MODULUS, lens, work, 0.0).is_err());
+    }
+}

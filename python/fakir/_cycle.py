@@ -1,0 +1,264 @@
+"""Loading and unloading of pillar tops that stick."""
+
+from __future__ import annotations
+
+import copy
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from . import _fakir
+from ._format import Row, engineering, html_table, text_table
+from ._quantity import FloatArray, Quantity, si
+from ._run import warn
+from ._state import CriticalState, critical_state
+from .errors import NotConverged
+
+if TYPE_CHECKING:
+    import pandas
+
+Drive = Literal["displacement", "force", "machine"]
+
+
+@dataclass(frozen=True, init=False)
+class Adhesion:
+    """The work of adhesion between the lens and the pillar tops, of short range.
+
+    Parameters
+    ----------
+    work
+        Energy per area that is won where contact is made: a number in J/m^2, or a text such as ``"50 mJ/m2"``.
+    work_receding
+        Energy per area that it takes to break contact, if that is more.
+    """
+
+    work: float
+    work_receding: float | None
+
+    def __init__(self, work: Quantity, work_receding: Quantity | None = None) -> None:
+        object.__setattr__(self, "work", si(work, "energy per area", "adhesion.work"))
+        receding = work_receding
+        if receding is not None:
+            receding = si(receding, "energy per area", "adhesion.work_receding")
+        object.__setattr__(self, "work_receding", receding)
+
+
+class CycleError(NamedTuple):
+    """Estimated relative errors of a figure of a cycle."""
+
+    numerical: float
+    """Of the numerical solution."""
+    model: float
+    """Of the model: from the shapes that the fronts of partial contacts can take."""
+
+
+@dataclass(frozen=True)
+class PullOff:
+    """The largest pull of the unloading."""
+
+    force: float
+    """N, negative."""
+    indentation: float
+    """m."""
+    error: CycleError
+    """Estimated relative errors of the force."""
+    pillars: dict[str, Any]
+    """The pillars in contact, as arrays: the columns of ``pull-off-pillars.csv``."""
+
+
+class Cycle:
+    """A lens lowered onto pillars that stick, and pulled off again. Numbers are in SI units.
+
+    Between one station and the next the force is linear in the indentation, so that the stations are the whole
+    curve; two are at (nearly) one indentation where contacts snap.
+    """
+
+    __slots__ = ("_summary", "critical", "pull_off")
+
+    critical: CriticalState | None
+    """The critical state, if the lens went down so far."""
+    pull_off: PullOff | None
+    """The largest pull; none without unloading, or if nothing pulls."""
+
+    def __init__(
+        self,
+        summary: dict[str, Any],
+        critical: CriticalState | None,
+        pillars: dict[str, Any] | None,
+    ) -> None:
+        self._summary, self.critical = summary, critical
+        self.pull_off = None
+        if pillars is not None:
+            self.pull_off = PullOff(
+                float(summary["pull_off_force_N"]),
+                float(summary["pull_off_indentation_m"]),
+                _error(summary["relative_error_estimate"]["pull_off_force"]),
+                pillars,
+            )
+
+    def _stations(self, name: str) -> FloatArray:
+        return np.array([station[name] for station in self._summary["stations"]], dtype=float)
+
+    @property
+    def indentation(self) -> FloatArray:
+        """Indentation at every station, m; negative where the lens pulls at the tops above their height."""
+        return self._stations("indentation_m")
+
+    @property
+    def force(self) -> FloatArray:
+        """Force at every station, N; negative where the lens is held back."""
+        return self._stations("force_N")
+
+    @property
+    def pillars_in_contact(self) -> FloatArray:
+        """Number of pillars in contact at every station."""
+        return self._stations("pillars_in_contact")
+
+    @property
+    def contact_radius(self) -> FloatArray:
+        """Distance of the farthest point in contact from the lens axis at every station, m."""
+        return self._stations("contact_radius_m")
+
+    @property
+    def contact_area(self) -> FloatArray:
+        """Area in contact at every station, m^2."""
+        return self._stations("contact_area_m2")
+
+    @property
+    def unloading(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Which stations are on the unloading branch."""
+        return np.array([it["branch"] == "unloading" for it in self._summary["stations"]], dtype=bool)
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        """All changes of contact, in order: the rows of ``events.csv``."""
+        return copy.deepcopy(self._summary["events"])
+
+    @property
+    def turn_force(self) -> float:
+        """Force where the loading ended, N."""
+        return float(self._summary["turn_force_N"])
+
+    @property
+    def turn_indentation(self) -> float:
+        """Indentation where the loading ended, m."""
+        return float(self._summary["turn_indentation_m"])
+
+    @property
+    def stopped_by_floor(self) -> bool:
+        """Whether the floor ended the loading before what was asked for."""
+        return bool(self._summary["stopped_by_floor"])
+
+    @property
+    def last_release_indentation(self) -> float | None:
+        """Indentation at which the last pillar was released, m; none if something is still in contact."""
+        return _number(self._summary["last_release_indentation_m"])
+
+    @property
+    def work_of_separation(self) -> float:
+        """Work done against the pull of the pillars while the lens was withdrawn, J."""
+        return float(self._summary["work_of_separation_J"])
+
+    @property
+    def hysteresis(self) -> float | None:
+        """Area of the loop of force over indentation, J; none if it is not closed."""
+        return _number(self._summary["hysteresis_J"])
+
+    @property
+    def hysteresis_error(self) -> CycleError | None:
+        """Estimated relative errors of the hysteresis."""
+        error = self._summary["relative_error_estimate"]["hysteresis"]
+        return None if error is None else _error(error)
+
+    @property
+    def certificate(self) -> float | None:
+        """Relative difference of the loop area from what all events dissipate; none if it is not closed."""
+        return _number(self._summary["certificate"])
+
+    @property
+    def converged(self) -> bool:
+        """Whether the numbers are the solution."""
+        return bool(self._summary["converged"])
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to be careful about."""
+        return list(self._summary["warnings"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir approach --retract --json`` prints."""
+        return copy.deepcopy(self._summary)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table: the columns of ``cycle.csv``."""
+        import pandas
+
+        return pandas.DataFrame(self._summary["stations"])
+
+    def _rows(self) -> list[Row]:
+        rows = [
+            (
+                "loaded up to",
+                f"{engineering(self.turn_force, 'N')} at {engineering(self.turn_indentation, 'm')}",
+            )
+        ]
+        if self.pull_off is not None:
+            at = engineering(self.pull_off.indentation, "m", 4)
+            held = len(self.pull_off.pillars["i"])
+            text = f"{engineering(self.pull_off.force, 'N', 3)} at {at}, {held} pillars"
+            rows.append(("pull-off", text))
+        if self.last_release_indentation is not None:
+            rows.append(("last release", engineering(self.last_release_indentation, "m", 4)))
+        if self.hysteresis is not None:
+            rows.append(("hysteresis", engineering(self.hysteresis, "J", 3)))
+        return rows
+
+    def __repr__(self) -> str:
+        return text_table("fakir.Cycle", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Loading and unloading with adhesion", self._rows())
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else float(value)
+
+
+def _error(found: dict[str, float]) -> CycleError:
+    return CycleError(float(found["numerical"]), float(found["model_fronts"]))
+
+
+def cycle(
+    case: _fakir.Case,
+    to: Quantity | None,
+    to_force: Quantity | None,
+    drive: Drive,
+    machine_stiffness: Quantity | None,
+    retract: bool,
+    options: _fakir.Options,
+) -> Cycle:
+    """Computes loading and unloading."""
+    if to is not None and to_force is not None:
+        raise TypeError("a loading has one end: give one of to and to_force")
+    if drive not in ("displacement", "force", "machine"):
+        raise ValueError(f'no drive "{drive}": give "displacement", "force" or "machine"')
+    if (drive == "machine") != (machine_stiffness is not None):
+        raise TypeError('drive="machine" and machine_stiffness go together')
+    plan = (
+        None if to is None else si(to, "length", "to"),
+        None if to_force is None else si(to_force, "force", "to_force"),
+        drive,
+        None
+        if machine_stiffness is None
+        else si(machine_stiffness, "stiffness", "machine_stiffness"),
+        retract,
+    )
+    found, reached, pillars, termination = _fakir.cycle(case, *plan, options)
+    critical = None if reached is None else critical_state(reached)
+    result = Cycle(json.loads(found), critical, pillars)
+    if not result.converged:
+        raise NotConverged(f"the solution {termination}", result)
+    warn(result.warnings)
+    return result
