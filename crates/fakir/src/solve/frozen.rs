@@ -27,6 +27,9 @@ use crate::state::{Run, SolveError};
 /// Iterations of the conjugate gradient method before giving up; 10 to 25 are typical.
 const ITERATION_LIMIT: usize = 600;
 
+/// With a larger tolerance than this, single precision does for the product that the iteration starts from.
+const ROUGH_TOLERANCE: f64 = 1e-5;
+
 /// How the places of contact answer to the loads on them, their states frozen.
 pub(crate) trait Rule {
     /// `c = P s`, place by place. Of a place without a compliance of its own `c` stays, or is zero if it bears no pressure.
@@ -419,7 +422,11 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             rule.add_constants(coefficients);
         }
         let mut scale = vectors.dot(&room.load, coefficients).abs();
-        self.coupling.apply(coefficients, far, workers);
+        if tolerance > ROUGH_TOLERANCE {
+            self.coupling.apply_roughly(coefficients, far, workers);
+        } else {
+            self.coupling.apply(coefficients, far, workers);
+        }
         self.run.check_cancelled()?;
         vectors.subtract(&mut room.residual, far);
         let preconditioned = &mut room.preconditioned;
@@ -438,7 +445,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 Judgement::TooLarge => {}
                 ended => return Ok(ended),
             }
-            // Steps become small, and with them what rounding leaves of each; every solution starts from an exact product.
+            // Steps become small, and with them what rounding leaves of each; every exact solution starts from an exact product.
             self.coupling
                 .apply_roughly(&room.direction, &mut room.product, workers);
             self.run.check_cancelled()?;
