@@ -1,14 +1,20 @@
-//! The coupling coefficients between the modes of two pillars, in closed form.
+//! The coupling coefficients between the modes of two pillars, in closed form, for any two radii.
 //!
-//! For a receiver at `D` from the source, `delta = |D| > 2` (in pillar radii) and `Phi` the angle
-//! of `D`, complex modes of azimuthal difference or sum `M` couple by
-//! `g(l,m; l',m'; M) = 4 pi y_lm y_l'm' i^(l-l'+M) ∫ j_l(k) j_l'(k) J_M(k delta) dk`
-//! (the Fourier transform of `Y_lm/mu` is `2 pi (-i)^l j_l(k) Y_lm(equator)`), which is a 4F3 series
-//! in `4/delta^2` with terms of one sign:
-//! `(-1)^l pi y y' G((1+L+M)/2) G((1+L-M)/2)/(G(l+3/2) G(l'+3/2)) delta^(-L-1)
-//! 4F3((L+2)/2, (L+3)/2, (1+L+M)/2, (1+L-M)/2; L+2, l+3/2, l'+3/2; 4/delta^2)`, `L = l + l'`
-//! (the Weber-Schafheitlin integral with a product of two Bessel functions; Watson, Theory
-//! of Bessel Functions, 5.41 and 13.4).
+//! The unknowns are moments: `a^2` times the coefficients of the pressure, so that the work of one on the displacement by the other is the
+//! same for both. For a receiver of radius `a` at `D` from a source of radius `a'`, `delta = |D| > a + a'`, and `Phi` the angle of `D`, complex
+//! modes of azimuthal difference or sum `M` couple by
+//! `g(l,m; l',m'; M) = 4 pi y_lm y_l'm' i^(l-l'+M) ∫ j_l(k a) j_l'(k a') J_M(k delta) dk`
+//! (the Fourier transform of `Y_lm/mu` is `2 pi (-i)^l j_l(k) Y_lm(equator)`). With `alpha = a/delta` and `beta = a'/delta` that is
+//! (W. N. Bailey, Proc. Lond. Math. Soc. s2-40, 37 (1936))
+//!
+//! ```text
+//! (-1)^l pi y y' G((1+L+M)/2) G((1+L-M)/2)/(G(l+3/2) G(l'+3/2)) alpha^l beta^l'/delta F4,      L = l + l',
+//! ```
+//!
+//! with Appell's `F4((1+L-M)/2, (1+L+M)/2; l+3/2, l'+3/2; alpha^2, beta^2)`. Its terms of one degree add up to a Jacobi polynomial of an argument
+//! beyond 1, which three-term recurrences give; all are positive. Radius 0 is a point that feels or acts by its mean alone.
+//!
+//! Pillars of one radius have that as the unit of length. Then the moments are the coefficients.
 
 use crate::halfspace::disc::basis::{
     Mode, UNIT_FORCE, equator_value, gamma_degree, mode_count, modes,
@@ -24,16 +30,22 @@ const SERIES_TOLERANCE: f64 = 1e-17;
 /// added from the algebraic decay of the terms.
 const SERIES_LIMIT: usize = 20_000;
 
+/// Two discs: the radius of the receiver, that of the source, and the distance of their centres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Discs {
+    pub(crate) receiver: f64,
+    pub(crate) source: f64,
+    pub(crate) distance: f64,
+}
+
 /// One series: a pair of complex modes with one `M`.
 #[derive(Debug, Clone)]
 struct Series {
     factor: f64,
-    /// `L = l + l'`
-    degree_sum: usize,
-    /// Numerator parameters of the 4F3 ...
-    upper: [f64; 4],
-    /// ... and denominator parameters.
-    lower: [f64; 3],
+    /// `l` and `l'`
+    degrees: [i32; 2],
+    /// `(1 + L - M)/2` and `(1 + L + M)/2`
+    upper: [f64; 2],
 }
 
 impl Series {
@@ -52,33 +64,59 @@ impl Series {
         let half = |n: usize| 0.5 * n as f64;
         Self {
             factor,
-            degree_sum: sum,
-            upper: [
-                half(sum + 2),
-                half(sum + 3),
-                half(1 + sum + azimuthal),
-                half(1 + sum - azimuthal),
-            ],
-            lower: [(sum + 2) as f64, l as f64 + 1.5, k as f64 + 1.5],
+            degrees: [l as i32, k as i32],
+            upper: [half(1 + sum - azimuthal), half(1 + sum + azimuthal)],
         }
     }
 
-    fn value(&self, delta: f64) -> f64 {
-        let z = 4.0 / (delta * delta);
-        let (mut term, mut sum) = (1.0, 1.0);
-        for s in 0..SERIES_LIMIT {
-            let s = s as f64;
-            let up: f64 = self.upper.iter().map(|a| a + s).product();
-            let down: f64 = self.lower.iter().map(|b| b + s).product::<f64>() * (s + 1.0);
-            term *= z * up / down;
-            sum += term;
+    fn value(&self, discs: Discs) -> f64 {
+        let (alpha, beta) = (
+            discs.receiver / discs.distance,
+            discs.source / discs.distance,
+        );
+        let factor = self.factor * alpha.powi(self.degrees[0]) * beta.powi(self.degrees[1]);
+        factor / discs.distance * self.appell([alpha * alpha, beta * beta])
+    }
+
+    /// `F4`, by the sums of its terms of one degree:
+    /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the coefficients of the
+    /// recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
+    fn appell(&self, [x, y]: [f64; 2]) -> f64 {
+        let [p, q] = self.degrees.map(|degree| f64::from(degree) + 0.5);
+        let [a, b] = self.upper;
+        let w = p + q;
+        let ratio = |s: f64| (a + s - 1.0) * (b + s - 1.0) / ((p + s) * (q + s));
+        let mut before = 1.0;
+        let mut last_ratio = ratio(1.0);
+        let mut term = last_ratio * ((p + 1.0) * y + (q + 1.0) * x);
+        let mut sum = before + term;
+        let difference = y - x;
+        let mixed = (p * p - q * q) * difference;
+        let square = difference * difference;
+        let mut s = 1.0;
+        let mut half_way = term;
+        for number in 2..=SERIES_LIMIT {
             if term < SERIES_TOLERANCE * sum {
-                return self.factor * delta.powi(-(self.degree_sum as i32) - 1) * sum;
+                return sum;
+            }
+            s += 1.0;
+            let twice = 2.0 * s + w;
+            let scale = (2.0 * s * (s + w) * (twice - 2.0)).recip();
+            let first = (twice - 1.0) * (twice * (twice - 2.0) * (x + y) + mixed) * scale;
+            let second = 2.0 * (s + p - 1.0) * (s + q - 1.0) * twice * square * scale;
+            let ratio = ratio(s);
+            let next = ratio * (first * term - second * last_ratio * before);
+            (before, term, last_ratio) = (term, next, ratio);
+            sum += term;
+            if number == SERIES_LIMIT / 2 {
+                half_way = term;
             }
         }
-        // At z -> 1 terms go as s^(-5/2) (parametric excess 3/2): the rest is term s/(3/2).
-        sum += term * SERIES_LIMIT as f64 / 1.5;
-        self.factor * delta.powi(-(self.degree_sum as i32) - 1) * sum
+        // Where discs touch the terms go as s^(-5/2) (1 + c/s), and the rest is as their integral from s + 1/2 on.
+        let c = s * (1.0 - 0.5_f64.powf(-2.5) * term / half_way);
+        let from = s + 0.5;
+        let rest = from.powf(-1.5) / 1.5 + c * from.powf(-2.5) / 2.5;
+        sum + term * s.powf(2.5) / (1.0 + c / s) * rest
     }
 }
 
@@ -172,12 +210,22 @@ impl PairCoupling {
 
     /// The parts that depend on the distance alone (`delta` in pillar radii), into `radial`.
     pub(crate) fn radial(&self, delta: f64, radial: &mut [f64]) {
+        let discs = Discs {
+            receiver: 1.0,
+            source: 1.0,
+            distance: delta,
+        };
+        self.radial_of(discs, radial);
+    }
+
+    /// The same for discs of any radii.
+    pub(crate) fn radial_of(&self, discs: Discs, radial: &mut [f64]) {
         if let Some(punch) = &self.flat_punches {
-            radial.fill(UNIT_FORCE * punch.value(delta.recip()));
+            radial.fill(UNIT_FORCE * punch.value(discs.distance.recip()));
             return;
         }
         for (value, series) in radial.iter_mut().zip(&self.series) {
-            *value = series.value(delta);
+            *value = series.value(discs);
         }
     }
 
@@ -191,20 +239,44 @@ impl PairCoupling {
 
     /// The whole block for receiver minus source `= [x, y]`, in pillar radii, row by row: a
     /// row is a mode of the receiver.
-    pub(crate) fn block(&self, [x, y]: [f64; 2], block: &mut [f64]) {
-        let delta = x.hypot(y);
-        let mut radial = vec![0.0; self.radial_count()];
-        self.radial(delta, &mut radial);
+    pub(crate) fn block(&self, offset: [f64; 2], block: &mut [f64]) {
+        self.block_of(offset, [1.0; 2], block);
+    }
+
+    /// The same for moments of discs of two radii, that of the receiver first, which do not overlap.
+    pub(crate) fn block_of(
+        &self,
+        [x, y]: [f64; 2],
+        [receiver, source]: [f64; 2],
+        block: &mut [f64],
+    ) {
+        let distance = x.hypot(y);
+        let direction = [x / distance, y / distance];
+        let radial_of = |receiver: f64, source: f64| {
+            let mut radial = vec![0.0; self.radial_count()];
+            let discs = Discs {
+                receiver,
+                source,
+                distance,
+            };
+            self.radial_of(discs, &mut radial);
+            radial
+        };
+        let radial = radial_of(receiver, source);
+        let exchanged = (receiver != source).then(|| radial_of(source, receiver));
+        let exchanged = exchanged.as_ref().unwrap_or(&radial);
         let count = self.modes.len();
         let mut entries = self.entries.iter();
         for row in 0..count {
             for column in row..count {
                 let Some(entry) = entries.next() else { return };
-                let value = entry.value(&radial, [x / delta, y / delta]);
-                // B_ji(D) = (-1)^(l + l') B_ij(D)
-                let odd = (entry.receiver.degree + entry.source.degree) % 2 == 1;
-                block[row * count + column] = value;
-                block[column * count + row] = if odd && row != column { -value } else { value };
+                block[row * count + column] = entry.value(&radial, direction);
+                if column > row {
+                    // C_ji(D; a, a') = C_ij(-D; a', a) = (-1)^(l + l') C_ij(D; a', a)
+                    let odd = (entry.receiver.degree + entry.source.degree) % 2 == 1;
+                    let value = entry.value(exchanged, direction);
+                    block[column * count + row] = if odd { -value } else { value };
+                }
             }
         }
     }
@@ -248,7 +320,7 @@ mod tests {
     use crate::numerics::quadrature::hemisphere;
 
     /// `∫∫ Y_i Y_j/(pi |x - x'|) dOmega dOmega'` over two discs, by product quadrature.
-    fn by_quadrature(degree: usize, offset: [f64; 2]) -> Vec<f64> {
+    fn by_quadrature(degree: usize, offset: [f64; 2], [a, b]: [f64; 2]) -> Vec<f64> {
         let count = mode_count(degree);
         let mut basis = BasisEvaluator::new(degree);
         let rule: Vec<_> = hemisphere(22, 80)
@@ -264,7 +336,8 @@ mod tests {
         for (at, weight, receiver) in &rule {
             field.fill(0.0);
             for (from, weight, source) in &rule {
-                let distance = (at[0] + offset[0] - from[0]).hypot(at[1] + offset[1] - from[1]);
+                let distance = (a * at[0] + offset[0] - b * from[0])
+                    .hypot(a * at[1] + offset[1] - b * from[1]);
                 for (sum, value) in field.iter_mut().zip(source) {
                     *sum += weight * value / (PI * distance);
                 }
@@ -284,7 +357,7 @@ mod tests {
         let count = mode_count(degree);
         let pair = PairCoupling::new(degree, 4.0);
         for offset in [[3.7, 0.0], [2.9, 2.5], [-6.0, 1.0]] {
-            let expected = by_quadrature(degree, offset);
+            let expected = by_quadrature(degree, offset, [1.0; 2]);
             let mut block = vec![0.0; count * count];
             pair.block(offset, &mut block);
             for (k, (found, expected)) in block.iter().zip(&expected).enumerate() {
@@ -313,9 +386,94 @@ mod tests {
     }
 
     #[test]
+    fn blocks_of_two_radii_by_double_quadrature() {
+        let degree = 4;
+        let count = mode_count(degree);
+        let pair = PairCoupling::new(degree, 4.0);
+        for (offset, radii) in [([2.3, 0.4], [1.0, 0.3]), ([-1.9, 2.5], [0.7, 1.2])] {
+            let expected = by_quadrature(degree, offset, radii);
+            let mut block = vec![0.0; count * count];
+            pair.block_of(offset, radii, &mut block);
+            for (k, (found, expected)) in block.iter().zip(&expected).enumerate() {
+                assert!(
+                    (found - expected).abs() < 1e-12,
+                    "entry {k} at {offset:?}: {found} {expected}"
+                );
+            }
+        }
+    }
+
+    /// `any.csv` of the reference: radius 1 receives, 0.3 acts.
+    #[test]
+    fn two_radii_are_those_of_the_reference() {
+        let pair = PairCoupling::new(2, 4.0);
+        let mut block = vec![0.0; 36];
+        for (distance, expected, tolerance) in [
+            (1.3, [1.828_542_998_8, -0.147_835_354_674], 1.2e-11),
+            (1.31, [1.803_157_767_7, -0.131_681_992_12], 1e-10),
+            (2.0, [1.053_096_703_43, -0.009_933_320_397_87], 1e-11),
+        ] {
+            pair.block_of([distance, 0.0], [1.0, 0.3], &mut block);
+            for (place, expected) in [0, 10].into_iter().zip(expected) {
+                let found: f64 = block[place];
+                assert!(
+                    (found - expected).abs() < tolerance,
+                    "{distance}: {found} {expected}"
+                );
+            }
+        }
+    }
+
+    /// Reciprocity, and `C(s D; s a, s a') = C(D; a, a')/s`.
+    #[test]
+    fn exchanged_and_scaled_discs() {
+        let degree = 3;
+        let count = mode_count(degree);
+        let pair = PairCoupling::new(degree, 4.0);
+        let block = |offset: [f64; 2], radii: [f64; 2]| {
+            let mut block = vec![0.0; count * count];
+            pair.block_of(offset, radii, &mut block);
+            block
+        };
+        let there = block([1.4, -0.6], [0.9, 0.4]);
+        let back = block([-1.4, 0.6], [0.4, 0.9]);
+        let scaled = block([3.5, -1.5], [2.25, 1.0]);
+        for i in 0..count {
+            for j in 0..count {
+                let value = there[i * count + j];
+                assert!((value - back[j * count + i]).abs() < 1e-15);
+                assert!((value - 2.5 * scaled[i * count + j]).abs() < 1e-14);
+            }
+        }
+    }
+
+    /// A point receives the displacement there over the root of `2 pi`: `arcsin(1/delta)/pi` times `sqrt(2 pi)` for the lowest mode (Copson).
+    #[test]
+    fn a_point_is_a_disc_without_radius() {
+        let pair = PairCoupling::new(2, 4.0);
+        let mut block = vec![0.0; 36];
+        pair.block_of([1.7, 0.0], [0.0, 1.0], &mut block);
+        let exterior = RadialFunction::new(0, 0);
+        let expected = UNIT_FORCE * exterior.value(1.0 / 1.7);
+        assert!(
+            (block[0] / expected - 1.0).abs() < 1e-14,
+            "{} {expected}",
+            block[0]
+        );
+        assert!(block[6..].iter().all(|value| *value == 0.0));
+    }
+
+    #[test]
     fn touching_pillars_are_the_limit_of_close_ones() {
         let series = Series::new((0, 0), (0, 0), 0);
-        let (close, touching) = (series.value(2.0 + 1e-6), series.value(2.0));
+        let at = |distance: f64| {
+            series.value(Discs {
+                receiver: 1.0,
+                source: 1.0,
+                distance,
+            })
+        };
+        let (close, touching) = (at(2.0 + 1e-6), at(2.0));
         assert!((close / touching - 1.0).abs() < 1e-5, "{close} {touching}");
     }
 }
