@@ -263,7 +263,8 @@ impl PairCoupling {
             radial
         };
         let radial = radial_of(receiver, source);
-        let exchanged = (receiver != source).then(|| radial_of(source, receiver));
+        let differ = receiver.to_bits() != source.to_bits();
+        let exchanged = differ.then(|| radial_of(source, receiver));
         let exchanged = exchanged.as_ref().unwrap_or(&radial);
         let count = self.modes.len();
         let mut entries = self.entries.iter();
@@ -403,13 +404,14 @@ mod tests {
         }
     }
 
-    /// `any.csv` of the reference: radius 1 receives, 0.3 acts.
+    /// Radius 1 receives, 0.3 acts: the series by another program; where the discs touch, in 30 digits up to terms 256 to 16384 with
+    /// Richardson's extrapolation in their number.
     #[test]
     fn two_radii_are_those_of_the_reference() {
         let pair = PairCoupling::new(2, 4.0);
         let mut block = vec![0.0; 36];
         for (distance, expected, tolerance) in [
-            (1.3, [1.828_542_998_8, -0.147_835_354_674], 1.2e-11),
+            (1.3, [1.828_542_998_793_686, -0.147_835_354_740_613], 1e-12),
             (1.31, [1.803_157_767_7, -0.131_681_992_12], 1e-10),
             (2.0, [1.053_096_703_43, -0.009_933_320_397_87], 1e-11),
         ] {
