@@ -99,7 +99,7 @@ fn floor() -> f64 {
         exterior: &exterior,
         modes,
         centres: window.centres(),
-        radius: 1.0,
+        radii: &[(1.0, window.len())],
         coefficients: [&c, &c],
         run: &Run::default(),
     };

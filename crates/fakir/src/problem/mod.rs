@@ -23,6 +23,7 @@ pub(crate) mod height_map;
 pub(crate) mod lattice;
 pub(crate) mod method;
 pub mod pattern;
+pub(crate) mod pillar_field;
 pub(crate) mod point;
 pub(crate) mod quantity;
 pub(crate) mod scaled;

@@ -2,9 +2,9 @@
 //! reduced modulus, so that forces are in units of `E* (d/2)^2`.
 
 use super::lattice::HexagonalLattice;
+use super::pillar_field::PillarField;
 use super::point::Point;
 use super::system::{Lens, System};
-use crate::numerics::convergence::smaller;
 
 /// Lens radius, in pillar radii, below which the sphere differs from a paraboloid over a single pillar top:
 /// by `1/(2R)^2`, so that truncation at degree 2 makes an error of 2e-5 at 8 and 1e-6 here.
@@ -24,6 +24,18 @@ pub(crate) struct Problem {
     pub(crate) length: f64,
     /// Unit of pressure, `E*`, Pa.
     pub(crate) pressure: f64,
+}
+
+/// A lens over pillars of any arrangement on a floor. Lengths are in units of a pillar radius: of the only one there is, or of any.
+#[derive(Debug, Clone)]
+pub(crate) struct Scene {
+    /// A [plate](Lens::is_flat) has an infinite radius.
+    pub(crate) lens: Lens,
+    /// Common height of the pillars: the depth of the floor.
+    pub(crate) height: f64,
+    pub(crate) field: PillarField,
+    /// Unit of length, m.
+    pub(crate) length: f64,
 }
 
 impl Problem {
@@ -55,11 +67,22 @@ impl Problem {
         self.lens.sag_at_square(x * x + y * y)
     }
 
-    /// The same with a level brim around the lens at its equator, beyond which it has no lower
-    /// side: what presses on pillars. It is a number everywhere, and no contact that is allowed
-    /// comes near the brim.
+    /// The same with a [brim](Lens::sag_with_brim).
     pub(crate) fn sag_with_brim(&self, point: Point) -> f64 {
-        smaller(self.sag(point), self.lens.radius)
+        self.lens.sag_with_brim(point)
+    }
+
+    /// What the solvers of pillars need of it.
+    pub(crate) fn scene(&self) -> Scene {
+        Scene {
+            lens: self.lens,
+            height: self.height,
+            field: PillarField::Hexagonal {
+                lattice: self.lattice,
+                column_compliance_ratio: self.column_compliance_ratio,
+            },
+            length: self.length,
+        }
     }
 
     /// Distance of the nearest pillar top from the lens axis; 0 if the axis is on one.

@@ -2,7 +2,9 @@
 
 use super::adhesion::Adhesion;
 use super::lattice::{HexagonalLattice, MAXIMUM_SURFACE_FRACTION};
+use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
+use crate::numerics::convergence::smaller;
 use std::f64::consts::PI;
 
 /// A linear elastic, isotropic material.
@@ -49,6 +51,17 @@ impl Lens {
     #[must_use]
     pub fn sag(&self, distance: f64) -> f64 {
         self.sag_at_square(distance * distance)
+    }
+
+    /// Whether it is a plate. A [`System`] has none.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.radius.is_infinite()
+    }
+
+    /// Height of the undeformed lens at a point from its axis, with a level brim at its equator, beyond which it has no lower
+    /// side: what presses on pillars. It is a number everywhere, and no contact that is allowed comes near the brim.
+    pub(crate) fn sag_with_brim(&self, [x, y]: Point) -> f64 {
+        smaller(self.sag_at_square(x * x + y * y), self.radius)
     }
 
     /// [`sag`](Self::sag) from the square of the distance to the axis.

@@ -140,7 +140,7 @@ impl<'a> Loading<'a> {
             advancing: adhesion.work / scale,
             receding: adhesion.receding() / scale,
         };
-        let degree = degrees(accuracy, problem).coupling;
+        let degree = degrees(accuracy, &problem.scene()).coupling;
         let fronts = Fronts::new(degree, problem.column_compliance_ratio, works, true);
         let held = match drive {
             Drive::Displacement => Held::Indentation,

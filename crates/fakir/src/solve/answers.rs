@@ -4,7 +4,7 @@ use super::assembled::{OfFloor, PillarMethod, assemble, floor_gap, refined};
 use super::elements::pillars;
 use super::elements::pillars::ElementSolution;
 use super::estimate::unknowns_only;
-use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Uncovered};
 use super::mixed;
 use super::newton::{Newton, Purpose};
 use super::rules::patch::{Patch, PatchSolver};
@@ -115,6 +115,7 @@ fn solve(
             return Ok(state);
         }
     }
+    let scene = problem.scene();
     let guess = homogenised_radius(system, problem, target);
     let assembled = |solution: &Solution<'_>, lowest, error| {
         let floor = OfFloor::Lowest(lowest);
@@ -128,9 +129,9 @@ fn solve(
             {
                 return mixed::past_transition(system, problem, target, accuracy, tops, run);
             }
-            let degrees = degrees(accuracy, problem);
+            let degrees = degrees(accuracy, &scene);
             let form = PunchForm::Corrected;
-            let mut punch = solve_punch(problem, target, guess, form, Purpose::Start, run)?;
+            let mut punch = solve_punch(&scene, target, guess, form, Purpose::Start, run)?;
             // Under a prescribed force a state is assembled at the cost of the solution.
             let listener = run.interim.filter(|_| !matches!(target, Control::Force(_)));
             if let Some(listener) = listener
@@ -152,7 +153,7 @@ fn solve(
                 };
                 listener(&state);
             }
-            let mut solution = solve_spectral(problem, target, punch, degrees, run)?;
+            let mut solution = solve_spectral(&scene, target, punch, degrees, run)?;
             let lowest = lowest_point(target, &mut solution);
             let mut told = None;
             if let Some(listener) = listener {
@@ -173,7 +174,7 @@ fn solve(
         }
         PillarMethod::Punch(form) => {
             let purpose = Purpose::Answer;
-            let mut solution = solve_punch(problem, target, guess, form, purpose, run)?;
+            let mut solution = solve_punch(&scene, target, guess, form, purpose, run)?;
             let error = punch_error(form, target, &solution);
             let lowest = lowest_point(target, &mut solution);
             assembled(&solution, lowest, error)
@@ -209,9 +210,14 @@ const CROSSED: f64 = 0.5;
 /// `2 t` on: its pressure is as `depth + 2 t x/a` (K. L. Johnson, Contact Mechanics, 1985, sec. 3.8 and 5.5). The
 /// share is taken to fall evenly up to there.
 fn crossed_share(newton: &Newton<'_>) -> f64 {
-    let sag = |distance: f64| newton.problem.sag_with_brim([larger(distance, 0.0), 0.0]);
+    let sag = |distance: f64| {
+        newton
+            .scene
+            .lens
+            .sag_with_brim([larger(distance, 0.0), 0.0])
+    };
     let (mut crossed, mut all) = (0.0, 0.0);
-    for (pillar, [x, y]) in newton.tops.window.centres().iter().enumerate() {
+    for (pillar, [x, y]) in newton.tops.sites.centres().iter().enumerate() {
         let distance = x.hypot(*y);
         let tilt = 0.5 * (sag(distance + 1.0) - sag(distance - 1.0));
         let depth = newton.mean_load(pillar);
@@ -230,7 +236,7 @@ const MANY_TO_WAIT_FOR: usize = 1000;
 
 /// Contact radius of the homogenised lattice, where it can be trusted.
 fn homogenised_radius(system: &System, problem: &Problem, target: Control) -> Option<f64> {
-    let rough = rough_contact_radius(problem, target);
+    let rough = rough_contact_radius(&problem.scene(), target);
     if Window::expected_len(&problem.lattice, rough) < MANY_PILLARS {
         return None;
     }
@@ -263,11 +269,12 @@ pub(super) fn without_contact(
         exterior: &exterior,
         modes: 1,
         centres: &[],
-        radius: 1.0,
+        radii: &[],
         coefficients: [&[], &[]],
         run: &Run::default(),
     };
-    let lowest = FloorSearch::default().lowest(problem, &discs, &CancelToken::default());
+    let lowest =
+        FloorSearch::default().lowest(&Uncovered::of(problem), &discs, &CancelToken::default());
     let fields = Fields::new(problem.clone(), indentation, Vec::new(), 0, 0);
     ContactState {
         fields: Some(Arc::new(fields)),
@@ -335,11 +342,11 @@ fn patch_floor(problem: &Problem, exterior: &Exterior, patch: &Patch) -> Option<
         exterior,
         modes: patch.coefficients.len(),
         centres: &[[0.0, 0.0]],
-        radius: patch.radius,
+        radii: &[(patch.radius, 1)],
         coefficients: [&zeros, &patch.coefficients],
         run: &Run::default(),
     };
-    FloorSearch::default().lowest(problem, &discs, &CancelToken::default())
+    FloorSearch::default().lowest(&Uncovered::of(problem), &discs, &CancelToken::default())
 }
 
 fn patch_state(

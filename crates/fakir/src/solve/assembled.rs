@@ -47,7 +47,7 @@ pub(super) fn refined(
     run.report(Progress {
         stage: Stage::ErrorEstimate,
         step: solution.steps,
-        pillars: solution.newton.tops.window.len(),
+        pillars: solution.newton.tops.sites.len(),
         touched: solution.newton.touched(),
     });
     estimate(&mut solution.newton, &solution.outcome, target)
@@ -99,7 +99,7 @@ pub(super) fn assemble(
     } = solution;
     let indentation = outcome.indentation;
     newton.run.check_cancelled()?;
-    let mut touched = touched_pillars(problem, newton);
+    let mut touched = touched_pillars(newton, [problem.length, problem.pressure]);
     let on_floor = floor.as_ref().map_or(0.0, |floor| floor.force);
     let force = share_force(&mut touched, on_floor, target, problem);
     // Over the force that is told, to the last digit.

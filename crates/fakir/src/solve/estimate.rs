@@ -20,8 +20,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::vector::widest;
-use crate::problem::scaled::Problem;
-use crate::problem::{Control, Point};
+use crate::problem::{Control, Lens, Point};
 use crate::state::{ErrorEstimate, PillarStatus, SolveError, Termination};
 use std::f64::consts::PI;
 
@@ -86,13 +85,13 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
     let Some(point) = outcome.floor else {
         return [0.0; 2];
     };
-    let near: Vec<(usize, Point)> = (0..newton.tops.window.len())
+    let is_near = |pillar: &usize| {
+        let [x, y] = newton.tops.sites.centres()[*pillar];
+        (point.position[0] - x).hypot(point.position[1] - y) < NEIGHBOURHOOD
+    };
+    let near: Vec<usize> = (0..newton.tops.sites.len())
         .filter(|&pillar| newton.tops.status[pillar] == PillarStatus::Partial)
-        .map(|pillar| {
-            let [x, y] = newton.tops.window.centres()[pillar];
-            (pillar, [point.position[0] - x, point.position[1] - y])
-        })
-        .filter(|(_, [x, y])| x.hypot(*y) < NEIGHBOURHOOD)
+        .filter(is_near)
         .collect();
     if near.is_empty() {
         return [0.0; 2];
@@ -102,8 +101,8 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
     let mut solver = LocalSolver::new(&newton.tops.top);
     let change: f64 = near
         .into_iter()
-        .map(|(pillar, offset)| {
-            exterior.values(offset, &mut displacement);
+        .map(|pillar| {
+            newton.values_at(&exterior, pillar, point.position, &mut displacement);
             newton
                 .partial_coefficients(pillar, &mut solver)
                 .iter()
@@ -199,7 +198,7 @@ fn node_changes(
     adjoints: [&Adjoint; 2],
 ) -> Result<[f64; 2], SolveError> {
     let modes = newton.contact.modes();
-    let partial: Vec<usize> = (0..newton.tops.window.len())
+    let partial: Vec<usize> = (0..newton.tops.sites.len())
         .filter(|&p| newton.tops.status[p] == PillarStatus::Partial)
         .collect();
     if partial.is_empty() {
@@ -208,7 +207,7 @@ fn node_changes(
     let mut of_pillars = vec![[0.0_f64; 2]; partial.len()];
     let mut largest_sum = [0.0_f64; 2];
     for resolution in other_resolutions(newton.tops.top.resolution(), partial.len()) {
-        let ratio = newton.problem.column_compliance_ratio;
+        let ratio = newton.tops.sites.common_body().column_compliance_ratio;
         let top = PillarTop::new(resolution, newton.degree(), ratio);
         let work = || (LocalSolver::new(&top), vec![0.0; modes]);
         let one = |(solver, refined): &mut (LocalSolver, Vec<f64>), number: usize| {
@@ -218,9 +217,12 @@ fn node_changes(
             }
             let load = newton.full_load(pillar);
             let load = &load[..load.len().min(top.count())];
+            let body = newton.tops.sites.body(pillar);
+            let top = top.on_column(body.column_compliance_ratio);
             let mut active = solver.first_guess(&top, load);
             solver.solve(&top, load, &mut active);
             solver.coefficients(&top, load, refined);
+            refined.iter_mut().for_each(|moment| *moment *= body.radius);
             adjoints.map(|adjoint| {
                 (0..modes)
                     .map(|i| {
@@ -264,7 +266,7 @@ fn degree_changes(
         adjoints[0].coefficients.as_slice(),
         adjoints[1].coefficients.as_slice(),
     ];
-    let own_load = OwnLoad::new(newton.problem, extended);
+    let own_load = OwnLoad::new(&newton.scene.lens, extended);
     let work = || {
         let loads: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; count]);
         (loads, LocalSolver::new(&newton.tops.top))
@@ -279,12 +281,12 @@ fn degree_changes(
         floor_load.fill(0.0);
         if status == PillarStatus::Full {
             own_load.project(newton, pillar, extra);
+            let radius = newton.tops.sites.body(pillar).radius;
             for ((extra, load), lambda) in extra.iter_mut().zip(&loads[0]).zip(&compliance) {
-                *extra = (*extra - load) / lambda;
+                *extra = radius * (*extra - load) / lambda;
             }
             if let Some(point) = outcome.floor {
-                let [x, y] = newton.tops.window.centres()[pillar];
-                exterior.values([point.position[0] - x, point.position[1] - y], floor_load);
+                newton.values_at(&exterior, pillar, point.position, floor_load);
             }
         } else {
             // It is solved again with the whole load of its neighbours. The floor sees all of its modes already.
@@ -312,7 +314,7 @@ fn degree_changes(
             beyond + changes.map(|((c, known), s)| s * (c - known)).sum::<f64>()
         })
     };
-    let pillars = newton.tops.window.len();
+    let pillars = newton.tops.sites.len();
     let changes = newton.run.workers().map(pillars, COSTLY_PILLARS, work, one);
     newton.run.check_cancelled()?;
     let sums = changes
@@ -332,17 +334,19 @@ impl OwnLoad {
     /// changes results by less than what is never claimed: 2e-5 at 8, as the inverse square.
     const SMALL_LENS: f64 = 1000.0;
 
-    fn new(problem: &Problem, degree: usize) -> Self {
-        let small = problem.lens.radius < Self::SMALL_LENS;
+    fn new(lens: &Lens, degree: usize) -> Self {
+        let small = lens.radius < Self::SMALL_LENS;
         Self {
-            projector: small.then(|| LensProjector::new(problem, degree)),
+            projector: small.then(|| LensProjector::new(lens, degree)),
         }
     }
 
     fn project(&self, newton: &Newton<'_>, pillar: usize, load: &mut [f64]) {
         match &self.projector {
             Some(projector) => {
-                projector.project(newton.problem, newton.tops.window.centres()[pillar], load);
+                let centre = newton.tops.sites.centres()[pillar];
+                let radius = newton.tops.sites.body(pillar).radius;
+                projector.project(&newton.scene.lens, centre, radius, load);
             }
             None => load.fill(0.0),
         }
@@ -350,40 +354,38 @@ impl OwnLoad {
 }
 
 /// Coupling blocks to the extra modes from the neighbours of a pillar.
-struct Neighbours {
-    /// Lattice steps from receiver to source, and the block of each: for every present mode, the
+enum Neighbours {
+    /// On a hexagonal lattice: steps from receiver to source, and the block of each: for every present mode, the
     /// modes beyond.
-    blocks: Vec<((i64, i64), Vec<f64>)>,
+    Steps(Vec<((i64, i64), Vec<f64>)>),
+    /// On any other sites the block of every two is another.
+    Pairs(PairCoupling),
 }
 
 impl Neighbours {
     fn new(newton: &Newton<'_>, degree: usize) -> Self {
-        let lattice = &newton.problem.lattice;
-        let pair = PairCoupling::new(degree, lattice.pitch);
+        let pair = PairCoupling::new(degree, newton.scene.field.spacing());
+        let Some(lattice) = newton.tops.sites.hexagonal_lattice() else {
+            return Self::Pairs(pair);
+        };
         let count = mode_count(degree);
         let modes = newton.contact.modes();
         let reach = (NEIGHBOURHOOD / lattice.pitch * 2.0 / 3f64.sqrt())
             .ceil()
             .max(1.0) as i64;
-        let nearest_ring = 1.01 * lattice.pitch;
         let mut whole = vec![0.0; count * count];
         let mut blocks = Vec::new();
         for i in -reach..=reach {
             for j in -reach..=reach {
                 let [x, y]: Point = lattice.lattice_vector(i, j);
-                let distance = x.hypot(y);
-                if (i, j) == (0, 0) || distance > NEIGHBOURHOOD.max(nearest_ring) {
+                if (i, j) == (0, 0) || x.hypot(y) > neighbourhood(newton) {
                     continue;
                 }
                 pair.block([-x, -y], &mut whole);
-                let block = (0..modes)
-                    .flat_map(|source| (modes..count).map(move |row| row * count + source))
-                    .map(|place| whole[place])
-                    .collect();
-                blocks.push(((i, j), block));
+                blocks.push(((i, j), modes_beyond(&whole, modes, count)));
             }
         }
-        Self { blocks }
+        Self::Steps(blocks)
     }
 
     /// Loads on the modes beyond, under several fields of coefficients.
@@ -395,20 +397,54 @@ impl Neighbours {
         loads: &mut [Vec<f64>; 3],
     ) {
         let modes = newton.contact.modes();
-        let (i, j) = newton.tops.window.index(pillar);
+        let sites = &newton.tops.sites;
         for load in loads.iter_mut() {
             load.fill(0.0);
         }
-        for ((di, dj), block) in &self.blocks {
-            let Some(source) = newton.tops.window.find((i + di, j + dj)) else {
-                continue;
-            };
+        let mut add = |source: usize, block: &[f64]| {
             for (load, field) in loads.iter_mut().zip(fields) {
                 let coefficients = &field[source * modes..(source + 1) * modes];
                 add_columns(block, coefficients, &mut load[modes..]);
             }
+        };
+        match self {
+            Self::Steps(blocks) => {
+                let (i, j) = sites.index(pillar);
+                for ((di, dj), block) in blocks {
+                    if let Some(source) = sites.find((i + di, j + dj)) {
+                        add(source, block);
+                    }
+                }
+            }
+            Self::Pairs(pair) => {
+                let count = pair.modes().len();
+                let mut whole = vec![0.0; count * count];
+                let (at, radius) = (sites.centres()[pillar], sites.body(pillar).radius);
+                for (source, from) in sites.centres().iter().enumerate() {
+                    let offset = [0, 1].map(|k| at[k] - from[k]);
+                    let is_near = offset[0].hypot(offset[1]) <= neighbourhood(newton);
+                    let bears = newton.tops.status[source] != PillarStatus::Untouched;
+                    if source != pillar && is_near && bears {
+                        pair.block_of(offset, [radius, sites.body(source).radius], &mut whole);
+                        add(source, &modes_beyond(&whole, modes, count));
+                    }
+                }
+            }
         }
     }
+}
+
+/// How far neighbours excite the extra modes noticeably; the nearest ones are among them.
+fn neighbourhood(newton: &Newton<'_>) -> f64 {
+    NEIGHBOURHOOD.max(1.01 * newton.scene.field.spacing())
+}
+
+/// For every leading mode of the source, the modes beyond of the receiver, of a block of so many modes.
+fn modes_beyond(block: &[f64], modes: usize, count: usize) -> Vec<f64> {
+    (0..modes)
+        .flat_map(|source| (modes..count).map(move |row| row * count + source))
+        .map(|place| block[place])
+        .collect()
 }
 
 /// Adds columns of a matrix times coefficients.

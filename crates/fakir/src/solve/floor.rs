@@ -5,12 +5,13 @@
 //! `zeta(x) = (h + f + w0)/(1 - w1)`; the smallest of these over the floor is the critical
 //! indentation for frozen contact. With `c1 = 0` the same function is the gap plus `zeta`.
 
+use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::exterior::{Exterior, FieldJet, LaneJets, MAXIMUM_DEGREE};
 use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::numerics::workers::CancelToken;
-use crate::problem::Point;
 use crate::problem::scaled::Problem;
+use crate::problem::{HexagonalLattice, Lens, Point};
 use crate::state::Run;
 use std::ops::Range;
 
@@ -47,14 +48,15 @@ const RIVALS: f64 = 2e-3;
 /// each other under a symmetry of the lattice.
 const ALIKE: f64 = 1e-9;
 
-/// Loaded discs, all of one radius, and what their pressure does.
+/// Loaded discs and what their pressure does.
 pub(crate) struct LoadedDiscs<'a> {
     pub(crate) exterior: &'a Exterior,
     /// Number of coefficients of each disc.
     pub(crate) modes: usize,
     /// Centres of the discs that bear pressure.
     pub(crate) centres: &'a [Point],
-    pub(crate) radius: f64,
+    /// Their radii: so many of one, then so many of another.
+    pub(crate) radii: &'a [(f64, usize)],
     /// Coefficients `c1` and `c0`, disc by disc.
     pub(crate) coefficients: [&'a [f64]; 2],
     pub(crate) run: &'a Run<'a>,
@@ -66,6 +68,183 @@ pub(crate) struct FloorPoint {
     pub(crate) position: Point,
     /// Indentation at which the floor would be touched there, or gap plus indentation.
     pub(crate) indentation: f64,
+}
+
+/// The pillars between which the floor lies.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Surroundings<'a> {
+    /// Of unit radius.
+    Lattice(&'a HexagonalLattice),
+    /// Those within this distance of the lens axis are touched, or none is.
+    Sites {
+        sites: &'a Sites,
+        spacing: f64,
+        reach: f64,
+    },
+}
+
+/// Where a search may start.
+struct Starts {
+    /// How far apart the pillars stand.
+    pitch: f64,
+    /// The middles between them, and whether the search starts from all of these.
+    holes: Vec<Point>,
+    every_hole: bool,
+    /// Some of the pillars next to the lens axis, and their radii.
+    pillars: Vec<(Point, f64)>,
+}
+
+/// Pillars of any sites around which is looked where they stand far apart.
+const SURROUNDED: usize = 8;
+
+/// How far beyond the touched pillars the floor of any sites is searched, in their spacing, and where beside the outermost pillars.
+const BEYOND: f64 = 1.5;
+const BESIDE: [f64; 2] = [0.6, 1.2];
+
+impl<'a> Surroundings<'a> {
+    pub(crate) fn of_sites(sites: &'a Sites, spacing: f64, reach: f64) -> Self {
+        sites.hexagonal_lattice().map_or(
+            Self::Sites {
+                sites,
+                spacing,
+                reach,
+            },
+            Self::Lattice,
+        )
+    }
+
+    /// Distance from the edge of the nearest pillar; negative inside it.
+    fn clearance(&self, position: Point) -> f64 {
+        match self {
+            Self::Lattice(lattice) => {
+                let (i, j) = lattice.nearest_pillar(position);
+                distance(lattice.centre(i, j), position) - 1.0
+            }
+            Self::Sites { sites, .. } => sites.clearance(position),
+        }
+    }
+
+    fn starts(&self) -> Starts {
+        match self {
+            Self::Lattice(lattice) => starts_on_lattice(lattice),
+            Self::Sites {
+                sites,
+                spacing,
+                reach,
+            } => starts_among(sites, *spacing, *reach),
+        }
+    }
+}
+
+fn starts_on_lattice(lattice: &HexagonalLattice) -> Starts {
+    let pitch = lattice.pitch;
+    let (i0, j0) = lattice.nearest_pillar([0.0, 0.0]);
+    let mut pillars: Vec<Point> = (-2..=2)
+        .flat_map(|i| (-2..=2).map(move |j| (i0 + i, j0 + j)))
+        .map(|(i, j)| lattice.centre(i, j))
+        .collect();
+    pillars.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+    let hole = pitch / 3f64.sqrt();
+    let mut holes: Vec<Point> = Vec::new();
+    for point in pillars
+        .iter()
+        .flat_map(|[x, y]| [[x + hole, *y], [x - hole, *y]])
+    {
+        let near = point[0].hypot(point[1]) < 1.6 * pitch;
+        if near
+            && holes
+                .iter()
+                .all(|other| distance(*other, point) > 0.1 * pitch)
+        {
+            holes.push(point);
+        }
+    }
+    Starts {
+        pitch,
+        holes,
+        every_hole: pitch > WIDE_PITCH,
+        pillars: pillars[..3].iter().map(|centre| (*centre, 1.0)).collect(),
+    }
+}
+
+/// The points as far from three pillars as from any, and some beside the outermost pillars, as the floor may be lower there than between them.
+fn starts_among(sites: &Sites, spacing: f64, reach: f64) -> Starts {
+    let centres = sites.centres();
+    let corners: Vec<delaunator::Point> = centres
+        .iter()
+        .map(|[x, y]| delaunator::Point { x: *x, y: *y })
+        .collect();
+    let triangulation = delaunator::triangulate(&corners);
+    let corner = |number: usize| centres[triangulation.triangles[number]];
+    let mut holes: Vec<Point> = (0..triangulation.triangles.len())
+        .step_by(3)
+        .map(|first| circumcentre([0, 1, 2].map(|k| corner(first + k))))
+        .collect();
+    // Pillars in a row have no triangles: then all are outermost, and the floor between two of them may be the lowest.
+    let outermost: Vec<Point> = if triangulation.triangles.is_empty() {
+        let mut row = centres.to_vec();
+        row.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        let pairs = row.windows(2);
+        holes.extend(pairs.map(|pair| [0, 1].map(|k| 0.5 * (pair[0][k] + pair[1][k]))));
+        row
+    } else {
+        triangulation.hull.iter().map(|&k| centres[k]).collect()
+    };
+    for [x, y] in outermost {
+        for step in 0..12 {
+            let (sin, cos) = (std::f64::consts::PI / 6.0 * f64::from(step)).sin_cos();
+            holes.extend(BESIDE.map(|part| {
+                let away = part * spacing;
+                [x + away * cos, y + away * sin]
+            }));
+        }
+    }
+    let farthest = reach + BEYOND * spacing;
+    // A circumcentre of pillars in a row may be no number.
+    holes.retain(|[x, y]| x.hypot(*y) <= farthest);
+    let mut pillars: Vec<(Point, f64)> = centres
+        .iter()
+        .enumerate()
+        .map(|(pillar, centre)| (*centre, sites.body(pillar).radius))
+        .collect();
+    let away = |(centre, _): &(Point, f64)| centre[0].hypot(centre[1]);
+    pillars.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    pillars.truncate(SURROUNDED);
+    Starts {
+        pitch: spacing,
+        holes,
+        every_hole: false,
+        pillars,
+    }
+}
+
+fn circumcentre([[x, y], b, c]: [Point; 3]) -> Point {
+    let [[bx, by], [cx, cy]] = [b, c].map(|[u, v]| [u - x, v - y]);
+    let twice_area = 2.0 * (bx * cy - by * cx);
+    let [bb, cc] = [bx * bx + by * by, cx * cx + cy * cy];
+    [
+        x + (cy * bb - by * cc) / twice_area,
+        y + (bx * cc - cx * bb) / twice_area,
+    ]
+}
+
+/// The floor beside the pillars, and the lens over it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Uncovered<'a> {
+    pub(crate) lens: &'a Lens,
+    /// Depth of the floor.
+    pub(crate) height: f64,
+    pub(crate) around: Surroundings<'a>,
+}
+
+impl<'a> Uncovered<'a> {
+    pub(crate) fn of(problem: &'a Problem) -> Self {
+        Self {
+            lens: &problem.lens,
+            height: problem.height,
+            around: Surroundings::Lattice(&problem.lattice),
+        }
+    }
 }
 
 /// What the pressures do to the floor.
@@ -81,15 +260,15 @@ impl LoadedDiscs<'_> {
         &self.coefficients[set][disc * self.modes..(disc + 1) * self.modes]
     }
 
-    /// What some discs do.
+    /// What some discs of one radius do, in units of that.
     #[inline(always)]
-    fn sums(&self, discs: Range<usize>, [x, y]: Point) -> [LaneJets; 2] {
+    fn sums(&self, discs: Range<usize>, radius: f64, [x, y]: Point) -> [LaneJets; 2] {
         let mut sums = [LaneJets::default(); 2];
-        let scale = self.radius.recip();
+        let (scale, end) = (radius.recip(), discs.end);
         let zeros = [0.0; NO_LOAD];
         for first in discs.step_by(LANES) {
             // Where there are no more discs, one far away that bears nothing.
-            let centre = |lane: usize| self.centres.get(first + lane);
+            let centre = |lane: usize| self.centres[..end].get(first + lane);
             let offset = |along: usize, at: f64| {
                 Lanes(std::array::from_fn(|lane| {
                     centre(lane).map_or(FAR_AWAY, |centre| (at - centre[along]) * scale)
@@ -125,31 +304,37 @@ const FAR_AWAY: f64 = 1e3;
 
 impl FloorDisplacement for LoadedDiscs<'_> {
     fn displacement(&self, position: Point) -> [FieldJet; 2] {
-        let count = self.centres.len();
-        let block = |(): &mut (), number: usize| {
-            let discs = number * BLOCK..count.min((number + 1) * BLOCK);
-            widest(
-                #[inline(always)]
-                || self.sums(discs, position),
-            )
-            .map(|sums| sums.sum())
-        };
-        let blocks = self
-            .run
-            .workers()
-            .map(count.div_ceil(BLOCK), BLOCKS, || (), block);
-        let mut sums = [FieldJet::default(); 2];
-        for block in blocks {
-            for (sum, part) in sums.iter_mut().zip(block) {
-                sum.add_scaled(1.0, &part);
+        let mut total = [FieldJet::default(); 2];
+        let mut start = 0;
+        for &(radius, count) in self.radii {
+            let end = start + count;
+            let block = |(): &mut (), number: usize| {
+                let first = start + number * BLOCK;
+                widest(
+                    #[inline(always)]
+                    || self.sums(first..end.min(first + BLOCK), radius, position),
+                )
+                .map(|sums| sums.sum())
+            };
+            let workers = self.run.workers();
+            let blocks = workers.map(count.div_ceil(BLOCK), BLOCKS, || (), block);
+            let mut sums = [FieldJet::default(); 2];
+            for block in blocks {
+                for (sum, part) in sums.iter_mut().zip(block) {
+                    sum.add_scaled(1.0, &part);
+                }
             }
+            for (total, sum) in total.iter_mut().zip(sums) {
+                let of_radius = FieldJet {
+                    value: sum.value * radius,
+                    hessian: sum.hessian.map(|h| h / radius),
+                    ..sum
+                };
+                total.add_scaled(1.0, &of_radius);
+            }
+            start = end;
         }
-        let scale = self.radius.recip();
-        sums.map(|sum| FieldJet {
-            value: sum.value * self.radius,
-            hessian: sum.hessian.map(|h| h * scale),
-            ..sum
-        })
+        total
     }
 }
 
@@ -161,22 +346,25 @@ pub(crate) struct FloorSearch {
 
 impl FloorSearch {
     /// The lowest point of `zeta(x)`. `None` if the floor cannot be reached anywhere (nothing
-    /// of it has `w1 < 1`), or if it is cancelled.
+    /// of it has `w1 < 1`), if what presses is a plate, which comes nearest to the floor far from all pillars, or if it is cancelled.
     ///
     /// The first call looks everywhere near the lens axis, the following ones start from the
     /// lowest points found before, of which there is one for all that are alike.
     pub(crate) fn lowest(
         &mut self,
-        problem: &Problem,
+        floor: &Uncovered<'_>,
         loaded: &impl FloorDisplacement,
         cancel: &CancelToken,
     ) -> Option<FloorPoint> {
+        if floor.lens.is_flat() {
+            return None;
+        }
         if self.starts.is_empty() {
-            self.starts = first_starts(problem, loaded, cancel);
+            self.starts = first_starts(floor, loaded, cancel);
         }
         let mut minima: Vec<FloorPoint> = Vec::with_capacity(self.starts.len());
         for start in &self.starts {
-            let Some(minimum) = descend(problem, loaded, *start, cancel) else {
+            let Some(minimum) = descend(floor, loaded, *start, cancel) else {
                 continue;
             };
             let known = minima
@@ -204,30 +392,24 @@ fn distance(a: Point, b: Point) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Distance from the edge of the nearest pillar; negative inside it.
-fn clearance(problem: &Problem, position: Point) -> f64 {
-    let (i, j) = problem.lattice.nearest_pillar(position);
-    distance(problem.lattice.centre(i, j), position) - 1.0
-}
-
 /// `zeta(x)` with derivatives; `None` on pillars, where the floor recedes from the lens, and where
 /// they are no numbers.
 fn indentation_of_contact(
-    problem: &Problem,
+    floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
     position: Point,
 ) -> Option<FieldJet> {
-    if clearance(problem, position) <= 0.0 {
+    if floor.around.clearance(position) <= 0.0 {
         return None;
     }
     let [unit, rest] = loaded.displacement(position);
-    let sag = sag_jet(problem, position)?;
+    let sag = sag_jet(floor.lens, position)?;
     let denominator = 1.0 - unit.value;
     if denominator <= 0.0 {
         return None;
     }
     let mut numerator = rest;
-    numerator.value += problem.height;
+    numerator.value += floor.height;
     numerator.add_scaled(1.0, &sag);
     let value = numerator.value / denominator;
     // zeta (1 - w1) = N: derivatives by the product rule.
@@ -248,8 +430,8 @@ fn indentation_of_contact(
     })
 }
 
-fn sag_jet(problem: &Problem, [x, y]: Point) -> Option<FieldJet> {
-    let radius = problem.lens.radius;
+fn sag_jet(lens: &Lens, [x, y]: Point) -> Option<FieldJet> {
+    let radius = lens.radius;
     let depth_squared = radius * radius - x * x - y * y;
     if depth_squared <= 0.0 {
         return None;
@@ -257,7 +439,7 @@ fn sag_jet(problem: &Problem, [x, y]: Point) -> Option<FieldJet> {
     let slope = depth_squared.sqrt().recip();
     let cubed = slope.powi(3);
     Some(FieldJet {
-        value: problem.sag([x, y]),
+        value: lens.sag_at_square(x * x + y * y),
         gradient: [x * slope, y * slope],
         hessian: [slope + x * x * cubed, x * y * cubed, slope + y * y * cubed],
     })
@@ -265,13 +447,13 @@ fn sag_jet(problem: &Problem, [x, y]: Point) -> Option<FieldJet> {
 
 /// Newton's method with the Hessian made positive, halving steps that do not descend.
 fn descend(
-    problem: &Problem,
+    floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
     start: Point,
     cancel: &CancelToken,
 ) -> Option<FloorPoint> {
     let mut position = start;
-    let mut jet = indentation_of_contact(problem, loaded, position)?;
+    let mut jet = indentation_of_contact(floor, loaded, position)?;
     for _ in 0..STEP_LIMIT {
         if cancel.is_cancelled() {
             return None;
@@ -279,7 +461,7 @@ fn descend(
         let step = newton_step(&jet);
         let length = step[0].hypot(step[1]);
         // Half-way to the nearest edge at the most: beyond it lies a pillar.
-        let longest = 0.5 * clearance(problem, position).max(1e-12);
+        let longest = 0.5 * floor.around.clearance(position).max(1e-12);
         let descent = -0.5 * (step[0] * jet.gradient[0] + step[1] * jet.gradient[1]);
         if length <= longest && descent <= LAST_DESCENT * jet.value.abs() {
             position = [position[0] + step[0], position[1] + step[1]];
@@ -297,7 +479,7 @@ fn descend(
                 position[0] + factor * step[0],
                 position[1] + factor * step[1],
             ];
-            if let Some(next) = indentation_of_contact(problem, loaded, trial)
+            if let Some(next) = indentation_of_contact(floor, loaded, trial)
                 && next.value <= jet.value
             {
                 moved = Some((trial, next));
@@ -334,39 +516,22 @@ fn newton_step(jet: &FieldJet) -> [f64; 2] {
 /// Where to start: holes and bridges near the lens axis, the lens axis itself, and in wide
 /// textures rings around the nearest pillars, as far as they promise a low gap.
 fn first_starts(
-    problem: &Problem,
+    floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
     cancel: &CancelToken,
 ) -> Vec<Point> {
-    let lattice = &problem.lattice;
-    let pitch = lattice.pitch;
-    let (i0, j0) = lattice.nearest_pillar([0.0, 0.0]);
-    let mut pillars: Vec<Point> = (-2..=2)
-        .flat_map(|i| (-2..=2).map(move |j| (i0 + i, j0 + j)))
-        .map(|(i, j)| lattice.centre(i, j))
-        .collect();
-    pillars.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
-    let hole = pitch / 3f64.sqrt();
-    let mut holes: Vec<Point> = Vec::new();
-    for point in pillars
-        .iter()
-        .flat_map(|[x, y]| [[x + hole, *y], [x - hole, *y]])
-    {
-        let near = point[0].hypot(point[1]) < 1.6 * pitch;
-        if near
-            && holes
-                .iter()
-                .all(|other| distance(*other, point) > 0.1 * pitch)
-        {
-            holes.push(point);
-        }
-    }
+    let Starts {
+        pitch,
+        holes,
+        every_hole,
+        pillars,
+    } = floor.around.starts();
     let mut others = vec![[0.0, 0.0]];
     if pitch > WIDE_PITCH {
-        for [x, y] in &pillars[..3] {
-            let widest = pitch - 1.5;
+        for ([x, y], size) in &pillars {
+            let [least, most] = [1.1 * size, pitch - 1.5 * size];
             for ring in 0..12 {
-                let radius = 1.1 * (widest / 1.1).powf(f64::from(ring) / 11.0);
+                let radius = least * (most / least).powf(f64::from(ring) / 11.0);
                 for step in 0..12 {
                     let angle = std::f64::consts::PI / 6.0 * f64::from(step);
                     others.push([x + radius * angle.cos(), y + radius * angle.sin()]);
@@ -377,13 +542,13 @@ fn first_starts(
     let mut rated: Vec<(f64, Point)> = others
         .into_iter()
         .take_while(|_| !cancel.is_cancelled())
-        .filter_map(|point| Some((indentation_of_contact(problem, loaded, point)?.value, point)))
+        .filter_map(|point| Some((indentation_of_contact(floor, loaded, point)?.value, point)))
         .collect();
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut starts = if pitch > WIDE_PITCH {
+    let mut starts = if every_hole {
         holes
     } else {
-        lowest_holes(problem, loaded, &holes, cancel)
+        lowest_holes(floor, loaded, &holes, cancel)
     };
     let separation = 0.12 * pitch;
     let mut added: Vec<Point> = Vec::new();
@@ -404,7 +569,7 @@ fn first_starts(
 
 /// The holes with the lowest gap, one of those that are alike.
 fn lowest_holes(
-    problem: &Problem,
+    floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
     holes: &[Point],
     cancel: &CancelToken,
@@ -413,7 +578,7 @@ fn lowest_holes(
         .iter()
         .take_while(|_| !cancel.is_cancelled())
         .filter_map(|&position| {
-            let indentation = indentation_of_contact(problem, loaded, position)?.value;
+            let indentation = indentation_of_contact(floor, loaded, position)?.value;
             Some(FloorPoint {
                 position,
                 indentation,
@@ -445,7 +610,8 @@ mod tests {
     fn no_point_is_the_lowest_among_undefined_ones() {
         let problem = crate::solve::newton::tests::problem();
         let cancel = CancelToken::default();
-        let lowest = |odd| FloorSearch::default().lowest(&problem, &Odd(odd), &cancel);
+        let lowest =
+            |odd| FloorSearch::default().lowest(&Uncovered::of(&problem), &Odd(odd), &cancel);
         assert!(lowest(|_| ()).is_some());
         for odd in [
             |jet: &mut FieldJet| jet.value = f64::NAN,

@@ -9,7 +9,7 @@ use super::assembled::{OfFloor, PillarMethod, assemble, refined};
 use super::estimate::unknowns_only;
 use super::floor_start::FloorPressures;
 use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
-use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_window};
+use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_sites};
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::floor::coupling::FloorCoupling;
 use crate::halfspace::floor::grid::{Division, FloorGrid};
@@ -130,9 +130,9 @@ pub(crate) fn far_past_transition<'a>(
     run: &'a Run<'a>,
 ) -> Result<Option<Solution<'a>>, SolveError> {
     let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
-    let punch = solve_punch(problem, target, contact_radius, form, purpose, run)?;
-    let degrees = degrees(Accuracy::Default, problem);
-    let mut tops = solve_spectral(problem, target, punch, degrees, run)?;
+    let punch = solve_punch(&problem.scene(), target, contact_radius, form, purpose, run)?;
+    let degrees = degrees(Accuracy::Default, &problem.scene());
+    let mut tops = solve_spectral(&problem.scene(), target, punch, degrees, run)?;
     let lowest = tops.newton.lowest_gap();
     let depth = lowest.map_or(0.0, |point| tops.outcome.indentation - point.indentation);
     Ok((depth > FAR_PAST * problem.height).then_some(tops))
@@ -176,8 +176,8 @@ pub(crate) fn floor_first(
     };
     let indentation = problem.height + depth;
     let contact = (lens * indentation.min(lens)).sqrt();
-    let degrees = degrees(Accuracy::Default, problem);
-    let start = untouched(problem, indentation, contact, degrees, run)?;
+    let degrees = degrees(Accuracy::Default, &problem.scene());
+    let start = untouched(&problem.scene(), indentation, contact, degrees, run)?;
     let mixed = solve_floor(problem, target, accuracy, start, Some(radius), run)?;
     finish(
         system,
@@ -442,7 +442,7 @@ impl Wanted {
             let period = FloorGrid::period(
                 &division,
                 radius,
-                newton.tops.window.extent(newton.pillar_reach()),
+                newton.tops.sites.extent(newton.pillar_reach()),
             );
             let sides = [0, 1].map(|k| (period[k] * division.half[k]) as f64);
             sides[0] * sides[1]
@@ -508,7 +508,7 @@ pub(crate) fn solve_floor<'a>(
     if let Some(degrees) = finer {
         let newton = &mut mixed.solution.newton;
         let pressures = FloorPressures::of(newton);
-        let mut finer = newton.rebuilt(newton.tops.window.clone(), degrees);
+        let mut finer = newton.rebuilt(newton.tops.sites.clone(), degrees);
         if let (Some(cells), Some(pressures)) = (&newton.cells, pressures) {
             finer.set_floor(cells.grid.clone(), &|point| pressures.at(point));
         }
@@ -519,7 +519,7 @@ pub(crate) fn solve_floor<'a>(
 
 /// The degrees that an accuracy asks for, if the present ones are lower.
 fn finer_degrees(problem: &Problem, accuracy: Accuracy, newton: &Newton<'_>) -> Option<Degrees> {
-    let asked = degrees(accuracy, problem);
+    let asked = degrees(accuracy, &problem.scene());
     let present = newton.degrees();
     let finer = Degrees {
         coupling: asked.coupling.max(present.coupling),
@@ -631,7 +631,7 @@ fn solve_level<'a>(
     let mut pressures = FloorPressures::of(&solution.newton);
     for growth in 0..GROWTHS {
         let newton = &mut solution.newton;
-        let pillars = newton.tops.window.extent(newton.pillar_reach());
+        let pillars = newton.tops.sites.extent(newton.pillar_reach());
         let kept =
             grid_of(newton).is_some_and(|own| own >= radius) && !newton.touches_beyond_reach();
         let grid = if kept {
@@ -650,8 +650,8 @@ fn solve_level<'a>(
             solution.steps += solution.outcome.steps;
             pressures = FloorPressures::of(newton);
         }
-        if let Some(window) = wider_window(problem, newton, run)? {
-            solution.newton = newton.rebuilt(window, newton.degrees());
+        if let Some(sites) = wider_sites(newton, run)? {
+            solution.newton = newton.rebuilt(sites, newton.degrees());
             continue;
         }
         if newton.touches_beyond_reach() {
@@ -748,8 +748,8 @@ mod tests {
     fn level(problem: &Problem, indentation: f64, division: Division) -> Level {
         let run = Run::default();
         let target = Control::Indentation(indentation);
-        let degrees = degrees(Accuracy::Default, problem);
-        let start = untouched(problem, indentation, 30.0, degrees, &run).unwrap();
+        let degrees = degrees(Accuracy::Default, &problem.scene());
+        let start = untouched(&problem.scene(), indentation, 30.0, degrees, &run).unwrap();
         let mixed = MixedSolution {
             solution: start,
             levels: Vec::new(),
@@ -790,8 +790,8 @@ mod tests {
         let (run, indentation) = (Run::default(), 2.0);
         let division = Division::new(problem.lattice.pitch, 12);
         let alone = level(&problem, indentation, division);
-        let degrees = degrees(Accuracy::Default, &problem);
-        let start = untouched(&problem, indentation, 30.0, degrees, &run).unwrap();
+        let degrees = degrees(Accuracy::Default, &problem.scene());
+        let start = untouched(&problem.scene(), indentation, 30.0, degrees, &run).unwrap();
         let target = Control::Indentation(indentation);
         let nested = solve_floor(&problem, target, Accuracy::Default, start, None, &run).unwrap();
         let nested = nested.levels.last().unwrap();

@@ -1,18 +1,20 @@
-//! Semismooth Newton method for all pillars of a window, with exact solutions on each, and for the floor between them.
+//! Semismooth Newton method for all pillars of some sites, with exact solutions on each, and for the floor between them.
 //!
 //! A step [freezes](super::frozen) the states of the pillars and of the floor's cells, solves for the response of all, closes the indentation
 //! by what is [prescribed](Control), and lets the [rules](super::rules) say from the loads which states come next. It ends when none
 //! changes. The derivative of a pillar's solution is the `P` of its frozen state, so that this is Newton's method on
 //! the solutions of all pillars.
 
-use super::floor::{FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs};
+use super::floor::{
+    FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
+};
 use super::frozen::{FrozenContact, Response, Source};
 use super::rules::floor::{FloorCells, Places};
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::pair::PairCoupling;
-use crate::halfspace::coupling::window::Window;
+use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
@@ -21,7 +23,7 @@ use crate::halfspace::floor::grid::FloorGrid;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::vector::add_scaled;
-use crate::problem::scaled::Problem;
+use crate::problem::scaled::Scene;
 use crate::problem::{Control, Point};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 
@@ -185,12 +187,12 @@ const REACH_MARGIN: f64 = 1.0;
 /// the floor is touched 0.6 pillar radii from a rim.
 pub(crate) const FLOOR_DEGREE: usize = 2;
 
-/// All pillars of a window, and the floor where it is touched, with their states and responses.
+/// All pillars of some sites, and the floor where it is touched, with their states and responses.
 pub(crate) struct Newton<'a> {
-    pub(crate) problem: &'a Problem,
+    pub(crate) scene: Scene,
     pub(crate) run: &'a Run<'a>,
     stage: Stage,
-    pub(crate) tops: Tops<'a>,
+    pub(crate) tops: Tops,
     /// The floor's cells; none as long as it is not touched, or is to be ignored.
     pub(crate) cells: Option<FloorCells<'a>>,
     pub(crate) contact: FrozenContact<'a, SurfaceCoupling<'a>>,
@@ -203,30 +205,30 @@ pub(crate) struct Newton<'a> {
 }
 
 impl<'a> Newton<'a> {
-    /// All pillars of the window untouched.
+    /// All pillars of the sites untouched.
     pub(crate) fn new(
-        problem: &'a Problem,
+        scene: &Scene,
         run: &'a Run<'a>,
         stage: Stage,
-        window: Window,
+        sites: Sites,
         pair: &PairCoupling,
         top: PillarTop,
     ) -> Self {
         let degree = pair.modes().last().map_or(0, |mode| mode.degree);
-        let tops = Tops::new(problem, window, top, degree);
+        let tops = Tops::new(&scene.lens, sites, top, degree);
         let own_load = tops.lens_load(run.workers());
         run.report(Progress {
             stage: Stage::Coupling,
             step: 0,
-            pillars: tops.window.len(),
+            pillars: tops.sites.len(),
             touched: 0,
         });
         let coupling = SurfaceCoupling {
-            tops: LatticeCoupling::new(&tops.window, pair, run.workers()),
+            tops: LatticeCoupling::of_sites(&tops.sites, pair, run.workers()),
             floor: None,
         };
         Self {
-            problem,
+            scene: scene.clone(),
             run,
             stage,
             cells: None,
@@ -243,9 +245,9 @@ impl<'a> Newton<'a> {
     pub(crate) fn load_at_centres(&mut self) {
         let modes = self.contact.modes();
         let loads = self.contact.own_load_mut().chunks_exact_mut(modes);
-        for (centre, load) in self.tops.window.centres().iter().zip(loads) {
+        for (centre, load) in self.tops.sites.centres().iter().zip(loads) {
             load.fill(0.0);
-            load[0] = -UNIT_FORCE * self.problem.sag_with_brim(*centre);
+            load[0] = -UNIT_FORCE * self.scene.lens.sag_with_brim(*centre);
         }
     }
 
@@ -406,7 +408,7 @@ impl<'a> Newton<'a> {
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
         let coefficients = |cell: usize| start(centres[cell]).map(|pressure| unit_cell * pressure);
         self.reach = self.pillar_reach();
-        let (window, reach) = (&self.tops.window, self.reach);
+        let (sites, reach) = (&self.tops.sites, self.reach);
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
         let kernels = &mut self.kernels;
         let couple = |coupling: &mut SurfaceCoupling<'a>| {
@@ -414,7 +416,7 @@ impl<'a> Newton<'a> {
             coupling.floor = None;
             let floor = FloorCoupling::new(
                 &cells.grid,
-                (window, reach),
+                (sites, reach),
                 modes,
                 degree,
                 kernels.take(),
@@ -424,7 +426,7 @@ impl<'a> Newton<'a> {
             *kernels = Some(floor.kernels());
             coupling.floor = Some(Box::new(floor));
         };
-        let own_load = cells.lens_load(self.problem);
+        let own_load = cells.lens_load(&self.scene);
         self.contact
             .set_floor(unit_cell, own_load, coefficients, couple);
         cells.set(self.contact.floor_coefficients().iter().map(|c| *c > 0.0));
@@ -440,9 +442,9 @@ impl<'a> Newton<'a> {
     /// If none is touched yet: as far as the undeformed lens is below the tops, with a margin for the indentation, where that is to be found.
     pub(crate) fn pillar_reach(&self) -> f64 {
         if self.touched() > 0 {
-            return self.tops.reach() + REACH_MARGIN * self.problem.lattice.pitch;
+            return self.tops.reach() + REACH_MARGIN * self.scene.field.spacing();
         }
-        let lens = self.problem.lens.radius;
+        let lens = self.scene.lens.radius;
         let depth = (1.1 * self.contact.indentation()).clamp(0.0, lens);
         (depth * (2.0 * lens - depth)).sqrt() + 1.0
     }
@@ -484,7 +486,7 @@ impl<'a> Newton<'a> {
         self.run.report(Progress {
             stage,
             step,
-            pillars: self.tops.window.len(),
+            pillars: self.tops.sites.len(),
             touched: self.touched(),
         });
     }
@@ -565,16 +567,30 @@ impl<'a> Newton<'a> {
     /// `W(x)` of every pillar: what its coefficients move a point of the floor by.
     pub(crate) fn point_load(&self, position: Point) -> Vec<f64> {
         let modes = self.contact.modes();
-        let mut load = vec![0.0; self.tops.window.len() * modes];
+        let mut load = vec![0.0; self.tops.sites.len() * modes];
         let one = |(): &mut (), pillar: usize, load: &mut [f64]| {
-            let [x, y] = self.tops.window.centres()[pillar];
-            self.exterior
-                .values([position[0] - x, position[1] - y], load);
+            self.values_at(&self.exterior, pillar, position, load);
         };
         self.run
             .workers()
             .fill(&mut load, modes, COSTLY_PILLARS, || (), one);
         load
+    }
+
+    /// What the moments of a pillar, each by itself, move a point beside it by.
+    pub(crate) fn values_at(
+        &self,
+        exterior: &Exterior,
+        pillar: usize,
+        position: Point,
+        values: &mut [f64],
+    ) {
+        let (centre, radius) = (
+            self.tops.sites.centres()[pillar],
+            self.tops.sites.body(pillar).radius,
+        );
+        exterior.values([0, 1].map(|k| (position[k] - centre[k]) / radius), values);
+        values.iter_mut().for_each(|value| *value /= radius);
     }
 
     /// The indentation at which the floor would just be reached if the pillars kept their states.
@@ -597,19 +613,32 @@ impl<'a> Newton<'a> {
     fn search_floor(&mut self, with_indentation: bool) -> Option<FloorPoint> {
         let mut floor = std::mem::take(&mut self.floor);
         let lowest = self.with_loaded(with_indentation, |discs| {
-            floor.lowest(self.problem, discs, &self.run.cancel)
+            floor.lowest(&self.uncovered(), discs, &self.run.cancel)
         });
         self.floor = floor;
         lowest
     }
 
+    /// The floor beside the pillars, and the lens over it.
+    fn uncovered(&self) -> Uncovered<'_> {
+        Uncovered {
+            lens: &self.scene.lens,
+            height: self.scene.height,
+            around: Surroundings::of_sites(
+                &self.tops.sites,
+                self.scene.field.spacing(),
+                self.tops.reach(),
+            ),
+        }
+    }
+
     /// Gaps to the floor at points beside pillars, by the pressures on the pillars alone.
     pub(crate) fn gaps_under_tops(&self, points: &[Point]) -> Vec<f64> {
-        let above = self.problem.height - self.contact.indentation();
+        let above = self.scene.height - self.contact.indentation();
         self.with_loaded(false, |discs| {
             let gap = |point: &Point| {
                 let [_, displacement] = discs.displacement(*point);
-                above + self.problem.sag_with_brim(*point) + displacement.value
+                above + self.scene.lens.sag_with_brim(*point) + displacement.value
             };
             points.iter().map(gap).collect()
         })
@@ -618,15 +647,19 @@ impl<'a> Newton<'a> {
     /// What the touched pillars bear, as discs: under pressures that go with the indentation, or do not.
     fn with_loaded<R>(&self, with_indentation: bool, ask: impl FnOnce(&LoadedDiscs<'_>) -> R) -> R {
         let modes = self.contact.modes();
-        let touched: Vec<usize> = (0..self.tops.window.len())
+        let sites = &self.tops.sites;
+        let radius = |pillar: usize| sites.body(pillar).radius;
+        let mut touched: Vec<usize> = (0..sites.len())
             .filter(|&p| self.tops.status[p] != PillarStatus::Untouched)
             .collect();
+        touched.sort_by(|a, b| radius(*a).total_cmp(&radius(*b)));
         let gather = |coefficients: &[f64]| -> Vec<f64> {
-            touched
-                .iter()
-                .flat_map(|p| &coefficients[p * modes..(p + 1) * modes])
-                .copied()
-                .collect()
+            let of_pillar = |&pillar: &usize| {
+                let square = radius(pillar) * radius(pillar);
+                let moments = &coefficients[pillar * modes..(pillar + 1) * modes];
+                moments.iter().map(move |moment| moment / square)
+            };
+            touched.iter().flat_map(of_pillar).collect()
         };
         let mut without = gather(self.contact.coefficients());
         let along = if with_indentation {
@@ -636,27 +669,26 @@ impl<'a> Newton<'a> {
         } else {
             vec![0.0; without.len()]
         };
-        let centres: Vec<Point> = touched
-            .iter()
-            .map(|&p| self.tops.window.centres()[p])
-            .collect();
+        let centres: Vec<Point> = touched.iter().map(|&p| sites.centres()[p]).collect();
+        let alike = touched.chunk_by(|a, b| radius(*a).to_bits() == radius(*b).to_bits());
+        let radii: Vec<(f64, usize)> = alike.map(|of| (radius(of[0]), of.len())).collect();
         let discs = LoadedDiscs {
             exterior: &self.exterior,
             modes,
             centres: &centres,
-            radius: 1.0,
+            radii: &radii,
             coefficients: [&along, &without],
             run: self.run,
         };
         ask(&discs)
     }
 
-    /// The same on another window and with other degrees, without the floor's cells.
-    pub(crate) fn rebuilt(&self, window: Window, degrees: Degrees) -> Self {
+    /// The same on other sites and with other degrees, without the floor's cells.
+    pub(crate) fn rebuilt(&self, sites: Sites, degrees: Degrees) -> Self {
         let Degrees { coupling, tops } = degrees;
-        let pair = PairCoupling::new(coupling, self.problem.lattice.pitch);
-        let top = PillarTop::new(tops, coupling, self.problem.column_compliance_ratio);
-        let mut rebuilt = Self::new(self.problem, self.run, self.stage, window, &pair, top);
+        let pair = PairCoupling::new(coupling, self.scene.field.spacing());
+        let top = PillarTop::new(tops, coupling, sites.common_body().column_compliance_ratio);
+        let mut rebuilt = Self::new(&self.scene, self.run, self.stage, sites, &pair, top);
         rebuilt.kernels.clone_from(&self.kernels);
         rebuilt.start_from(self);
         rebuilt
@@ -674,10 +706,10 @@ impl<'a> Newton<'a> {
     pub(crate) fn start_from(&mut self, coarse: &Self) {
         self.tops.start_from(&coarse.tops);
         let modes = coarse.contact.modes();
-        let window = &self.tops.window;
+        let sites = &self.tops.sites;
         self.contact
             .start_from(coarse.contact.indentation(), |pillar| {
-                let from = coarse.tops.window.find(window.index(pillar))?;
+                let from = coarse.tops.sites.find(sites.index(pillar))?;
                 let range = from * modes..(from + 1) * modes;
                 Some(coarse.contact.parts().map(|part| &part[range.clone()]))
             });
@@ -696,7 +728,7 @@ fn failure(solved: Judgement) -> Option<Termination> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::halfspace::coupling::window::Window;
+    use crate::problem::scaled::Problem;
     use crate::problem::{PillarCompliance, PunchForm};
     use crate::solve::spectral::solve_punch;
     use crate::theory::reference;
@@ -709,16 +741,17 @@ pub(crate) mod tests {
         Problem::new(&reference::on_lattice(lattice, rubber, compliance))
     }
 
-    fn newton<'a>(problem: &'a Problem, run: &'a Run<'a>) -> Newton<'a> {
+    fn newton<'a>(problem: &Problem, run: &'a Run<'a>) -> Newton<'a> {
         let pair = PairCoupling::new(2, problem.lattice.pitch);
-        let window = Window::new(&problem.lattice, 3.0 * problem.lattice.pitch);
+        let scene = problem.scene();
+        let sites = Sites::within(&scene.field, 3.0 * problem.lattice.pitch);
         let resolution = Resolution {
             nodes: 8,
             turn: 0.0,
             rings: 10,
         };
         let top = PillarTop::new(resolution, 2, problem.column_compliance_ratio);
-        let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
+        let mut newton = Newton::new(&scene, run, Stage::Spectral, sites, &pair, top);
         newton.tops.touch_within(0.9 * problem.lattice.pitch);
         newton
     }
@@ -778,7 +811,7 @@ pub(crate) mod tests {
             (all_higher / level - 1.0).abs() < 1e-9,
             "{all_higher} {level}"
         );
-        let window = newton(&problem, &run).tops.window;
+        let window = newton(&problem, &run).tops.sites;
         let distance = |pillar: &usize| {
             let [x, y] = window.centres()[*pillar];
             x.hypot(y)
@@ -812,7 +845,7 @@ pub(crate) mod tests {
         // A refusal is no solution either.
         let solve = |problem: &Problem, target| -> Option<Termination> {
             let (form, purpose) = (PunchForm::Corrected, Purpose::Answer);
-            let solution = solve_punch(problem, target, Some(20.0), form, purpose, &run);
+            let solution = solve_punch(&problem.scene(), target, Some(20.0), form, purpose, &run);
             solution.ok().map(|solution| solution.outcome.termination)
         };
         let converged = Some(Termination::Converged);

@@ -7,7 +7,7 @@
 //! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
 //! sets free is dissipated.
 
-use super::floor::{FloorPoint, FloorSearch, LoadedDiscs};
+use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Uncovered};
 use super::frozen::{FrozenContact, Rule, Source};
 use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::sticky::StickyTops;
@@ -214,9 +214,9 @@ impl<'a> Path<'a> {
         let degree = fronts.degree();
         let modes = mode_count(degree);
         let pair = PairCoupling::new(degree, problem.lattice.pitch);
-        let projector = LensProjector::new(problem, degree);
+        let projector = LensProjector::new(&problem.lens, degree);
         let radius = problem.nearest_edge() + 1.0 + MARGIN * problem.lattice.pitch;
-        let window = checked_window(problem, radius, modes, run)?;
+        let window = checked_window(&problem.lattice, radius, modes, run)?;
         let coupling = LatticeCoupling::new(&window, &pair, run.workers());
         let own_load = own_load(problem, &projector, &window, modes);
         let mut path = Self {
@@ -641,7 +641,7 @@ impl<'a> Path<'a> {
             _ => return Ok(()),
         };
         let modes = self.contact.modes();
-        let window = checked_window(self.problem, radius, modes, self.run)?;
+        let window = checked_window(&self.problem.lattice, radius, modes, self.run)?;
         let coupling = LatticeCoupling::new(&window, &self.pair, self.run.workers());
         let own_load = own_load(self.problem, &self.projector, &window, modes);
         let mut contact = FrozenContact::new(self.run, coupling, modes, own_load);
@@ -701,11 +701,11 @@ impl<'a> Path<'a> {
             exterior: &self.exterior,
             modes,
             centres: &centres,
-            radius: 1.0,
+            radii: &[(1.0, touched.len())],
             coefficients: [&along, &without],
             run: self.run,
         };
-        FloorSearch::default().lowest(self.problem, &discs, &self.run.cancel)
+        FloorSearch::default().lowest(&Uncovered::of(self.problem), &discs, &self.run.cancel)
     }
 }
 
@@ -719,7 +719,7 @@ fn own_load(
     let mut own_load = vec![0.0; window.len() * modes];
     let loads = own_load.chunks_exact_mut(modes);
     for (centre, load) in window.centres().iter().zip(loads) {
-        projector.project(problem, *centre, load);
+        projector.project(&problem.lens, *centre, 1.0, load);
     }
     own_load
 }

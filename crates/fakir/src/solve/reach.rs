@@ -8,7 +8,7 @@
 use super::newton::Newton;
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use super::touched::TouchedPillar;
-use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with};
+use crate::halfspace::disc::basis::{BasisEvaluator, degree_with};
 use crate::halfspace::disc::covered::{CoverFinder, Region};
 use crate::halfspace::disc::nodes::Resolution;
 use crate::numerics::vector::{dot, subtract};
@@ -39,9 +39,9 @@ const PLACE_ERROR: f64 = 0.03;
 
 /// Distance from the lens axis of the farthest point in contact and its error, pillar radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Reach {
-    pub(super) radius: f64,
-    pub(super) error: f64,
+pub(crate) struct Reach {
+    pub(crate) radius: f64,
+    pub(crate) error: f64,
 }
 
 /// How far one pillar reaches.
@@ -59,28 +59,32 @@ pub(super) fn contact_reach(
 ) -> Reach {
     let degree = degree_with(newton.tops.top.count());
     let mut finder = CoverFinder::new(degree);
-    let coarse_error = edge_error(degree);
     let mut candidates: Vec<Candidate<'_>> = Vec::new();
     let mut farthest = 0.0_f64;
+    let radii = touched.iter().map(|pillar| pillar.disc.radius);
+    let largest = radii.fold(0.0, f64::max);
+    let coarse_error = largest * edge_error(degree);
     for pillar in touched.iter().rev() {
         let distance = distance_of(pillar);
         // The order is by rounded distances.
-        if distance + 1.0 < farthest - coarse_error - 1e-3 {
+        let radius = pillar.disc.radius;
+        if distance + largest < farthest - coarse_error - 1e-3 {
             break;
         }
         let (reach, error) = match (&pillar.disc.sliver, &pillar.disc.gap) {
             (Some(edge), _) => (edge.reach, edge.error),
-            (None, None) => (distance + 1.0, full_error(pillar)),
+            (None, None) => (distance + radius, radius * full_error(pillar)),
             (None, Some(gap)) => {
-                let axis = pillar.disc.centre.map(|x| -x);
+                let axis = pillar.disc.centre.map(|x| -x / radius);
                 let at_rim = finder.farthest_corner(gap, axis);
                 let reach = at_rim.or_else(|| {
                     let region = finder.region(&pillar.disc.coefficients, gap)?;
                     Some(region.farthest_from(axis))
                 });
                 // Of a contact too small to be seen, its nearest point.
-                let nearest = (distance - 1.0).max(0.0);
-                (reach.unwrap_or(0.0).max(nearest), coarse_error)
+                let nearest = (distance - radius).max(0.0);
+                let reach = radius * reach.unwrap_or(0.0);
+                (reach.max(nearest), radius * edge_error(degree))
             }
         };
         farthest = farthest.max(reach);
@@ -148,18 +152,19 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut Co
     let mut finer =
         (degree_with(newton.tops.top.count()) < FINE_DEGREE).then(|| Finer::new(newton));
     for candidate in partial {
-        let axis = candidate.pillar.disc.centre.map(|x| -x);
+        let radius = candidate.pillar.disc.radius;
+        let axis = candidate.pillar.disc.centre.map(|x| -x / radius);
         let region = match (&mut finer, &candidate.pillar.disc.gap) {
             (Some(finer), _) => finer.region(newton, candidate.pillar.place),
             (None, Some(gap)) => finder.region(&candidate.pillar.disc.coefficients, gap),
             (None, None) => None,
         };
         if let Some(region) = region {
-            let reach = region.farthest_from(axis);
+            let reach = radius * region.farthest_from(axis);
             // Where two solutions differ by more than usual, so may the truth.
             let change = (reach - candidate.reach).abs();
             let degree = degree_with(newton.tops.top.count()).max(FINE_DEGREE);
-            candidate.error = edge_error(degree) + change;
+            candidate.error = radius * edge_error(degree) + change;
             candidate.reach = reach;
         }
     }
@@ -168,18 +173,16 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut Co
 /// Solutions of single pillars on more nodes.
 struct Finer {
     top: PillarTop,
-    compliance: Vec<f64>,
     solver: LocalSolver,
     finder: CoverFinder,
 }
 
 impl Finer {
     fn new(newton: &Newton<'_>) -> Self {
-        let kappa = newton.problem.column_compliance_ratio;
+        let kappa = newton.tops.sites.common_body().column_compliance_ratio;
         let resolution = Resolution::of_nodes(FINE_DEGREE);
         let top = PillarTop::new(resolution, newton.degree(), kappa);
         Self {
-            compliance: compliances(FINE_DEGREE, kappa),
             solver: LocalSolver::new(&top),
             finder: CoverFinder::new(FINE_DEGREE),
             top,
@@ -189,13 +192,16 @@ impl Finer {
     /// What is covered of a pillar; `None` if that is not found.
     fn region(&mut self, newton: &Newton<'_>, pillar: usize) -> Option<Region> {
         let load = newton.full_load(pillar);
-        let mut active = self.solver.first_guess(&self.top, &load);
-        if !self.solver.solve(&self.top, &load, &mut active).converged {
+        let body = newton.tops.sites.body(pillar);
+        let top = self.top.on_column(body.column_compliance_ratio);
+        let mut active = self.solver.first_guess(&top, &load);
+        if !self.solver.solve(&top, &load, &mut active).converged {
             return None;
         }
-        let mut density = vec![0.0; self.top.count()];
-        self.solver.coefficients(&self.top, &load, &mut density);
-        let modes = density.iter().zip(&self.compliance);
+        // Of a disc of unit radius under this load: of any other the pressure is as much smaller everywhere.
+        let mut density = vec![0.0; top.count()];
+        self.solver.coefficients(&top, &load, &mut density);
+        let modes = density.iter().zip(top.compliance());
         let mut gap: Vec<f64> = modes.map(|(c, lambda)| c * lambda).collect();
         subtract(&mut gap, &load);
         self.finder.region(&density, &gap)
@@ -216,9 +222,9 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
         gap > -margin - unknown
     };
     let mut change = 0.0_f64;
-    let outer = radius + 1.0 + 1.2 * newton.problem.lattice.pitch;
-    for (pillar, centre) in newton.tops.window.centres().iter().enumerate() {
-        let nearest = centre[0].hypot(centre[1]) - 1.0;
+    let outer = radius + 1.0 + 1.2 * newton.scene.field.spacing();
+    for (pillar, centre) in newton.tops.sites.centres().iter().enumerate() {
+        let nearest = centre[0].hypot(centre[1]) - newton.tops.sites.body(pillar).radius;
         if newton.tops.status[pillar] != PillarStatus::Untouched
             || nearest <= radius
             || nearest > outer
@@ -233,7 +239,8 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
     let mut just = false;
     for pillar in touched.iter().rev() {
         let distance = distance_of(pillar);
-        if distance + 1.0 <= radius - change {
+        let own = pillar.disc.radius;
+        if distance + own <= radius - change {
             break;
         }
         let marginal = pillar.state.status == PillarStatus::Partial && may_not_touch(pillar.place);
@@ -241,7 +248,7 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
             just = true;
         } else if just {
             // At the least its nearest point.
-            let reach = (distance - 1.0).max(0.0);
+            let reach = (distance - own).max(0.0);
             return change.max(radius - reach);
         } else {
             break;
@@ -288,6 +295,11 @@ impl RimGap {
 /// corrected.
 const PUNCH_GAP_ERROR: [f64; 2] = [0.1, 0.02];
 
+/// Distance of the nearest pillar top from the lens axis.
+fn nearest_edge(newton: &Newton<'_>) -> f64 {
+    newton.tops.sites.clearance([0.0, 0.0]).max(0.0)
+}
+
 /// How far the contact reaches on a punch lattice, where pillars are touched as a whole.
 pub(super) fn punch_reach(
     newton: &Newton<'_>,
@@ -299,7 +311,7 @@ pub(super) fn punch_reach(
         // The nearest may be touched in part.
         return Reach {
             radius: 0.0,
-            error: newton.problem.nearest_edge() + 2.0,
+            error: nearest_edge(newton) + 2.0,
         };
     };
     let radius = distance_of(farthest) + 1.0;
@@ -310,10 +322,10 @@ pub(super) fn punch_reach(
             PunchForm::Corrected => corrected,
         };
     // Loads at centres, and how much more the lens comes down over the nearest point of the rim.
-    let sag = |distance: f64| newton.problem.lens.sag(distance);
-    let outer = radius + 2.0 * newton.problem.lattice.pitch;
+    let sag = |distance: f64| newton.scene.lens.sag(distance);
+    let outer = radius + 2.0 * newton.scene.field.spacing();
     let mut error = 2.0_f64;
-    for (pillar, [x, y]) in newton.tops.window.centres().iter().enumerate() {
+    for (pillar, [x, y]) in newton.tops.sites.centres().iter().enumerate() {
         let distance = x.hypot(*y);
         let untouched = newton.tops.status[pillar] == PillarStatus::Untouched;
         if untouched && distance > radius - 1.0 && distance < outer {

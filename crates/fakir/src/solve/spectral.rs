@@ -1,16 +1,18 @@
-//! The spectral method and the punch lattice: windows, starts and growth around
+//! The spectral method and the punch lattice: sites, starts and growth around
 //! [`Newton`](super::newton::Newton).
 
 use super::newton::{Degrees, Newton, Outcome, Purpose};
 use super::rules::unilateral::PillarTop;
-use crate::halfspace::coupling::lattice;
+use crate::halfspace::coupling::direct::DirectCoupling;
+use crate::halfspace::coupling::lattice::memory_estimate as lattice_memory_estimate;
 use crate::halfspace::coupling::pair::PairCoupling;
+use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::nodes::Resolution;
-use crate::problem::Control;
-use crate::problem::scaled::{Problem, SMALL_LENS};
-use crate::problem::{Accuracy, PunchForm};
+use crate::problem::pillar_field::PillarField;
+use crate::problem::scaled::{SMALL_LENS, Scene};
+use crate::problem::{Accuracy, Control, HexagonalLattice, PunchForm};
 use crate::state::{Run, SolveError, Stage, Termination};
 
 /// Largest contact radius over lens radius that is still solved.
@@ -18,11 +20,12 @@ pub(crate) const LARGEST_CONTACT: f64 = 0.5;
 
 /// Degrees for an accuracy: of the coupling, which has to be finer the denser the texture and the more the
 /// lens differs from a paraboloid over a pillar top, and of the nodes on partially touched pillars.
-pub(crate) fn degrees(accuracy: Accuracy, problem: &Problem) -> Degrees {
+pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {
     // Errors of degree p go as pitch^-(2p + 2); at p = 2 they are 3e-7 for phi = 0.2, where the
     // pitch is 4.26 pillar radii.
-    let pitch = problem.lattice.pitch;
-    let small_lens = problem.lens.radius < SMALL_LENS;
+    // Of discs of several radii the gap counts, over the smaller of the two.
+    let pitch = 2.0 + scene.field.least_gap();
+    let small_lens = scene.lens.radius < SMALL_LENS;
     match accuracy {
         Accuracy::Default => Degrees {
             coupling: if pitch > 3.9 && !small_lens { 2 } else { 4 },
@@ -60,33 +63,33 @@ const CENTRES: Resolution = Resolution::of_nodes(0);
 
 /// Solves the punch lattice, in which pillars are touched or not as a whole.
 pub(crate) fn solve_punch<'a>(
-    problem: &'a Problem,
+    scene: &Scene,
     target: Control,
     contact_radius: Option<f64>,
     form: PunchForm,
     purpose: Purpose,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
-    let pitch = problem.lattice.pitch;
-    let mut contact = contact_radius.unwrap_or_else(|| rough_contact_radius(problem, target));
+    let pitch = scene.field.spacing();
+    let mut contact = contact_radius.unwrap_or_else(|| rough_contact_radius(scene, target));
     let mut radius = 1.05 * contact + 1.5 * pitch + 1.0;
     let pair = match form {
-        PunchForm::Plain => PairCoupling::of_flat_punches(problem.lattice.pitch),
-        PunchForm::Corrected => PairCoupling::new(0, problem.lattice.pitch),
+        PunchForm::Plain => PairCoupling::of_flat_punches(pitch),
+        PunchForm::Corrected => PairCoupling::new(0, pitch),
     };
     let mut steps = 0;
     loop {
-        let radius_used = limited(problem, radius);
-        let window = checked_window(problem, radius_used, 1, run)?;
-        let top = PillarTop::new(CENTRES, 0, problem.column_compliance_ratio);
-        let mut newton = Newton::new(problem, run, Stage::Punch, window, &pair, top);
+        let radius_used = limited(scene, radius);
+        let sites = checked_sites(scene, radius_used, 1, run)?;
+        let top = PillarTop::new(CENTRES, 0, sites.common_body().column_compliance_ratio);
+        let mut newton = Newton::new(scene, run, Stage::Punch, sites, &pair, top);
         if form == PunchForm::Plain {
             newton.load_at_centres();
         }
         newton.tops.touch_within(contact);
         let outcome = newton.solve(target, purpose)?;
         steps += outcome.steps;
-        match growth(problem, &newton)? {
+        match growth(&newton)? {
             Some(larger) => (radius, contact) = (larger, newton.tops.reach()),
             None => {
                 return Ok(Solution {
@@ -101,7 +104,7 @@ pub(crate) fn solve_punch<'a>(
 
 /// Solves in full, starting from the corrected punch lattice.
 pub(crate) fn solve_spectral<'a>(
-    problem: &'a Problem,
+    scene: &Scene,
     target: Control,
     punch: Solution<'a>,
     mut degrees: Degrees,
@@ -109,25 +112,29 @@ pub(crate) fn solve_spectral<'a>(
 ) -> Result<Solution<'a>, SolveError> {
     let mut steps = punch.steps;
     let mut coarse = punch.newton;
-    let mut pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
-    let mut radius = coarse.tops.reach() + 1.5 * problem.lattice.pitch;
+    let mut pair = PairCoupling::new(degrees.coupling, scene.field.spacing());
+    let mut radius = coarse.tops.reach() + 1.5 * scene.field.spacing();
     loop {
         let modes = mode_count(degrees.coupling);
-        let window = checked_window(problem, limited(problem, radius), modes, run)?;
+        let sites = checked_sites(scene, limited(scene, radius), modes, run)?;
         let mut tops = degrees.tops;
         if coarse.touched() > FEW_PILLARS {
             tops.rings = 0;
         }
-        let top = PillarTop::new(tops, degrees.coupling, problem.column_compliance_ratio);
-        let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
+        let top = PillarTop::new(
+            tops,
+            degrees.coupling,
+            sites.common_body().column_compliance_ratio,
+        );
+        let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
         newton.start_from(&coarse);
         let outcome = newton.solve(target, Purpose::Answer)?;
         steps += outcome.steps;
-        if let Some(larger) = growth(problem, &newton)? {
+        if let Some(larger) = growth(&newton)? {
             radius = larger;
         } else if newton.touched() <= FEW_PILLARS && newton.has_marginal_pillars() {
             degrees.coupling += 2;
-            pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
+            pair = PairCoupling::new(degrees.coupling, scene.field.spacing());
         } else {
             return Ok(Solution {
                 newton,
@@ -140,38 +147,42 @@ pub(crate) fn solve_spectral<'a>(
 }
 
 /// A radius near that of the contact, by the roughest of means.
-pub(crate) fn rough_contact_radius(problem: &Problem, target: Control) -> f64 {
-    let lens = problem.lens.radius;
-    let pitch = problem.lattice.pitch;
+pub(crate) fn rough_contact_radius(scene: &Scene, target: Control) -> f64 {
+    let lens = scene.lens.radius;
+    let pitch = scene.field.spacing();
     match target {
         // Half the area in which the undeformed lens enters pillar tops, as in Hertz's contact.
         Control::Indentation(indentation) => (indentation.min(lens) * lens).sqrt(),
         Control::Force(force) => {
             // Of Hertz, and of the lens on independent pillars, the larger.
             let hertz = (0.75 * lens * force).cbrt();
-            let cell = problem.lattice.cell_area();
-            let layer = 0.5 * cell * (1.0 + problem.column_compliance_ratio);
+            let cell = scene.field.cell_area();
+            let layer = 0.5 * cell * (1.0 + scene.field.column_compliance_ratio());
             let springs = (4.0 * lens * layer * force / std::f64::consts::PI).powf(0.25);
             hertz.max(springs)
         }
         // The paper's a_c = e sqrt(1 + (k phi)^2), which is e sqrt(1 + (R h/e^2)^2).
-        Control::FloorContact => pitch.hypot(lens * problem.height / pitch),
+        Control::FloorContact => pitch.hypot(lens * scene.height / pitch),
     }
 }
 
-fn limited(problem: &Problem, radius: f64) -> f64 {
-    radius.min(LARGEST_CONTACT * problem.lens.radius + 2.0 * problem.lattice.pitch)
+fn limited(scene: &Scene, radius: f64) -> f64 {
+    radius.min(LARGEST_CONTACT * scene.lens.radius + 2.0 * scene.field.spacing())
 }
 
 /// The window of a radius, if it fits the memory allowed.
 pub(crate) fn checked_window(
-    problem: &Problem,
+    lattice: &HexagonalLattice,
     radius: f64,
     modes: usize,
     run: &Run<'_>,
 ) -> Result<Window, SolveError> {
-    let pillars = Window::expected_len(&problem.lattice, radius);
-    let bytes = lattice::memory_estimate(pillars, modes);
+    let pillars = Window::expected_len(lattice, radius);
+    check_memory(pillars, lattice_memory_estimate(pillars, modes), run)?;
+    Ok(Window::new(lattice, radius))
+}
+
+fn check_memory(pillars: f64, bytes: f64, run: &Run<'_>) -> Result<(), SolveError> {
     let limit = run.memory_limit();
     if bytes > limit as f64 {
         return Err(SolveError::TooLarge {
@@ -180,41 +191,53 @@ pub(crate) fn checked_window(
             limit,
         });
     }
-    Ok(Window::new(&problem.lattice, radius))
+    Ok(())
 }
 
-/// A larger window if the contact comes close to the edge of the present one.
-pub(crate) fn wider_window(
-    problem: &Problem,
-    newton: &Newton<'_>,
+/// The sites of a radius, if they fit the memory allowed.
+fn checked_sites(
+    scene: &Scene,
+    radius: f64,
+    modes: usize,
     run: &Run<'_>,
-) -> Result<Option<Window>, SolveError> {
-    let Some(radius) = growth(problem, newton)? else {
+) -> Result<Sites, SolveError> {
+    if let PillarField::Hexagonal {
+        lattice,
+        column_compliance_ratio,
+    } = &scene.field
+    {
+        let window = checked_window(lattice, radius, modes, run)?;
+        return Ok(Sites::of_window(window, *lattice, *column_compliance_ratio));
+    }
+    let pillars = scene.field.expected_len(radius);
+    let bytes = DirectCoupling::memory_estimate(pillars, modes);
+    check_memory(pillars, bytes, run)?;
+    Ok(Sites::within(&scene.field, radius))
+}
+
+/// More sites if the contact comes close to the edge of the present one.
+pub(crate) fn wider_sites(newton: &Newton<'_>, run: &Run<'_>) -> Result<Option<Sites>, SolveError> {
+    let Some(radius) = growth(newton)? else {
         return Ok(None);
     };
-    checked_window(
-        problem,
-        limited(problem, radius),
-        newton.contact.modes(),
-        run,
-    )
-    .map(Some)
+    let scene = &newton.scene;
+    checked_sites(scene, limited(scene, radius), newton.contact.modes(), run).map(Some)
 }
 
 /// No contact yet, with a window of pillars for one of that radius.
 pub(crate) fn untouched<'a>(
-    problem: &'a Problem,
+    scene: &Scene,
     indentation: f64,
     contact_radius: f64,
     degrees: Degrees,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
-    let pair = PairCoupling::new(degrees.coupling, problem.lattice.pitch);
-    let radius = limited(problem, contact_radius + 1.5 * problem.lattice.pitch + 1.0);
-    let window = checked_window(problem, radius, mode_count(degrees.coupling), run)?;
-    let kappa = problem.column_compliance_ratio;
+    let pair = PairCoupling::new(degrees.coupling, scene.field.spacing());
+    let radius = limited(scene, contact_radius + 1.5 * scene.field.spacing() + 1.0);
+    let sites = checked_sites(scene, radius, mode_count(degrees.coupling), run)?;
+    let kappa = sites.common_body().column_compliance_ratio;
     let top = PillarTop::new(degrees.tops, degrees.coupling, kappa);
-    let mut newton = Newton::new(problem, run, Stage::Spectral, window, &pair, top);
+    let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
     newton.contact.move_to(indentation);
     let outcome = Outcome {
         indentation,
@@ -230,16 +253,17 @@ pub(crate) fn untouched<'a>(
     })
 }
 
-/// A larger radius if the contact comes close to the edge of the window.
-fn growth(problem: &Problem, newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
+/// A larger radius if the contact comes close to the edge of the sites.
+fn growth(newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
+    let scene = &newton.scene;
     let reach = newton.tops.reach();
-    if reach - 1.0 > LARGEST_CONTACT * problem.lens.radius {
+    if reach - 1.0 > LARGEST_CONTACT * scene.lens.radius {
         return Err(SolveError::ContactExceedsLens {
-            contact_radius: reach * problem.length,
-            lens_radius: problem.lens.radius * problem.length,
+            contact_radius: reach * scene.length,
+            lens_radius: scene.lens.radius * scene.length,
         });
     }
-    let radius = newton.tops.window.radius();
-    let pitch = problem.lattice.pitch;
+    let radius = newton.tops.sites.radius();
+    let pitch = scene.field.spacing();
     Ok((reach + pitch > radius).then(|| (1.3 * radius).max(reach + 2.0 * pitch)))
 }

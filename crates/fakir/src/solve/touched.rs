@@ -6,8 +6,7 @@ use super::rules::unilateral::LocalSolver;
 use crate::halfspace::disc::basis::{BasisEvaluator, degree_with, mode_count};
 use crate::halfspace::disc::nodes::edge_count;
 use crate::numerics::vector::dot;
-use crate::problem::scaled::Problem;
-use crate::state::fields::Disc;
+use crate::state::fields::{Disc, SliverEdge};
 use crate::state::{PillarState, PillarStatus};
 use std::f64::consts::PI;
 
@@ -32,12 +31,18 @@ pub(super) struct TouchedPillar {
 }
 
 /// The touched pillars, nearest to the lens axis first.
-pub(super) fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<TouchedPillar> {
+///
+/// Lengths are told in `length` (m), pressures in `pressure` (Pa).
+pub(super) fn touched_pillars(
+    newton: &Newton<'_>,
+    [length, pressure]: [f64; 2],
+) -> Vec<TouchedPillar> {
+    let unit_force = pressure * length * length;
     let modes = newton.contact.modes();
     let total = newton.contact.coefficients();
     let lead = DiscSamples::new(newton.degree());
     let all = DiscSamples::new(degree_with(newton.tops.top.count()));
-    let places: Vec<usize> = (0..newton.tops.window.len())
+    let places: Vec<usize> = (0..newton.tops.sites.len())
         .filter(|&pillar| newton.tops.status[pillar] != PillarStatus::Untouched)
         .collect();
     let solver = || LocalSolver::new(&newton.tops.top);
@@ -50,17 +55,28 @@ pub(super) fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<Tou
             let range = pillar * modes..(pillar + 1) * modes;
             (&lead, total[range].to_vec())
         };
-        let centre = newton.tops.window.centres()[pillar];
+        let centre = newton.tops.sites.centres()[pillar];
+        let radius = newton.tops.sites.body(pillar).radius;
         let sliver = solver
             .cells()
             .filter(|_| status == PillarStatus::Partial)
-            .map(|cells| cells.edge(centre.map(|x| -x)));
+            .map(|cells| cells.edge(centre.map(|x| -x / radius)))
+            .map(|edge| SliverEdge {
+                reach: radius * edge.reach,
+                error: radius * edge.error,
+                ..edge
+            });
         let gap = (status == PillarStatus::Partial)
             .then(|| newton.gap_coefficients(pillar, &coefficients));
+        // Of the moments.
+        let coefficients = coefficients
+            .into_iter()
+            .map(|moment| moment / (radius * radius))
+            .collect();
         let disc = Disc {
-            index: newton.tops.window.index(pillar),
+            index: newton.tops.sites.index(pillar),
             centre,
-            radius: 1.0,
+            radius,
             coefficients,
             gap,
             held: None,
@@ -68,11 +84,11 @@ pub(super) fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<Tou
         };
         let state = PillarState {
             index: disc.index,
-            centre: problem.metres(centre),
+            centre: centre.map(|x| x * length),
             status,
-            force: disc.force() * problem.force(),
-            centre_pressure: samples.centre_density(&disc) * problem.pressure,
-            edge_coefficient: Some(samples.edge_range(&disc).map(|q| q * problem.pressure)),
+            force: disc.force() * unit_force,
+            centre_pressure: samples.centre_density(&disc) * pressure,
+            edge_coefficient: Some(samples.edge_range(&disc).map(|q| q * pressure)),
         };
         TouchedPillar {
             place: pillar,
@@ -84,7 +100,7 @@ pub(super) fn touched_pillars(problem: &Problem, newton: &Newton<'_>) -> Vec<Tou
         .run
         .workers()
         .map(places.len(), COSTLY_PILLARS, solver, one);
-    nearest_first(&mut touched, |pillar| &pillar.state, problem.length);
+    nearest_first(&mut touched, |pillar| &pillar.state, length);
     touched
 }
 

@@ -4,6 +4,7 @@ use super::convolution::LatticeConvolution;
 use super::direct::DirectCoupling;
 use super::operator::Coupling;
 use super::pair::PairCoupling;
+use super::sites::Sites;
 use super::window::Window;
 use crate::numerics::workers::Workers;
 
@@ -21,10 +22,24 @@ impl LatticeCoupling {
     /// Prepares the coupling of the pillars of `window`.
     pub(crate) fn new(window: &Window, pair: &PairCoupling, workers: Workers<'_>) -> Self {
         if window.len() <= DIRECT_LIMIT {
-            Self::Direct(DirectCoupling::new(window, pair))
+            Self::Direct(DirectCoupling::new(
+                window.centres(),
+                |_| 1.0,
+                pair,
+                workers,
+            ))
         } else {
             Self::Convolution(Box::new(LatticeConvolution::new(window, pair, workers)))
         }
+    }
+
+    /// The same of any sites.
+    pub(crate) fn of_sites(sites: &Sites, pair: &PairCoupling, workers: Workers<'_>) -> Self {
+        if let Some(window) = sites.window() {
+            return Self::new(window, pair, workers);
+        }
+        let radius = |pillar| sites.body(pillar).radius;
+        Self::Direct(DirectCoupling::new(sites.centres(), radius, pair, workers))
     }
 }
 
@@ -81,16 +96,18 @@ mod tests {
             let pair = PairCoupling::new(degree, lattice.pitch);
             let c = coefficients(window.len() * mode_count(degree));
             let mut direct = vec![0.0; c.len()];
-            DirectCoupling::new(&window, &pair).apply(&c, &mut direct);
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(2)
                 .build()
                 .unwrap();
+            let cancel = CancelToken::default();
             for pool in [None, Some(&pool)] {
                 let workers = Workers {
                     pool,
-                    cancel: &CancelToken::default(),
+                    cancel: &cancel,
                 };
+                DirectCoupling::new(window.centres(), |_| 1.0, &pair, workers)
+                    .apply(&c, &mut direct);
                 let mut transformed = vec![f64::NAN; c.len()];
                 LatticeConvolution::new(&window, &pair, workers).apply(
                     &c,

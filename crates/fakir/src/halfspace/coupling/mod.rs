@@ -2,12 +2,13 @@
 //!
 //! Lengths in pillar radii, pressures in units of the reduced modulus, as in
 //! [`disc`](super::disc). [`pair`] has the coefficients between two pillars in closed form;
-//! [`lattice`] applies those of all pillars of a window at once, directly for few and by
-//! fast Fourier transform for many.
+//! [`lattice`] applies those of all [sites] at once: directly, or, for many of a hexagonal lattice, by
+//! fast Fourier transform. With pillars of several radii, that of one of them is the unit of length.
 
 pub(crate) mod convolution;
-mod direct;
+pub(crate) mod direct;
 pub(crate) mod lattice;
 pub(crate) mod operator;
 pub(crate) mod pair;
+pub(crate) mod sites;
 pub(crate) mod window;

@@ -110,14 +110,6 @@ impl Window {
         pillars.contains(&pillar).then_some(pillar)
     }
 
-    /// Distance of the farthest centre within a radius from the lens axis along x, and along y.
-    pub(crate) fn extent(&self, within: f64) -> Point {
-        let near = self.centres.iter().filter(|[x, y]| x.hypot(*y) <= within);
-        near.fold([0.0, 0.0], |[along_x, along_y], [x, y]| {
-            [f64::max(along_x, x.abs()), f64::max(along_y, y.abs())]
-        })
-    }
-
     /// Radius within which it holds all pillars.
     pub(crate) fn radius(&self) -> f64 {
         self.radius

@@ -2,18 +2,14 @@
 
 use super::basis::{BasisEvaluator, mode_count};
 use crate::numerics::quadrature::hemisphere;
-use crate::problem::Point;
-use crate::problem::scaled::{Problem, SMALL_LENS};
+use crate::problem::scaled::SMALL_LENS;
+use crate::problem::{Lens, Point};
 
 /// Degree up to which the lens shape is projected on the modes of a pillar top. The sag is
 /// quadratic over a pillar top but for terms of order `(d/2R)^2`, which degree 4 carries, and of `(d/2R)^4` and
 /// more, which matter for small lenses only.
-fn load_degree(problem: &Problem) -> usize {
-    if problem.lens.radius < SMALL_LENS {
-        8
-    } else {
-        4
-    }
+fn load_degree(lens: &Lens) -> usize {
+    if lens.radius < SMALL_LENS { 8 } else { 4 }
 }
 
 /// Projects the lens shape over pillar tops on their modes.
@@ -25,8 +21,8 @@ pub(crate) struct LensProjector {
 }
 
 impl LensProjector {
-    pub(crate) fn new(problem: &Problem, degree: usize) -> Self {
-        let degree = degree.max(load_degree(problem));
+    pub(crate) fn new(lens: &Lens, degree: usize) -> Self {
+        let degree = degree.max(load_degree(lens));
         let count = mode_count(degree);
         let mut basis = BasisEvaluator::new(degree);
         let rule = hemisphere(degree / 2 + 3, 2 * degree + 5);
@@ -47,15 +43,16 @@ impl LensProjector {
         self.count
     }
 
-    /// `- ∫ Y_i f dOmega` over the pillar top at `centre`, for as many modes as `load` holds.
-    pub(crate) fn project(&self, problem: &Problem, centre: Point, load: &mut [f64]) {
+    /// `- ∫ Y_i f dOmega` over the pillar top of that centre and radius, for as many modes as `load` holds.
+    pub(crate) fn project(&self, lens: &Lens, centre: Point, radius: f64, load: &mut [f64]) {
         load.fill(0.0);
         for (point, row) in self
             .points
             .iter()
             .zip(self.weights.chunks_exact(self.count))
         {
-            let sag = problem.sag_with_brim([centre[0] + point[0], centre[1] + point[1]]);
+            let at = [0, 1].map(|k| centre[k] + radius * point[k]);
+            let sag = lens.sag_with_brim(at);
             for (value, weight) in load.iter_mut().zip(row) {
                 *value -= weight * sag;
             }
@@ -67,7 +64,8 @@ impl LensProjector {
 mod tests {
     use super::*;
     use crate::halfspace::disc::basis::UNIT_FORCE;
-    use crate::problem::{HexagonalLattice, Lens, System};
+    use crate::problem::scaled::Problem;
+    use crate::problem::{HexagonalLattice, System};
 
     #[test]
     fn mean_sag_over_a_pillar_top() {
@@ -89,9 +87,9 @@ mod tests {
         )
         .unwrap();
         let problem = Problem::new(&system);
-        let projector = LensProjector::new(&problem, 2);
+        let projector = LensProjector::new(&problem.lens, 2);
         let mut load = vec![0.0; projector.count()];
-        projector.project(&problem, [30.0, 40.0], &mut load);
+        projector.project(&problem.lens, [30.0, 40.0], 1.0, &mut load);
         let expected = -UNIT_FORCE * (2500.0 + 2.0 / 3.0) / (2.0 * radius);
         assert!((load[0] / expected - 1.0).abs() < 1e-9);
         assert!(load[6..].iter().all(|b| b.abs() < 1e-12));

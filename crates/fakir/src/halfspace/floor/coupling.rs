@@ -20,7 +20,7 @@ use super::kernels::{PillarMeans, Rectangles};
 use super::meeting::{halves, multiply_add, put, take, turn, unfold};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
-use crate::halfspace::coupling::window::Window;
+use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::{Mode, mode_count};
 use crate::halfspace::elements::convolution::{
     BLOCK_WIDTH, ColumnBlock, Convolution, Transform, Workspace, line_stride,
@@ -120,19 +120,19 @@ struct Together<R> {
 }
 
 impl<'a> FloorCoupling<'a> {
-    /// Of a grid with the pillars of a window; those farther than `reach` can neither be touched nor need to know the floor. Their first modes up to `degree` see the floor; they have `modes` in all. If it is
+    /// Of a grid with the pillars of its lattice; those farther than `reach` can neither be touched nor need to know the floor. Their first modes up to `degree` see the floor; they have `modes` in all. If it is
     /// cancelled the kernels are nothing; solvers look before they ask for a product. The kernels
     /// that are `known` are used again if they are those of this grid.
     pub(crate) fn new(
         grid: &FloorGrid,
-        (window, reach): (&Window, f64),
+        (sites, reach): (&Sites, f64),
         modes: usize,
         degree: usize,
         known: Option<FloorKernels>,
         workers: Workers<'_>,
         pool: Option<&'a ThreadPool>,
     ) -> Self {
-        let coarse = FloorGrid::period(&grid.division, grid.radius, window.extent(reach));
+        let coarse = FloorGrid::period(&grid.division, grid.radius, sites.extent(reach));
         let kernels = known
             .filter(|FloorKernels { exact, .. }| {
                 exact.division == grid.division && exact.coarse == coarse && exact.degree == degree
@@ -144,11 +144,11 @@ impl<'a> FloorCoupling<'a> {
                     exact: Arc::new(exact),
                 }
             });
-        let places = (0..window.len())
+        let places = (0..sites.len())
             .map(|pillar| {
-                let [x, y] = window.centres()[pillar];
+                let [x, y] = sites.centres()[pillar];
                 (x.hypot(y) <= reach).then(|| {
-                    let [u, v] = grid.place_of(window.index(pillar));
+                    let [u, v] = grid.place_of(sites.index(pillar));
                     let wrapped = |at: i64, k: usize| at.rem_euclid(coarse[k] as i64) as usize;
                     wrapped(v, 1) * coarse[0] + wrapped(u, 0)
                 })
@@ -643,6 +643,7 @@ impl<R: Real> Together<R> {
 mod tests {
     use super::*;
     use crate::halfspace::coupling::pair::PairCoupling;
+    use crate::halfspace::coupling::window::Window;
     use crate::halfspace::disc::exterior::Exterior;
     use crate::numerics::workers::CancelToken;
     use crate::problem::HexagonalLattice;
@@ -653,11 +654,15 @@ mod tests {
             .collect()
     }
 
+    fn sites(lattice: &HexagonalLattice, radius: f64) -> Sites {
+        Sites::of_window(Window::new(lattice, radius), *lattice, 0.0)
+    }
+
     /// Every entry by itself: the same kernels without any transform.
     fn dense(
         lattice: &HexagonalLattice,
         grid: &FloorGrid,
-        window: &Window,
+        window: &Sites,
         modes: usize,
         coefficients: &[f64],
     ) -> Vec<f64> {
@@ -715,7 +720,7 @@ mod tests {
                 offset,
                 offset_angle: 0.4,
             };
-            let window = Window::new(&lattice, 2.6 * pitch);
+            let window = sites(&lattice, 2.6 * pitch);
             let division = Division::new(pitch, half);
             let grid = FloorGrid::new(&lattice, division, 1.2 * pitch).unwrap();
             let modes = mode_count(degree);
@@ -751,7 +756,7 @@ mod tests {
     #[test]
     fn pillars_and_floor_act_on_each_other_alike() {
         let lattice = HexagonalLattice::new(4.0).offset_by(0.2);
-        let window = Window::new(&lattice, 11.0);
+        let window = sites(&lattice, 11.0);
         let grid = FloorGrid::new(&lattice, Division::new(4.0, 4), 6.0).unwrap();
         let (cancel, pair) = (CancelToken::default(), PairCoupling::new(2, lattice.pitch));
         let workers = Workers {
@@ -759,7 +764,7 @@ mod tests {
             cancel: &cancel,
         };
         let mut coupling = SurfaceCoupling {
-            tops: LatticeCoupling::new(&window, &pair, workers),
+            tops: LatticeCoupling::of_sites(&window, &pair, workers),
             floor: Some(Box::new(FloorCoupling::new(
                 &grid,
                 (&window, 1e9),

@@ -24,7 +24,7 @@ use crate::numerics::workers::CancelToken;
 use crate::problem::scaled::Problem;
 use crate::problem::{Cells, Control, ElementMesh, Grid, MeshLayout, Point};
 use crate::solve::elements::solver;
-use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch};
+use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch, Uncovered};
 use crate::solve::spectral::{LARGEST_CONTACT, rough_contact_radius};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 use std::collections::HashMap;
@@ -254,7 +254,9 @@ impl<'a> Level<'a> {
 
     fn lowest(&mut self, contact: &ElementContact) -> Result<Option<FloorPoint>, SolveError> {
         let cells = FloorUnderCells::new(&self.elements, &contact.pressure);
-        let lowest = self.floor.lowest(self.problem, &cells, &self.run.cancel);
+        let lowest = self
+            .floor
+            .lowest(&Uncovered::of(self.problem), &cells, &self.run.cancel);
         self.run.check_cancelled()?;
         Ok(lowest)
     }
@@ -617,7 +619,7 @@ pub(crate) fn solve<'a>(
         });
     }
     let pitch = problem.lattice.pitch;
-    let guess = contact_radius.unwrap_or_else(|| rough_contact_radius(problem, target));
+    let guess = contact_radius.unwrap_or_else(|| rough_contact_radius(&problem.scene(), target));
     let mut radius = 1.05 * guess + 1.5 * pitch + 1.0;
     let mut search = Search {
         indentation: problem.height,

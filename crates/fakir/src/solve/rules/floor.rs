@@ -12,7 +12,7 @@ use crate::halfspace::floor::grid::FloorGrid;
 use crate::numerics::convergence::{larger, within};
 use crate::numerics::workers::Workers;
 use crate::problem::Cells;
-use crate::problem::scaled::Problem;
+use crate::problem::scaled::Scene;
 use crate::solve::frozen::Rule;
 use rayon::ThreadPool;
 
@@ -48,14 +48,14 @@ impl<'a> FloorCells<'a> {
     }
 
     /// The lens over every cell: the mean over it, below the tops of the pillars, times the root of its area.
-    pub(crate) fn lens_load(&self, problem: &Problem) -> impl Iterator<Item = f64> {
+    pub(crate) fn lens_load(&self, scene: &Scene) -> impl Iterator<Item = f64> {
         let [width, height] = self.grid.division.cell;
         let root = self.unit_cell();
-        let mean = (width * width + height * height) / (24.0 * problem.lens.radius);
+        let mean = (width * width + height * height) / (24.0 * scene.lens.radius);
         self.grid
             .cells
             .centres()
-            .map(move |centre| -root * (problem.height + problem.sag_with_brim(centre) + mean))
+            .map(move |centre| -root * (scene.height + scene.lens.sag_with_brim(centre) + mean))
     }
 
     /// The root of the area of a cell.
@@ -121,7 +121,7 @@ impl<'a> FloorCells<'a> {
 
 /// All places of contact: pillar tops, and the floor where it is touched.
 pub(crate) struct Places<'n, 'a> {
-    pub(crate) tops: &'n Tops<'a>,
+    pub(crate) tops: &'n Tops,
     pub(crate) floor: Option<&'n mut FloorCells<'a>>,
 }
 

@@ -1,4 +1,4 @@
-//! Pillar tops that are pressed and not pulled, all of a window: the first rule of the [frozen contact](super::super::frozen).
+//! Pillar tops that are pressed and not pulled, all sites: the first rule of the [frozen contact](super::super::frozen).
 //!
 //! The state of a top is whether it is untouched, touched in full, or in part; in part, also which of its nodes or cells bear
 //! pressure. With these frozen the top answers linearly to its load. [`update`](Tops::update) solves every top under its load as it is and
@@ -6,15 +6,16 @@
 
 use super::rim::Rim;
 use super::unilateral::{LocalSolver, PillarTop};
-use crate::halfspace::coupling::window::Window;
-use crate::halfspace::disc::basis::{degree_with, mode_count};
+use crate::halfspace::coupling::sites::Sites;
+use crate::halfspace::disc::basis::{UNIT_FORCE, degree_with, mode_count};
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::convergence::larger;
 use crate::numerics::vector::{dot, subtract};
 use crate::numerics::workers::Workers;
-use crate::problem::scaled::Problem;
+use crate::problem::Lens;
 use crate::solve::frozen::Rule;
 use crate::state::PillarStatus;
+use std::borrow::Cow;
 
 /// Pillars a thread takes at a time, at the least, where little is done for each ...
 const PILLARS: usize = 4000;
@@ -51,10 +52,13 @@ impl Partial {
 /// The incident load on a pillar in the leading modes, written to the slice.
 pub(crate) type Incident<'l> = dyn Fn(usize, &mut [f64]) + Sync + 'l;
 
-/// The pillar tops of a window and their states.
-pub(crate) struct Tops<'a> {
-    problem: &'a Problem,
-    pub(crate) window: Window,
+/// The pillar tops of all sites and their states.
+///
+/// A top of radius `a` gives way as one of radius 1, but that its moments are `a` times as large.
+pub(crate) struct Tops {
+    lens: Lens,
+    pub(crate) sites: Sites,
+    /// Of unit radius, on the column that is common.
     pub(crate) top: PillarTop,
     projector: LensProjector,
     /// Leading modes per pillar, and their degree.
@@ -87,29 +91,50 @@ impl Change {
 
 const NOT_PARTIAL: u32 = u32::MAX;
 
-impl<'a> Tops<'a> {
-    /// All pillars of the window untouched; they act on each other by the modes up to a degree.
-    pub(crate) fn new(problem: &'a Problem, window: Window, top: PillarTop, degree: usize) -> Self {
+impl Tops {
+    /// All pillars untouched; they act on each other by the modes up to a degree.
+    pub(crate) fn new(lens: &Lens, sites: Sites, top: PillarTop, degree: usize) -> Self {
         Self {
-            problem,
-            projector: LensProjector::new(problem, degree),
+            lens: *lens,
+            projector: LensProjector::new(lens, degree),
             modes: mode_count(degree),
             degree,
-            status: vec![PillarStatus::Untouched; window.len()],
+            status: vec![PillarStatus::Untouched; sites.len()],
             partial: Vec::new(),
-            partial_of: vec![NOT_PARTIAL; window.len()],
+            partial_of: vec![NOT_PARTIAL; sites.len()],
             top,
-            window,
+            sites,
         }
+    }
+
+    /// The top of a pillar, on its own column.
+    pub(crate) fn top_of(&self, pillar: usize) -> Cow<'_, PillarTop> {
+        self.top
+            .on_column(self.sites.body(pillar).column_compliance_ratio)
+    }
+
+    /// The lens shape and the height of a pillar, in as many modes as `load` holds.
+    fn project(&self, pillar: usize, load: &mut [f64]) {
+        let body = self.sites.body(pillar);
+        let centre = self.sites.centres()[pillar];
+        self.projector
+            .project(&self.lens, centre, body.radius, load);
+        load[0] += UNIT_FORCE * body.raised;
+    }
+
+    /// Turns the load on a pillar that is touched in full into its moments.
+    fn respond_in_full(&self, pillar: usize, load: &mut [f64]) {
+        let body = self.sites.body(pillar);
+        for (value, lambda) in load.iter_mut().zip(self.top.lead_compliance()) {
+            *value = body.radius * *value / lambda;
+        }
+        load[0] *= self.top.mean_ratio(body.column_compliance_ratio);
     }
 
     /// `bs`: the lens shape over every pillar top, in the leading modes.
     pub(crate) fn lens_load(&self, workers: Workers<'_>) -> Vec<f64> {
-        let mut own_load = vec![0.0; self.window.len() * self.modes];
-        let project = |(): &mut (), pillar: usize, load: &mut [f64]| {
-            self.projector
-                .project(self.problem, self.window.centres()[pillar], load);
-        };
+        let mut own_load = vec![0.0; self.sites.len() * self.modes];
+        let project = |(): &mut (), pillar: usize, load: &mut [f64]| self.project(pillar, load);
         workers.fill(&mut own_load, self.modes, COSTLY_PILLARS, || (), project);
         own_load
     }
@@ -124,7 +149,7 @@ impl<'a> Tops<'a> {
 
     /// Distance from the lens axis of the farthest touched pillar centre.
     pub(crate) fn reach(&self) -> f64 {
-        self.window
+        self.sites
             .centres()
             .iter()
             .zip(&self.status)
@@ -136,7 +161,7 @@ impl<'a> Tops<'a> {
     /// Marks the pillars within a radius of the lens axis as touched, and at least the nearest.
     pub(crate) fn touch_within(&mut self, radius: f64) {
         let mut nearest = (f64::INFINITY, 0);
-        for (pillar, [x, y]) in self.window.centres().iter().enumerate() {
+        for (pillar, [x, y]) in self.sites.centres().iter().enumerate() {
             let distance = x.hypot(*y);
             if distance < nearest.0 {
                 nearest = (distance, pillar);
@@ -150,8 +175,8 @@ impl<'a> Tops<'a> {
 
     /// Takes statuses from a coarser solution; partly touched pillars count as touched in full at first.
     pub(crate) fn start_from(&mut self, coarse: &Self) {
-        for pillar in 0..self.window.len() {
-            if let Some(from) = coarse.window.find(self.window.index(pillar)) {
+        for pillar in 0..self.sites.len() {
+            if let Some(from) = coarse.sites.find(self.sites.index(pillar)) {
                 self.status[pillar] = match coarse.status[from] {
                     PillarStatus::Partial => PillarStatus::Full,
                     status => status,
@@ -169,30 +194,31 @@ impl<'a> Tops<'a> {
     pub(crate) fn full_load(&self, incident: &Incident<'_>, pillar: usize) -> Vec<f64> {
         let count = self.projector.count().min(self.top.count());
         let mut load = vec![0.0; count];
-        self.projector
-            .project(self.problem, self.window.centres()[pillar], &mut load);
+        self.project(pillar, &mut load);
         incident(pillar, &mut load[..self.modes]);
         load
     }
 
-    /// All coefficients of a partially touched pillar under a load, starting from its state.
+    /// All moments of a partially touched pillar under a load, starting from its state.
     pub(crate) fn partial_coefficients(
         &self,
         pillar: usize,
         load: &[f64],
         solver: &mut LocalSolver,
     ) -> Vec<f64> {
+        let top = self.top_of(pillar);
         let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
             Some(partial) => partial.active.clone(),
-            None => solver.first_guess(&self.top, load),
+            None => solver.first_guess(&top, load),
         };
-        solver.solve(&self.top, load, &mut active);
-        let mut coefficients = vec![0.0; self.top.count()];
-        solver.coefficients(&self.top, load, &mut coefficients);
+        solver.solve(&top, load, &mut active);
+        let mut coefficients = vec![0.0; top.count()];
+        solver.coefficients(&top, load, &mut coefficients);
+        scale(&mut coefficients, self.sites.body(pillar).radius);
         coefficients
     }
 
-    /// Coefficients of the gap over a pillar top, `Lam c - b`.
+    /// Coefficients of the gap over a pillar top, `Lam m/a - b` with its moments `m`.
     pub(crate) fn gap_coefficients(
         &self,
         incident: &Incident<'_>,
@@ -200,10 +226,11 @@ impl<'a> Tops<'a> {
         coefficients: &[f64],
     ) -> Vec<f64> {
         let load = self.full_load(incident, pillar);
+        let radius = self.sites.body(pillar).radius;
         let mut gap: Vec<f64> = coefficients
             .iter()
-            .zip(self.top.compliance())
-            .map(|(c, lambda)| c * lambda)
+            .zip(self.top_of(pillar).compliance())
+            .map(|(c, lambda)| c * lambda / radius)
             .collect();
         subtract(&mut gap, &load);
         gap
@@ -218,7 +245,7 @@ impl<'a> Tops<'a> {
     ) -> Change {
         let statuses = self.statuses(incident, workers);
         let before = std::mem::replace(&mut self.status, statuses);
-        let partial: Vec<usize> = (0..self.window.len())
+        let partial: Vec<usize> = (0..self.sites.len())
             .filter(|&p| self.status[p] == PillarStatus::Partial)
             .collect();
         let guess = |pillar: usize| -> Option<&Partial> {
@@ -258,11 +285,18 @@ impl<'a> Tops<'a> {
 
     fn statuses(&self, incident: &Incident<'_>, workers: Workers<'_>) -> Vec<PillarStatus> {
         let work = || (vec![0.0; self.modes], Rim::new(self.degree));
-        let count = self.window.len();
+        let count = self.sites.len();
         workers.map(count, PILLARS, work, |(load, rim), pillar| {
             incident(pillar, load);
-            self.top.status(load, rim)
+            self.status_under(pillar, load, rim)
         })
+    }
+
+    fn status_under(&self, pillar: usize, load: &[f64], rim: &mut Rim) -> PillarStatus {
+        let column = self.sites.body(pillar).column_compliance_ratio;
+        self.top
+            .plain_status(load, column)
+            .unwrap_or_else(|| self.top_of(pillar).status(load, rim))
     }
 
     /// Whether a pillar counts as touched, or as untouched, only because the modes of the coupling
@@ -276,16 +310,16 @@ impl<'a> Tops<'a> {
             return false;
         }
         let work = || Rim::new(self.load_degree());
-        let count = self.window.len();
+        let count = self.sites.len();
         let marginal = workers.map(count, COSTLY_PILLARS, work, |rim, pillar| {
-            let in_full = self.top.status(&self.full_load(incident, pillar), rim);
+            let in_full = self.status_under(pillar, &self.full_load(incident, pillar), rim);
             let untouched = PillarStatus::Untouched;
             (in_full == untouched) != (self.status[pillar] == untouched)
         });
         marginal.contains(&true)
     }
 
-    /// The unilateral problem of one pillar: its new state, its leading coefficients, and
+    /// The unilateral problem of one pillar: its new state, its leading moments, and
     /// whether its active nodes changed.
     fn solve_partial(
         &self,
@@ -296,15 +330,19 @@ impl<'a> Tops<'a> {
     ) -> (Partial, Vec<f64>, bool) {
         let modes = self.modes;
         let load = self.full_load(incident, pillar);
+        let top = self.top_of(pillar);
         let mut active = match guess {
             Some(partial) if partial.pillar == pillar => partial.active.clone(),
-            _ => solver.first_guess(&self.top, &load),
+            _ => solver.first_guess(&top, &load),
         };
-        let pivoting = solver.solve(&self.top, &load, &mut active);
+        let pivoting = solver.solve(&top, &load, &mut active);
         let mut coefficients = vec![0.0; modes];
-        solver.coefficients(&self.top, &load, &mut coefficients);
+        solver.coefficients(&top, &load, &mut coefficients);
         let mut derivative = vec![0.0; modes * modes];
-        solver.derivative(&self.top, &mut derivative);
+        solver.derivative(&top, &mut derivative);
+        let radius = self.sites.body(pillar).radius;
+        scale(&mut coefficients, radius);
+        scale(&mut derivative, radius);
         let constant = coefficients
             .iter()
             .zip(derivative.chunks_exact(modes))
@@ -336,9 +374,7 @@ impl<'a> Tops<'a> {
                 PillarStatus::Untouched => local.fill(0.0),
                 PillarStatus::Full => {
                     incident(pillar, local);
-                    for (c, lambda) in local.iter_mut().zip(self.top.lead_compliance()) {
-                        *c /= lambda;
-                    }
+                    self.respond_in_full(pillar, local);
                 }
                 PillarStatus::Partial => {
                     let found =
@@ -360,7 +396,7 @@ impl<'a> Tops<'a> {
                 })
         };
         let local = || vec![0.0; modes];
-        let count = self.window.len();
+        let count = self.sites.len();
         let of_pillars = workers.map(count, PILLARS, local, of_pillar);
         let [largest, difference] = of_pillars
             .into_iter()
@@ -371,18 +407,22 @@ impl<'a> Tops<'a> {
     }
 }
 
-impl Rule for Tops<'_> {
+fn scale(values: &mut [f64], factor: f64) {
+    for value in values {
+        *value *= factor;
+    }
+}
+
+impl Rule for Tops {
     fn respond(&self, load: &[f64], result: &mut [f64], workers: Workers<'_>) {
         let modes = self.modes;
-        let compliance = self.top.lead_compliance();
         let one = |(): &mut (), pillar: usize, result: &mut [f64]| {
             let load = &load[pillar * modes..(pillar + 1) * modes];
             match self.status[pillar] {
                 PillarStatus::Untouched => result.fill(0.0),
                 PillarStatus::Full => {
-                    for ((c, s), lambda) in result.iter_mut().zip(load).zip(compliance) {
-                        *c = s / lambda;
-                    }
+                    result.copy_from_slice(load);
+                    self.respond_in_full(pillar, result);
                 }
                 PillarStatus::Partial => {
                     let partial = &self.partial[self.partial_of[pillar] as usize];

@@ -16,13 +16,14 @@ use crate::numerics::convergence::{larger, smaller, within};
 use crate::numerics::pivoting::{PivotSolver, Pivoting};
 use crate::numerics::vector::dot;
 use crate::state::PillarStatus;
+use std::borrow::Cow;
 
 /// A pressure may be this far below zero at a node, relative to the largest unconstrained
 /// value: rounding of the node values, not tension.
 const PRESSURE_TOLERANCE: f64 = 1e-11;
 
-/// A pillar top with a node array: what every pillar shares.
-#[derive(Debug)]
+/// A pillar top of unit radius with a node array: what pillars of one column compliance share.
+#[derive(Debug, Clone)]
 pub(crate) struct PillarTop {
     resolution: Resolution,
     column_compliance_ratio: f64,
@@ -46,9 +47,10 @@ pub(crate) struct PillarTop {
 pub(crate) struct LocalSolver {
     pivot: PivotSolver,
     right: Vec<f64>,
-    /// The rim and its cells are made when the first load needs them.
+    /// The rim and its cells are made when the first load needs them, the cells for every column.
     rim: Option<Rim>,
     cells: Option<Box<RimSolver>>,
+    column: f64,
     /// Whether the solution is that of a sliver, on cells.
     on_cells: bool,
 }
@@ -116,21 +118,50 @@ impl PillarTop {
         &self.compliance
     }
 
+    /// By what the answer of the mean load is multiplied on another column than its own.
+    pub(crate) fn mean_ratio(&self, column_compliance_ratio: f64) -> f64 {
+        (1.0 + self.column_compliance_ratio) / (1.0 + column_compliance_ratio)
+    }
+
+    /// The same top on another column: its mean gives way otherwise, by as much at all nodes.
+    pub(crate) fn on_column(&self, column_compliance_ratio: f64) -> Cow<'_, Self> {
+        let ratio = self.mean_ratio(column_compliance_ratio);
+        if ratio.to_bits() == 1.0_f64.to_bits() {
+            return Cow::Borrowed(self);
+        }
+        let mut top = self.clone();
+        top.column_compliance_ratio = column_compliance_ratio;
+        top.compliance[0] /= ratio;
+        let mut change = 0.0;
+        let rows = top.pressures.chunks_exact_mut(self.count);
+        for (pressures, values) in rows.zip(self.values.chunks_exact(self.count)) {
+            let before = pressures[0];
+            pressures[0] = before * ratio;
+            // The first mode is the same everywhere.
+            change = (pressures[0] - before) * values[0];
+        }
+        for response in &mut top.response {
+            *response += change;
+        }
+        Cow::Owned(top)
+    }
+
     /// Row of a matrix of nodes and modes, or nodes and nodes.
     fn row<'m>(&self, matrix: &'m [f64], node: usize) -> &'m [f64] {
         &matrix[node * self.count..(node + 1) * self.count]
     }
 
-    /// The status where the mean load outweighs all that differs over the top, whatever its sign.
-    fn plain_status(&self, load: &[f64]) -> Option<PillarStatus> {
+    /// The status on some column where the mean load outweighs all that differs over the top, whatever its sign.
+    pub(crate) fn plain_status(&self, load: &[f64], column: f64) -> Option<PillarStatus> {
         let (mut wanted, mut pressure) = (0.0, 0.0);
         let modes = load.iter().zip(&self.compliance).zip(&self.bounds);
         for ((load, lambda), bound) in modes.skip(1) {
             wanted += load.abs() * bound;
             pressure += (load / lambda).abs() * bound;
         }
-        let (load, lambda, bound) = (*load.first()?, self.compliance[0], self.bounds[0]);
-        if load * bound > wanted && load / lambda * bound > pressure {
+        let (load, bound) = (*load.first()?, self.bounds[0]);
+        let mean = load / self.compliance[0] * self.mean_ratio(column);
+        if load * bound > wanted && mean * bound > pressure {
             Some(PillarStatus::Full)
         } else if load * bound < -wanted {
             Some(PillarStatus::Untouched)
@@ -145,7 +176,7 @@ impl PillarTop {
     /// the condition is nowhere negative it is touched in full. Under a load that is no number
     /// it counts as partial, and has no solution.
     pub(crate) fn status(&self, load: &[f64], rim: &mut Rim) -> PillarStatus {
-        if let Some(status) = self.plain_status(load) {
+        if let Some(status) = self.plain_status(load, self.column_compliance_ratio) {
             return status;
         }
         let mut touched = false;
@@ -176,6 +207,7 @@ impl LocalSolver {
             right: vec![0.0; top.count * top.lead.max(1)],
             rim: None,
             cells: None,
+            column: f64::NAN,
             on_cells: false,
         }
     }
@@ -209,6 +241,9 @@ impl LocalSolver {
     ) -> Pivoting {
         if let Some(sliver) = self.sliver(top, load, active) {
             self.on_cells = true;
+            if self.column.to_bits() != top.column_compliance_ratio.to_bits() {
+                (self.cells, self.column) = (None, top.column_compliance_ratio);
+            }
             let cells = self.cells.get_or_insert_with(|| {
                 Box::new(RimSolver::new(
                     top.resolution,

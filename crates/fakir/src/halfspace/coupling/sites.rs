@@ -1,0 +1,153 @@
+//! The pillars that may be touched: those of an arrangement within a radius of the lens axis.
+
+use super::window::Window;
+use crate::problem::pillar_field::{PillarBody, PillarField};
+use crate::problem::{HexagonalLattice, Point};
+
+/// Pillars with their places and bodies.
+#[derive(Debug, Clone)]
+pub(crate) struct Sites {
+    places: Places,
+    /// Of the first pillar, and of all where `bodies` is empty.
+    common: PillarBody,
+    bodies: Vec<PillarBody>,
+    /// Radius within which it holds all pillars.
+    radius: f64,
+}
+
+#[derive(Debug, Clone)]
+enum Places {
+    Window {
+        window: Window,
+        lattice: HexagonalLattice,
+    },
+    /// By rising index.
+    Listed {
+        indices: Vec<(i64, i64)>,
+        centres: Vec<Point>,
+    },
+}
+
+impl Sites {
+    /// The pillars within a radius of the lens axis, or near it if there are none.
+    pub(crate) fn within(field: &PillarField, radius: f64) -> Self {
+        if let PillarField::Hexagonal {
+            lattice,
+            column_compliance_ratio,
+        } = field
+        {
+            let window = Window::new(lattice, radius);
+            return Self::of_window(window, *lattice, *column_compliance_ratio);
+        }
+        let mut radius = radius;
+        let (pillars, all) = loop {
+            let (pillars, all) = field.listed_within(radius);
+            if !pillars.is_empty() {
+                break (pillars, all);
+            }
+            radius = 2.0 * radius.max(field.spacing());
+        };
+        let common = pillars[0].1.body;
+        let bodies: Vec<PillarBody> = pillars.iter().map(|(_, pillar)| pillar.body).collect();
+        let are_alike = bodies.iter().all(|body| *body == common);
+        Self {
+            places: Places::Listed {
+                indices: pillars.iter().map(|(index, _)| *index).collect(),
+                centres: pillars.iter().map(|(_, pillar)| pillar.centre).collect(),
+            },
+            common,
+            bodies: if are_alike { Vec::new() } else { bodies },
+            radius: if all { f64::INFINITY } else { radius },
+        }
+    }
+
+    /// Pillars of a hexagonal lattice.
+    pub(crate) fn of_window(
+        window: Window,
+        lattice: HexagonalLattice,
+        column_compliance_ratio: f64,
+    ) -> Self {
+        Self {
+            radius: window.radius(),
+            places: Places::Window { window, lattice },
+            common: PillarBody::of_column(column_compliance_ratio),
+            bodies: Vec::new(),
+        }
+    }
+
+    /// The part of a hexagonal lattice that it is, if it is one.
+    pub(crate) fn window(&self) -> Option<&Window> {
+        match &self.places {
+            Places::Window { window, .. } => Some(window),
+            Places::Listed { .. } => None,
+        }
+    }
+
+    /// The hexagonal lattice that it is a part of, if it is of one.
+    pub(crate) fn hexagonal_lattice(&self) -> Option<&HexagonalLattice> {
+        match &self.places {
+            Places::Window { lattice, .. } => Some(lattice),
+            Places::Listed { .. } => None,
+        }
+    }
+
+    /// Number of pillars.
+    pub(crate) fn len(&self) -> usize {
+        self.centres().len()
+    }
+
+    /// Centre of every pillar.
+    pub(crate) fn centres(&self) -> &[Point] {
+        match &self.places {
+            Places::Window { window, .. } => window.centres(),
+            Places::Listed { centres, .. } => centres,
+        }
+    }
+
+    /// How a pillar is made.
+    pub(crate) fn body(&self, pillar: usize) -> &PillarBody {
+        self.bodies.get(pillar).unwrap_or(&self.common)
+    }
+
+    /// The body that is common, or that of the first pillar.
+    pub(crate) fn common_body(&self) -> &PillarBody {
+        &self.common
+    }
+
+    /// What a pillar is known by, whatever part of the arrangement this is.
+    pub(crate) fn index(&self, pillar: usize) -> (i64, i64) {
+        match &self.places {
+            Places::Window { window, .. } => window.index(pillar),
+            Places::Listed { indices, .. } => indices[pillar],
+        }
+    }
+
+    /// Position in the list of the pillar with that index.
+    pub(crate) fn find(&self, index: (i64, i64)) -> Option<usize> {
+        match &self.places {
+            Places::Window { window, .. } => window.find(index),
+            Places::Listed { indices, .. } => indices.binary_search(&index).ok(),
+        }
+    }
+
+    /// Distance of the farthest centre within a radius from the lens axis along x, and along y.
+    pub(crate) fn extent(&self, within: f64) -> Point {
+        let near = self.centres().iter().filter(|[x, y]| x.hypot(*y) <= within);
+        near.fold([0.0, 0.0], |[along_x, along_y], [x, y]| {
+            [f64::max(along_x, x.abs()), f64::max(along_y, y.abs())]
+        })
+    }
+
+    /// Radius within which it holds all pillars.
+    pub(crate) fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Distance of a point from the edge of the nearest pillar; negative inside it.
+    pub(crate) fn clearance(&self, [x, y]: Point) -> f64 {
+        let edges = self.centres().iter().enumerate().map(|(pillar, centre)| {
+            (x - centre[0]).hypot(y - centre[1]) - self.body(pillar).radius
+        });
+        edges.fold(f64::INFINITY, f64::min)
+    }
+}
