@@ -407,10 +407,20 @@ mod tests {
                 let target = indentation.map_or(Control::FloorContact, Control::Indentation);
                 let state = solved(&any, target, accuracy);
                 let found = state.force * problem.force() / before.force - 1.0;
+                // The touched pillars and some around them are coupled pair by pair, or on a grid.
+                let exact = if state.pillars.len() < 500 {
+                    1e-9
+                } else {
+                    2e-8
+                };
                 let depth = state.indentation * problem.length / before.indentation - 1.0;
-                println!("{phi} {offset}: {found:e} {depth:e}, {:?}", before.error);
+                println!(
+                    "{} pillars, {phi} {offset}: {found:e} {depth:e}, {:?}",
+                    state.pillars.len(),
+                    before.error
+                );
                 assert!(
-                    found.abs() < 1e-9 && depth.abs() < 1e-9,
+                    found.abs() < exact && depth.abs() < exact,
                     "{found:e} {depth:e}"
                 );
                 assert_eq!(state.pillars.len(), before.pillars.len());

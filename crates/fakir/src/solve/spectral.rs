@@ -3,8 +3,7 @@
 
 use super::newton::{Degrees, Newton, Outcome, Purpose};
 use super::rules::unilateral::PillarTop;
-use crate::halfspace::coupling::direct::DirectCoupling;
-use crate::halfspace::coupling::lattice::memory_estimate as lattice_memory_estimate;
+use crate::halfspace::coupling::lattice::{memory_estimate, memory_estimate_of_sites};
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::coupling::window::Window;
@@ -178,7 +177,7 @@ pub(crate) fn checked_window(
     run: &Run<'_>,
 ) -> Result<Window, SolveError> {
     let pillars = Window::expected_len(lattice, radius);
-    check_memory(pillars, lattice_memory_estimate(pillars, modes), run)?;
+    check_memory(pillars, memory_estimate(pillars, modes), run)?;
     Ok(Window::new(lattice, radius))
 }
 
@@ -210,7 +209,7 @@ fn checked_sites(
         return Ok(Sites::of_window(window, *lattice, *column_compliance_ratio));
     }
     let pillars = scene.field.expected_len(radius);
-    let bytes = DirectCoupling::memory_estimate(pillars, modes);
+    let bytes = memory_estimate_of_sites(pillars, modes);
     check_memory(pillars, bytes, run)?;
     Ok(Sites::within(&scene.field, radius))
 }

@@ -2,6 +2,7 @@
 
 use super::convolution::LatticeConvolution;
 use super::direct::DirectCoupling;
+use super::on_grid::GridCoupling;
 use super::operator::Coupling;
 use super::pair::PairCoupling;
 use super::sites::Sites;
@@ -12,10 +13,14 @@ use crate::numerics::workers::Workers;
 /// less time than the transforms.
 const DIRECT_LIMIT: usize = 24;
 
-/// The displacement that every pillar of a window sees from all others.
+/// Up to so many pillars at any places are coupled pair by pair, to rounding; more on a grid, to 5e-9.
+const PAIRS_LIMIT: usize = 800;
+
+/// The displacement that every pillar sees from all others.
 pub(crate) enum LatticeCoupling {
     Direct(DirectCoupling),
     Convolution(Box<LatticeConvolution>),
+    Grid(Box<GridCoupling>),
 }
 
 impl LatticeCoupling {
@@ -38,6 +43,11 @@ impl LatticeCoupling {
         if let Some(window) = sites.window() {
             return Self::new(window, pair, workers);
         }
+        if sites.len() > PAIRS_LIMIT
+            && let Some(grid) = GridCoupling::new(sites, pair, workers)
+        {
+            return Self::Grid(Box::new(grid));
+        }
         let radius = |pillar| sites.body(pillar).radius;
         Self::Direct(DirectCoupling::new(sites.centres(), radius, pair, workers))
     }
@@ -50,11 +60,21 @@ impl Coupling for LatticeCoupling {
         match self {
             Self::Direct(direct) => direct.apply(coefficients, far),
             Self::Convolution(convolution) => convolution.apply(coefficients, far, workers),
+            Self::Grid(grid) => grid.apply(coefficients, far, workers),
         }
     }
 }
 
-/// About how many bytes the solution of that many pillars takes.
+/// About how many bytes the solution of that many pillars at any places takes.
+pub(crate) fn memory_estimate_of_sites(pillars: f64, modes: usize) -> f64 {
+    if pillars > PAIRS_LIMIT as f64 {
+        GridCoupling::memory_estimate(pillars, modes)
+    } else {
+        DirectCoupling::memory_estimate(pillars, modes)
+    }
+}
+
+/// About how many bytes the solution of that many pillars of a hexagonal lattice takes.
 ///
 /// The lattice array is the rhombus around the window; twice as long and wide after padding.
 pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {

@@ -2,12 +2,12 @@
 //!
 //! Lengths in pillar radii, pressures in units of the reduced modulus, as in
 //! [`disc`](super::disc). [`pair`] has the coefficients between two pillars in closed form;
-//! [`lattice`] applies those of all [sites] at once: directly, or, for many of a hexagonal lattice, by
-//! fast Fourier transform. With pillars of several radii, that of one of them is the unit of length.
+//! [`lattice`] applies those of all [sites] at once: directly, or, for many, by fast Fourier transform: on a hexagonal lattice itself, and else on a grid under them. With pillars of several radii, that of one of them is the unit of length.
 
 pub(crate) mod convolution;
-pub(crate) mod direct;
+mod direct;
 pub(crate) mod lattice;
+pub(crate) mod on_grid;
 pub(crate) mod operator;
 pub(crate) mod pair;
 pub(crate) mod sites;

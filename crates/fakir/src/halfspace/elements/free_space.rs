@@ -66,6 +66,15 @@ impl<'p> FreeSpaceConvolution<'p> {
         }
     }
 
+    /// The convolution with a kernel of the number of cells along x and along y, by which it is even.
+    pub(crate) fn of_kernel(cells: Cells, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
+        let bounds = Bounds::of(&cells);
+        let free_space = FreeSpace::of_kernel(bounds.shape, 1.0, kernel, None);
+        Self {
+            convolution: Convolution::new(cells, bounds.first, Arc::new(free_space), None),
+        }
+    }
+
     /// The operator on other cells, of a grid with the same cell sides, sharing the kernel; none
     /// if they reach over more columns or rows than those it was made for.
     ///
@@ -188,10 +197,24 @@ struct FreeSpace {
 
 impl FreeSpace {
     fn new(shape: [usize; 2], cell: [f64; 2], compliance: f64, pool: Option<&ThreadPool>) -> Self {
+        let rectangle = Rectangle::new(cell[0], cell[1]);
+        let potential = |[column, row]: [usize; 2]| {
+            rectangle.potential(column as f64 * cell[0], row as f64 * cell[1])
+        };
+        Self::of_kernel(shape, compliance / PI, potential, pool)
+    }
+
+    /// With `factor` times a kernel of the number of cells along x and along y, by which it is even.
+    fn of_kernel(
+        shape: [usize; 2],
+        factor: f64,
+        kernel: impl Fn([usize; 2]) -> f64 + Sync,
+        pool: Option<&ThreadPool>,
+    ) -> Self {
         let mut planner = FftPlanner::new();
         let [x, y] = shape.map(|count| Axis::new(quick_length(count), &mut planner));
-        let scale = compliance / (PI * (2 * x.len() * y.len()) as f64);
-        let rows = kernel_rows(shape, cell, &x, pool);
+        let scale = factor / (2 * x.len() * y.len()) as f64;
+        let rows = kernel_rows(shape, kernel, &x, pool);
         let kernel = kernel_columns(&rows, &x, &y, scale, pool);
         Self {
             shape,
@@ -203,14 +226,15 @@ impl FreeSpace {
 }
 
 /// The kernel transformed along x, for every row of cells.
-fn kernel_rows(shape: [usize; 2], cell: [f64; 2], x: &Axis, pool: Option<&ThreadPool>) -> Vec<f64> {
-    let rectangle = Rectangle::new(cell[0], cell[1]);
+fn kernel_rows(
+    shape: [usize; 2],
+    kernel: impl Fn([usize; 2]) -> f64 + Sync,
+    x: &Axis,
+    pool: Option<&ThreadPool>,
+) -> Vec<f64> {
     let mut rows = vec![0.0; x.len() * shape[1]];
     for_each_chunk(pool, &mut rows, x.len(), |row, values| {
-        let y = row as f64 * cell[1];
-        let kernel: Vec<f64> = (0..shape[0])
-            .map(|column| rectangle.potential(column as f64 * cell[0], y))
-            .collect();
+        let kernel: Vec<f64> = (0..shape[0]).map(|column| kernel([column, row])).collect();
         let mut spectrum = vec![Complex64::default(); x.len()];
         let mut scratch = vec![Complex64::default(); x.scratch_len()];
         x.even_forward(&kernel, &mut spectrum, &mut scratch, values);
