@@ -43,8 +43,8 @@ def command_line(*arguments):
 def quantity(text):
     """A number with its unit, in SI units."""
     number, unit = re.match(r"([−\d.]+) (\S+)", text).groups()
-    units = {"nN": 1e-9, "µN": 1e-6, "mN": 1e-3, "µm": 1e-6, "nm": 1e-9, "pJ": 1e-12, "fJ": 1e-15}
-    return float(number.replace("−", "-")) * units[unit]
+    units = {"m": 1, "N": 1, "nN": 1e-9, "µN": 1e-6, "mN": 1e-3, "µm": 1e-6, "nm": 1e-9, "pJ": 1e-12, "fJ": 1e-15}
+    return float(number.replace("−", "-")) * units[unit.rstrip(",")]
 
 
 def force(page):

@@ -199,6 +199,7 @@ export interface CycleSummary {
   readonly first_contact_indentation_m: number | null;
   readonly first_contact_force_N: number | null;
   readonly critical_force_N: number | null;
+  readonly turn_indentation_m: number;
   readonly pull_off_force_N: number | null;
   readonly pull_off_indentation_m: number | null;
   readonly pull_off_pillars_in_contact: number | null;

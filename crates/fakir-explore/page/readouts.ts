@@ -159,6 +159,7 @@ export function drawLoad(state: State): void {
     drawCycleLoad(state);
     return;
   }
+  byId<HTMLInputElement>("load").disabled = false;
   const { load } = state.chosen;
   const words = loadWords(load);
   const beyond = isBeyond(load);
@@ -192,12 +193,16 @@ function setSlider(step: number, end: number, critical: number, value: number, w
   byId("load-track").style.setProperty("--farthest", String(end / critical));
 }
 
+/** Indentations below this, m, are none: a part in 1e6 of the smallest pillars. */
+const NO_LENGTH = 1e-13;
+
 /** The way of the lens with adhesion: the slider has a step for every state. */
 function drawCycleLoad(state: State): void {
   const { cycle, chosen } = state;
   byId("beyond-note").hidden = true;
   byId("floor-numbers").hidden = true;
   byId("load-words").classList.remove("beyond");
+  byId("load-track").classList.remove("through-floor");
   const states = cycle?.is.states ?? [];
   const shown = stationAt(cycle, chosen.load);
   const station = stationShown(state);
@@ -207,7 +212,7 @@ function drawCycleLoad(state: State): void {
       ? state.refusal === null
         ? "being solved"
         : "no result"
-      : wayWords(chosen.load, station, summary);
+      : wayWords(shown.load, station, summary);
   write(byId("load-words"), words);
   const slider = byId<HTMLInputElement>("load");
   slider.disabled = !isWhole(cycle);
@@ -220,7 +225,10 @@ function drawCycleLoad(state: State): void {
   if (shown === null || station === null) return;
   const { indentation_m, force_N, contact_radius_m } = station;
   const pulled = shown.pillar_forces_N.filter((force) => force < 0).length;
-  const lengths = [indentation_m, contact_radius_m].map((value) => engineeringText(value, "length", 4));
+  // The first contact is found a little beyond where it is.
+  const lengths = [Math.abs(indentation_m) < NO_LENGTH ? 0 : indentation_m, contact_radius_m].map((value) =>
+    engineeringText(value, "length", 4),
+  );
   const force = engineeringText(force_N, "force", 4);
   const all = shown.pillar_forces_N.length;
   const holding = all === 0 ? "nothing in contact" : `${all} in contact, ${shown.parts.length} in part, ${pulled} pulled`;
@@ -233,8 +241,8 @@ function wayWords(load: number, station: CycleSummary["stations"][number], summa
   if (load === 0) return "first contact";
   if (station.pillars_in_contact === 0) return "last release";
   if (station.force_N === summary.pull_off_force_N) return "unloading, pull-off";
-  const { stations, first_contact_indentation_m: first, last_release_indentation_m: last } = summary;
-  const turn = Math.max(...stations.map(({ indentation_m }) => indentation_m));
+  const { first_contact_indentation_m: first, last_release_indentation_m: last } = summary;
+  const turn = summary.turn_indentation_m;
   const down = station.branch === "loading";
   const [from, to] = down ? [first ?? 0, turn] : [turn, last ?? 0];
   const part = significant((100 * (station.indentation_m - from)) / (to - from), 2);
@@ -336,7 +344,7 @@ export function announcement(state: State): string | null {
     return (
       `Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
       (pull === null ? "Nothing pulls. " : `Pull-off force ${engineeringText(pull, "force", 2)}. `) +
-      `Load shown: ${wayWords(state.chosen.load, station, cycle)}.`
+      `Load shown: ${wayWords(stationAt(state.cycle, state.chosen.load)?.load ?? 1, station, cycle)}.`
     );
   }
   if (solved === null) return null;

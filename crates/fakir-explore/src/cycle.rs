@@ -22,6 +22,9 @@ const PILLARS: f64 = 60_000.0;
 /// Where the lens is held back states are so many times closer.
 const CLOSER: f64 = 8.0;
 
+/// No more states than this many times those of the loading are kept: on soft pillars the way back is many times as long.
+const MOST_TIMES: f64 = 4.0;
+
 /// Stations are sent together, not more often than this.
 const CURVE_INTERVAL: Duration = Duration::from_millis(120);
 
@@ -49,11 +52,7 @@ impl SolvedCycle {
         let plain = without_adhesion(case);
         let without = fakir::transition(&plain.system, plain.method, &worker.run())?.contact;
         let start = Instant::now();
-        let keeper = RefCell::new(Keeper {
-            spacing: spacing(&case.system, without.indentation),
-            last: None,
-            held: BTreeMap::new(),
-        });
+        let keeper = RefCell::new(Keeper::new(&case.system, without.indentation));
         let follower = |passage: &Passage<'_>| {
             told(passage);
             keeper.borrow_mut().pass(passage);
@@ -146,13 +145,27 @@ impl SolvedCycle {
 
 /// Keeps what is in contact at some stations.
 struct Keeper {
+    /// How far apart they are, m.
     spacing: f64,
+    most: usize,
     /// Indentation where something was kept last, m.
     last: Option<f64>,
     held: BTreeMap<usize, HeldContact>,
 }
 
 impl Keeper {
+    /// For a lens that goes down to this indentation, m.
+    fn new(system: &System, critical_indentation: f64) -> Self {
+        let states = (PILLARS / request::expected_pillars(system)).clamp(FEWEST_STATES, STATES);
+        let way = critical_indentation - system.first_touch().min(system.pillar().height);
+        Self {
+            spacing: way.max(1e-3 * system.pillar().height) / states,
+            most: (MOST_TIMES * states) as usize,
+            last: None,
+            held: BTreeMap::new(),
+        }
+    }
+
     fn pass(&mut self, passage: &Passage<'_>) {
         let station = &passage.station;
         let is_touched = station.pillars_in_contact > 0;
@@ -169,14 +182,16 @@ impl Keeper {
             self.last = Some(station.indentation);
             self.held.insert(passage.place, passage.held());
         }
+        if self.held.len() > self.most {
+            // Every second one stays, the first among them.
+            let mut stays = false;
+            self.held.retain(|_, _| {
+                stays = !stays;
+                stays
+            });
+            self.spacing *= 2.0;
+        }
     }
-}
-
-/// How far apart states are kept, m, where the lens goes down to this indentation.
-fn spacing(system: &System, critical_indentation: f64) -> f64 {
-    let states = (PILLARS / request::expected_pillars(system)).clamp(FEWEST_STATES, STATES);
-    let way = critical_indentation - system.first_touch().min(system.pillar().height);
-    way.max(1e-3 * system.pillar().height) / states
 }
 
 /// The same without adhesion.
@@ -260,7 +275,8 @@ struct PartialTop {
     outline: Vec<f32>,
 }
 
-/// `POST /api/cycle`
+/// `POST /api/cycle`: the curve as it is passed, then the critical state and the whole cycle, then states along it, the one at the load that
+/// is asked for first.
 pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
     let case = request::case(&request.case)?;
     request.load.check()?;

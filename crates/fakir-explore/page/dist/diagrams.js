@@ -122,17 +122,9 @@ export function stationShown({ cycle, chosen }) {
 /** Both branches, and what happens on them. */
 function drawCycle(state, cycle) {
     const curve = cycle.solved === null ? cycle.curve.map(placeOf) : cycle.solved.summary.stations.map(placeOf);
-    if (curve.length < 2)
-        return;
     const pull = cycle.solved?.summary.pull_off_force_N ?? null;
     const series = cycleSeries(state, cycle);
-    const [x, y] = [0, 1].map((axis) => {
-        const values = curve.map((place) => place[axis] ?? 0);
-        const [low, high] = [Math.min(...values), Math.max(...values)];
-        return [low - 0.04 * (high - low), high + 0.06 * (high - low)];
-    });
-    if (x === undefined || y === undefined)
-        return;
+    const [x, y] = [withRoom(curve.map(([x]) => x)), withRoom(curve.map(([, y]) => y))];
     const force = engineeringText(pull ?? 0, "force", digitsFor(numericalErrorOf(cycle)));
     const name = (place) => ({ place, text: `pull-off ${force}`, style: "pull-name" });
     // A pull that is well seen needs no chart of its own.
@@ -151,8 +143,7 @@ function drawCycle(state, cycle) {
     const { stations, last_release_indentation_m: last } = cycle.solved.summary;
     // From the last release to where the lens no longer bears half as much as it is held back by.
     const held = stations.filter(({ branch, force_N }) => branch === "unloading" && force_N < -0.5 * pull);
-    const right = Math.max(...held.map(({ indentation_m }) => indentation_m), 0);
-    const left = Math.min(...held.map(({ indentation_m }) => indentation_m), last ?? 0);
+    const [left, right] = extremes([0, last ?? 0, ...held.map(({ indentation_m }) => indentation_m)]);
     const room = 0.06 * (right - left);
     drawChart(byId("pull"), LOADING, {
         x: [left - room, right + room],
@@ -160,6 +151,17 @@ function drawCycle(state, cycle) {
         series,
         names: [name([Math.max(at, left + 0.2 * (right - left)), 1.26 * pull])],
     });
+}
+/** The least and the greatest of some values. */
+function extremes(values) {
+    return values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+}
+/** The range of values on a linear axis, with room for marks. */
+function withRoom(values) {
+    const [low, high] = extremes(values);
+    if (!(high > low))
+        return [0, 1];
+    return [low - 0.04 * (high - low), high + 0.06 * (high - low)];
 }
 function numericalErrorOf(cycle) {
     return cycle.solved?.summary.relative_error_estimate.pull_off_force?.numerical ?? null;

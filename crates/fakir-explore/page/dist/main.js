@@ -107,7 +107,7 @@ function show(store) {
     screen.age(known, "case", [loading, pull, byId("cycle-numbers")]);
     screen.age((state) => state.picture, "load", [canvas, byId("bar"), byId("floor-key")]);
     const numbers = ["load-numbers", "floor-numbers", "beyond-note", "warnings"].map((id) => byId(id));
-    screen.age((state) => state.solved ?? state.cycle, "load", numbers);
+    screen.age((state) => state.solved ?? state.picture, "load", numbers);
     screen.age((state) => state.section, "load", [section]);
     const texts = [byId("command"), byId("python"), byId("case-file")];
     screen.age((state) => state.texts, "load", texts);

@@ -120,6 +120,7 @@ export function drawLoad(state) {
         drawCycleLoad(state);
         return;
     }
+    byId("load").disabled = false;
     const { load } = state.chosen;
     const words = loadWords(load);
     const beyond = isBeyond(load);
@@ -152,12 +153,15 @@ function setSlider(step, end, critical, value, words) {
     slider.setAttribute("aria-valuetext", words);
     byId("load-track").style.setProperty("--farthest", String(end / critical));
 }
+/** Indentations below this, m, are none: a part in 1e6 of the smallest pillars. */
+const NO_LENGTH = 1e-13;
 /** The way of the lens with adhesion: the slider has a step for every state. */
 function drawCycleLoad(state) {
     const { cycle, chosen } = state;
     byId("beyond-note").hidden = true;
     byId("floor-numbers").hidden = true;
     byId("load-words").classList.remove("beyond");
+    byId("load-track").classList.remove("through-floor");
     const states = cycle?.is.states ?? [];
     const shown = stationAt(cycle, chosen.load);
     const station = stationShown(state);
@@ -166,7 +170,7 @@ function drawCycleLoad(state) {
         ? state.refusal === null
             ? "being solved"
             : "no result"
-        : wayWords(chosen.load, station, summary);
+        : wayWords(shown.load, station, summary);
     write(byId("load-words"), words);
     const slider = byId("load");
     slider.disabled = !isWhole(cycle);
@@ -182,7 +186,8 @@ function drawCycleLoad(state) {
         return;
     const { indentation_m, force_N, contact_radius_m } = station;
     const pulled = shown.pillar_forces_N.filter((force) => force < 0).length;
-    const lengths = [indentation_m, contact_radius_m].map((value) => engineeringText(value, "length", 4));
+    // The first contact is found a little beyond where it is.
+    const lengths = [Math.abs(indentation_m) < NO_LENGTH ? 0 : indentation_m, contact_radius_m].map((value) => engineeringText(value, "length", 4));
     const force = engineeringText(force_N, "force", 4);
     const all = shown.pillar_forces_N.length;
     const holding = all === 0 ? "nothing in contact" : `${all} in contact, ${shown.parts.length} in part, ${pulled} pulled`;
@@ -198,8 +203,8 @@ function wayWords(load, station, summary) {
         return "last release";
     if (station.force_N === summary.pull_off_force_N)
         return "unloading, pull-off";
-    const { stations, first_contact_indentation_m: first, last_release_indentation_m: last } = summary;
-    const turn = Math.max(...stations.map(({ indentation_m }) => indentation_m));
+    const { first_contact_indentation_m: first, last_release_indentation_m: last } = summary;
+    const turn = summary.turn_indentation_m;
     const down = station.branch === "loading";
     const [from, to] = down ? [first ?? 0, turn] : [turn, last ?? 0];
     const part = significant((100 * (station.indentation_m - from)) / (to - from), 2);
@@ -300,7 +305,7 @@ export function announcement(state) {
         const pull = cycle.pull_off_force_N;
         return (`Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
             (pull === null ? "Nothing pulls. " : `Pull-off force ${engineeringText(pull, "force", 2)}. `) +
-            `Load shown: ${wayWords(state.chosen.load, station, cycle)}.`);
+            `Load shown: ${wayWords(stationAt(state.cycle, state.chosen.load)?.load ?? 1, station, cycle)}.`);
     }
     if (solved === null)
         return null;

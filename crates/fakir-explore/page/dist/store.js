@@ -87,9 +87,10 @@ export class Store {
         // Without adhesion nothing recedes; what is not given is as the work of adhesion.
         if (key === WORK && value === 0)
             delete values[RECEDING];
-        if (value === "" && (key === WORK || key === RECEDING))
+        const isEmptied = value === "" && (key === WORK || key === RECEDING);
+        if (isEmptied)
             delete values[key];
-        this.choose({ case: values }, asked, typed ? key : null);
+        this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
     }
     /** Shows a message beside a button, or removes it. */
     tell(about, words) {
