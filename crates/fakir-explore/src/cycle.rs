@@ -196,7 +196,7 @@ impl Keeper {
 
 /// The same without adhesion.
 pub(crate) fn without_adhesion(case: &Case) -> Case {
-    let mut plain = case.clone();
+    let mut plain = *case;
     // No adhesion is always possible.
     if let Ok(system) = case.system.with_adhesion(Adhesion::NONE) {
         plain.system = system;
