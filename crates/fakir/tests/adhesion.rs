@@ -8,7 +8,8 @@ use fakir::problem::{
     Material, Method, PillarCompliance, PunchForm, Quantity, System, Turn,
 };
 use fakir::state::{
-    CancelToken, Cycle, CycleEventKind, Progress, Run, SolveError, Stage, Termination, Warning,
+    CancelToken, Cycle, CycleEventKind, PillarState, PillarStatus, Progress, Run, SolveError,
+    Stage, Termination, Warning,
 };
 use fakir::theory::adhesion::pull_off_under_lens;
 use std::collections::BTreeMap;
@@ -593,7 +594,9 @@ fn a_cycle_can_be_followed_station_by_station() {
     let pull_off = followed.pull_off.as_ref().unwrap();
     let sum: f64 = pull_off.pillars.iter().map(|pillar| pillar.force).sum();
     assert!((sum / pull_off.force - 1.0).abs() < 1e-4, "{sum}");
-    for pillar in &pull_off.pillars {
+    // On tops in part there is but the mean pressure.
+    let full = |pillar: &&PillarState| pillar.status == PillarStatus::Full;
+    for pillar in pull_off.pillars.iter().filter(full) {
         let pressure = pull_off.fields.pressure(pillar.centre);
         let of_pillar = pillar.centre_pressure;
         assert!((pressure - of_pillar).abs() <= 1e-9 * of_pillar.abs());
