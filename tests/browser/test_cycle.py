@@ -316,6 +316,24 @@ def test_a_newer_work_is_answered_at_once(explore):
     assert not page.page.is_disabled("#load")
 
 
+def test_what_is_of_a_cycle_before_is_grey(explore):
+    page = explore(sticky(0.02, 0.05, "load=1.5"))
+    held = []
+    page.page.route("**/api/cycle", lambda route: held.append(route))
+    page.page.fill("#adhesion-work", "20 mJ/m2")
+    page.page.press("#adhesion-work", "Enter")
+    shown = ["map", "section", "load-numbers", "loading", "cycle-numbers", "critical", "phase"]
+    older = "(id) => document.getElementById(id).classList.contains('older')"
+    page.until("document.getElementById('map').classList.contains('older')")
+    assert all(page.page.evaluate(older, name) for name in shown)
+    before = page.text("load-numbers")
+    held[0].continue_()
+    page.rest()
+    assert not any(page.page.evaluate(older, name) for name in shown)
+    assert page.text("load-numbers") != before
+    assert page.text("load-words").startswith("unloading, ")
+
+
 @pytest.mark.parametrize("width, height", [(390, 844), (1400, 900)])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_cycle_fits_every_screen(explore, width, height, scheme):
