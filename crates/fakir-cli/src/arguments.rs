@@ -98,11 +98,13 @@ pub(crate) enum Command {
     /// The explorer in the browser: every quantity of a case as a slider, the contact at once
     ///
     /// A server for this machine alone, whose address holds a random token; the page needs no
-    /// network. It starts with the case, or with the one that `fakir init` writes. Ctrl-C ends it.
+    /// network. It starts with the case, or with the one that `fakir init` writes. With adhesion the
+    /// load goes down to the critical state and up again to the last release. Ctrl-C ends it.
     #[cfg(feature = "explore")]
     #[command(after_help = "Examples:
   fakir explore
-  fakir explore case.toml --set texture.surface_fraction=0.2 --port 8080 --no-browser")]
+  fakir explore case.toml --set texture.surface_fraction=0.2 --port 8080 --no-browser
+  fakir explore case.toml --set adhesion.work=50mJ/m2")]
     Explore(Explore),
     /// What to cite for a result, a case, a study or a method
     #[command(after_help = "Example: fakir cite results --bibtex")]

@@ -223,15 +223,7 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
         }
     };
     file.refuse_surface_for(TextureOnly::Explore)?;
-    let case = file.case()?;
-    if case.system.adhesion().is_none() {
-        Ok(case)
-    } else {
-        Err(Failure::Argument(
-            "the page has no adhesion: use fakir approach --retract --output, which saves figures, or --set adhesion.work=0"
-                .to_owned(),
-        ))
-    }
+    Ok(file.case()?)
 }
 
 /// What errors call it.

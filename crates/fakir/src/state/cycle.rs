@@ -2,7 +2,9 @@
 
 use super::contact::{ContactState, PillarState, Termination, Warning};
 use super::critical::CriticalState;
+use super::fields::Fields;
 use crate::problem::{Accuracy, CyclePlan, Point, System};
+use std::sync::Arc;
 
 /// Which way the lens goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,8 +104,34 @@ pub struct HeldPillar {
     pub covered: f64,
 }
 
+/// What is in contact at a station.
+#[derive(Debug, Clone)]
+pub struct HeldContact {
+    /// The pillars in contact with what each bears, those nearest to the lens axis first.
+    pub pillars: Vec<PillarState>,
+    /// Displacement, gap and pressure as functions of position.
+    pub fields: Arc<Fields>,
+}
+
+/// A station that a cycle under way has come to: see [`follow_cycle`](crate::follow_cycle).
+pub struct Passage<'a> {
+    /// Its place in [`Cycle::stations`].
+    pub place: usize,
+    /// The station.
+    pub station: CycleStation,
+    pub(crate) held: &'a dyn Fn() -> HeldContact,
+}
+
+impl Passage<'_> {
+    /// What is in contact there. It takes about as long as copying what every pillar bears.
+    #[must_use]
+    pub fn held(&self) -> HeldContact {
+        (self.held)()
+    }
+}
+
 /// The largest pull of the unloading.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct PullOff {
     /// Force, N: the least of the unloading, negative.
     pub force: f64,
@@ -113,6 +141,8 @@ pub struct PullOff {
     pub station: usize,
     /// The pillars in contact with what each bears, those nearest to the lens axis first.
     pub pillars: Vec<PillarState>,
+    /// Displacement, gap and pressure there as functions of position.
+    pub fields: Arc<Fields>,
 }
 
 /// Estimated relative errors of one figure, by where they come from.

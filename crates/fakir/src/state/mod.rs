@@ -24,8 +24,8 @@ pub use crate::numerics::workers::{CancelToken, Threads};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{
-    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation, HeldPillar,
-    Limit, PullOff,
+    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation, HeldContact,
+    HeldPillar, Limit, Passage, PullOff,
 };
 pub use error::SolveError;
 pub use fields::Fields;
