@@ -252,6 +252,19 @@ impl CaseFile {
         )
     }
 
+    /// Refuses pillar tops that stick where there is no answer with them.
+    ///
+    /// # Errors
+    /// [`CaseError`] at the work of adhesion with that problem, and what would be right; or what is wrong with the case.
+    pub fn refuse_adhesion(&self, problem: &str, accepted: &str) -> Result<(), CaseError> {
+        if self.case()?.system.adhesion().is_none() {
+            return Ok(());
+        }
+        Err(self
+            .problem(Key::WorkOfAdhesion, problem)
+            .accepted(accepted))
+    }
+
     /// Refuses a receding work of adhesion alone, and adhesion with a method that has none.
     fn check_adhesion(&self, adhesion: Adhesion, method: Method) -> Result<(), CaseError> {
         let work = Key::WorkOfAdhesion;

@@ -48,6 +48,7 @@ pub mod compare;
 mod cycled;
 mod error;
 pub mod fields;
+pub mod figures;
 mod folder;
 mod journal;
 pub mod numbers;
