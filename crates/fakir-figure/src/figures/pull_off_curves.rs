@@ -32,8 +32,9 @@ pub struct PullOffCurve {
 }
 
 /// Four panels over one axis: the pull-off force, and that over the pull-off force of a flat pillar alone (Kendall), which is how many
-/// pillars would pull as much, each alone; the hysteresis, and that over the work of adhesion of all top area that was in contact, which is one
-/// if nothing but the surfaces took energy.
+/// pillars would pull as much, each alone; the hysteresis, and that over the work of adhesion of all top area that was in contact. The last is
+/// `2 (1 + kappa)` for flat pillars that come off one by one, `kappa` being the compliance of a pillar as a column over that of its top: what each
+/// has stored when it comes off (Kendall).
 #[must_use]
 pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
     let largest = |value: fn(&PullOffPoint) -> f64| {
