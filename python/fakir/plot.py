@@ -260,8 +260,8 @@ def pull_off_curves(sweep: Sweep, ax: Sequence[Axes] | None = None) -> Sequence[
     panels = [
         ("pull_off_force_N", -MICRO, r"pull-off force $|F_p|$ (µN)"),
         ("normalized_pull_off_force", 1.0, r"$|F_p|/F_{Kendall}$"),
-        ("hysteresis_J", 1e12, r"hysteresis $W$ (pJ)"),
-        ("normalized_hysteresis", 1.0, r"$W/(w\,A_{tops})$"),
+        ("hysteresis_J", 1e12, r"hysteresis $E_{loop}$ (pJ)"),
+        ("normalized_hysteresis", 1.0, r"$E_{loop}/(w\,A_{tops})$"),
     ]
     names = [name for name, _, _ in panels]
     for name, (fraction, values) in _curves_of_sweep(sweep, "cycle", names).items():

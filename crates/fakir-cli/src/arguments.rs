@@ -124,7 +124,8 @@ pub(crate) enum Command {
     ///
     /// All else is as in the case file. With a pitch in the case file the pitch stays as it is, with
     /// a surface fraction that. Exit status 3 says that no value gives what is wanted; the nearest
-    /// is then printed.
+    /// is then printed. Samples of tops that stick are pulled off again from the critical state, to tell how far the
+    /// pull-off force and the hysteresis scatter.
     #[command(after_help = "Examples:
   fakir design case.toml --free pitch --critical-force 1mN
   fakir design case.toml --free pitch --critical-force 1mN \\
@@ -151,7 +152,8 @@ pub(crate) enum Command {
     Fit(Fit),
     /// Many cases: a study file with axes along which a case is varied
     ///
-    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Every case is one
+    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Asked is the critical state, with
+    /// question = "press" the contact under a load, with "cycle" the pull-off from tops that stick. Every case is one
     /// row of a table, also if it fails: then with the reason. With --output a
     /// journal is kept there, so that a sweep that was interrupted, even killed, goes on with
     /// --resume; the tables are the same as without the interruption, byte for byte. Without

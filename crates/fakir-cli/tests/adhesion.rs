@@ -40,7 +40,8 @@ fn a_cycle_agrees_with_an_independent_program() {
     // The model has an error of its own, which is not among the numerical ones.
     let error = &by_displacement["relative_error_estimate"]["pull_off_force"];
     assert_eq!(error["model_fronts"], 0.05);
-    assert!(error["numerical"].as_f64().unwrap() < 0.01);
+    // Pull-off scatters by 3 % with the number of levels (`LEVEL_ERROR` of the library, as measured); all else is far below.
+    assert_close(&error["numerical"], 0.03, 0.1);
     // What drives the lens does not change the largest pull.
     let pull_off = by_displacement["pull_off_force_N"].as_f64().unwrap();
     let by_force = cycle(&["--drive", "force"]);
@@ -359,7 +360,8 @@ fn elements_verify_the_contact_without_adhesion_only() {
 fn a_comparison_says_what_is_without_adhesion() {
     let bench = Bench::new();
     let few = ["--set", "texture.surface_fraction=0.003"];
-    let arguments = [&["compare", &adhesive()], &few[..]].concat();
+    let case = adhesive();
+    let arguments = [&["compare", &case], &few[..]].concat();
     let found = bench.json(&arguments);
     for row in found["methods"].as_array().unwrap() {
         let name = row["method"].as_str().unwrap();
@@ -391,8 +393,9 @@ fn a_comparison_says_what_is_without_adhesion() {
 #[test]
 fn theory_has_the_closed_forms_of_adhesion() {
     let bench = Bench::new();
-    let arguments = ["theory", &adhesive(), "--attraction-range", "5nm"];
-    let found = bench.json(&arguments);
+    let case = adhesive();
+    let arguments = ["theory", &case, "--attraction-range", "5nm"];
+    let found = bench.json(&[&arguments[..], &["--quiet"]].concat());
     let adhesion = &found["adhesion"];
     let force = |formula: &str| {
         let rows = adhesion["pull_off"].as_array().unwrap();
@@ -454,7 +457,7 @@ fn a_range_of_attraction_tells_whether_it_counts_as_small() {
             ),
         ] {
             let arguments = [command, &few, &["--attraction-range", range]].concat();
-            let found = bench.json(&arguments);
+            let found = bench.json(&[&arguments[..], &["--quiet"]].concat());
             let limits = found["limits"].as_array().unwrap();
             let tabor = limits.iter().find(|limit| limit["name"] == "tabor_number");
             assert_eq!(tabor.unwrap()["strained"], strained, "{arguments:?}");
@@ -580,22 +583,22 @@ fn cycles_are_swept_and_refused_with_line_and_key() {
         (
             "\"adhesion.work\" = [\"10 mJ/m2\", \"-5 mJ/m2\"]",
             "adhesion.work",
-            "study.toml:5:35",
+            "study.toml:5:32",
         ),
         (
             "\"adhesion.work\" = [\"10 mJ/m2\", 0]",
             "adhesion.work",
-            "study.toml:5:34",
+            "study.toml:5:32",
         ),
         (
             "\"adhesion.work\" = [\"10 mJ/m2\", \"5 uN\"]",
             "adhesion.work",
-            "study.toml:5:35",
+            "study.toml:5:32",
         ),
         (
             "\"method.name\" = [\"spectral\", \"love\"]",
             "adhesion.work",
-            "case.toml:27:8",
+            "study.toml:5:30",
         ),
     ] {
         study(axes);

@@ -54,11 +54,11 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
             Box::new(|point| point.normalized_force),
         ),
         (
-            format!("hysteresis *W* ({})", energy.name),
+            format!("hysteresis *E*_{{loop}} ({})", energy.name),
             Box::new(move |point| energy.of(point.hysteresis)),
         ),
         (
-            "*W*/(*w* *A*_{tops})".to_owned(),
+            "*E*_{loop}/(*w* *A*_{tops})".to_owned(),
             Box::new(|point| point.normalized_hysteresis),
         ),
     ];
