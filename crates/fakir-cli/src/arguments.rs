@@ -90,9 +90,10 @@ pub(crate) enum Command {
     /// closed forms are for a lens axis on a pillar. With pillar tops that stick (a case with [adhesion]) there
     /// are also those of the pull-off of one pillar and of the bare substrate; the formulas for the critical state
     /// know no adhesion.
-    #[command(after_help = "Examples:
-  fakir theory case.toml --set texture.surface_fraction=0.001
-  fakir theory case.toml --set adhesion.work=50mJ/m2 --attraction-range 5nm")]
+    #[command(
+        after_help = "Example: fakir theory case.toml --set texture.surface_fraction=0.001
+         fakir theory case.toml --set adhesion.work=50mJ/m2 --attraction-range 5nm"
+    )]
     Theory(Theory),
     /// The critical state by every method, coarse to exact, side by side
     ///
