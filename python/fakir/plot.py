@@ -256,6 +256,8 @@ def pull_off_curves(sweep: Sweep, ax: Sequence[Axes] | None = None) -> Sequence[
     Four axes: the pull-off force, that over the force of one flat pillar alone (Kendall), the hysteresis, and that over the work of adhesion of
     the largest area of tops in contact.
     """
+    from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
+
     axes = _axes(ax, 2, 2, (7.0, 5.2), sharex=True)
     panels = [
         ("pull_off_force_N", -MICRO, r"pull-off force $|F_p|$ (µN)"),
@@ -268,13 +270,18 @@ def pull_off_curves(sweep: Sweep, ax: Sequence[Axes] | None = None) -> Sequence[
         order = np.argsort(fraction)
         for axis, value, (_, factor, _) in zip(axes, values, panels):
             axis.plot(fraction[order], factor * value[order], ".-", label=name or None)
-    for axis, (_, _, label) in zip(axes, panels):
+    for axis, (name, _, label) in zip(axes, panels):
         axis.set_xscale("log")
-        axis.set_yscale("log")
+        axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.xaxis.set_major_formatter(ScalarFormatter())
+        axis.xaxis.set_minor_formatter(NullFormatter())
+        if name != "normalized_hysteresis":
+            axis.set_yscale("log")
         axis.set_ylabel(label)
     for axis in axes[2:]:
         axis.set_xlabel(r"surface fraction $\phi$")
-    _legend(axes[0])
+    # Above, as curves of cycles leave no room.
+    _legend(axes[0], loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
     return axes
 
 
@@ -611,7 +618,7 @@ def _curves_of_sweep(
     others = [name for name in sweep.axes if not name.startswith(across)]
     groups: dict[str, list[dict[str, Any]]] = {}
     for row in rows:
-        words = [f"{name.split('.')[-1]} {_short(row[name])}" for name in others]
+        words = [_setting(name.split(".")[-1], row[name]) for name in others]
         groups.setdefault(", ".join(words), []).append(row)
     return {
         name: (
@@ -620,6 +627,12 @@ def _curves_of_sweep(
         )
         for name, group in groups.items()
     }
+
+
+def _setting(name: str, value: Any) -> str:
+    if name.endswith("_J_per_m2"):
+        return f"{name.removesuffix('_J_per_m2')} {_short(1e3 * value)} mJ/m²"
+    return f"{name} {_short(value)}"
 
 
 def _short(value: Any) -> str:

@@ -44,7 +44,7 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
     };
     let force = Unit::of_force(largest(|point| point.force));
     let energy = Unit::of_energy(largest(|point| point.hysteresis));
-    let panels: [(String, Box<dyn Fn(&PullOffPoint) -> f64>); 4] = [
+    let panels: [Panel; 4] = [
         (
             format!("pull-off force |*F*_{{p}}| ({})", force.name),
             Box::new(move |point| force.of(point.force.abs())),
@@ -108,6 +108,9 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
          alone, the area of the loop of loading and unloading, and the same over the work of adhesion of all top area that was in contact.",
     )
 }
+
+/// Label of the axis, and what is along it.
+type Panel = (String, Box<dyn Fn(&PullOffPoint) -> f64>);
 
 /// Logarithmic if the values differ by more than a factor of five.
 fn scale_for(series: &[Series]) -> Scale {
