@@ -281,7 +281,7 @@ def pull_off_curves(sweep: Sweep, ax: Sequence[Axes] | None = None) -> Sequence[
     for axis in axes[2:]:
         axis.set_xlabel(r"surface fraction $\phi$")
     # Above, as curves of cycles leave no room.
-    _legend(axes[0], loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
+    _legend(axes[0], loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return axes
 
 

@@ -26,6 +26,9 @@ pub fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
 /// The most curves of a figure: as many lines and marks can be told apart.
 const MOST_CURVES: usize = 6;
 
+/// Cycles of one curve, each with its place along the bottom in SI units.
+type Cycles<'a> = Vec<(f64, &'a Cycled)>;
+
 /// Pull-off and hysteresis of the cycles of a study: over the surface fraction if that is an axis, otherwise over the longest axis of numbers; a
 /// curve for every combination of the others, and some of them if there are too many. None of another question, of an axis with a single value, and
 /// of a part of a study.
@@ -36,7 +39,7 @@ pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
     }
     let axes: Vec<&Axis> = study.axes().collect();
     let across = across(study, &axes)?;
-    let mut curves: BTreeMap<Vec<usize>, (Text, Vec<(f64, &Cycled)>)> = BTreeMap::new();
+    let mut curves: BTreeMap<Vec<usize>, (Text, Cycles<'_>)> = BTreeMap::new();
     let mut seen: Vec<Vec<&Coordinate>> = axes.iter().map(|_| Vec::new()).collect();
     for row in rows {
         let mut place = Vec::new();
@@ -63,7 +66,7 @@ pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
             points.push((*x, cycle));
         }
     }
-    let curves: Vec<(Text, Vec<(f64, &Cycled)>)> = curves.into_values().collect();
+    let curves: Vec<(Text, Cycles<'_>)> = curves.into_values().collect();
     let values = curves.iter().flat_map(|(_, points)| points);
     let values: Vec<f64> = values.map(|(x, _)| *x).collect();
     let (axis, size) = figure_axis(axes[across].variable(), &values);

@@ -369,7 +369,8 @@ fn cycle_columns(rows: &[Row], columns: &mut Vec<Column>) {
     });
     of.number_if_any("certificate", |it| Some(it.hysteresis?.certificate));
     of.number("kendall_strain", |it| it.kendall_strain);
-    let errors: [(&str, fn(&Cycled) -> Option<Errors>); 4] = [
+    type Of = fn(&Cycled) -> Option<Errors>;
+    let errors: [(&str, Of); 4] = [
         ("critical_force", |it| it.loading.critical_force_error),
         ("critical_indentation", |it| {
             it.loading.critical_indentation_error

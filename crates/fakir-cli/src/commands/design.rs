@@ -313,7 +313,10 @@ fn spread_figure(spread: &Spread) -> Option<Figure> {
     force_figure(
         "spread",
         ("critical force", "*F*_{c}"),
-        spread.found().map(|critical| critical.force).collect(),
+        &spread
+            .found()
+            .map(|critical| critical.force)
+            .collect::<Vec<f64>>(),
     )
 }
 
@@ -323,14 +326,14 @@ fn pull_off_figure(spread: &Spread) -> Option<Figure> {
     force_figure(
         "pull-off-spread",
         ("pull-off force", "*F*_{p}"),
-        pulled.map(|pull_off| pull_off.force).collect(),
+        &pulled.map(|pull_off| pull_off.force).collect::<Vec<f64>>(),
     )
 }
 
 fn force_figure(
     file: &'static str,
     (name, symbol): (&str, &str),
-    forces: Vec<f64>,
+    forces: &[f64],
 ) -> Option<Figure> {
     let unit = column_unit(forces.iter().copied(), Dimension::Force)?;
     let figure = histogram(&Histogram {
