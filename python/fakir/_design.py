@@ -215,7 +215,7 @@ def _renamed(
 
 
 class Spread:
-    """Critical states of samples about a system. Arrays have one value for every sample."""
+    """Critical states of samples about a system, and how the lens comes off tops that stick. Arrays have one value for every sample."""
 
     def __init__(self, summary: dict[str, Any], columns: dict[str, Any]) -> None:
         self._summary, self._columns = summary, columns
@@ -238,6 +238,16 @@ class Spread:
     def contact_radius(self) -> FloatArray:
         """Critical contact radii, m."""
         return self._column("critical_contact_radius_m")
+
+    @property
+    def pull_off_force(self) -> FloatArray | None:
+        """Largest pulls when the lens is withdrawn from the critical state, N, negative; none where nothing sticks."""
+        return self._column("pull_off_force_N") if "pull_off_force_N" in self._columns else None
+
+    @property
+    def hysteresis(self) -> FloatArray | None:
+        """Areas of the loop of force over indentation, J; none where nothing sticks."""
+        return self._column("hysteresis_J") if "hysteresis_J" in self._columns else None
 
     @property
     def problems(self) -> list[str]:
@@ -266,7 +276,11 @@ class Spread:
             ("critical force", self.force, "N"),
             ("critical indentation", self.indentation, "m"),
             ("critical contact radius", self.contact_radius, "m"),
+            ("pull-off force", self.pull_off_force, "N"),
+            ("hysteresis", self.hysteresis, "J"),
         ]:
+            if values is None:
+                continue
             mean, deviation = float(np.nanmean(values)), float(np.nanstd(values, ddof=1))
             low, high = np.nanpercentile(values, [2.5, 97.5])
             text = f"{engineering(mean, unit, 4)} ± {engineering(deviation, unit, 2)}"
@@ -296,7 +310,7 @@ def spread(
     progress: Progress | None = None,
     memory_limit: int | None = None,
 ) -> Spread:
-    """How far the critical state scatters from sample to sample.
+    """How far the critical state scatters from sample to sample; with tops that stick also pull-off and hysteresis.
 
     Parameters
     ----------

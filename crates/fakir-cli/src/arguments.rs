@@ -5,7 +5,7 @@ use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{Control, CyclePlan, Drive, Turn};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
-use fakir_case::{CaseError, CaseFile, Key, Kind};
+use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_inverse::design::{Wanted, free_key};
 use fakir_inverse::fit::{FitOptions, Measurements, Parameter};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
@@ -80,19 +80,26 @@ pub(crate) enum Command {
     /// be told, as one of them did not converge or knows no digit. Of the case's [method] only the
     /// mesh of elements counts. On a general surface (a case with a [surface]) there are elements only:
     /// pillars on a lattice are solved on both meshes; a height map, which has one, and pillars at random
-    /// are refused.
+    /// are refused. Elements have no adhesion: a case with [adhesion] is refused, and can be verified without
+    /// it.
     #[command(after_help = "Example: fakir verify case.toml --cells 32")]
     Verify(Verify),
     /// The formulas: lattice sums, critical state and transition curve in closed form
     ///
     /// Formulas that contradict themselves in print are given as printed and as corrected. The
-    /// closed forms are for a lens axis on a pillar.
-    #[command(after_help = "Example: fakir theory case.toml --set texture.surface_fraction=0.001")]
+    /// closed forms are for a lens axis on a pillar. With pillar tops that stick (a case with [adhesion]) there
+    /// are also those of the pull-off of one pillar and of the bare substrate; the formulas for the critical state
+    /// know no adhesion.
+    #[command(
+        after_help = "Example: fakir theory case.toml --set texture.surface_fraction=0.001
+         fakir theory case.toml --set adhesion.work=50mJ/m2 --attraction-range 5nm"
+    )]
     Theory(Theory),
     /// The critical state by every method, coarse to exact, side by side
     ///
     /// Differences are from the most accurate method. Love elements take most of the time: seconds
-    /// for a few hundred pillars, minutes for a few thousand.
+    /// for a few hundred pillars, minutes for a few thousand. With pillar tops that stick the method spectral
+    /// alone has an answer; closed forms stand beside it without adhesion.
     #[command(after_help = "Example: fakir compare case.toml")]
     Compare(Compare),
     /// The explorer in the browser: every quantity of a case as a slider, the contact at once
@@ -120,7 +127,8 @@ pub(crate) enum Command {
     ///
     /// All else is as in the case file. With a pitch in the case file the pitch stays as it is, with
     /// a surface fraction that. Exit status 3 says that no value gives what is wanted; the nearest
-    /// is then printed.
+    /// is then printed. Samples of tops that stick are pulled off again from the critical state, to tell how far the
+    /// pull-off force and the hysteresis scatter.
     #[command(after_help = "Examples:
   fakir design case.toml --free pitch --critical-force 1mN
   fakir design case.toml --free pitch --critical-force 1mN \\
@@ -147,7 +155,8 @@ pub(crate) enum Command {
     Fit(Fit),
     /// Many cases: a study file with axes along which a case is varied
     ///
-    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Every case is one
+    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Asked is the critical state, with
+    /// question = "press" the contact under a load, with "cycle" the pull-off from tops that stick. Every case is one
     /// row of a table, also if it fails: then with the reason. With --output a
     /// journal is kept there, so that a sweep that was interrupted, even killed, goes on with
     /// --resume; the tables are the same as without the interruption, byte for byte. Without
@@ -211,6 +220,8 @@ pub(crate) struct Transition {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
     #[command(flatten)]
+    pub(crate) adhesion: RangeArguments,
+    #[command(flatten)]
     fields: FieldArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
@@ -234,6 +245,8 @@ pub(crate) struct Press {
     /// Normal force on the lens: with a unit (N, mN, uN, nN), or in N
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     force: Option<f64>,
+    #[command(flatten)]
+    pub(crate) adhesion: RangeArguments,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
     #[command(flatten)]
@@ -291,6 +304,10 @@ pub(crate) struct Approach {
     /// (N/m, mN/m, kN/m; a bare number in N/m)
     #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, requires = "retract", conflicts_with = "drive")]
     machine_stiffness: Option<f64>,
+    /// With --retract: the range of the attraction between lens and pillar tops (m, mm, um, nm), which tells
+    /// whether it counts as small, as the model has it
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, requires = "retract")]
+    attraction_range: Option<f64>,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
     #[command(flatten)]
@@ -308,6 +325,12 @@ impl Approach {
             step: self.step,
             end: LoadingEnd::of(self.until, self.past_transition, self.to, self.to_force)?,
         })
+    }
+
+    pub(crate) fn range(&self) -> RangeArguments {
+        RangeArguments {
+            attraction_range: self.attraction_range,
+        }
     }
 
     /// The cycle of loading and unloading, where one is asked for.
@@ -374,6 +397,8 @@ impl Verify {
 pub(crate) struct Theory {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
+    #[command(flatten)]
+    pub(crate) adhesion: RangeArguments,
 }
 
 #[derive(Debug, Args)]
@@ -844,6 +869,45 @@ impl FloorArguments {
             file.set(&format!("{}=false", Key::FloorContact))?;
         }
         Ok(())
+    }
+}
+
+/// What is known of the attraction between lens and pillar tops besides its work.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct RangeArguments {
+    /// Range of the attraction between lens and pillar tops that stick (m, mm, um, nm), which tells whether it
+    /// counts as small, as the model has it
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    attraction_range: Option<f64>,
+}
+
+impl RangeArguments {
+    /// The range (m) for a case, if it is given.
+    pub(crate) fn of(self, case: &Case) -> Result<Option<f64>, Failure> {
+        let Some(range) = self.attraction_range else {
+            return Ok(None);
+        };
+        if !(range > 0.0 && range.is_finite()) {
+            return Err(Failure::Argument(
+                "--attraction-range must be a length greater than 0".to_owned(),
+            ));
+        }
+        if case.system.adhesion().is_none() {
+            return Err(Failure::Argument(
+                "--attraction-range needs pillar tops that stick: give adhesion.work in the case \
+                 file, or --set adhesion.work=50mJ/m2"
+                    .to_owned(),
+            ));
+        }
+        Ok(Some(range))
+    }
+
+    /// Refuses the range with a general surface, which has no adhesion.
+    pub(crate) fn refuse_surface(self, file: &CaseFile) -> Result<(), CaseError> {
+        match self.attraction_range {
+            Some(_) => file.refuse_surface_for(TextureOnly::Adhesion),
+            None => Ok(()),
+        }
     }
 }
 

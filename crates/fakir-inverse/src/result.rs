@@ -1,7 +1,7 @@
 //! A design and a spread as one JSON object.
 
 use crate::design::{Answer, Design, Reached, Wanted};
-use crate::spread::{Critical, Sampling, Spread};
+use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
 use fakir::problem::{Control, Method};
 use fakir_study::VERSION;
 use fakir_study::result::{PressSummary, TransitionSummary};
@@ -119,6 +119,11 @@ struct SpreadObject {
     critical_force_N: Option<StatisticsObject>,
     critical_indentation_m: Option<StatisticsObject>,
     critical_contact_radius_m: Option<StatisticsObject>,
+    /// None, as the next, where nothing sticks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pull_off_force_N: Option<StatisticsObject>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hysteresis_J: Option<StatisticsObject>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -130,17 +135,17 @@ struct StatisticsObject {
 
 impl SpreadObject {
     fn new(sampling: &Sampling, spread: &Spread) -> Self {
-        let summary = |pick: fn(&Critical) -> f64| {
-            spread.summary(pick).map(|summary| StatisticsObject {
-                mean: summary.mean,
-                standard_deviation: summary.deviation,
-                percentiles: summary
-                    .percentiles
-                    .iter()
-                    .map(|(percentage, value)| (percentage.to_string(), Value::from(*value)))
-                    .collect(),
-            })
+        let object = |summary: Summary| StatisticsObject {
+            mean: summary.mean,
+            standard_deviation: summary.deviation,
+            percentiles: summary
+                .percentiles
+                .iter()
+                .map(|(percentage, value)| (percentage.to_string(), Value::from(*value)))
+                .collect(),
         };
+        let summary = |pick: fn(&Critical) -> f64| spread.summary(pick).map(object);
+        let pulled = |pick: fn(&PullOff) -> f64| spread.pull_off_summary(pick).map(object);
         Self {
             samples: sampling.samples,
             failed: spread.failures().count(),
@@ -149,6 +154,8 @@ impl SpreadObject {
             critical_force_N: summary(|critical| critical.force),
             critical_indentation_m: summary(|critical| critical.indentation),
             critical_contact_radius_m: summary(|critical| critical.contact_radius),
+            pull_off_force_N: pulled(|pull_off| pull_off.force),
+            hysteresis_J: pulled(|pull_off| pull_off.hysteresis),
         }
     }
 }

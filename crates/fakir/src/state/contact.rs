@@ -1,5 +1,6 @@
 //! The contact under a load, pillar by pillar.
 
+use super::cycle::{Limit, limits};
 use super::fields::Fields;
 use super::floor_contact::FloorContact;
 use crate::problem::{Method, Point, System};
@@ -170,6 +171,16 @@ pub struct ContactState {
 }
 
 impl ContactState {
+    /// The conditions of the model with adhesion, and how near this contact comes to where they end; none where nothing sticks.
+    /// `range` is that of the attraction (m), if it is known.
+    #[must_use]
+    pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
+        if self.system.adhesion().is_none() {
+            return Vec::new();
+        }
+        limits(&self.system, self.contact_radius, range)
+    }
+
     /// The state at an indentation (m) at which nothing is touched.
     pub(crate) fn untouched(system: &System, method: Method, indentation: f64) -> Self {
         Self {

@@ -283,34 +283,40 @@ impl Cycle {
     /// if it is known.
     #[must_use]
     pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
-        let strain = self.system.kendall_strain();
         let farthest = self.stations.iter().map(|s| s.contact_radius);
-        let slope = farthest.fold(0.0, f64::max) / self.system.lens().radius;
-        let mut limits = vec![
-            Limit {
-                name: "kendall_strain",
-                value: strain,
-                threshold: LARGEST_STRAIN,
-                strained: strain > LARGEST_STRAIN,
-            },
-            Limit {
-                name: "slope",
-                value: slope,
-                threshold: super::contact::DOUBTFUL_CONTACT,
-                strained: slope > super::contact::DOUBTFUL_CONTACT,
-            },
-        ];
-        if let Some(range) = range {
-            let number = self.system.tabor_number(range);
-            limits.push(Limit {
-                name: "tabor_number",
-                value: number,
-                threshold: SMALLEST_TABOR_NUMBER,
-                strained: number < SMALLEST_TABOR_NUMBER,
-            });
-        }
-        limits
+        limits(&self.system, farthest.fold(0.0, f64::max), range)
     }
+}
+
+/// The conditions of the model with adhesion for a contact that reaches so far from the lens axis (m). `range` is that of the attraction (m),
+/// if it is known.
+pub(super) fn limits(system: &System, farthest: f64, range: Option<f64>) -> Vec<Limit> {
+    let strain = system.kendall_strain();
+    let slope = farthest / system.lens().radius;
+    let mut limits = vec![
+        Limit {
+            name: "kendall_strain",
+            value: strain,
+            threshold: LARGEST_STRAIN,
+            strained: strain > LARGEST_STRAIN,
+        },
+        Limit {
+            name: "slope",
+            value: slope,
+            threshold: super::contact::DOUBTFUL_CONTACT,
+            strained: slope > super::contact::DOUBTFUL_CONTACT,
+        },
+    ];
+    if let Some(range) = range {
+        let number = system.tabor_number(range);
+        limits.push(Limit {
+            name: "tabor_number",
+            value: number,
+            threshold: SMALLEST_TABOR_NUMBER,
+            strained: number < SMALLEST_TABOR_NUMBER,
+        });
+    }
+    limits
 }
 
 /// Stress of Kendall's punch at pull-off over the modulus of the substrate beyond which pillars stretch by more than linear elasticity
