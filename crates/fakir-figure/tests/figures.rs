@@ -273,12 +273,15 @@ fn fitted(quantity: FittedQuantity) -> FittedCurve {
         measured: 2e-6 * f64::from(k) + 3e-7 * f64::from(k).sin(),
         computed: 2e-6 * f64::from(k),
         error: 2e-7,
+        unloading: false,
         used: k < 15,
+        unloading: false,
     };
     FittedCurve {
         quantity,
         points: (-2..16).map(point).collect(),
         curve: vec![[-2e-7, -4e-6], [1.4e-6, 2.8e-5]],
+        unloading: Vec::new(),
     }
 }
 

@@ -100,7 +100,7 @@ fn explore() {
         ("texture.offset=0", 0.1e-6, NOISE, 0.0),
         ("texture.offset=0", 0.04e-6, 0.2e-6, 0.0),
         ("texture.offset=0.3", 0.1e-6, NOISE, 0.0),
-        ("texture.offset=0", 0.1e-6, NOISE, COMPLIANCE),
+        ("texture.offset=0", 0.1e-6, 5e-6, COMPLIANCE),
     ] {
         let drive = if compliance > 0.0 { Drive::Machine(1.0 / compliance) } else { Drive::Displacement };
         let exact = readings(&cycle(&case_file(&[dx]), drive), compliance, step);

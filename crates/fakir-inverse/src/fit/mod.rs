@@ -28,9 +28,9 @@
 //!   derivative: that of the [homogenised lattice](fakir::theory::homogenised) serves instead, which
 //!   changes how the data are weighed but not the answer to data without errors.
 //! * With adhesion the force jumps where pillars are released, and between jumps hardly depends on the work of adhesion. What is known of
-//!   a jump is between which rows it is. So a row is compared with the straight line through the stretch of the computed curve
-//!   from the row before to the row after it, and the mean square of how far the curve is from that line is added to the
-//!   square of its error. The search begins with the work whose pull-off is the least measured force, and with
+//!   a jump is between which rows it is. So a row of the unloading is compared with the straight line through the stretch of the computed curve
+//!   from the row before to the row after it, and the mean square of how far the curve is from that line, on average over
+//!   the rows around, is added to the square of its error. The search begins with the work whose pull-off is the least measured force, and with
 //!   longer stretches, in which jumps that are far from their place are seen.
 //!
 //! # Errors of the result
@@ -254,7 +254,7 @@ pub struct Scatter {
 pub struct Compared {
     /// The measured value.
     pub measured: f64,
-    /// The computed value, as the instrument reads it. A force with adhesion is that of the straight line through the stretch of the
+    /// The computed value, as the instrument reads it. A force on unloading with adhesion is that of the straight line through the stretch of the
     /// curve between the neighbouring rows.
     pub computed: f64,
     /// The standard error with which it went into the fit: given or estimated, with that of the
@@ -670,7 +670,7 @@ impl<'a> Search<'a> {
     }
 
     /// What is known of the variance of a value besides its own error: that of the load, and of
-    /// jumps of the contact radius.
+    /// jumps.
     fn known_variance(&self, datum: &Datum, half_pitch: f64) -> f64 {
         let row = &self.model.data.rows()[datum.row];
         let slopes = &self.derivatives[datum.row];

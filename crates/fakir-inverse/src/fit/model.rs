@@ -5,7 +5,7 @@ use super::curve::Curve;
 use super::measurements::{Measurement, Measurements, Position};
 use super::parameter::Parameter;
 use super::{FitError, FitOptions};
-use fakir::numerics::convergence::within;
+use fakir::numerics::convergence::{larger, within};
 use fakir::problem::{Control, CyclePlan, Drive, Method, Turn};
 use fakir::state::{Branch, ContactState, Cycle, Run, SolveError};
 use fakir_case::{Case, CaseFile, Key};
@@ -17,6 +17,9 @@ const DIFFERENCE: f64 = 1e-2;
 
 /// The same of a work of adhesion: contacts that are broken at other places come in groups.
 const DIFFERENCE_OF_WORK: f64 = 5e-2;
+
+/// How far rows are from one whose jumps they share, as a part of the range of the loads.
+const AROUND: f64 = 0.125;
 
 /// Relative error at which reading, force and indentation agree.
 const BALANCE: f64 = 1e-9;
@@ -31,9 +34,9 @@ pub(super) struct State {
     pub(super) indentation: f64,
     /// Force, N.
     pub(super) force: f64,
-    /// What the instrument reads of it, N: with its offset, and with adhesion that of the line through a stretch of the curve.
+    /// What the instrument reads of it, N: with its offset, and on unloading with adhesion that of the line through a stretch of the curve.
     pub(super) read_force: f64,
-    /// Mean square of how far the force is from that line, N^2.
+    /// Mean square of how far the force is from such lines, on average over the rows around, N^2.
     pub(super) force_variance: f64,
     /// Slopes of that line, and of one through the contact radius.
     pub(super) slopes: [f64; 2],
@@ -99,6 +102,8 @@ pub(super) struct Model<'a> {
     pub(super) sticks: bool,
     /// The branch of every row.
     pub(super) branches: Vec<Branch>,
+    /// The rows of each branch in the order of rising load.
+    orders: [Vec<usize>; 2],
     /// For every row the load from the one before to the one after it on its branch.
     stretches: Vec<f64>,
 }
@@ -115,6 +120,12 @@ impl<'a> Model<'a> {
         let wants_radius = data.rows().iter().any(|row| row.contact_radius.is_some());
         let sticks = !case.system.adhesion().is_none() || free.iter().any(|free| free.is_work());
         let branches = data.branches();
+        let orders = [Branch::Loading, Branch::Unloading].map(|branch| {
+            let rows = 0..branches.len();
+            let mut order: Vec<usize> = rows.filter(|row| branches[*row] == branch).collect();
+            order.sort_by(|a, b| load_of(&data.rows()[*a]).total_cmp(&load_of(&data.rows()[*b])));
+            order
+        });
         let mut model = Self {
             file: file.clone(),
             data,
@@ -135,7 +146,8 @@ impl<'a> Model<'a> {
             pool: run.pool,
             wants_radius,
             sticks,
-            stretches: stretches(data, &branches),
+            stretches: stretches(data, &orders),
+            orders,
             branches,
         };
         if free.contains(&Parameter::ContactPoint) && options.contact_point.is_none() {
@@ -410,12 +422,17 @@ impl<'a> Model<'a> {
             let place = curve.at(branch, position);
             let stretch = self.stretches[number].max(least_stretch);
             let average = curve.average(branch, position, stretch);
+            // On loading the force has kinks but hardly jumps.
+            let (force, force_variance) = match branch {
+                Branch::Loading => (place.force, 0.0),
+                Branch::Unloading => (average.force, average.force_variance),
+            };
             let is_beyond = |value: f64, end: f64| value > end * (1.0 + ROUNDING);
             State {
                 indentation: place.indentation,
                 force: place.force,
-                read_force: average.force + settings.force_offset,
-                force_variance: average.force_variance,
+                read_force: force + settings.force_offset,
+                force_variance,
                 slopes: [average.force_slope, average.radius_slope],
                 contact_radius: place.contact_radius,
                 smooth_radius: average.contact_radius,
@@ -424,7 +441,28 @@ impl<'a> Model<'a> {
                 converged: cycle.is_none_or(Cycle::converged),
             }
         };
-        Ok(self.data.rows().iter().enumerate().map(state).collect())
+        let mut states: Vec<State> = self.data.rows().iter().enumerate().map(state).collect();
+        for order in &self.orders {
+            self.share_variances(order, &mut states);
+        }
+        Ok(states)
+    }
+
+    /// Gives every row of a branch the mean variance of the rows around: which of them has the jump is what is not known.
+    fn share_variances(&self, order: &[usize], states: &mut [State]) {
+        let rows = self.data.rows();
+        let loads: Vec<f64> = order.iter().map(|number| load_of(&rows[*number])).collect();
+        let mut sums = vec![0.0];
+        for number in order {
+            sums.push(sums[sums.len() - 1] + states[*number].force_variance);
+        }
+        let reach = AROUND * self.load_range();
+        for (number, load) in order.iter().zip(&loads) {
+            let first = loads.partition_point(|other| *other < load - reach);
+            let end = loads.partition_point(|other| *other <= load + reach);
+            let sum = larger(sums[end] - sums[first], 0.0);
+            states[*number].force_variance = sum / (end - first) as f64;
+        }
     }
 
     fn for_each_row<T: Send>(
@@ -706,17 +744,14 @@ pub(super) fn load_of(row: &Measurement) -> f64 {
 }
 
 /// For every row the load from the one before to the one after it on its branch; at an end, twice that to its neighbour.
-fn stretches(data: &Measurements, branches: &[Branch]) -> Vec<f64> {
-    let mut stretches = vec![0.0; branches.len()];
-    for branch in [Branch::Loading, Branch::Unloading] {
-        let rows = data.rows().iter().enumerate();
-        let on_branch = rows.filter(|(number, _)| branches[*number] == branch);
-        let mut loads: Vec<(usize, f64)> = on_branch.map(|(number, row)| (number, load_of(row))).collect();
-        loads.sort_by(|a, b| a.1.total_cmp(&b.1));
-        for (place, (number, load)) in loads.iter().enumerate() {
-            let step = |neighbour: Option<&(usize, f64)>| Some((neighbour?.1 - load).abs());
-            let below = step(place.checked_sub(1).and_then(|place| loads.get(place)));
-            let above = step(loads.get(place + 1));
+fn stretches(data: &Measurements, orders: &[Vec<usize>; 2]) -> Vec<f64> {
+    let load = |number: &usize| load_of(&data.rows()[*number]);
+    let mut stretches = vec![0.0; data.rows().len()];
+    for order in orders {
+        for (place, number) in order.iter().enumerate() {
+            let step = |neighbour: Option<&usize>| Some((load(neighbour?) - load(number)).abs());
+            let below = step(place.checked_sub(1).and_then(|place| order.get(place)));
+            let above = step(order.get(place + 1));
             let steps = [below.or(above), above.or(below)];
             stretches[*number] = steps.into_iter().flatten().sum();
         }
