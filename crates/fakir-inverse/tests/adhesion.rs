@@ -92,38 +92,60 @@ fn run_fit(file: &CaseFile, data: &Measurements, free: &[Parameter], compliance:
     fit(file, data, free, &options, &Run::default()).unwrap()
 }
 
+/// What is fitted, and what the data have of it.
+const FREE: [Parameter; 4] = [WORK, SUBSTRATE, Parameter::ContactPoint, Parameter::ForceOffset];
+const TRUTHS: [f64; 4] = [0.03, 2e6, CONTACT_POINT, OFFSET];
+
+/// How often the intervals hold the truth, and the works of adhesion that were found.
+fn draws(offset: &str, step: f64, noise: f64, compliance: f64, count: u64) -> ([u64; 4], Vec<f64>) {
+    let drive = match compliance > 0.0 {
+        true => Drive::Machine(1.0 / compliance),
+        false => Drive::Displacement,
+    };
+    let exact = readings(&cycle(&case_file(&[offset]), drive), compliance, step);
+    let (mut inside, mut works) = ([0; 4], Vec::new());
+    for seed in 0..count {
+        let data = Measurements::new(&noisy(&exact, seed, noise)).unwrap();
+        // Nothing is said of the work, and the modulus is wrong.
+        let first = case_file(&[offset, "adhesion.work=0", "substrate.young_modulus=1.5MPa"]);
+        let fitted = run_fit(&first, &data, &FREE, compliance);
+        assert_eq!(fitted.termination, Termination::Converged, "{offset}, seed {seed}");
+        assert!(fitted.converged() && fitted.undetermined.is_empty());
+        for (k, (estimate, truth)) in fitted.estimates.iter().zip(TRUTHS).enumerate() {
+            let [low, high] = estimate.interval.unwrap();
+            inside[k] += u64::from(low < truth && truth < high);
+        }
+        let error = fitted.scatter[0].estimated.unwrap();
+        assert!(close(error, noise, 0.4), "{error:e}");
+        works.push(fitted.estimates[0].value);
+        eprintln!(
+            "{offset} {compliance}: {} {} {:?} {:?}",
+            fitted.iterations,
+            error,
+            fitted.estimates.iter().zip(TRUTHS).map(|(e, t)| e.value / t).collect::<Vec<_>>(),
+            fitted.estimates.iter().zip(TRUTHS).map(|(e, t)| e.standard_error.unwrap() / t).collect::<Vec<_>>()
+        );
+    }
+    (inside, works)
+}
+
+fn close(value: f64, truth: f64, tolerance: f64) -> bool {
+    (value / truth - 1.0).abs() < tolerance
+}
+
+/// Beside a pillar jumps are small; on one they are as large as they get; a soft machine has other jumps.
 #[test]
-fn explore() {
-    let free = [WORK, SUBSTRATE, Parameter::ContactPoint, Parameter::ForceOffset];
-    let truths = [0.03, 2e6, CONTACT_POINT, OFFSET];
-    for (dx, step, noise, compliance) in [
+fn intervals_hold_the_truth_in_most_draws() {
+    const DRAWS: u64 = 4;
+    for (offset, step, noise, compliance) in [
+        ("texture.offset=0.3", 0.1e-6, NOISE, 0.0),
         ("texture.offset=0", 0.1e-6, NOISE, 0.0),
         ("texture.offset=0", 0.04e-6, 0.2e-6, 0.0),
-        ("texture.offset=0.3", 0.1e-6, NOISE, 0.0),
-        ("texture.offset=0", 0.1e-6, 5e-6, COMPLIANCE),
+        ("texture.offset=0", 0.1e-6, NOISE, COMPLIANCE),
     ] {
-        let drive = if compliance > 0.0 { Drive::Machine(1.0 / compliance) } else { Drive::Displacement };
-        let exact = readings(&cycle(&case_file(&[dx]), drive), compliance, step);
-        let mut inside = [0; 4];
-        let start = std::time::Instant::now();
-        let mut converged = 0;
-        let draws = if compliance > 0.0 { 6 } else { 10 };
-        for seed in 0..draws {
-            let data = Measurements::new(&noisy(&exact, seed, noise)).unwrap();
-            let first = case_file(&[dx, "adhesion.work=0", "substrate.young_modulus=1.5MPa"]);
-            let fitted = run_fit(&first, &data, &free, compliance);
-            converged += i32::from(fitted.converged());
-            for (k, (e, truth)) in fitted.estimates.iter().zip(truths).enumerate() {
-                let [low, high] = e.interval.unwrap_or([f64::NAN; 2]);
-                inside[k] += i32::from(low < truth && truth < high);
-                eprint!("{:.4}±{:.4} ", e.value / truth, e.standard_error.unwrap_or(f64::NAN) / truth);
-            }
-            eprintln!(
-                "it {} {:?} s {:?} pull {:?} start {:.4}",
-                fitted.iterations, fitted.termination, fitted.scatter[0].estimated, fitted.pull_off, fitted.estimates[0].start
-            );
-        }
-        eprintln!("{dx} {step:e} {noise:e} {compliance}: inside {inside:?} converged {converged} of {draws} in {:?}", start.elapsed());
+        let (inside, works) = draws(offset, step, noise, compliance, DRAWS);
+        eprintln!("{offset}, {compliance}: inside {inside:?} of {DRAWS}");
+        assert!(inside.iter().all(|inside| *inside + 1 >= DRAWS), "{offset}: {inside:?}");
+        assert!(works.iter().all(|work| close(*work, 0.03, 0.08)), "{works:?}");
     }
-    let _ = (RECEDING, Termination::Converged);
 }

@@ -30,7 +30,7 @@
 //! * With adhesion the force jumps where pillars are released, and between jumps hardly depends on the work of adhesion. What is known of
 //!   a jump is between which rows it is. So a row of the unloading is compared with the straight line through the stretch of the computed curve
 //!   from the row before to the row after it, and the mean square of how far the curve is from that line, on average over
-//!   the rows around, is added to the square of its error. The search begins with the work whose pull-off is the least measured force, and with
+//!   the rows around, is added to the square of its error, as often as rows share the stretch. The search begins with the work whose pull-off is the least measured force, and with
 //!   longer stretches, in which jumps that are far from their place are seen.
 //!
 //! # Errors of the result
@@ -689,6 +689,15 @@ impl<'a> Search<'a> {
         load * load + jumps
     }
 
+    /// What is added where values are weighed: rows in one stretch share its jumps, and know together what one of them knows.
+    fn shared_variance(&self, datum: &Datum) -> f64 {
+        let state = &self.states[datum.row];
+        match datum.quantity {
+            Quantity::Force => state.force_variance * (state.sharing - 1.0),
+            Quantity::ContactRadius => 0.0,
+        }
+    }
+
     fn half_pitch(&self) -> Result<f64, FitError> {
         let settings = self.model.settings(&self.unknowns)?;
         Ok(0.5 * settings.case.system.lattice().pitch)
@@ -701,9 +710,21 @@ impl<'a> Search<'a> {
                 .measured
                 .error
                 .unwrap_or(self.scatter[datum.quantity as usize]);
-            (own * own + self.known_variance(datum, half_pitch)).sqrt()
+            let known = self.known_variance(datum, half_pitch) + self.shared_variance(datum);
+            (own * own + known).sqrt()
         };
         Ok(self.data.iter().map(error).collect())
+    }
+
+    /// The sum of squares over the variance of each value by itself.
+    fn chi_square_of_values(&self) -> f64 {
+        let residuals = self.residuals();
+        let terms = self.data.iter().zip(&residuals).zip(&self.errors);
+        terms
+            .map(|((datum, residual), error)| {
+                residual * residual / (error * error - self.shared_variance(datum))
+            })
+            .sum()
     }
 
     /// Errors of the quantities that have none, from the residuals.
@@ -945,7 +966,7 @@ impl<'a> Search<'a> {
             estimates,
             correlation,
             undetermined,
-            chi_square: self.chi_square(),
+            chi_square: self.chi_square_of_values(),
             degrees_of_freedom: freedom,
             scatter: self.scatters(),
             rows: self.rows(),

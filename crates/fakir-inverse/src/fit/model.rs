@@ -38,6 +38,8 @@ pub(super) struct State {
     pub(super) read_force: f64,
     /// Mean square of how far the force is from such lines, on average over the rows around, N^2.
     pub(super) force_variance: f64,
+    /// How many rows are in its stretch, and so share its jumps.
+    pub(super) sharing: f64,
     /// Slopes of that line, and of one through the contact radius.
     pub(super) slopes: [f64; 2],
     /// Contact radius, m.
@@ -433,6 +435,7 @@ impl<'a> Model<'a> {
                 force: place.force,
                 read_force: force + settings.force_offset,
                 force_variance,
+                sharing: larger(2.0 * stretch / self.stretches[number], 1.0).min(self.branches.len() as f64),
                 slopes: [average.force_slope, average.radius_slope],
                 contact_radius: place.contact_radius,
                 smooth_radius: average.contact_radius,
@@ -547,6 +550,7 @@ impl<'a> Model<'a> {
                 force: 0.0,
                 read_force: 0.0,
                 force_variance: 0.0,
+                sharing: 1.0,
                 slopes: [0.0; 2],
                 contact_radius: 0.0,
                 smooth_radius: 0.0,
@@ -567,6 +571,7 @@ impl<'a> Model<'a> {
             force: contact.force,
             read_force: contact.force,
             force_variance: 0.0,
+            sharing: 1.0,
             slopes: [0.0; 2],
             contact_radius: contact.contact_radius,
             smooth_radius,
