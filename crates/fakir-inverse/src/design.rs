@@ -964,11 +964,14 @@ impl Search<'_> {
             unsolved,
         } = missed;
         trials.sort_by(|a, b| a.position.total_cmp(&b.position));
-        let answers = trials.iter().filter_map(|trial| trial.outcome.as_ref().ok());
+        let answers = trials
+            .iter()
+            .filter_map(|trial| trial.outcome.as_ref().ok());
         let answers = answers.map(|candidate| self.wanted.of(&candidate.reached));
-        let (least, greatest) = answers.fold((f64::INFINITY, 0.0f64), |(least, greatest), answer| {
-            (least.min(answer), greatest.max(answer))
-        });
+        let (least, greatest) = answers
+            .fold((f64::INFINITY, 0.0f64), |(least, greatest), answer| {
+                (least.min(answer), greatest.max(answer))
+            });
         let farness = |trial: &Trial| trial.excess.abs();
         let Some(best) =
             (0..trials.len()).min_by(|a, b| farness(&trials[*a]).total_cmp(&farness(&trials[*b])))
@@ -1252,7 +1255,8 @@ mod tests {
         for share in [0.5 * floor.share, 2.0 * floor.share] {
             let wanted = Wanted::FloorShare { share, load };
             let free = Key::LensYoungModulus;
-            let Design::OutOfReach { nearest, limit, .. } = design(&file, free, wanted, &run).unwrap()
+            let Design::OutOfReach { nearest, limit, .. } =
+                design(&file, free, wanted, &run).unwrap()
             else {
                 panic!("the modulus cannot change the share");
             };
@@ -1291,6 +1295,57 @@ mod tests {
         let ignored = CaseFile::parse("ignored", &ignored).unwrap();
         let told = refused(&ignored, 0.2, Control::Force(1e-3));
         assert!(told.contains("needs floor.contact = true"), "{told}");
+    }
+
+    /// The cycle of the case as it is written down has the wanted pull-off force to within its own numerical error.
+    #[test]
+    fn a_pull_off_force_is_had_by_the_case_that_is_found() {
+        let mut file = paper(0.02);
+        file.set("adhesion.work=50mJ/m2").unwrap();
+        let force = 40e-6;
+        for free in [Key::Pitch, Key::SubstrateYoungModulus] {
+            let candidate = found(&file, free, Wanted::PullOff(force));
+            let written = CaseFile::parse("found", &candidate.case.to_toml()).unwrap();
+            let case = written.case().unwrap();
+            let plan = CyclePlan::default();
+            let cycle = fakir::cycle(&case.system, plan, case.method, &Run::default()).unwrap();
+            let pull_off = cycle.pull_off.as_ref().unwrap();
+            let off = (-pull_off.force / force - 1.0).abs();
+            assert!(
+                off <= cycle.errors.pull_off_force.numerical(),
+                "{free}: {off:e}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_pull_off_force_that_cannot_be_had_is_answered_with_the_range() {
+        let run = Run::default();
+        let file = paper(0.005);
+        let refused = design(&file, Key::PillarHeight, Wanted::PullOff(1e-6), &run);
+        assert!(matches!(refused, Err(DesignError::NoAdhesion)));
+        let mut sticky = file.clone();
+        sticky.set("adhesion.work=50mJ/m2").unwrap();
+        // Of stiffer and stiffer pillars on a soft lens the pull-off force does not grow any more.
+        let free = Key::SubstrateYoungModulus;
+        let wanted = Wanted::PullOff(1.0);
+        let answer = Answer {
+            free,
+            wanted,
+            design: design(&sticky, free, wanted, &run).unwrap(),
+        };
+        let Design::OutOfReach { nearest, reach, .. } = &answer.design else {
+            panic!("1 N cannot be had: {answer:?}");
+        };
+        let [least, greatest] = reach.unwrap();
+        let nearest = wanted.of(&nearest.reached);
+        assert!(0.0 < least && least < greatest && nearest <= greatest && greatest < 1.0);
+        assert!(nearest > 0.99 * greatest, "{nearest:e} of {greatest:e}");
+        let told = answer.statement();
+        assert!(
+            told.contains("it is from ") && told.contains("the nearest is"),
+            "{told}"
+        );
     }
 
     #[test]

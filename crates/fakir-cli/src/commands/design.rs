@@ -70,12 +70,12 @@ pub(crate) fn run(
         answer.as_ref().map(|answer| design_text(answer, &case)),
         scattered.map(|(sampling, scatter)| spread_text(&case, sampling, scatter)),
     ];
-    let mut warned = answer.as_ref().map_or(Vec::new(), |answer| {
-        match &answer.nearest().reached {
+    let mut warned = answer
+        .as_ref()
+        .map_or(Vec::new(), |answer| match &answer.nearest().reached {
             Reached::PulledOff(cycle) => cycle_warnings(cycle),
             reached => warnings(reached.contact()),
-        }
-    });
+        });
     warned.extend(answer.as_ref().and_then(Answer::caution));
     warned.extend(scatter.as_ref().and_then(failures));
     let provenance = Provenance::new(

@@ -127,25 +127,43 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
     let fitted = Style::line(1).with_line(Dash::Solid);
     let line = |points: &[[f64; 2]]| {
         let points = points.iter();
-        points.map(|[x, y]| [of_load.of(*x), of_value.of(*y)]).collect()
+        points
+            .map(|[x, y]| [of_load.of(*x), of_value.of(*y)])
+            .collect()
     };
     let lines = if has_branches {
         vec![
             ("fitted, loading", &curve.curve, fitted.in_tint(Tint::Blue)),
-            ("fitted, unloading", &curve.unloading, fitted.in_tint(Tint::Vermillion)),
+            (
+                "fitted, unloading",
+                &curve.unloading,
+                fitted.in_tint(Tint::Vermillion),
+            ),
         ]
     } else {
         vec![("fitted", &curve.curve, fitted)]
     };
     let branches = if has_branches {
         vec![
-            (false, "measured, loading", Style::marks(0).in_tint(Tint::Blue)),
-            (true, "measured, unloading", Style::marks(2).in_tint(Tint::Vermillion)),
+            (
+                false,
+                "measured, loading",
+                Style::marks(0).in_tint(Tint::Blue),
+            ),
+            (
+                true,
+                "measured, unloading",
+                Style::marks(2).in_tint(Tint::Vermillion),
+            ),
         ]
     } else {
         vec![(false, "measured", Style::marks(0).in_tint(Tint::Black))]
     };
-    let on = |unloading: bool| used().filter(move |point| point.unloading == unloading).collect();
+    let on = |unloading: bool| {
+        used()
+            .filter(move |point| point.unloading == unloading)
+            .collect()
+    };
     let mut series: Vec<Series> = lines
         .into_iter()
         .map(|(name, points, style)| Series::new(name, line(points), style))
@@ -172,11 +190,7 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
     }
     [
         Chart::new(x.clone(), Axis::linear(label(symbol, of_value)), series),
-        Chart::new(
-            x,
-            Axis::linear(label("residual", of_rest)),
-            rests,
-        ),
+        Chart::new(x, Axis::linear(label("residual", of_rest)), rests),
     ]
 }
 

@@ -1152,9 +1152,14 @@ impl<'a> Search<'a> {
                 case: file.case()?,
                 ..settings.clone()
             };
-            let more = self.model.cycle(&more)?.and_then(|(_, cycle)| cycle.pull_off);
+            let more = self
+                .model
+                .cycle(&more)?
+                .and_then(|(_, cycle)| cycle.pull_off);
             let power = more.map(|more| (more.force / pull_off.force).ln() / STEP);
-            work_error = power.filter(|power| *power > 0.0).map(|power| model_error / power);
+            work_error = power
+                .filter(|power| *power > 0.0)
+                .map(|power| model_error / power);
         }
         Ok(Some(FittedPullOff {
             measured: measured - settings.force_offset,

@@ -204,9 +204,11 @@ impl<'a> Model<'a> {
             return Ok(());
         };
         let given = self.start.case.number(key).filter(|work| *work > 0.0);
-        let parts_by_another = key == Key::WorkOfAdhesion
-            && self.start.case.system.adhesion().work_receding.is_some();
-        let pull = self.measured_pull().map(|force| force - self.start.force_offset);
+        let parts_by_another =
+            key == Key::WorkOfAdhesion && self.start.case.system.adhesion().work_receding.is_some();
+        let pull = self
+            .measured_pull()
+            .map(|force| force - self.start.force_offset);
         let (Some(pull), false) = (pull.filter(|pull| *pull < 0.0), parts_by_another) else {
             return match given {
                 Some(_) => Ok(()),
@@ -415,7 +417,9 @@ impl<'a> Model<'a> {
         let nothing = Curve::nothing();
         let curve = cycle.as_ref().map_or(&nothing, |(curve, _)| curve);
         let cycle = cycle.as_ref().map(|(_, cycle)| cycle);
-        let end = cycle.and(curve.turn()).map_or(f64::INFINITY, |turn| turn.position);
+        let end = cycle
+            .and(curve.turn())
+            .map_or(f64::INFINITY, |turn| turn.position);
         let critical = cycle.and_then(|cycle| cycle.critical.as_ref());
         let deepest = critical.map_or(f64::INFINITY, |state| state.contact.indentation);
         let state = |(number, row): (usize, &Measurement)| {
@@ -435,7 +439,8 @@ impl<'a> Model<'a> {
                 force: place.force,
                 read_force: force + settings.force_offset,
                 force_variance,
-                sharing: larger(2.0 * stretch / self.stretches[number], 1.0).min(self.branches.len() as f64),
+                sharing: larger(2.0 * stretch / self.stretches[number], 1.0)
+                    .min(self.branches.len() as f64),
                 slopes: [average.force_slope, average.radius_slope],
                 contact_radius: place.contact_radius,
                 smooth_radius: average.contact_radius,
@@ -682,9 +687,12 @@ impl<'a> Model<'a> {
             .flat_map(|number| [(number, -1.0), (number, 1.0)])
             .collect();
         let solved: Vec<_> = match self.pool {
-            Some(pool) => {
-                pool.install(|| sides.into_par_iter().map(side).collect::<Result<_, FitError>>())
-            }
+            Some(pool) => pool.install(|| {
+                sides
+                    .into_par_iter()
+                    .map(side)
+                    .collect::<Result<_, FitError>>()
+            }),
             None => sides.into_iter().map(side).collect(),
         }?;
         let of_row = |(number, state): (usize, &State)| {
