@@ -23,7 +23,12 @@ Measurements: TypeAlias = Union[str, PathLike[str], Mapping[str, Any], "pandas.D
 """A CSV file, or its columns: a dictionary or a table of pandas."""
 
 UNITS = {
-    "J_per_m2": "J/m^2", "Pa": "Pa", "m_per_N": "m/N", "N": "N", "rad": "rad", "m": "m",
+    "J_per_m2": "J/m^2",
+    "Pa": "Pa",
+    "m_per_N": "m/N",
+    "N": "N",
+    "rad": "rad",
+    "m": "m",
 }
 """Ends of names, and the units they stand for."""
 
@@ -40,7 +45,7 @@ class Estimate(NamedTuple):
     start: float
     """Where the fit began."""
     unit: str
-    """The unit: ``"Pa"``, ``"m"``, ``"m/N"``, ``"N"``, ``"J/m^2"``, ``"rad"``, or ``""`` for plain numbers."""
+    """The unit: ``"Pa"``, ``"m"``, ``"m/N"``, ``"N"``, ``"J/m^2"`` or ``"rad"``; ``""`` for plain numbers."""
 
     @property
     def determined(self) -> bool:
@@ -228,7 +233,8 @@ def fit(
         what was not measured: ``displacement_m`` (reading of the instrument) or ``indentation_m``,
         ``force_N``, ``contact_radius_m``, two of them at the least, and their standard errors
         ``force_error_N`` and so on. ``branch`` tells with adhesion what was measured on ``"loading"`` and what on
-        ``"unloading"``; without it unloading begins after the largest load. Columns with units of pint may be called without: ``"force"``.
+        ``"unloading"``; without it unloading begins after the largest load. Columns with units of pint may be
+        called without: ``"force"``.
     system
         All else; the values of the free parameters are where the search begins.
     free
@@ -340,7 +346,7 @@ def _estimate(given: Mapping[str, Any]) -> Estimate:
 
 
 def _written(value: float, unit: str) -> str:
-    return f"{value:.4g} {unit}".strip() if unit not in {"m", "Pa"} else engineering(value, unit, 4)
+    return f"{value:.4g} {unit}".strip() if unit not in {"m", "Pa", "N", "J/m^2"} else engineering(value, unit, 4)
 
 
 def _optional(value: Any) -> float | None:

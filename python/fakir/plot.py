@@ -465,7 +465,8 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
             ]
         for branch, rows, points, colour in branches:
             across = MICRO * curve[result.load][points]
-            upper.plot(across, MICRO * curve[name][points], label=f"fitted{branch}", color=colour if branch else "C0")
+            line = colour if branch else "C0"
+            upper.plot(across, MICRO * curve[name][points], label=f"fitted{branch}", color=line)
             marks: dict[str, Any] = {"fmt": f"{colour}.", "ms": 4, "lw": 0.8}
             on = shown & rows
             upper.errorbar(MICRO * at[on], measured[on], error[on], label=f"measured{branch}", **marks)

@@ -415,11 +415,12 @@ pub enum DesignError {
     },
 }
 
-/// Keys that can be sought: all sizes and moduli of a case with a texture.
+/// Keys that can be sought: all sizes and moduli of a case with a texture, but no work of adhesion.
 #[must_use]
 pub fn free_keys() -> Vec<Key> {
     let keys = Key::ALL.into_iter();
-    keys.filter(|key| key.is_positive() && !key.is_of_surface())
+    let is_made = |key: &Key| key.is_positive() && key.dimension() != Dimension::EnergyPerArea;
+    keys.filter(|key| is_made(key) && !key.is_of_surface())
         .collect()
 }
 

@@ -148,12 +148,12 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
             (
                 false,
                 "measured, loading",
-                Style::marks(0).in_tint(Tint::Blue),
+                Style::marks(4).in_tint(Tint::Blue),
             ),
             (
                 true,
                 "measured, unloading",
-                Style::marks(2).in_tint(Tint::Vermillion),
+                Style::marks(5).in_tint(Tint::Vermillion),
             ),
         ]
     } else {
