@@ -273,7 +273,6 @@ fn fitted(quantity: FittedQuantity) -> FittedCurve {
         measured: 2e-6 * f64::from(k) + 3e-7 * f64::from(k).sin(),
         computed: 2e-6 * f64::from(k),
         error: 2e-7,
-        unloading: false,
         used: k < 15,
         unloading: false,
     };
