@@ -793,7 +793,7 @@ impl Search<'_> {
 
     /// Whether, by the homogenised lattice, so many pillars are in contact at the transition that a cycle takes too long.
     fn has_many_pillars(&self, case: &Case) -> Result<bool, DesignError> {
-        let without = case.system.clone().with_adhesion(Adhesion::NONE);
+        let without = case.system.with_adhesion(Adhesion::NONE);
         let system = without.map_err(SolveError::from)?;
         match fakir::transition(&system, Method::Homogenised, self.run) {
             Ok(critical) => Ok(critical.contact.pillars_in_contact > MANY_PILLARS),

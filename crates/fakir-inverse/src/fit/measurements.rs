@@ -88,7 +88,7 @@ impl Column {
 /// The branch that a value of the column stands for.
 fn branch(value: f64) -> Option<Branch> {
     let mut named = [(0.0, Branch::Loading), (1.0, Branch::Unloading)].into_iter();
-    named.find_map(|(number, branch)| (value == number).then_some(branch))
+    named.find_map(|(number, branch)| value.total_cmp(&number).is_eq().then_some(branch))
 }
 
 /// What the position of the lens was measured as.
