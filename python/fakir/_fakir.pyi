@@ -80,6 +80,8 @@ def approach(
     to_force: float | None,
     options: Options,
 ) -> tuple[str, Critical, list[State]]: ...
+_Cycled = tuple[str, Critical | None, dict[str, Any] | None, str]
+
 def cycle(
     case: Case,
     to: float | None,
@@ -88,7 +90,7 @@ def cycle(
     machine_stiffness: float | None,
     retract: bool,
     options: Options,
-) -> tuple[str, Critical | None, dict[str, Any] | None, str]: ...
+) -> _Cycled: ...
 def compare(case: Case, options: Options) -> tuple[str, list[tuple[str, Critical]]]: ...
 
 _Estimate = tuple[float, float, float, float]
@@ -134,13 +136,13 @@ class Fitted:
     def warnings(self) -> list[str]: ...
     def table(self) -> list[tuple[str, Any]]: ...
     def curve(self) -> list[_Floats]: ...
+    def unloading(self) -> np.ndarray[Any, np.dtype[np.bool_]]: ...
 
 def fit(
     case: Case,
     data: Data,
     free: Sequence[str],
-    contact_point: float | None,
-    machine_compliance: float,
+    instrument: tuple[float | None, float, float],
     options: Options,
 ) -> Fitted: ...
 @final
@@ -186,10 +188,13 @@ def design(
     case: Case,
     free: str,
     wanted: tuple[
-        float | None, float | None, tuple[float, float | None, float | None] | None
+        float | None,
+        float | None,
+        tuple[float, float | None, float | None] | None,
+        float | None,
     ],
     options: Options,
-) -> tuple[str, list[tuple[float, Case, Critical | State]]]: ...
+) -> tuple[str, list[tuple[float, Case, Critical | State | _Cycled]]]: ...
 def sampling_defaults() -> tuple[int, int]: ...
 def parse_deviation(path: str, text: str) -> tuple[float, bool]: ...
 def spread(

@@ -542,14 +542,25 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
         shown = used & np.isfinite(data[name])
         error = MICRO * data[f"{quantity}_error_{unit}"]
         measured, rest = MICRO * data[name], MICRO * data[f"{quantity}_residual_{unit}"]
-        across = np.argsort(curve[result.load])
-        upper.plot(MICRO * curve[result.load][across], MICRO * curve[name][across], label="fitted")
-        marks: dict[str, Any] = {"fmt": "k.", "ms": 4, "lw": 0.8}
-        upper.errorbar(MICRO * at[shown], measured[shown], error[shown], label="measured", **marks)
+        back = result.unloading
+        branches = [("", np.ones(len(at), dtype=bool), ~back, "k")]
+        if back.any():
+            unloading = np.asarray(data["branch"]) == "unloading"
+            branches = [
+                (", loading", ~unloading, ~back, "C0"),
+                (", unloading", unloading, back, "C3"),
+            ]
+        for branch, rows, points, colour in branches:
+            across = MICRO * curve[result.load][points]
+            line = colour if branch else "C0"
+            upper.plot(across, MICRO * curve[name][points], label=f"fitted{branch}", color=line)
+            marks: dict[str, Any] = {"fmt": f"{colour}.", "ms": 4, "lw": 0.8}
+            on = shown & rows
+            upper.errorbar(MICRO * at[on], measured[on], error[on], label=f"measured{branch}", **marks)
+            lower.errorbar(MICRO * at[on], rest[on], error[on], **marks)
         if not used.all():
             upper.plot(MICRO * at[~used], measured[~used], ".", color="0.6", label="past the transition")
         lower.axhline(0.0, lw=0.8)
-        lower.errorbar(MICRO * at[shown], rest[shown], error[shown], **marks)
         upper.set_ylabel(f"{quantity.replace('_', ' ')} (µ{unit})")
         lower.set_ylabel(f"residual (µ{unit})")
         load = result.load.removeprefix("measured_").rsplit("_", 1)

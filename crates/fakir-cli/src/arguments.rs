@@ -122,8 +122,8 @@ pub(crate) enum Command {
     /// one page of claims, figures and numbers that needs nothing else.
     #[command(after_help = "Example: fakir reproduce paper --output paper")]
     Reproduce(Reproduce),
-    /// The inverse question: the pitch, size or modulus that gives a wanted critical state or floor share; and how
-    /// far real samples scatter about it
+    /// The inverse question: the pitch, size or modulus that gives a wanted critical state, pull-off force or floor
+    /// share; and how far real samples scatter about it
     ///
     /// All else is as in the case file. With a pitch in the case file the pitch stays as it is, with
     /// a surface fraction that. Exit status 3 says that no value gives what is wanted; the nearest
@@ -134,9 +134,10 @@ pub(crate) enum Command {
   fakir design case.toml --free pitch --critical-force 1mN \\
       --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --free pitch --floor-share 20% --at-force 1mN
+  fakir design sticky.toml --free pitch --pull-off 0.1mN
   fakir design case.toml --samples 1000")]
     Design(Design),
-    /// Moduli and instrument parameters from a measured loading curve, by least squares
+    /// Moduli, work of adhesion and instrument parameters from a measured curve, by least squares
     ///
     /// DATA.csv has a heading and a row for every state, in SI units, with two or more of the columns
     /// displacement_m (reading of the instrument, larger is deeper) or indentation_m, force_N and
@@ -148,10 +149,16 @@ pub(crate) enum Command {
     /// displacement - contact_point - machine_compliance * force. States past the transition are used by
     /// the method spectral, which knows what the floor bears, and left out by the others and with
     /// floor.contact=false. A parameter that the data do not determine gets no confidence interval.
+    ///
+    /// With pillar tops that stick (a case with [adhesion], or adhesion.work free) the data are one cycle of loading
+    /// and unloading. A column branch has loading or unloading in every row; without it unloading begins after the
+    /// largest load. Pull-off is the least force, negative as it was measured, and the work of adhesion
+    /// is sought from there.
     #[command(after_help = "Examples:
   fakir fit data.csv --case case.toml --free substrate.young_modulus,contact_point
   fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\
-      --machine-compliance 2e-3 --force-error 0.5uN --output fitted")]
+      --machine-compliance 2e-3 --force-error 0.5uN --output fitted
+  fakir fit retraction.csv --case sticky.toml --free adhesion.work,contact_point,force_offset")]
     Fit(Fit),
     /// Many cases: a study file with axes along which a case is varied
     ///
@@ -475,7 +482,7 @@ pub(crate) enum CitedMethod {
 
 #[derive(Debug, Args)]
 #[command(
-    group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "floor_share"]).requires("free"),
+    group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "floor_share", "pull_off"]).requires("free"),
     group = ArgGroup::new("at").args(["at_force", "at_indentation"]).requires("floor_share")
 )]
 pub(crate) struct Design {
@@ -491,6 +498,10 @@ pub(crate) struct Design {
     /// The critical contact radius that is wanted (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     critical_contact_radius: Option<f64>,
+    /// The pull-off force that is wanted after the critical state, of a case with adhesion, as a positive number
+    /// (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    pull_off: Option<f64>,
     /// The share of the force that the floor is to bear, past the transition: 0.2 or 20%
     #[arg(long, value_name = "SHARE", value_parser = fraction, allow_hyphen_values = true, requires = "at")]
     floor_share: Option<f64>,
@@ -525,14 +536,15 @@ impl Design {
             .critical_force
             .map(Wanted::Force)
             .or(self.critical_contact_radius.map(Wanted::ContactRadius))
+            .or(self.pull_off.map(Wanted::PullOff))
             .or(self
                 .floor_share
                 .zip(self.load())
                 .map(|(share, load)| Wanted::FloorShare { share, load }));
         if self.free.is_none() && self.tolerance.is_empty() && self.samples.is_none() {
             return Err(Failure::Argument(
-                "nothing to do: give --free and --critical-force or --floor-share for a design, or --tolerance or \
-                 --samples for a spread"
+                "nothing to do: give --free and --critical-force, --pull-off or --floor-share for a design, or \
+                 --tolerance or --samples for a spread"
                     .to_owned(),
             ));
         }
@@ -565,14 +577,15 @@ impl Design {
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
-    /// Measured loading curve (CSV)
+    /// Measured curve of loading, or of loading and unloading (CSV)
     data: PathBuf,
     /// Case file (TOML) with everything that is known, and where to begin; `-` for standard input
     #[arg(long)]
     case: PathBuf,
     /// What is fitted: substrate.young_modulus, lens.young_modulus, lens.radius,
     /// texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
-    /// texture.offset_angle, contact_point, machine_compliance; with commas, or repeated
+    /// texture.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
+    /// force_offset; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
     /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or where to
@@ -587,6 +600,9 @@ pub(crate) struct Fit {
         allow_hyphen_values = true
     )]
     machine_compliance: f64,
+    /// What the instrument reads without any force (N, mN, uN, nN), or where to begin; it is in all measured forces
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
+    force_offset: f64,
     /// Standard error of forces that have none in the file (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     force_error: Option<f64>,
@@ -658,6 +674,7 @@ impl Fit {
         FitOptions {
             contact_point: self.contact_point,
             machine_compliance: self.machine_compliance,
+            force_offset: self.force_offset,
         }
     }
 }

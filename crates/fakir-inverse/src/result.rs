@@ -4,7 +4,7 @@ use crate::design::{Answer, Design, Reached, Wanted};
 use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
 use fakir::problem::{Control, Method};
 use fakir_study::VERSION;
-use fakir_study::result::{PressSummary, TransitionSummary};
+use fakir_study::result::{CycleSummary, PressSummary, TransitionSummary};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -40,6 +40,7 @@ impl DesignSummary {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
 struct AnswerObject {
     free: &'static str,
     wanted: Map<String, Value>,
@@ -50,11 +51,17 @@ struct AnswerObject {
     /// The relative change of what is wanted over that of the value, `d ln(wanted)/d ln(value)`.
     sensitivity: Option<f64>,
     statement: String,
+    /// The least and the greatest that was found, where no value gives what is wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reachable_pull_off_force_N: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     critical_state: Option<TransitionSummary>,
     /// The contact under the load of a wanted floor share.
     #[serde(skip_serializing_if = "Option::is_none")]
     state: Option<PressSummary>,
+    /// The cycle of a wanted pull-off force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cycle: Option<CycleSummary>,
 }
 
 impl AnswerObject {
@@ -70,6 +77,7 @@ impl AnswerObject {
             Wanted::Force(_) => "critical_force_N",
             Wanted::ContactRadius(_) => "critical_contact_radius_m",
             Wanted::FloorShare { .. } => "floor_share",
+            Wanted::PullOff(_) => "pull_off_force_N",
         };
         let mut wanted = named(wanted.to_owned(), answer.wanted.value());
         match answer.wanted {
@@ -87,11 +95,17 @@ impl AnswerObject {
             }
             _ => {}
         }
-        let (critical_state, state) = match &nearest.reached {
+        let (mut critical_state, mut state, mut cycle) = (None, None, None);
+        match &nearest.reached {
             Reached::Critical(critical) => {
-                (Some(TransitionSummary::new(critical, wall_time)), None)
+                critical_state = Some(TransitionSummary::new(critical, wall_time));
             }
-            Reached::Pressed(contact) => (None, Some(PressSummary::new(contact, wall_time))),
+            Reached::Pressed(contact) => state = Some(PressSummary::new(contact, wall_time)),
+            Reached::PulledOff(pulled) => cycle = Some(CycleSummary::new(pulled, wall_time)),
+        }
+        let reach = match answer.design {
+            Design::OutOfReach { reach, .. } => reach,
+            _ => None,
         };
         Self {
             free: answer.free.path(),
@@ -103,8 +117,10 @@ impl AnswerObject {
             ),
             sensitivity,
             statement: answer.statement(),
+            reachable_pull_off_force_N: reach,
             critical_state,
             state,
+            cycle,
         }
     }
 }

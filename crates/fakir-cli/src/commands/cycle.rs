@@ -126,6 +126,54 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
     if let Some(indentation) = cycle.zero_load_indentation {
         list.length("at rest without load", indentation, String::new());
     }
+    turn_and_pull_off(&mut list, cycle);
+    match cycle.separation {
+        Some(indentation) => list.length("last release", indentation, String::new()),
+        None => list.row("last release", "-".to_owned(), "", "something still holds"),
+    };
+    let energy = |list: &mut QuantityList, name: &str, value: f64, error: CycleError, words| {
+        list.row(name, significant(value, known(error)), "J", words);
+    };
+    let area = errors.loop_area;
+    energy(
+        &mut list,
+        "work of separation",
+        cycle.work_of_separation,
+        area,
+        "",
+    );
+    if let Some(certificate) = cycle.certificate() {
+        energy(
+            &mut list,
+            "hysteresis",
+            cycle.loop_area,
+            area,
+            &remark(area),
+        );
+        list.row(
+            "certificate",
+            certificate_words(certificate),
+            "",
+            "relative difference from what all events dissipate",
+        );
+    }
+    list.limits(&cycle.limits(range));
+    list.row(
+        "stations",
+        cycle.stations.len().to_string(),
+        "",
+        &format!(
+            "{}, in {}",
+            cycle.termination.description(),
+            seconds(wall_time)
+        ),
+    );
+    list.text()
+}
+
+/// Where the lens turns, and the pull-off.
+pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
+    let errors = &cycle.errors;
     let turn = &cycle.turn;
     let reason = match &cycle.critical {
         Some(critical) if turn.indentation > critical.contact.indentation => {
@@ -184,48 +232,6 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
             "",
         );
     }
-    match cycle.separation {
-        Some(indentation) => list.length("last release", indentation, String::new()),
-        None => list.row("last release", "-".to_owned(), "", "something still holds"),
-    };
-    let energy = |list: &mut QuantityList, name: &str, value: f64, error: CycleError, words| {
-        list.row(name, significant(value, known(error)), "J", words);
-    };
-    let area = errors.loop_area;
-    energy(
-        &mut list,
-        "work of separation",
-        cycle.work_of_separation,
-        area,
-        "",
-    );
-    if let Some(certificate) = cycle.certificate() {
-        energy(
-            &mut list,
-            "hysteresis",
-            cycle.loop_area,
-            area,
-            &remark(area),
-        );
-        list.row(
-            "certificate",
-            certificate_words(certificate),
-            "",
-            "relative difference from what all events dissipate",
-        );
-    }
-    list.limits(&cycle.limits(range));
-    list.row(
-        "stations",
-        cycle.stations.len().to_string(),
-        "",
-        &format!(
-            "{}, in {}",
-            cycle.termination.description(),
-            seconds(wall_time)
-        ),
-    );
-    list.text()
 }
 
 /// What is smaller than any error that matters is rounding, and differs between machines.

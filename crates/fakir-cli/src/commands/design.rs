@@ -1,4 +1,4 @@
-//! `fakir design`: the value that gives a wanted critical state or floor share, and how far real samples scatter
+//! `fakir design`: the value that gives a wanted critical state, pull-off force or floor share, and how far real samples scatter
 //! about it.
 
 use crate::arguments::Design as Options;
@@ -9,7 +9,7 @@ use crate::report::figures::saved;
 use crate::report::state::{QuantityList, radius_digits, texture_line};
 use crate::report::table::{Column, list, table};
 use crate::session::Session;
-use fakir::state::{ContactState, CriticalState, Normalized};
+use fakir::state::{ContactState, CriticalState, Cycle, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseFile, Key};
 use fakir_figure::{Figure, Histogram, Text, histogram};
@@ -19,7 +19,7 @@ use fakir_inverse::spread::{Critical, Landing, PullOff, Sampling, Spread, Summar
 use fakir_study::citations::Topic;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{json, warnings};
+use fakir_study::result::{cycle_warnings, json, warnings};
 use std::time::Instant;
 
 /// The report of a design, and whether it found what was wanted.
@@ -70,9 +70,12 @@ pub(crate) fn run(
         answer.as_ref().map(|answer| design_text(answer, &case)),
         scattered.map(|(sampling, scatter)| spread_text(&case, sampling, scatter)),
     ];
-    let mut warned = answer.as_ref().map_or(Vec::new(), |answer| {
-        warnings(answer.nearest().reached.contact())
-    });
+    let mut warned = answer
+        .as_ref()
+        .map_or(Vec::new(), |answer| match &answer.nearest().reached {
+            Reached::PulledOff(cycle) => cycle_warnings(cycle),
+            reached => warnings(reached.contact()),
+        });
     warned.extend(answer.as_ref().and_then(Answer::caution));
     warned.extend(scatter.as_ref().and_then(failures));
     let provenance = Provenance::new(
@@ -128,6 +131,7 @@ fn design_text(answer: &Answer, case: &Case) -> String {
     let rows = match &answer.nearest().reached {
         Reached::Critical(critical) => critical_rows(answer, critical),
         Reached::Pressed(state) => pressed_rows(answer, state),
+        Reached::PulledOff(cycle) => pulled_off_rows(answer, cycle),
     };
     format!(
         "{}\n{}\n{}\n\n{rows}",
@@ -155,6 +159,16 @@ fn pressed_rows(answer: &Answer, state: &ContactState) -> String {
         )
         .floor(state)
         .pillars(state);
+    if let Some((value, remark)) = sensitivity(answer) {
+        rows.row("sensitivity", value, "", &remark);
+    }
+    rows.text()
+}
+
+/// The cycle that was found for a wanted pull-off force.
+fn pulled_off_rows(answer: &Answer, cycle: &Cycle) -> String {
+    let mut rows = QuantityList::default();
+    super::cycle::turn_and_pull_off(&mut rows, cycle);
     if let Some((value, remark)) = sensitivity(answer) {
         rows.row("sensitivity", value, "", &remark);
     }
