@@ -11,8 +11,8 @@ use crate::numerics::vector::dot;
 use crate::problem::scaled::Problem;
 use crate::problem::{Accuracy, Control, CyclePlan, Drive, FloorModel, Method, System, Turn};
 use crate::state::contact::contact_warnings;
-use crate::state::cycle::LARGEST_STRAIN;
 use crate::state::fields::Disc;
+use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
     CycleEventKind, CycleStation, ErrorEstimate, Fields, HeldContact, HeldPillar, Passage,

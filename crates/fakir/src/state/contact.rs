@@ -1,8 +1,8 @@
 //! The contact under a load, pillar by pillar.
 
-use super::cycle::{Limit, limits};
 use super::fields::Fields;
 use super::floor_contact::FloorContact;
+use super::limit::{DOUBTFUL_CONTACT, Limit, limits};
 use crate::problem::{Method, Point, System};
 use std::sync::Arc;
 
@@ -87,9 +87,6 @@ pub enum Warning {
     /// is below the highest of the surface: there may be more contact on a larger surface.
     ReachesBorder,
 }
-
-/// Contact radius over lens radius beyond which a contact is warned of.
-pub(crate) const DOUBTFUL_CONTACT: f64 = 0.2;
 
 /// Warnings for a contact radius relative to the lens radius.
 pub(crate) fn contact_warnings(ratio: f64) -> Vec<Warning> {

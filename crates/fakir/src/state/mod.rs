@@ -15,6 +15,7 @@ pub(crate) mod cycle;
 pub(crate) mod error;
 pub(crate) mod fields;
 pub(crate) mod floor_contact;
+pub(crate) mod limit;
 pub(crate) mod run;
 mod samples;
 mod shared;
@@ -25,11 +26,12 @@ pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termin
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{
     Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation, HeldContact,
-    HeldPillar, Limit, Passage, PullOff,
+    HeldPillar, Passage, PullOff,
 };
 pub use error::SolveError;
 pub use fields::Fields;
 pub use floor_contact::{FloorContact, FloorErrors};
+pub use limit::Limit;
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use shared::Contact;
