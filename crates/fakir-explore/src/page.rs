@@ -32,7 +32,6 @@ const FILES: &[(&str, &str, &str)] = &[
     script!("address"),
     script!("charts"),
     script!("controls"),
-    script!("cycle"),
     script!("diagrams"),
     script!("engine"),
     script!("main"),
