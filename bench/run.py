@@ -3,6 +3,7 @@
     python3 bench/run.py                  # everything
     python3 bench/run.py texture --surface-fraction 0.1
     python3 bench/run.py elements
+    python3 bench/run.py adhesion
     python3 bench/run.py limits
 """
 
@@ -10,11 +11,12 @@ import argparse
 import tempfile
 from pathlib import Path
 
+import adhesion
 import elements
 import limits
 import texture
 
-PARTS = {"texture": texture.run, "elements": elements.run, "limits": limits.run}
+PARTS = {"texture": texture.run, "elements": elements.run, "adhesion": adhesion.run, "limits": limits.run}
 
 
 def main():

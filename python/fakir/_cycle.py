@@ -230,6 +230,13 @@ def _error(found: dict[str, float]) -> CycleError:
     return CycleError(float(found["numerical"]), float(found["model_fronts"]))
 
 
+def cycle_of(found: tuple[Any, ...]) -> Cycle:
+    """The cycle that was computed."""
+    summary, reached, pillars, _ = found
+    critical = None if reached is None else critical_state(reached)
+    return Cycle(json.loads(summary), critical, pillars)
+
+
 def cycle(
     case: _fakir.Case,
     to: Quantity | None,
@@ -255,9 +262,8 @@ def cycle(
         else si(machine_stiffness, "stiffness", "machine_stiffness"),
         retract,
     )
-    found, reached, pillars, termination = _fakir.cycle(case, *plan, options)
-    critical = None if reached is None else critical_state(reached)
-    result = Cycle(json.loads(found), critical, pillars)
+    found = _fakir.cycle(case, *plan, options)
+    result, termination = cycle_of(found), found[-1]
     if not result.converged:
         raise NotConverged(f"the solution {termination}", result)
     warn(result.warnings)

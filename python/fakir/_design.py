@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _fakir
+from ._cycle import Cycle, cycle_of
 from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, si
 from ._run import Progress, options
@@ -29,18 +30,24 @@ class Candidate(NamedTuple):
     """The value of the free key, in SI units."""
     system: System
     """The system with this value."""
-    reached: CriticalState | ContactState
-    """Its critical state; its contact under the load where a floor share was wanted."""
+    reached: CriticalState | ContactState | Cycle
+    """Its critical state; its contact under the load where a floor share was wanted; its cycle where a
+    pull-off force was."""
 
     @property
     def critical(self) -> CriticalState:
-        """Its critical state, which is computed now where a floor share was wanted."""
+        """Its critical state, which is computed now where a floor share or pull-off force was wanted."""
         return self.reached if isinstance(self.reached, CriticalState) else self.system.transition()
+
+    @property
+    def cycle(self) -> Cycle:
+        """Its loading and unloading, which is computed now unless a pull-off force was wanted."""
+        return self.reached if isinstance(self.reached, Cycle) else self.system.cycle()
 
     @property
     def state(self) -> ContactState:
         """Its contact: critical, or under the load where a floor share was wanted."""
-        return self.reached.state if isinstance(self.reached, CriticalState) else self.reached
+        return self.reached if isinstance(self.reached, ContactState) else self.critical.state
 
 
 class Design:
@@ -65,8 +72,13 @@ class Design:
 
     @property
     def critical(self) -> CriticalState:
-        """Its critical state, which is computed now where a floor share was wanted."""
+        """Its critical state, which is computed now where a floor share or pull-off force was wanted."""
         return self._found.critical
+
+    @property
+    def cycle(self) -> Cycle:
+        """Its loading and unloading, which is computed now unless a pull-off force was wanted."""
+        return self._found.cycle
 
     @property
     def state(self) -> ContactState:
@@ -81,7 +93,10 @@ class Design:
         length = not self.free.endswith(("fraction", "modulus"))
         unit = "m" if length else "Pa" if self.free.endswith("modulus") else ""
         reached = self._found.reached
-        if isinstance(reached, CriticalState):
+        contact: list[Row]
+        if isinstance(reached, Cycle):
+            contact = reached._rows()
+        elif isinstance(reached, CriticalState):
             contact = [
                 ("critical force", engineering(reached.force, "N")),
                 ("critical contact radius", radius(reached.contact_radius, reached.error.contact_radius)),
@@ -124,13 +139,15 @@ def design(
     floor_share: Quantity | None = None,
     at_force: Quantity | None = None,
     at_indentation: Quantity | None = None,
+    pull_off: Quantity | None = None,
     threads: int = 1,
     progress: Progress | None = None,
     memory_limit: int | None = None,
     force: Quantity | None = None,
     contact_radius: Quantity | None = None,
 ) -> Design:
-    """The value of one quantity that gives a wanted critical force, critical contact radius or floor share.
+    """The value of one quantity that gives a wanted critical force, critical contact radius, floor share or
+    pull-off force.
 
     Parameters
     ----------
@@ -145,8 +162,11 @@ def design(
     floor_share, at_force, at_indentation
         The part of the force that the floor is to bear past the transition, as in ``0.2`` or ``"20 %"``,
         and the load at which it is to do so: a force (N) or an indentation (m). It is met to within its
-        own estimated error. Exactly one of ``critical_force``, ``critical_contact_radius`` and
-        ``floor_share`` must be given.
+        own estimated error.
+    pull_off
+        The pull-off force (N, as a positive number) that is wanted on the way back from the critical state, of a
+        system with adhesion. It is met to within its own numerical error. Exactly one of ``critical_force``,
+        ``critical_contact_radius``, ``floor_share`` and ``pull_off`` must be given.
     force, contact_radius
         The older names of these.
 
@@ -159,10 +179,10 @@ def design(
     critical_contact_radius = _renamed(
         "contact_radius", contact_radius, "critical_contact_radius", critical_contact_radius
     )
-    given = [critical_force, critical_contact_radius, floor_share]
+    given = [critical_force, critical_contact_radius, floor_share, pull_off]
     if sum(value is not None for value in given) != 1:
         raise TypeError(
-            "give exactly one of critical_force, critical_contact_radius and floor_share"
+            "give exactly one of critical_force, critical_contact_radius, floor_share and pull_off"
         )
     if floor_share is None and (at_force is not None or at_indentation is not None):
         raise TypeError("at_force and at_indentation are the load of a floor_share: give it too")
@@ -186,20 +206,22 @@ def design(
             None if at_indentation is None else si(at_indentation, "length", "at_indentation"),
         )
     )
-    wanted = (wanted_force, wanted_radius, wanted_share)
+    wanted_pull = None if pull_off is None else si(pull_off, "force", "pull_off")
+    wanted = (wanted_force, wanted_radius, wanted_share, wanted_pull)
     summary, found = _fakir.design(system._case, free, wanted, run)
     answer = json.loads(summary)
     candidates = [
-        Candidate(
-            value,
-            System._of(case),
-            ContactState(reached) if isinstance(reached, _fakir.State) else CriticalState(reached),
-        )
-        for value, case, reached in found
+        Candidate(value, System._of(case), _reached(reached)) for value, case, reached in found
     ]
     if answer["design"]["status"] == "found":
         return Design(answer, candidates[0])
     raise OutOfReach(answer["design"]["statement"], candidates)
+
+
+def _reached(found: Any) -> CriticalState | ContactState | Cycle:
+    if isinstance(found, tuple):
+        return cycle_of(found)
+    return ContactState(found) if isinstance(found, _fakir.State) else CriticalState(found)
 
 
 def _renamed(
@@ -215,7 +237,7 @@ def _renamed(
 
 
 class Spread:
-    """Critical states of samples about a system. Arrays have one value for every sample."""
+    """Critical states of samples about a system, and how the lens comes off tops that stick. Arrays have one value for every sample."""
 
     def __init__(self, summary: dict[str, Any], columns: dict[str, Any]) -> None:
         self._summary, self._columns = summary, columns
@@ -238,6 +260,16 @@ class Spread:
     def contact_radius(self) -> FloatArray:
         """Critical contact radii, m."""
         return self._column("critical_contact_radius_m")
+
+    @property
+    def pull_off_force(self) -> FloatArray | None:
+        """Largest pulls when the lens is withdrawn from the critical state, N, negative; none where nothing sticks."""
+        return self._column("pull_off_force_N") if "pull_off_force_N" in self._columns else None
+
+    @property
+    def hysteresis(self) -> FloatArray | None:
+        """Areas of the loop of force over indentation, J; none where nothing sticks."""
+        return self._column("hysteresis_J") if "hysteresis_J" in self._columns else None
 
     @property
     def problems(self) -> list[str]:
@@ -266,7 +298,11 @@ class Spread:
             ("critical force", self.force, "N"),
             ("critical indentation", self.indentation, "m"),
             ("critical contact radius", self.contact_radius, "m"),
+            ("pull-off force", self.pull_off_force, "N"),
+            ("hysteresis", self.hysteresis, "J"),
         ]:
+            if values is None:
+                continue
             mean, deviation = float(np.nanmean(values)), float(np.nanstd(values, ddof=1))
             low, high = np.nanpercentile(values, [2.5, 97.5])
             text = f"{engineering(mean, unit, 4)} ± {engineering(deviation, unit, 2)}"
@@ -296,7 +332,7 @@ def spread(
     progress: Progress | None = None,
     memory_limit: int | None = None,
 ) -> Spread:
-    """How far the critical state scatters from sample to sample.
+    """How far the critical state scatters from sample to sample; with tops that stick also pull-off and hysteresis.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Moduli, sizes and instrument parameters from measured loading curves."""
+"""Moduli, sizes, works of adhesion and instrument parameters from measured curves."""
 
 from __future__ import annotations
 
@@ -22,7 +22,14 @@ if TYPE_CHECKING:
 Measurements: TypeAlias = Union[str, PathLike[str], Mapping[str, Any], "pandas.DataFrame"]
 """A CSV file, or its columns: a dictionary or a table of pandas."""
 
-UNITS = {"Pa": "Pa", "m_per_N": "m/N", "rad": "rad", "m": "m"}
+UNITS = {
+    "J_per_m2": "J/m^2",
+    "Pa": "Pa",
+    "m_per_N": "m/N",
+    "N": "N",
+    "rad": "rad",
+    "m": "m",
+}
 """Ends of names, and the units they stand for."""
 
 
@@ -38,12 +45,25 @@ class Estimate(NamedTuple):
     start: float
     """Where the fit began."""
     unit: str
-    """The unit: ``"Pa"``, ``"m"``, ``"m/N"``, ``"rad"``, or ``""`` for plain numbers."""
+    """The unit: ``"Pa"``, ``"m"``, ``"m/N"``, ``"N"``, ``"J/m^2"`` or ``"rad"``; ``""`` for plain numbers."""
 
     @property
     def determined(self) -> bool:
         """Whether the data say anything of it."""
         return self.interval is not None
+
+
+class FittedPullOff(NamedTuple):
+    """The pull-off of the data and that of the fitted cycle."""
+
+    measured: float
+    """The least measured force without the offset of the instrument, N."""
+    fitted: float
+    """That of the cycle, N."""
+    model_error: float
+    """The relative error of the model in it, from the shapes of partial contacts."""
+    work_error: float | None
+    """What that is of the work of adhesion: it is not in its interval. ``None`` if no work was fitted."""
 
 
 class Fit:
@@ -87,6 +107,24 @@ class Fit:
         return _optional(self._summary["machine_compliance_m_per_N"])
 
     @property
+    def force_offset(self) -> float:
+        """What the instrument reads without any force, N."""
+        return float(self._summary["force_offset_N"])
+
+    @property
+    def pull_off(self) -> FittedPullOff | None:
+        """The pull-off of the data and of the fitted cycle; ``None`` without adhesion or unloading."""
+        given = self._summary.get("pull_off")
+        if given is None:
+            return None
+        return FittedPullOff(
+            float(given["measured_force_N"]),
+            float(given["fitted_force_N"]),
+            float(given["relative_error_of_model"]),
+            _optional(given["relative_error_of_work"]),
+        )
+
+    @property
     def chi_square(self) -> float:
         """Sum of squares of (measured - computed)/error."""
         return float(self._summary["chi_square"])
@@ -122,6 +160,11 @@ class Fit:
         at, force, contact_radius = self._fitted.curve()
         return {self.load: at, "force_N": force, "contact_radius_m": contact_radius}
 
+    @property
+    def unloading(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Which points of the curve are of the unloading of pillar tops that stick."""
+        return self._fitted.unloading()
+
     def columns(self) -> dict[str, Any]:
         """The data beside the model, by the columns of ``fitted.csv``."""
         return dict(self._fitted.table())
@@ -147,6 +190,13 @@ class Fit:
             rows.append((name, f"{value}, 95 % interval {low} to {high}"))
         reduced = self.reduced_chi_square
         scatter = "scatter estimated" if reduced is None else f"reduced chi-square {reduced:.3g}"
+        if self.pull_off is not None:
+            measured, fitted, model, of_work = self.pull_off
+            error = f"error of the model {model:.1g}"
+            if of_work is not None:
+                error += f", {of_work:.1g} of the work"
+            text = f"{engineering(measured, 'N', 3)} measured, {engineering(fitted, 'N', 3)} fitted"
+            rows.append(("pull-off", f"{text}; {error}"))
         rows.append(("residuals", f"{self.degrees_of_freedom} degrees of freedom, {scatter}"))
         return rows
 
@@ -164,6 +214,7 @@ def fit(
     *,
     contact_point: Quantity | None = None,
     machine_compliance: Quantity = 0.0,
+    force_offset: Quantity = 0.0,
     position_error: Quantity | None = None,
     force_error: Quantity | None = None,
     contact_radius_error: Quantity | None = None,
@@ -171,7 +222,9 @@ def fit(
     progress: Progress | None = None,
     memory_limit: int | None = None,
 ) -> Fit:
-    """The values that fit a measured loading curve best, by least squares.
+    """The values that fit a measured curve best, by least squares.
+
+    With adhesion in ``system``, or ``"adhesion.work"`` free, the data are one cycle of loading and unloading.
 
     Parameters
     ----------
@@ -179,16 +232,21 @@ def fit(
         A CSV file or its columns in SI units, each as long as the others, with NaN or empty cells for
         what was not measured: ``displacement_m`` (reading of the instrument) or ``indentation_m``,
         ``force_N``, ``contact_radius_m``, two of them at the least, and their standard errors
-        ``force_error_N`` and so on. Columns with units of pint may be called without: ``"force"``.
+        ``force_error_N`` and so on. ``branch`` tells with adhesion what was measured on ``"loading"`` and what on
+        ``"unloading"``; without it unloading begins after the largest load. Columns with units of pint may be
+        called without: ``"force"``.
     system
         All else; the values of the free parameters are where the search begins.
     free
-        Keys such as ``"substrate.young_modulus"`` or ``"texture.offset"``; and, with displacements,
+        Keys such as ``"substrate.young_modulus"`` or ``"texture.offset"``; ``"adhesion.work"`` and
+        ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``; and, with displacements,
         ``"contact_point"`` and ``"machine_compliance"``.
     contact_point
         Displacement (m) at which the lens would touch the pillar tops, or where to begin.
     machine_compliance
         How far the instrument gives way (m/N), or where to begin.
+    force_offset
+        What the instrument reads without any force (N), or where to begin. It is in all measured forces.
     position_error, force_error, contact_radius_error
         Standard errors (m, N, m) of what has none in the columns. Without any they are estimated from
         the residuals.
@@ -211,7 +269,8 @@ def fit(
     point = None if contact_point is None else finite(contact_point, "length", "contact_point")
     compliance = _compliance(machine_compliance)
     run = options(threads, progress, memory_limit)
-    result = Fit(_fakir.fit(system._case, data, list(free), point, compliance, run))
+    instrument = (point, compliance, finite(force_offset, "force", "force_offset"))
+    result = Fit(_fakir.fit(system._case, data, list(free), instrument, run))
     warn(result._fitted.warnings, depth=1)
     if not result.converged:
         raise NotConverged(f"the fit {result._summary['termination']}", result)
@@ -240,6 +299,12 @@ def _column(name: str, values: Any) -> tuple[str, FloatArray]:
             raise ValueError(f"{name}: {error}; give a quantity in {unit}") from error
         name = name.removesuffix(f"_{unit}") + f"_{unit}"
     found = np.asarray(values)
+    if name == "branch":
+        branches = np.asarray(found, dtype=object)
+        loading, unloading = branches == "loading", branches == "unloading"
+        if found.ndim != 1 or not (loading | unloading).all():
+            raise FitError('branch: give "loading" or "unloading" for every row')
+        return name, np.ascontiguousarray(unloading, dtype=np.float64)
     if found.ndim != 1 or found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
         raise FitError(
             f"{name} is an array of {found.dtype} of shape {found.shape}: give a column of numbers"
@@ -281,7 +346,7 @@ def _estimate(given: Mapping[str, Any]) -> Estimate:
 
 
 def _written(value: float, unit: str) -> str:
-    return f"{value:.4g} {unit}".strip() if unit not in {"m", "Pa"} else engineering(value, unit, 4)
+    return f"{value:.4g} {unit}".strip() if unit not in {"m", "Pa", "N", "J/m^2"} else engineering(value, unit, 4)
 
 
 def _optional(value: Any) -> float | None:

@@ -475,7 +475,8 @@ class System:
     ) -> Verification:
         """A second opinion: the spectral method and Love elements on the same question.
 
-        The question is the critical state, or the contact under a load if one is given.
+        The question is the critical state, or the contact under a load if one is given. Elements have no adhesion, so
+        that a system with adhesion is refused: ``system.replace({"adhesion.work": 0})`` is the one without.
         """
         question = (None, None) if indentation is None and force is None else load(indentation, force)
         run = options(threads, progress, memory_limit)

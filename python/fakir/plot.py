@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from . import theory
+from ._cycle import Cycle
 from ._fit import Fit
 from ._loading import Approach
 from ._state import ContactState, CriticalState
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "approach",
     "critical_curves",
+    "cycle",
     "fit",
     "floor_gap_map",
     "gap_map",
@@ -33,6 +35,7 @@ __all__ = [
     "pillar_pressure",
     "pressure_map",
     "profiles",
+    "pull_off_curves",
     "top_view",
 ]
 
@@ -195,6 +198,90 @@ def approach(
     axes[1].set_ylabel("contact area (µm²)" if plate else "contact radius (µm)")
     axes[1].set_xlabel("indentation (µm)")
     _legend(axes[0])
+    return axes
+
+
+def cycle(result: Cycle, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
+    """Force over indentation of a lens that is lowered and pulled off, the same near the pull-off, and the pillars in contact.
+
+    Three axes. Where pillars come into contact and are released, the critical state and the pull-off are marked.
+
+    >>> import fakir.plot
+    >>> system = fakir.System.from_file("examples/adhesive.toml")
+    >>> axes = fakir.plot.cycle(system.cycle())
+    """
+    axes = _axes(ax, 3, 1, (4.2, 7.6), height_ratios=[3, 3, 2])
+    up, styles = result.unloading, {False: ("-", "#0072b2"), True: ("--", "#d55e00")}
+    for branch, (line, colour) in styles.items():
+        shown = up == branch
+        label = "unloading" if branch else "loading"
+        at = MICRO * result.indentation[shown]
+        for axis in axes[:2]:
+            axis.plot(at, MICRO * result.force[shown], line, color=colour, lw=1.2, label=label)
+        axes[2].plot(at, result.pillars_in_contact[shown], line, color=colour, lw=1.2)
+    for kind, mark, colour, label in [
+        ("snap_in", "o", "#0072b2", "contact made"),
+        ("release", "x", "#d55e00", "released"),
+    ]:
+        events = [event for event in result.events if event["event"] == kind]
+        at = [MICRO * event["indentation_m"] for event in events]
+        force = [MICRO * event["force_N"] for event in events]
+        for axis in axes[:2] if events else []:
+            axis.plot(at, force, mark, color=colour, mfc="none", ms=3.5, label=label)
+    if result.critical is not None:
+        place = MICRO * result.critical.indentation, MICRO * result.critical.force
+        axes[0].plot(*place, "D", color="k", ms=4, label="critical state")
+    if result.pull_off is not None:
+        place = MICRO * result.pull_off.indentation, MICRO * result.pull_off.force
+        for axis in axes[:2]:
+            axis.plot(*place, "s", color="#009e73", ms=4.5, label="pull-off")
+        # As far up as down, and as wide as the curve is there.
+        size = -MICRO * result.pull_off.force
+        near = MICRO * result.indentation[MICRO * result.force <= size]
+        room = 0.05 * (near.max() - near.min())
+        axes[1].set_ylim(-1.15 * size, 1.15 * size)
+        axes[1].set_xlim(near.min() - room, near.max() + room)
+        axes[1].axhline(0.0, color="0.6", lw=0.6, zorder=0)
+    for axis in axes[:2]:
+        axis.set_ylabel("force (µN)")
+    axes[2].set_ylabel("pillars in contact")
+    axes[2].set_xlabel("indentation (µm)")
+    _legend(axes[0])
+    return axes
+
+
+def pull_off_curves(sweep: Sweep, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
+    """Pull-off force and hysteresis of a sweep of cycles over its surface fractions, a curve for every combination of the other axes.
+
+    Four axes: the pull-off force, that over the force of one flat pillar alone (Kendall), the hysteresis, and that over the work of adhesion of
+    the largest area of tops in contact.
+    """
+    from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
+
+    axes = _axes(ax, 2, 2, (7.0, 5.2), sharex=True)
+    panels = [
+        ("pull_off_force_N", -MICRO, r"pull-off force $|F_p|$ (µN)"),
+        ("normalized_pull_off_force", 1.0, r"$|F_p|/F_{Kendall}$"),
+        ("hysteresis_J", 1e12, r"hysteresis $E_{loop}$ (pJ)"),
+        ("normalized_hysteresis", 1.0, r"$E_{loop}/(w\,A_{tops})$"),
+    ]
+    names = [name for name, _, _ in panels]
+    for name, (fraction, values) in _curves_of_sweep(sweep, "cycle", names).items():
+        order = np.argsort(fraction)
+        for axis, value, (_, factor, _) in zip(axes, values, panels):
+            axis.plot(fraction[order], factor * value[order], ".-", label=name or None)
+    for axis, (name, _, label) in zip(axes, panels):
+        axis.set_xscale("log")
+        axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.xaxis.set_major_formatter(ScalarFormatter())
+        axis.xaxis.set_minor_formatter(NullFormatter())
+        if name != "normalized_hysteresis":
+            axis.set_yscale("log")
+        axis.set_ylabel(label)
+    for axis in axes[2:]:
+        axis.set_xlabel(r"surface fraction $\phi$")
+    # Above, as curves of cycles leave no room.
+    _legend(axes[0], loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return axes
 
 
@@ -455,14 +542,25 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
         shown = used & np.isfinite(data[name])
         error = MICRO * data[f"{quantity}_error_{unit}"]
         measured, rest = MICRO * data[name], MICRO * data[f"{quantity}_residual_{unit}"]
-        across = np.argsort(curve[result.load])
-        upper.plot(MICRO * curve[result.load][across], MICRO * curve[name][across], label="fitted")
-        marks: dict[str, Any] = {"fmt": "k.", "ms": 4, "lw": 0.8}
-        upper.errorbar(MICRO * at[shown], measured[shown], error[shown], label="measured", **marks)
+        back = result.unloading
+        branches = [("", np.ones(len(at), dtype=bool), ~back, "k")]
+        if back.any():
+            unloading = np.asarray(data["branch"]) == "unloading"
+            branches = [
+                (", loading", ~unloading, ~back, "C0"),
+                (", unloading", unloading, back, "C3"),
+            ]
+        for branch, rows, points, colour in branches:
+            across = MICRO * curve[result.load][points]
+            line = colour if branch else "C0"
+            upper.plot(across, MICRO * curve[name][points], label=f"fitted{branch}", color=line)
+            marks: dict[str, Any] = {"fmt": f"{colour}.", "ms": 4, "lw": 0.8}
+            on = shown & rows
+            upper.errorbar(MICRO * at[on], measured[on], error[on], label=f"measured{branch}", **marks)
+            lower.errorbar(MICRO * at[on], rest[on], error[on], **marks)
         if not used.all():
             upper.plot(MICRO * at[~used], measured[~used], ".", color="0.6", label="past the transition")
         lower.axhline(0.0, lw=0.8)
-        lower.errorbar(MICRO * at[shown], rest[shown], error[shown], **marks)
         upper.set_ylabel(f"{quantity.replace('_', ' ')} (µ{unit})")
         lower.set_ylabel(f"residual (µ{unit})")
         load = result.load.removeprefix("measured_").rsplit("_", 1)
@@ -507,7 +605,8 @@ def _curves(
 ) -> dict[str, tuple[Any, list[Any]]]:
     """Surface fractions and the three reduced variables, by name."""
     if isinstance(curves, Sweep):
-        return _curves_of_sweep(curves)
+        names = ["normalized_force", "normalized_contact_radius", "normalized_indentation"]
+        return _curves_of_sweep(curves, "transition", names)
     named = curves if isinstance(curves, Mapping) else {"": curves}
     found = {}
     for name, states in named.items():
@@ -518,18 +617,20 @@ def _curves(
     return found
 
 
-def _curves_of_sweep(sweep: Sweep) -> dict[str, tuple[Any, list[Any]]]:
-    """A curve for every combination of the other axes."""
+def _curves_of_sweep(
+    sweep: Sweep, question: str, names: Sequence[str]
+) -> dict[str, tuple[Any, list[Any]]]:
+    """Some columns of the answers to a question: a curve for every combination of the other axes."""
     rows = [row for row in sweep.rows if not row["problem"]]
-    if rows and "normalized_force" not in rows[0]:
-        raise ValueError("these are no critical states: sweep the question transition")
+    if rows and names[0] not in rows[0]:
+        answers = "critical states" if question == "transition" else "cycles"
+        raise ValueError(f"these are no {answers}: sweep the question {question}")
     across = ("texture.surface_fraction", "texture.pitch")
     others = [name for name in sweep.axes if not name.startswith(across)]
     groups: dict[str, list[dict[str, Any]]] = {}
     for row in rows:
-        words = [f"{name.split('.')[-1]} {_short(row[name])}" for name in others]
+        words = [_setting(name.split(".")[-1], row[name]) for name in others]
         groups.setdefault(", ".join(words), []).append(row)
-    names = ["normalized_force", "normalized_contact_radius", "normalized_indentation"]
     return {
         name: (
             np.array([row["surface_fraction"] for row in group]),
@@ -537,6 +638,12 @@ def _curves_of_sweep(sweep: Sweep) -> dict[str, tuple[Any, list[Any]]]:
         )
         for name, group in groups.items()
     }
+
+
+def _setting(name: str, value: Any) -> str:
+    if name.endswith("_J_per_m2"):
+        return f"{name.removesuffix('_J_per_m2')} {_short(1e3 * value)} mJ/m²"
+    return f"{name} {_short(value)}"
 
 
 def _short(value: Any) -> str:

@@ -1,8 +1,8 @@
 """What is known in closed form: formulas for the critical state, lattice sums, the phase diagram.
 
 The formulas are those of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104,
-055007 (2021), as printed and as corrected. They are for a lens axis on a pillar. Numbers are in SI
-units, and radii in lattice sums in pitches.
+055007 (2021), as printed and as corrected. They are for a lens axis on a pillar, and without adhesion; those of
+pillar tops that stick are in `adhesion`. Numbers are in SI units, and radii in lattice sums in pitches.
 """
 
 from __future__ import annotations
@@ -17,10 +17,13 @@ from ._quantity import Quantity, array, si
 from ._system import System
 
 __all__ = [
+    "AdhesionTheory",
     "Constants",
     "LatticeSums",
     "Phase",
+    "PullOffEstimate",
     "TransitionEstimate",
+    "adhesion",
     "closed_forms",
     "constants",
     "fit_sum_coefficients",
@@ -87,6 +90,32 @@ CONSTANT_UNITS = {
 """The units in the names of ``fakir theory --json``."""
 
 
+class PullOffEstimate(NamedTuple):
+    """A pull-off from a formula."""
+
+    force: float
+    """N, negative."""
+    normalized_force: float
+    """That over the force of one flat pillar alone."""
+    indentation: float | None
+    """m; none where the formula has none."""
+    contact_radius: float | None
+    """m; none where the formula has none."""
+    tilt: float | None
+    """Angle between lens and pillar top, rad, of the formula that has one."""
+
+
+class AdhesionTheory(NamedTuple):
+    """What is known in closed form of pillar tops that stick."""
+
+    pull_off: dict[str, PullOffEstimate]
+    """By name of the formula."""
+    kendall_strain: float
+    """Stress of a flat pillar at pull-off over the modulus of the substrate; doubtful from 0.3 on."""
+    tabor_number: float | None
+    """Of a pillar top, if the range of the attraction is given: the range counts as small from 5 on."""
+
+
 class LatticeSums(NamedTuple):
     """The sums over all pillars but the central one, or their fitted coefficients."""
 
@@ -113,9 +142,40 @@ def closed_forms(system: System) -> dict[str, TransitionEstimate]:
     return {name: TransitionEstimate(*estimate) for name, estimate in forms}
 
 
-def to_dict(system: System) -> dict[str, Any]:
+def adhesion(system: System, attraction_range: Quantity | None = None) -> AdhesionTheory:
+    """The pull-off of lone contacts of a system that sticks, in closed form.
+
+    ``"kendall"``: one pillar with a flat top (K. Kendall, J. Phys. D 4, 1186 (1971)); ``"pillar_under_lens"``: the same under
+    the round lens; ``"tilted_pillar_first_yield"``: where the rim of a tilted one begins to peel; ``"jkr_by_force"`` and
+    ``"jkr_by_displacement"``: the lens on the bare substrate (K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301
+    (1971)); with a range of attraction ``"maugis_dugdale"``: the same with that range (D. Maugis, J. Colloid Interface Sci. 150, 243
+    (1992)).
+
+    Parameters
+    ----------
+    attraction_range
+        The range of the attraction, m or with a unit: for the Tabor number and for Maugis's force.
+
+    Raises
+    ------
+    ValueError
+        If nothing sticks.
+    """
+    found = json.loads(_fakir.adhesion(system._case, _range(attraction_range)))
+    if found is None:
+        raise ValueError('nothing sticks: give the system adhesion, as in adhesion="50 mJ/m2"')
+    names = ("force_N", "normalized_force", "indentation_m", "contact_radius_m", "tilt_rad")
+    forms = {row["formula"]: PullOffEstimate(*(row[name] for name in names)) for row in found["pull_off"]}
+    return AdhesionTheory(forms, found["kendall_strain"], found["tabor_number"])
+
+
+def _range(value: Quantity | None) -> float | None:
+    return None if value is None else si(value, "length", "attraction_range")
+
+
+def to_dict(system: System, attraction_range: Quantity | None = None) -> dict[str, Any]:
     """The object that ``fakir theory --json`` prints: all that is known of a system in closed form."""
-    return json.loads(_fakir.theory(system._case))  # type: ignore[no-any-return]
+    return json.loads(_fakir.theory(system._case, _range(attraction_range)))  # type: ignore[no-any-return]
 
 
 def small_contact(system: System) -> TransitionEstimate:

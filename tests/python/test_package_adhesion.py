@@ -1,9 +1,12 @@
 """Loading and unloading of pillar tops that stick, as the command line tells it."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import fakir
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from fakir import theory
 from test_package_results import program, without_times
 
 CASE = "adhesive.toml"
@@ -86,3 +89,50 @@ def test_a_cycle_turns_where_it_is_told_to(system):
     without = system.replace({"adhesion.work": 0})
     with pytest.raises(fakir.SolveError, match="without adhesion"):
         without.cycle()
+
+
+def test_closed_forms_of_adhesion_are_those_of_the_program(system):
+    found = theory.adhesion(system, attraction_range="5 nm")
+    expected = program("theory", CASE, {}, "--attraction-range", "5nm")["adhesion"]
+    assert found.tabor_number == expected["tabor_number"]
+    assert found.kendall_strain == expected["kendall_strain"]
+    forces = {row["formula"]: row["force_N"] for row in expected["pull_off"]}
+    assert {name: form.force for name, form in found.pull_off.items()} == forces
+    assert theory.to_dict(system, "5 nm")["adhesion"] == expected
+    assert theory.adhesion(system).tabor_number is None
+    with pytest.raises(ValueError, match="nothing sticks"):
+        theory.adhesion(system.replace({"adhesion.work": 0}))
+    with pytest.raises(ValueError, match="range of the attraction"):
+        theory.adhesion(system, attraction_range=0.0)
+
+
+def test_a_sweep_of_cycles_is_that_of_single_ones(system):
+    study = {
+        "system": system,
+        "study": {"question": "cycle"},
+        "axes": {"surface_fraction": [0.003, 0.006], "adhesion.work": ["10 mJ/m2", "50 mJ/m2"]},
+    }
+    found = fakir.sweep(study)
+    assert len(found) == 4 and not found.failed
+    with ThreadPoolExecutor(2) as pool:
+        assert fakir.sweep(study, pool).to_csv() == found.to_csv()
+    row = found.rows[3]
+    alone = system.replace({"texture.surface_fraction": 0.006}).cycle()
+    assert row["pull_off_force_N"] == alone.pull_off.force
+    assert row["hysteresis_J"] == alone.hysteresis
+    assert row["relative_model_error_pull_off_force"] == alone.pull_off.error.model
+
+
+def test_pull_off_scatters_with_the_work_of_adhesion(system):
+    few = system.replace({"texture.surface_fraction": 0.003})
+    spread = fakir.spread(few, {"adhesion.work": "20 %"}, samples=5, landing="as_given")
+    assert (spread.pull_off_force < 0.0).all() and (spread.hysteresis > 0.0).all()
+    assert "pull-off force" in repr(spread)
+    plain = few.replace({"adhesion.work": 0})
+    spread = fakir.spread(plain, {"texture.pillar.height": "2 %"}, samples=3)
+    assert spread.pull_off_force is None and spread.hysteresis is None
+
+
+def test_elements_give_no_second_opinion_on_adhesion(system):
+    with pytest.raises(fakir.FakirError, match="no adhesion"):
+        system.verify()

@@ -135,3 +135,31 @@ def test_arguments_that_cannot_be(system):
         fakir.fit(DATA, system, FREE, force_error=-1)
     with pytest.raises(ValueError, match="MPa is a unit of pressure"):
         fakir.fit(DATA, system, FREE, contact_point="3 MPa")
+
+
+def test_a_retraction_is_fitted_and_a_pull_off_designed():
+    sticky = fakir.System.from_file(EXAMPLES / "fit" / "retraction.toml")
+    table = pandas.read_csv(EXAMPLES / "fit" / "retraction.csv", comment="#")
+    free = ["adhesion.work", "contact_point", "force_offset", "substrate.young_modulus"]
+    found = fakir.fit(table, sticky, free)
+    # As crates/fakir-inverse/examples/synthetic_retraction.rs has them.
+    for name, truth in zip(free, [0.035, 3e-6, 2e-6, 1.4e6]):
+        low, high = found[name].interval
+        assert low < truth < high
+    assert found["adhesion.work"].unit == "J/m^2" and found["force_offset"].unit == "N"
+    assert found.force_offset == found["force_offset"].value
+    assert found.pull_off.measured < 0 and found.pull_off.model_error == 0.05
+    assert found.unloading.any() and "pull-off" in repr(found)
+    assert {"loading", "unloading"} == set(found.columns()["branch"])
+    axes = fakir.plot.fit(found)
+    assert "fitted, unloading" in axes[0].get_legend_handles_labels()[1]
+    with pytest.raises(fakir.errors.FitError, match="loading"):
+        fakir.fit({**table, "branch": ["up"] * len(table)}, sticky, free)
+    assert any("Kendall" in work.text for work in fakir.cite(sticky))
+    sparse = sticky.replace({"texture.surface_fraction": 0.01})
+    designed = fakir.design(sparse, "substrate.young_modulus", pull_off="15 uN")
+    error = designed.cycle.pull_off.error.numerical
+    assert abs(designed.cycle.pull_off.force / -15e-6 - 1) <= error
+    assert "pull-off" in repr(designed) and designed.critical.force > 0
+    with pytest.raises(TypeError, match="exactly one of"):
+        fakir.design(sparse, "lens.radius", pull_off="15 uN", critical_force="1 mN")

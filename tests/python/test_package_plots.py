@@ -131,3 +131,36 @@ def test_loadings(system, surface):
         borne = [row["floor_force_N"] for row in loading.to_dict()["states"]]
         assert ("on the floor" in labels) == any(borne)
         assert ("without the floor" in labels) == (None in borne)
+
+
+def test_a_cycle_shows_its_branches_and_its_pull_off():
+    few = {"texture.surface_fraction": 0.01}
+    cycle = fakir.System.from_file(EXAMPLES / "adhesive.toml", set=few).cycle()
+    axes = fakir.plot.cycle(cycle)
+    assert len(axes) == 3 and all(axis.has_data() for axis in axes)
+    names = [line.get_label() for line in axes[0].lines]
+    assert names == ["loading", "unloading", "contact made", "released", "critical state", "pull-off"]
+    assert axes[0].lines[-1].get_ydata()[0] == 1e6 * cycle.pull_off.force
+    # The second is as high as it is deep: the pull is in sight.
+    low, high = axes[1].get_ylim()
+    assert low < 1e6 * cycle.pull_off.force and high == -low
+    assert fakir.plot.cycle(cycle, plt.figure().subplots(3))[0] is not axes[0]
+    loaded = fakir.System.from_file(EXAMPLES / "adhesive.toml", set=few).cycle(retract=False)
+    assert fakir.plot.cycle(loaded)[0].has_data()
+
+
+def test_cycles_of_a_sweep_have_a_curve_for_every_work_of_adhesion(system):
+    study = {
+        "system": system,
+        "study": {"question": "cycle"},
+        "axes": {"surface_fraction": [0.003, 0.006], "adhesion.work": ["10 mJ/m2", "50 mJ/m2"]},
+    }
+    done = fakir.sweep(study)
+    axes = fakir.plot.pull_off_curves(done)
+    assert len(axes) == 4
+    assert [len(axis.lines) for axis in axes] == [2, 2, 2, 2]
+    assert axes[0].lines[0].get_ydata()[1] == -1e6 * done.rows[2]["pull_off_force_N"]
+    with pytest.raises(ValueError, match="these are no cycles"):
+        fakir.plot.pull_off_curves(fakir.sweep({**study, "study": {"question": "transition"}}))
+    with pytest.raises(ValueError, match="these are no critical states"):
+        fakir.plot.critical_curves(done)

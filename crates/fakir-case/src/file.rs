@@ -236,6 +236,35 @@ impl CaseFile {
         }
     }
 
+    /// The error of a cycle where nothing sticks.
+    pub(crate) fn without_adhesion(&self) -> CaseError {
+        let work = Key::WorkOfAdhesion;
+        let error = match self.entry(work) {
+            Some(_) => self.problem(
+                work,
+                "nothing sticks, and a cycle is of tops that do".to_owned(),
+            ),
+            None => self.missing(work),
+        };
+        error.accepted(
+            "a cycle has a work of adhesion greater than 0, as \"50 mJ/m2\"; without adhesion the lens is \
+             withdrawn the way it came",
+        )
+    }
+
+    /// Refuses pillar tops that stick where there is no answer with them.
+    ///
+    /// # Errors
+    /// [`CaseError`] at the work of adhesion with that problem, and what would be right; or what is wrong with the case.
+    pub fn refuse_adhesion(&self, problem: &str, accepted: &str) -> Result<(), CaseError> {
+        if self.case()?.system.adhesion().is_none() {
+            return Ok(());
+        }
+        Err(self
+            .problem(Key::WorkOfAdhesion, problem)
+            .accepted(accepted))
+    }
+
     /// Refuses a receding work of adhesion alone, and adhesion with a method that has none.
     fn check_adhesion(&self, adhesion: Adhesion, method: Method) -> Result<(), CaseError> {
         let work = Key::WorkOfAdhesion;

@@ -18,6 +18,8 @@ pub enum TextureOnly {
     Explore,
     /// Loading and unloading with adhesion.
     Cycle,
+    /// The range of the attraction.
+    Adhesion,
 }
 
 impl TextureOnly {
@@ -42,7 +44,7 @@ impl TextureOnly {
             Self::Explore => {
                 "the sliders of the page need an answer in milliseconds, and a [surface] takes seconds"
             }
-            Self::Cycle => {
+            Self::Cycle | Self::Adhesion => {
                 "adhesion is that of the round tops of a [texture]; a [surface] has none"
             }
         }
@@ -67,6 +69,7 @@ impl TextureOnly {
             Self::Cycle => {
                 "ask for the loading alone: without adhesion the lens is withdrawn the way it came"
             }
+            Self::Adhesion => "leave the range of the attraction out",
         }
     }
 }

@@ -5,7 +5,7 @@
 use fakir::problem::pattern::CrossSection;
 use fakir::problem::{Accuracy, Control, ElementMesh, Grid, Indenter, Method, PunchForm};
 use fakir_case::height_map::to_npy;
-use fakir_case::study::{Asked, Axis, Coordinate, StudiedCase, Variable};
+use fakir_case::study::{Asked, Axis, Coordinate, Question, StudiedCase, Variable};
 use fakir_case::{Case, CaseFile, Key, Study, StudyFile, SurfaceCase, SurfaceOrigin};
 
 /// A study of the example case.
@@ -122,14 +122,17 @@ fn a_value_of_an_axis_is_that_of_a_case_file_bit_for_bit() {
 
 #[test]
 fn loads() {
-    let load = |study: &Study, index| study.case(index).control;
+    let load = |study: &Study, index| study.case(index).question;
     let axis = study("[study]\nquestion = \"press\"\n[axes]\nforce = [\"20 uN\", 0]");
-    assert_eq!(load(&axis, 0), Control::Force(20e-6));
-    assert_eq!(load(&axis, 1), Control::Force(0.0));
+    assert_eq!(load(&axis, 0), Question::Contact(Control::Force(20e-6)));
+    assert_eq!(load(&axis, 1), Question::Contact(Control::Force(0.0)));
     let column = axis.axes().next().unwrap().variable().column();
     assert_eq!(column, "load.force_N");
     let fixed = "[study]\nquestion = \"press\"\nindentation = \"3 um\"\n[axes]\noffset = [0, 0.5]";
-    assert_eq!(load(&study(fixed), 1), Control::Indentation(3e-6));
+    assert_eq!(
+        load(&study(fixed), 1),
+        Question::Contact(Control::Indentation(3e-6))
+    );
 }
 
 #[test]
@@ -170,6 +173,8 @@ fn what_is_written_is_the_same_study() {
         "[axes]\npitch = { from = \"10.1 um\", to = 4e-5, points = 7, spacing = \"log\" }\noffset = [0, 1]",
         "[axes]\n\"method.name\" = [\"love\", \"spectral\"]\n\"lens.young_modulus\" = [\"1 GPa\"]",
         "[study]\nquestion = \"press\"\nforce = \"0.1 uN\"\ncombine = \"zip\"\n[axes]\noffset_angle = [1]",
+        "[study]\nquestion = \"cycle\"\n[axes]\n\"adhesion.work\" = { from = \"1 mJ/m2\", to = 0.5, points = 3, spacing = \"log\" }",
+        "[study]\nquestion = \"cycle\"\ndrive = \"machine\"\nmachine_stiffness = \"100 N/m\"\nforce = \"20 uN\"\n[axes]\n\"adhesion.work\" = [0.05]",
         "[study]\nquestion = \"press\"\n[axes]\nindentation = { from = 0, to = 1e-6, points = 3 }",
     ];
     for tables in tables {
@@ -182,7 +187,7 @@ fn what_is_written_is_the_same_study() {
         for index in 0..study.cases() {
             assert_eq!(texture(&again, index), texture(&study, index));
             let [there, here] = [&again, &study].map(|study| study.case(index));
-            assert_eq!(there.control, here.control);
+            assert_eq!(there.question, here.question);
             assert_eq!(there.coordinates, here.coordinates);
         }
     }

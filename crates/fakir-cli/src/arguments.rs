@@ -5,7 +5,7 @@ use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{Control, CyclePlan, Drive, Turn};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
-use fakir_case::{CaseError, CaseFile, Key, Kind};
+use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_inverse::design::{Wanted, free_key};
 use fakir_inverse::fit::{FitOptions, Measurements, Parameter};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
@@ -80,29 +80,38 @@ pub(crate) enum Command {
     /// be told, as one of them did not converge or knows no digit. Of the case's [method] only the
     /// mesh of elements counts. On a general surface (a case with a [surface]) there are elements only:
     /// pillars on a lattice are solved on both meshes; a height map, which has one, and pillars at random
-    /// are refused.
+    /// are refused. Elements have no adhesion: a case with [adhesion] is refused, and can be verified without
+    /// it.
     #[command(after_help = "Example: fakir verify case.toml --cells 32")]
     Verify(Verify),
     /// The formulas: lattice sums, critical state and transition curve in closed form
     ///
     /// Formulas that contradict themselves in print are given as printed and as corrected. The
-    /// closed forms are for a lens axis on a pillar.
-    #[command(after_help = "Example: fakir theory case.toml --set texture.surface_fraction=0.001")]
+    /// closed forms are for a lens axis on a pillar. With pillar tops that stick (a case with [adhesion]) there
+    /// are also those of the pull-off of one pillar and of the bare substrate; the formulas for the critical state
+    /// know no adhesion.
+    #[command(
+        after_help = "Example: fakir theory case.toml --set texture.surface_fraction=0.001
+         fakir theory case.toml --set adhesion.work=50mJ/m2 --attraction-range 5nm"
+    )]
     Theory(Theory),
     /// The critical state by every method, coarse to exact, side by side
     ///
     /// Differences are from the most accurate method. Love elements take most of the time: seconds
-    /// for a few hundred pillars, minutes for a few thousand.
+    /// for a few hundred pillars, minutes for a few thousand. With pillar tops that stick the method spectral
+    /// alone has an answer; closed forms stand beside it without adhesion.
     #[command(after_help = "Example: fakir compare case.toml")]
     Compare(Compare),
     /// The explorer in the browser: every quantity of a case as a slider, the contact at once
     ///
     /// A server for this machine alone, whose address holds a random token; the page needs no
-    /// network. It starts with the case, or with the one that `fakir init` writes. Ctrl-C ends it.
+    /// network. It starts with the case, or with the one that `fakir init` writes. With adhesion the
+    /// load goes down to the critical state and up again to the last release. Ctrl-C ends it.
     #[cfg(feature = "explore")]
     #[command(after_help = "Examples:
   fakir explore
-  fakir explore case.toml --set texture.surface_fraction=0.2 --port 8080 --no-browser")]
+  fakir explore case.toml --set texture.surface_fraction=0.2 --port 8080 --no-browser
+  fakir explore case.toml --set adhesion.work=50mJ/m2")]
     Explore(Explore),
     /// What to cite for a result, a case, a study or a method
     #[command(after_help = "Example: fakir cite results --bibtex")]
@@ -113,20 +122,22 @@ pub(crate) enum Command {
     /// one page of claims, figures and numbers that needs nothing else.
     #[command(after_help = "Example: fakir reproduce paper --output paper")]
     Reproduce(Reproduce),
-    /// The inverse question: the pitch, size or modulus that gives a wanted critical state or floor share; and how
-    /// far real samples scatter about it
+    /// The inverse question: the pitch, size or modulus that gives a wanted critical state, pull-off force or floor
+    /// share; and how far real samples scatter about it
     ///
     /// All else is as in the case file. With a pitch in the case file the pitch stays as it is, with
     /// a surface fraction that. Exit status 3 says that no value gives what is wanted; the nearest
-    /// is then printed.
+    /// is then printed. Samples of tops that stick are pulled off again from the critical state, to tell how far the
+    /// pull-off force and the hysteresis scatter.
     #[command(after_help = "Examples:
   fakir design case.toml --free pitch --critical-force 1mN
   fakir design case.toml --free pitch --critical-force 1mN \\
       --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --free pitch --floor-share 20% --at-force 1mN
+  fakir design sticky.toml --free pitch --pull-off 0.1mN
   fakir design case.toml --samples 1000")]
     Design(Design),
-    /// Moduli and instrument parameters from a measured loading curve, by least squares
+    /// Moduli, work of adhesion and instrument parameters from a measured curve, by least squares
     ///
     /// DATA.csv has a heading and a row for every state, in SI units, with two or more of the columns
     /// displacement_m (reading of the instrument, larger is deeper) or indentation_m, force_N and
@@ -138,14 +149,21 @@ pub(crate) enum Command {
     /// displacement - contact_point - machine_compliance * force. States past the transition are used by
     /// the method spectral, which knows what the floor bears, and left out by the others and with
     /// floor.contact=false. A parameter that the data do not determine gets no confidence interval.
+    ///
+    /// With pillar tops that stick (a case with [adhesion], or adhesion.work free) the data are one cycle of loading
+    /// and unloading. A column branch has loading or unloading in every row; without it unloading begins after the
+    /// largest load. Pull-off is the least force, negative as it was measured, and the work of adhesion
+    /// is sought from there.
     #[command(after_help = "Examples:
   fakir fit data.csv --case case.toml --free substrate.young_modulus,contact_point
   fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\
-      --machine-compliance 2e-3 --force-error 0.5uN --output fitted")]
+      --machine-compliance 2e-3 --force-error 0.5uN --output fitted
+  fakir fit retraction.csv --case sticky.toml --free adhesion.work,contact_point,force_offset")]
     Fit(Fit),
     /// Many cases: a study file with axes along which a case is varied
     ///
-    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Every case is one
+    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Asked is the critical state, with
+    /// question = "press" the contact under a load, with "cycle" the pull-off from tops that stick. Every case is one
     /// row of a table, also if it fails: then with the reason. With --output a
     /// journal is kept there, so that a sweep that was interrupted, even killed, goes on with
     /// --resume; the tables are the same as without the interruption, byte for byte. Without
@@ -209,6 +227,8 @@ pub(crate) struct Transition {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
     #[command(flatten)]
+    pub(crate) adhesion: RangeArguments,
+    #[command(flatten)]
     fields: FieldArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
@@ -232,6 +252,8 @@ pub(crate) struct Press {
     /// Normal force on the lens: with a unit (N, mN, uN, nN), or in N
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     force: Option<f64>,
+    #[command(flatten)]
+    pub(crate) adhesion: RangeArguments,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
     #[command(flatten)]
@@ -289,6 +311,10 @@ pub(crate) struct Approach {
     /// (N/m, mN/m, kN/m; a bare number in N/m)
     #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, requires = "retract", conflicts_with = "drive")]
     machine_stiffness: Option<f64>,
+    /// With --retract: the range of the attraction between lens and pillar tops (m, mm, um, nm), which tells
+    /// whether it counts as small, as the model has it
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, requires = "retract")]
+    attraction_range: Option<f64>,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
     #[command(flatten)]
@@ -306,6 +332,12 @@ impl Approach {
             step: self.step,
             end: LoadingEnd::of(self.until, self.past_transition, self.to, self.to_force)?,
         })
+    }
+
+    pub(crate) fn range(&self) -> RangeArguments {
+        RangeArguments {
+            attraction_range: self.attraction_range,
+        }
     }
 
     /// The cycle of loading and unloading, where one is asked for.
@@ -372,6 +404,8 @@ impl Verify {
 pub(crate) struct Theory {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
+    #[command(flatten)]
+    pub(crate) adhesion: RangeArguments,
 }
 
 #[derive(Debug, Args)]
@@ -448,7 +482,7 @@ pub(crate) enum CitedMethod {
 
 #[derive(Debug, Args)]
 #[command(
-    group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "floor_share"]).requires("free"),
+    group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "floor_share", "pull_off"]).requires("free"),
     group = ArgGroup::new("at").args(["at_force", "at_indentation"]).requires("floor_share")
 )]
 pub(crate) struct Design {
@@ -464,6 +498,10 @@ pub(crate) struct Design {
     /// The critical contact radius that is wanted (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     critical_contact_radius: Option<f64>,
+    /// The pull-off force that is wanted after the critical state, of a case with adhesion, as a positive number
+    /// (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    pull_off: Option<f64>,
     /// The share of the force that the floor is to bear, past the transition: 0.2 or 20%
     #[arg(long, value_name = "SHARE", value_parser = fraction, allow_hyphen_values = true, requires = "at")]
     floor_share: Option<f64>,
@@ -498,14 +536,15 @@ impl Design {
             .critical_force
             .map(Wanted::Force)
             .or(self.critical_contact_radius.map(Wanted::ContactRadius))
+            .or(self.pull_off.map(Wanted::PullOff))
             .or(self
                 .floor_share
                 .zip(self.load())
                 .map(|(share, load)| Wanted::FloorShare { share, load }));
         if self.free.is_none() && self.tolerance.is_empty() && self.samples.is_none() {
             return Err(Failure::Argument(
-                "nothing to do: give --free and --critical-force or --floor-share for a design, or --tolerance or \
-                 --samples for a spread"
+                "nothing to do: give --free and --critical-force, --pull-off or --floor-share for a design, or \
+                 --tolerance or --samples for a spread"
                     .to_owned(),
             ));
         }
@@ -538,14 +577,15 @@ impl Design {
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
-    /// Measured loading curve (CSV)
+    /// Measured curve of loading, or of loading and unloading (CSV)
     data: PathBuf,
     /// Case file (TOML) with everything that is known, and where to begin; `-` for standard input
     #[arg(long)]
     case: PathBuf,
     /// What is fitted: substrate.young_modulus, lens.young_modulus, lens.radius,
     /// texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
-    /// texture.offset_angle, contact_point, machine_compliance; with commas, or repeated
+    /// texture.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
+    /// force_offset; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
     /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or where to
@@ -560,6 +600,9 @@ pub(crate) struct Fit {
         allow_hyphen_values = true
     )]
     machine_compliance: f64,
+    /// What the instrument reads without any force (N, mN, uN, nN), or where to begin; it is in all measured forces
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
+    force_offset: f64,
     /// Standard error of forces that have none in the file (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     force_error: Option<f64>,
@@ -631,6 +674,7 @@ impl Fit {
         FitOptions {
             contact_point: self.contact_point,
             machine_compliance: self.machine_compliance,
+            force_offset: self.force_offset,
         }
     }
 }
@@ -842,6 +886,45 @@ impl FloorArguments {
             file.set(&format!("{}=false", Key::FloorContact))?;
         }
         Ok(())
+    }
+}
+
+/// What is known of the attraction between lens and pillar tops besides its work.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct RangeArguments {
+    /// Range of the attraction between lens and pillar tops that stick (m, mm, um, nm), which tells whether it
+    /// counts as small, as the model has it
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    attraction_range: Option<f64>,
+}
+
+impl RangeArguments {
+    /// The range (m) for a case, if it is given.
+    pub(crate) fn of(self, case: &Case) -> Result<Option<f64>, Failure> {
+        let Some(range) = self.attraction_range else {
+            return Ok(None);
+        };
+        if !(range > 0.0 && range.is_finite()) {
+            return Err(Failure::Argument(
+                "--attraction-range must be a length greater than 0".to_owned(),
+            ));
+        }
+        if case.system.adhesion().is_none() {
+            return Err(Failure::Argument(
+                "--attraction-range needs pillar tops that stick: give adhesion.work in the case \
+                 file, or --set adhesion.work=50mJ/m2"
+                    .to_owned(),
+            ));
+        }
+        Ok(Some(range))
+    }
+
+    /// Refuses the range with a general surface, which has no adhesion.
+    pub(crate) fn refuse_surface(self, file: &CaseFile) -> Result<(), CaseError> {
+        match self.attraction_range {
+            Some(_) => file.refuse_surface_for(TextureOnly::Adhesion),
+            None => Ok(()),
+        }
     }
 }
 

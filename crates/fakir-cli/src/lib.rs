@@ -49,12 +49,14 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
             if file.is_surface() {
+                options.adhesion.refuse_surface(&file)?;
                 return deliver(command, &options.case, move || {
                     commands::surface::transition(&file, options.maps(), &session)
                 });
             }
             answer(command, &options.case, &file, move |case| {
-                commands::transition::run(case, options.maps(), &session)
+                let range = options.adhesion.of(case)?;
+                commands::transition::run(case, range, options.maps(), &session)
             })
         }
         Command::Press(options) => {
@@ -62,12 +64,14 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
             if file.is_surface() {
+                options.adhesion.refuse_surface(&file)?;
                 return deliver(command, &options.case, move || {
                     commands::surface::press(&file, options.control(), options.maps(), &session)
                 });
             }
             answer(command, &options.case, &file, move |case| {
-                commands::press::run(case, options.control(), options.maps(), &session)
+                let range = options.adhesion.of(case)?;
+                commands::press::run(case, options.control(), range, options.maps(), &session)
             })
         }
         Command::Approach(options) => {
@@ -78,7 +82,8 @@ fn run(command: &Command) -> Result<Status, Failure> {
             if let Some(plan) = options.cycle() {
                 file.refuse_surface_for(TextureOnly::Cycle)?;
                 return answer(command, &options.case, &file, move |case| {
-                    commands::cycle::run(case, plan, saves, &session)
+                    let range = options.range().of(case)?;
+                    commands::cycle::run(case, plan, range, saves, &session)
                 });
             }
             if file.is_surface() {
@@ -99,6 +104,10 @@ fn run(command: &Command) -> Result<Status, Failure> {
                     commands::surface::verify(&file, options.control(), options.cells, &session)
                 });
             }
+            file.refuse_adhesion(
+                commands::verify::NO_SECOND_OPINION,
+                commands::verify::WITHOUT_ADHESION,
+            )?;
             answer(command, &options.case, &file, move |case| {
                 commands::verify::run(case, options.control(), options.cells, &session)
             })
@@ -106,7 +115,9 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Theory(options) => {
             let file = read_case(&options.case)?;
             file.refuse_surface_for(TextureOnly::Theory)?;
-            answer(command, &options.case, &file, commands::theory::run)
+            answer(command, &options.case, &file, move |case| {
+                commands::theory::run(case, options.adhesion.of(case)?)
+            })
         }
         Command::Compare(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
@@ -223,15 +234,7 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
         }
     };
     file.refuse_surface_for(TextureOnly::Explore)?;
-    let case = file.case()?;
-    if case.system.adhesion().is_none() {
-        Ok(case)
-    } else {
-        Err(Failure::Argument(
-            "the page has no adhesion: use fakir approach --retract --output, which saves figures, or --set adhesion.work=0"
-                .to_owned(),
-        ))
-    }
+    Ok(file.case()?)
 }
 
 /// What errors call it.

@@ -40,7 +40,8 @@ fn a_cycle_agrees_with_an_independent_program() {
     // The model has an error of its own, which is not among the numerical ones.
     let error = &by_displacement["relative_error_estimate"]["pull_off_force"];
     assert_eq!(error["model_fronts"], 0.05);
-    assert!(error["numerical"].as_f64().unwrap() < 0.01);
+    // Pull-off scatters by 3 % with the number of levels (`LEVEL_ERROR` of the library, as measured); all else is far below.
+    assert_close(&error["numerical"], 0.03, 0.1);
     // What drives the lens does not change the largest pull.
     let pull_off = by_displacement["pull_off_force_N"].as_f64().unwrap();
     let by_force = cycle(&["--drive", "force"]);
@@ -211,7 +212,34 @@ fn what_cannot_be_is_refused() {
     let bench = Bench::new();
     let (case, plain) = (adhesive(), example("paper-intermediate.toml"));
     let surface = example("square-pillars.toml");
-    let attempts: [(&[&str], &str); 12] = [
+    let attempts: [(&[&str], &str); 17] = [
+        (
+            &["transition", &plain, "--attraction-range", "5nm"],
+            "--attraction-range needs pillar tops that stick",
+        ),
+        (
+            &["theory", &case, "--attraction-range", "0nm"],
+            "--attraction-range must be a length greater than 0",
+        ),
+        (
+            &[
+                "press",
+                &surface,
+                "--force",
+                "20uN",
+                "--attraction-range",
+                "5nm",
+            ],
+            "adhesion is that of the round tops",
+        ),
+        (
+            &["approach", &case, "--attraction-range", "5nm"],
+            "--retract",
+        ),
+        (
+            &["verify", &case],
+            "there is no second opinion on adhesion: only the method\n  │ spectral has it",
+        ),
         (
             &["approach", &plain, "--retract"],
             "--retract needs pillar tops that stick",
@@ -297,4 +325,292 @@ fn the_loading_ends_at_the_critical_state() {
         "{}",
         outcome.stderr
     );
+}
+
+/// What is verified is without adhesion, and is said to be: the case as it stands is refused where the adhesion is given.
+#[test]
+fn elements_verify_the_contact_without_adhesion_only() {
+    let bench = Bench::new();
+    let case = adhesive();
+    let refused = bench.run(&["verify", &case]);
+    assert_eq!(refused.status, Some(2));
+    for words in [
+        "adhesion.work",
+        "adhesive.toml:27:8",
+        "--set adhesion.work=0",
+    ] {
+        assert!(
+            refused.stderr.contains(words),
+            "{words}: {}",
+            refused.stderr
+        );
+    }
+    let few = [
+        "--set",
+        "adhesion.work=0",
+        "--set",
+        "texture.surface_fraction=0.003",
+    ];
+    let found = bench.json(&[&["verify", &case], &few[..]].concat());
+    assert_eq!(found["verdict"], "agree");
+}
+
+/// No number of a comparison stands for adhesion that has none.
+#[test]
+fn a_comparison_says_what_is_without_adhesion() {
+    let bench = Bench::new();
+    let few = ["--set", "texture.surface_fraction=0.003"];
+    let case = adhesive();
+    let arguments = [&["compare", &case], &few[..]].concat();
+    let found = bench.json(&arguments);
+    for row in found["methods"].as_array().unwrap() {
+        let name = row["method"].as_str().unwrap();
+        let remark = row["remark"].as_str().unwrap_or_default();
+        let expected = match name {
+            "spectral_default" | "spectral_accurate" => "",
+            "homogenised" | "punch_plain" | "punch_corrected" | "love" => "has no adhesion",
+            _ => "without adhesion",
+        };
+        assert!(
+            remark.contains(expected) && remark.is_empty() == expected.is_empty(),
+            "{name}: {remark}"
+        );
+        assert_eq!(
+            row["critical_force_N"].is_null(),
+            expected == "has no adhesion",
+            "{name}"
+        );
+    }
+    let shown = bench.result(&arguments);
+    assert!(
+        shown.contains("Only the method spectral has adhesion"),
+        "{shown}"
+    );
+}
+
+/// Kendall's force of a top of 3 um radius, and three halves of pi w R (Johnson, Kendall and Roberts), by hand; and the Tabor number of a top,
+/// `sqrt(8 w a/(pi E*))/h0`.
+#[test]
+fn theory_has_the_closed_forms_of_adhesion() {
+    let bench = Bench::new();
+    let case = adhesive();
+    let arguments = ["theory", &case, "--attraction-range", "5nm"];
+    let found = bench.json(&[&arguments[..], &["--quiet"]].concat());
+    let adhesion = &found["adhesion"];
+    let force = |formula: &str| {
+        let rows = adhesion["pull_off"].as_array().unwrap();
+        let row = rows.iter().find(|row| row["formula"] == formula);
+        row.unwrap()["force_N"].clone()
+    };
+    let (work, modulus, radius) = (50e-3f64, 4e6 / 3.0, 3e-6f64);
+    let pi = std::f64::consts::PI;
+    let kendall = -(8.0 * pi * work * modulus * radius.powi(3)).sqrt();
+    assert_close(&force("kendall"), kendall, 1e-12);
+    assert_close(&force("jkr_by_force"), -1.5 * pi * work * 2.2e-3, 1e-12);
+    assert_close(
+        &force("jkr_by_displacement"),
+        -5.0 / 6.0 * pi * work * 2.2e-3,
+        1e-12,
+    );
+    assert_close(&force("maugis_dugdale"), -1.5 * pi * work * 2.2e-3, 1e-3);
+    let tabor = (8.0 * work * radius / (pi * modulus)).sqrt() / 5e-9;
+    assert_close(&adhesion["tabor_number"], tabor, 1e-12);
+    // All else is without adhesion, and is said to be.
+    let plain = bench.json(&["theory", &adhesive(), "--set", "adhesion.work=0"]);
+    assert_eq!(plain["adhesion"], Value::Null);
+    assert_eq!(plain["critical_states"], found["critical_states"]);
+    let outcome = bench.run(&arguments);
+    assert!(
+        outcome.stderr.contains("are without adhesion"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        outcome.stdout.contains("These are without adhesion"),
+        "{}",
+        outcome.stdout
+    );
+}
+
+/// Where the range of the attraction does not count as small, results say so.
+#[test]
+fn a_range_of_attraction_tells_whether_it_counts_as_small() {
+    let bench = Bench::new();
+    let case = adhesive();
+    let few = ["--set", "texture.surface_fraction=0.003"];
+    let commands: [&[&str]; 3] = [
+        &["transition", &case],
+        &["press", &case, "--indentation", "1um"],
+        &["approach", &case, "--retract"],
+    ];
+    for command in commands {
+        for (range, strained, words) in [
+            (
+                "5nm",
+                false,
+                "above 5: the range counts as small (JKR limit)",
+            ),
+            (
+                "0.5um",
+                true,
+                "below 5: the range does not count as small (JKR limit)",
+            ),
+        ] {
+            let arguments = [command, &few, &["--attraction-range", range]].concat();
+            let found = bench.json(&[&arguments[..], &["--quiet"]].concat());
+            let limits = found["limits"].as_array().unwrap();
+            let tabor = limits.iter().find(|limit| limit["name"] == "tabor_number");
+            assert_eq!(tabor.unwrap()["strained"], strained, "{arguments:?}");
+            let outcome = bench.run(&arguments);
+            assert!(outcome.stdout.contains(words), "{}", outcome.stdout);
+            let warned = outcome
+                .stderr
+                .contains("does not count as small (Tabor number");
+            assert_eq!(warned, strained, "{}", outcome.stderr);
+        }
+        let without = bench.json(&[command, &few].concat());
+        let limits = without["limits"].as_array().unwrap();
+        assert!(limits.iter().all(|limit| limit["name"] != "tabor_number"));
+    }
+}
+
+/// The work of adhesion scatters as any quantity: pull-off is told for every sample, and no negative work is drawn.
+#[test]
+fn samples_that_stick_tell_how_pull_off_scatters() {
+    let bench = Bench::new();
+    let case = adhesive();
+    let arguments = [
+        "design",
+        &case,
+        "--set",
+        "texture.surface_fraction=0.003",
+        "--tolerance",
+        "adhesion.work=60%",
+        "--samples",
+        "12",
+        "--keep-offset",
+        "--output",
+        "found",
+    ];
+    let spread = bench.json(&arguments)["spread"].clone();
+    assert_eq!(spread["failed"], 0);
+    let rows = records(
+        &bench.read("found/samples.csv"),
+        ["adhesion.work_J_per_m2", "pull_off_force_N", "hysteresis_J"],
+    );
+    assert_eq!(rows.len(), 12);
+    let mut pairs: Vec<(f64, f64)> = rows
+        .iter()
+        .map(|row| (number(&row[0]), number(&row[1])))
+        .collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(pairs[0].0 > 0.0);
+    // The more it sticks the larger the pull.
+    assert!(
+        pairs.windows(2).all(|pair| pair[1].1 < pair[0].1),
+        "{pairs:?}"
+    );
+    let mean = pairs.iter().map(|pair| pair.1).sum::<f64>() / 12.0;
+    assert_close(&spread["pull_off_force_N"]["mean"], mean, 1e-12);
+    assert!(
+        spread["hysteresis_J"]["standard_deviation"]
+            .as_f64()
+            .unwrap()
+            > 0.0
+    );
+    assert!(
+        bench
+            .files("found")
+            .contains(&"pull-off-spread.svg".to_owned())
+    );
+    // One of these is the cycle of its own case.
+    let work = format!("adhesion.work={}", rows[0][0]);
+    let alone = bench.json(&[
+        "approach",
+        &case,
+        "--retract",
+        "--set",
+        "texture.surface_fraction=0.003",
+        "--set",
+        &work,
+    ]);
+    assert_close(&alone["pull_off_force_N"], number(&rows[0][1]), 1e-12);
+    assert_close(&alone["hysteresis_J"], number(&rows[0][2]), 1e-12);
+    // Where nothing sticks there is nothing to be told.
+    let plain = bench.json(&[
+        "design",
+        &case,
+        "--set",
+        "adhesion.work=0",
+        "--set",
+        "texture.surface_fraction=0.003",
+        "--tolerance",
+        "texture.pillar.height=2%",
+        "--samples",
+        "2",
+    ]);
+    assert!(plain["spread"].get("pull_off_force_N").is_none());
+}
+
+/// Whole cycles along the work of adhesion, from the command line: refused before anything is computed where a case cannot be.
+#[test]
+fn cycles_are_swept_and_refused_with_line_and_key() {
+    let bench = Bench::new();
+    let case = std::fs::read_to_string(adhesive()).unwrap();
+    bench.write("case.toml", &case);
+    let study = |axes: &str| {
+        bench.write(
+            "study.toml",
+            &format!("[study]\ncase = \"case.toml\"\nquestion = \"cycle\"\n[axes]\n{axes}\n"),
+        );
+    };
+    study("\"adhesion.work\" = [\"10 mJ/m2\", \"50 mJ/m2\"]\nsurface_fraction = [0.003, 0.006]");
+    let shown = bench.result(&["sweep", "study.toml", "--output", "results"]);
+    assert!(
+        shown.starts_with("4 cases: cycles of loading and unloading with adhesion\n"),
+        "{shown}"
+    );
+    assert!(bench.files("results").contains(&"pull-off.svg".to_owned()));
+    let rows = records(
+        &bench.read("results/table.csv"),
+        ["pull_off_force_N", "converged"],
+    );
+    assert!(
+        rows.iter()
+            .all(|row| number(&row[0]) < 0.0 && row[1] == "true")
+    );
+    for (axes, key, place) in [
+        (
+            "\"adhesion.work\" = [\"10 mJ/m2\", \"-5 mJ/m2\"]",
+            "adhesion.work",
+            "study.toml:5:32",
+        ),
+        (
+            "\"adhesion.work\" = [\"10 mJ/m2\", 0]",
+            "adhesion.work",
+            "study.toml:5:32",
+        ),
+        (
+            "\"adhesion.work\" = [\"10 mJ/m2\", \"5 uN\"]",
+            "adhesion.work",
+            "study.toml:5:32",
+        ),
+        (
+            "\"method.name\" = [\"spectral\", \"love\"]",
+            "adhesion.work",
+            "study.toml:5:30",
+        ),
+    ] {
+        study(axes);
+        let outcome = bench.run(&["sweep", "study.toml", "--output", "refused"]);
+        assert_eq!(outcome.status, Some(2), "{axes}: {}", outcome.stderr);
+        for words in [key, place] {
+            assert!(
+                outcome.stderr.contains(words),
+                "{words}: {}",
+                outcome.stderr
+            );
+        }
+        assert!(!bench.path("refused").exists());
+    }
 }

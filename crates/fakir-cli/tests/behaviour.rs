@@ -532,11 +532,11 @@ fn the_explorer_says_what_keeps_it_from_starting() {
         "{}",
         outcome.stderr
     );
-    let sticky = ["explore", "--no-browser", "--set", "adhesion.work=50mJ/m2"];
-    let outcome = bench.run(&sticky);
+    let repelled = ["explore", "--no-browser", "--set", "adhesion.work=-1mJ/m2"];
+    let outcome = bench.run(&repelled);
     assert_eq!(outcome.status, Some(2));
     assert!(
-        outcome.stderr.contains("the page has no adhesion"),
+        outcome.stderr.contains("adhesion.work"),
         "{}",
         outcome.stderr
     );

@@ -123,6 +123,46 @@ fn what_is_designed_has_the_wanted_floor_share() {
     );
 }
 
+/// Designs a pitch for a pull-off force, then pulls the lens off the case that was saved.
+#[test]
+fn what_is_designed_has_the_wanted_pull_off_force() {
+    let bench = Bench::new();
+    let case = example("adhesive.toml");
+    let question = ["design", &case, "--free", "pitch", "--pull-off", "40uN"];
+    let answer = bench.json(&[&question[..], &["--output", "found"]].concat());
+    let design = &answer["design"];
+    assert_eq!(design["status"], "found");
+    assert_eq!(
+        design["wanted"],
+        serde_json::json!({"pull_off_force_N": 4e-5})
+    );
+    let again = bench.json(&["approach", "found/case.toml", "--retract"]);
+    assert_eq!(
+        design["cycle"]["pull_off_force_N"],
+        again["pull_off_force_N"]
+    );
+    let force = again["pull_off_force_N"].as_f64().unwrap_or(0.0);
+    let error = &again["relative_error_estimate"]["pull_off_force"]["numerical"];
+    assert!(
+        (-force / 4e-5 - 1.0).abs() <= error.as_f64().unwrap_or(0.0),
+        "{force}"
+    );
+    let outcome = bench.run(&[
+        "design",
+        &example("paper-intermediate.toml"),
+        "--free",
+        "pitch",
+        "--pull-off",
+        "40uN",
+    ]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("give adhesion.work"),
+        "{}",
+        outcome.stderr
+    );
+}
+
 #[test]
 fn what_makes_no_sense_is_status_2() {
     let bench = Bench::new();

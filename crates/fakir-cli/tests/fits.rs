@@ -85,3 +85,38 @@ fn bad_input_ends_with_status_2() {
             .contains("give one of substrate.young_modulus")
     );
 }
+
+/// The example with both branches: a case, and what is free.
+#[test]
+fn the_example_of_a_retraction_gives_its_truth() {
+    let bench = Bench::new();
+    let (data, case) = (
+        example("fit/retraction.csv"),
+        example("fit/retraction.toml"),
+    );
+    let free = "adhesion.work,substrate.young_modulus,contact_point,force_offset";
+    let arguments = ["fit", &data, "--case", &case, "--free", free, "--quiet"];
+    let result = bench.json(&[&arguments[..], &["--output", "results"]].concat());
+    // As crates/fakir-inverse/examples/synthetic_retraction.rs has them.
+    let truths = [
+        ("_J_per_m2", 0.035),
+        ("_Pa", 1.4e6),
+        ("_m", 3e-6),
+        ("_N", 2e-6),
+    ];
+    for (number, (suffix, truth)) in truths.into_iter().enumerate() {
+        let ends = &result["parameters"][number][format!("confidence_interval_95{suffix}")];
+        let [low, high] = [0, 1].map(|end| ends[end].as_f64().unwrap());
+        assert!(low < truth && truth < high, "{ends}: {truth}");
+    }
+    let pull_off = &result["pull_off"];
+    assert!(pull_off["measured_force_N"].as_f64().unwrap() < 0.0);
+    assert_eq!(pull_off["relative_error_of_model"], 0.05);
+    let table = bench.read("results/fitted.csv");
+    assert!(table.starts_with("line,branch,displacement_m,"), "{table}");
+    assert!(table.contains(",unloading,") && table.contains(",loading,"));
+    let figure = bench.read("results/fit.svg");
+    assert!(figure.contains("unloading"));
+    let provenance = bench.read("results/provenance.json");
+    assert!(provenance.contains("Kendall"), "{provenance}");
+}

@@ -1,4 +1,4 @@
-//! Sixty commands, over all that the program can be asked, and their recorded answers.
+//! Eighty commands, over all that the program can be asked, and their recorded answers.
 //!
 //! What is only rearranged must answer as before. `FAKIR_RECORD=1` records anew, which is right only
 //! where answers are meant to change. Sums differ between processors by their last digits, and what is solved for
@@ -23,11 +23,16 @@ fn is_volatile(name: &str) -> bool {
     name.ends_with("time_s") || ["fakir_version", "folder"].contains(&name)
 }
 
+/// What is made of rounding alone: how well the energy of a cycle is balanced. Of a general surface it is an object, and more.
+fn is_rounding(name: &str, value: &Value) -> bool {
+    name == "certificate" && !value.is_object()
+}
+
 /// Takes out of an answer what differs from run to run, so that it is not recorded.
 fn remove_volatile(answer: &mut Value) {
     match answer {
         Value::Object(members) => {
-            members.retain(|name, _| !is_volatile(name));
+            members.retain(|name, value| !is_volatile(name) && !is_rounding(name, value));
             members.values_mut().for_each(remove_volatile);
         }
         Value::Array(values) => values.iter_mut().for_each(remove_volatile),
@@ -164,7 +169,7 @@ fn commands_answer_as_recorded() {
         .lines()
         .filter(|line| !line.starts_with('#'))
         .collect();
-    assert_eq!(commands.len(), 63);
+    assert_eq!(commands.len(), 77);
     let answers: Vec<Value> = commands.par_iter().map(|line| answer(line)).collect();
     let path = folder().join("answers.jsonl");
     if std::env::var_os("FAKIR_RECORD").is_some() {

@@ -13,7 +13,7 @@ export async function save(store: Store, server: Server, name: string): Promise<
   const { question } = store.state;
   const known = knownCritical(store.state, question);
   const load = {
-    fraction: question.load,
+    fraction: store.state.chosen.load,
     ...(known && { critical_indentation_m: known.critical_indentation_m }),
   };
   try {

@@ -7,7 +7,7 @@ export type Place = readonly [number, number];
 
 /** A line, markers or an area, by its class in the style sheet. */
 export interface Series {
-  readonly kind: "line" | "points" | "area" | "vertical";
+  readonly kind: "line" | "points" | "area" | "vertical" | "ticks-above" | "ticks-below";
   readonly style: string;
   readonly points: readonly Place[];
 }
@@ -35,7 +35,7 @@ export interface Axes {
   readonly yDimension: Dimension;
   /** Whether the numbers on x are left out, because the chart below has them. */
   readonly bare?: boolean;
-  /** Whether both axes are linear, from zero. */
+  /** Whether both axes are linear. */
   readonly linear?: boolean;
 }
 
@@ -89,6 +89,13 @@ export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): v
         const d = `M${across(x).toFixed(1)} ${frame.top}V${frame.bottom}`;
         inside.append(path(d, series.style));
       }
+    } else if (series.kind === "ticks-above" || series.kind === "ticks-below") {
+      const above = series.kind === "ticks-above";
+      const [from, to] = above
+        ? [frame.top, frame.top + 0.5 * em]
+        : [frame.bottom, frame.bottom - 0.5 * em];
+      const places = new Set(series.points.map(([x]) => across(x).toFixed(1)));
+      inside.append(path([...places].map((x) => `M${x} ${from}V${to}`).join(""), series.style));
     } else if (series.points.length > 0) {
       const close = series.kind === "area" ? "Z" : "";
       inside.append(path(`M${series.points.map(at).join("L")}${close}`, series.style));
@@ -129,21 +136,21 @@ function wordsOf(value: number, dimension: Dimension, { linear }: Axes): string 
   if (dimension === "number") return number(value);
   const { number: digits, unit } = engineering(value, dimension, linear ? 3 : 1);
   // Even ticks have at most three digits, of which zeros at the end are not written.
-  return `${linear ? String(Number(digits)) : digits} ${unit}`;
+  return `${linear ? digits.replace(/\.0+$|(\.\d*?)0+$/, "$1") : digits} ${unit}`;
 }
 
 function linear([low, high]: Place, first: number, last: number): (value: number) => number {
   return (value) => first + ((value - low) / (high - low)) * (last - first);
 }
 
-/** Ticks at whole multiples of a round step, as many as there is room for. */
+/** Ticks at whole multiples of a round step, as many as there is room for. The range need not begin with one. */
 function evenTicks([low, high]: Place, room: number): Tick[] {
   const least = (high - low) / Math.max(2, Math.min(6, room));
   const power = 10 ** Math.floor(Math.log10(least));
   const step = [1, 2, 5, 10].map((round) => round * power).find((round) => round >= least) ?? least;
-  const count = Math.floor(((high - low) / step) * 1.0001);
-  return Array.from({ length: count + 1 }, (_, k) => ({
-    value: Number((low + k * step).toPrecision(12)),
+  const [first, last] = [Math.ceil(low / step - 1e-4), Math.floor(high / step + 1e-4)];
+  return Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => ({
+    value: Number(((first + k) * step).toPrecision(12)),
     label: true,
   }));
 }

@@ -2,7 +2,7 @@
 
 import type { Key, Refusal, Value, Values } from "./engine.js";
 import { editable, engineeringText, parse, type Dimension } from "./numbers.js";
-import { FRACTION, PITCH } from "./store.js";
+import { FRACTION, PITCH, RECEDING, WORK } from "./store.js";
 
 /** A key that takes a number. */
 interface Field extends Key {
@@ -61,7 +61,7 @@ export class Controls {
 
   /** Shows a case everywhere but in the field that was just `typed` into. */
   show(values: Values, typed: string | null): void {
-    const shown = this.withSpacing(values);
+    const shown = withReceding(this.withSpacing(values));
     this.widgets.get(FRACTION)?.box.classList.toggle("derived", values[FRACTION] === undefined);
     this.widgets.get(PITCH)?.box.classList.toggle("derived", values[PITCH] === undefined);
     const valueOf = (key: Key): Value => shown[key.key] ?? key.default ?? "";
@@ -75,6 +75,9 @@ export class Controls {
       }
       widget.show(valueOf(key), key.key === typed);
     }
+    const receding = this.widgets.get(RECEDING)?.box;
+    receding?.classList.toggle("derived", values[RECEDING] === undefined);
+    receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
   }
 
   /** A case with both surface fraction and pitch: that which is not given follows from the other. */
@@ -142,6 +145,8 @@ export class Controls {
       slide();
     });
     slider.addEventListener("input", slide);
+    // A key that follows another one unless it is given needs no slider.
+    slider.hidden = field.usual === null && field.default === null;
     box.append(text, slider, note);
     const show = (value: Value, typed: boolean): void => {
       if (typeof value !== "number") {
@@ -185,6 +190,13 @@ export class Controls {
     box.append(select, note);
     return { box, note, show: (value) => (select.value = String(value)), inputs: [select] };
   }
+}
+
+/** A case with the work of adhesion where contact is broken, which is that where it is made unless it is given; none where nothing sticks. */
+function withReceding(values: Values): Values {
+  const work = values[WORK];
+  if (values[RECEDING] !== undefined || typeof work !== "number" || work <= 0) return values;
+  return { ...values, [RECEDING]: work };
 }
 
 /** Whether a key is either so or not. */
@@ -242,6 +254,11 @@ function frame({ key, label, symbol, meaning }: Key): Frame {
   return { box, note, id, describedBy: `${help.id} ${note.id}` };
 }
 
+/** Whether the slider of a field begins at zero, before the usual values: what is zero unless it is given can be left out. */
+function beginsAtZero({ default: value, usual }: Field): boolean {
+  return value === 0 && usual !== null && usual[0] > 0;
+}
+
 /** Where a slider begins and ends. */
 function ends({ usual, least, greatest }: Field): readonly [number, number] {
   return usual ?? [least ?? 0, greatest ?? 1];
@@ -251,6 +268,7 @@ function ends({ usual, least, greatest }: Field): readonly [number, number] {
 function sliderValue(field: Field, place: number): number {
   const [low, high] = ends(field);
   const part = place / STEPS;
+  if (place === 0 && beginsAtZero(field)) return 0;
   // Where zero is not among them values go over decades.
   const value = low > 0 ? low * (high / low) ** part : low + (high - low) * part;
   if (field.whole) return Math.round(value);

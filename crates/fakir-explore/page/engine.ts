@@ -156,6 +156,107 @@ export interface CurvePoint {
   readonly normalized: Point;
 }
 
+/** A station of a cycle as the lens passes it. */
+export interface CurveStation {
+  readonly loading: boolean;
+  readonly indentation_m: number;
+  readonly force_N: number;
+}
+
+/** Estimated relative errors of a figure of a cycle: of the numerical solution, and of the model. */
+export interface CycleError {
+  readonly numerical: number;
+  readonly model_fronts: number;
+}
+
+/** A condition of the model, and how near a case comes to where it ends. */
+export interface Limit {
+  readonly name: string;
+  readonly value: number;
+  readonly threshold: number;
+  readonly strained: boolean;
+}
+
+export interface CycleStation {
+  readonly branch: "loading" | "unloading";
+  readonly indentation_m: number;
+  readonly force_N: number;
+  readonly contact_radius_m: number;
+  readonly pillars_in_contact: number;
+  readonly pillars_partially_in_contact: number;
+}
+
+export interface CycleEvent {
+  readonly branch: "loading" | "unloading";
+  readonly event: "snap_in" | "growth" | "recession" | "release" | "floor_contact";
+  readonly indentation_m: number;
+  readonly force_N: number;
+}
+
+/** A cycle of loading and unloading with adhesion, as the command `approach --retract` prints it. */
+export interface CycleSummary {
+  readonly method: string;
+  readonly first_contact_indentation_m: number | null;
+  readonly first_contact_force_N: number | null;
+  readonly critical_force_N: number | null;
+  readonly turn_indentation_m: number;
+  readonly pull_off_force_N: number | null;
+  readonly pull_off_indentation_m: number | null;
+  readonly pull_off_pillars_in_contact: number | null;
+  readonly last_release_indentation_m: number | null;
+  readonly work_of_separation_J: number;
+  readonly hysteresis_J: number | null;
+  readonly certificate: number | null;
+  readonly relative_error_estimate: {
+    readonly critical_force: CycleError | null;
+    readonly pull_off_force: CycleError | null;
+    readonly hysteresis: CycleError | null;
+  };
+  readonly limits: readonly Limit[];
+  readonly stations: readonly CycleStation[];
+  readonly events: readonly CycleEvent[];
+  readonly warnings: readonly string[];
+  readonly converged: boolean;
+  readonly wall_time_s: number;
+}
+
+/** A cycle that is solved, of which states follow. */
+export interface SolvedCycle {
+  readonly summary: CycleSummary;
+  /** What the critical force would be if nothing stuck. */
+  readonly critical_force_without_adhesion_N: number;
+  /** Number of the states that follow. */
+  readonly states: number;
+  /** The largest force on a pillar in all of them, and the largest pull, which is negative. */
+  readonly largest_force_N: number;
+  readonly largest_pull_N: number;
+  readonly pitch_m: number;
+  readonly diameter_m: number;
+  readonly offset_m: Point;
+}
+
+/** A pillar in contact in part. */
+export interface PartialTop {
+  /** Its place among the pillars in contact. */
+  readonly pillar: number;
+  readonly covered: number;
+  /** Outline of what is in contact: x and y of its corners from the middle of the top, pillar radii. */
+  readonly outline: readonly number[];
+}
+
+/** What is in contact at a station of a cycle. */
+export interface StationState {
+  /** Its place in `stations` of the summary. */
+  readonly place: number;
+  /** Its place on the way: 0 at first contact, 1 where the lens turns, 2 at the last release. */
+  readonly load: number;
+  readonly pillars: readonly number[];
+  readonly pillar_forces_N: readonly number[];
+  readonly parts: readonly PartialTop[];
+  readonly floor_contacts_m: readonly Point[];
+  readonly section: Section | null;
+}
+
 export interface Texts {
   readonly toml: string;
   readonly command: string;
@@ -183,6 +284,9 @@ export interface Line {
   readonly complete?: { readonly largest_surface_fraction: number };
   readonly transition?: readonly Point[];
   readonly path?: PathState;
+  readonly curve?: readonly CurveStation[];
+  readonly cycle?: SolvedCycle;
+  readonly station?: StationState;
 }
 
 /** What the key table of the program says about a key of a case. */
@@ -227,6 +331,9 @@ export type Background = "curves" | "phase";
 
 export type Kind = "contact" | Background;
 
+/** Where questions go: with adhesion the place of a contact is taken by a cycle. */
+export type ApiPath = Kind | "cycle" | "export";
+
 /** A request was refused, or the server did not answer. */
 export class Refused extends Error {
   constructor(readonly refusal: Refusal) {
@@ -256,10 +363,15 @@ export class Server {
   }
 
   /** Asks a question. `listen` is called with every line as it comes. False if a newer question took its place. */
-  async ask(kind: Kind, question: object, listen: (line: Line) => void): Promise<boolean> {
+  async ask(
+    kind: Kind,
+    path: ApiPath,
+    question: object,
+    listen: (line: Line) => void,
+  ): Promise<boolean> {
     const controller = this.begin(kind);
     try {
-      const response = await this.post(kind, question, controller.signal);
+      const response = await this.post(path, question, controller.signal);
       if (response === null || response.body === null) return false;
       const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
       let rest = "";
@@ -304,7 +416,7 @@ export class Server {
 
   /** The answer; null if a newer question took its place. */
   private async post(
-    kind: Kind | "export",
+    path: ApiPath,
     question: object,
     signal: AbortSignal,
   ): Promise<Response | null> {
@@ -312,7 +424,7 @@ export class Server {
     const ticket = { session: this.session, sequence: this.sequence };
     let response: Response;
     try {
-      response = await fetch(`/api/${kind}`, {
+      response = await fetch(`/api/${path}`, {
         method: "POST",
         headers: { "content-type": "application/json", "x-fakir-token": this.token },
         body: JSON.stringify({ ticket, ...question }),

@@ -5,9 +5,9 @@ import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
 import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
 import { Server, type Start, type Texts, type Values } from "./engine.js";
-import { drawColourBar, drawFloorBar, drawMap, wordsAt, type MapContents } from "./map.js";
+import { drawColourBar, drawFloorBar, drawMap, drawPullBar, wordsAt, type MapContents } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
-import { announcement, drawCritical, drawFacts, drawLoad } from "./readouts.js";
+import { announcement, drawCritical, drawCycleNumbers, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
 import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
@@ -18,16 +18,20 @@ import {
   isOlder,
   mapScale,
   PITCH,
+  RECEDING,
+  sticks,
   Store,
+  type Of,
   type State,
+  WORK,
 } from "./store.js";
 import { onScheme } from "./theme.js";
 
 /** Young's moduli of the paper's three substrates, Pa. */
 const SUBSTRATES: Record<string, number> = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
 
-/** What the substrates of the paper leave as it is: how far apart pillars are, and whether the floor bears anything. */
-const KEPT = [FRACTION, PITCH, FLOOR];
+/** What the substrates of the paper leave as it is: how far apart pillars are, whether the floor bears anything, and whether tops stick. */
+const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING];
 
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;
@@ -56,8 +60,6 @@ function show(store: Store): void {
   const controls = new Controls(byId("fields"), start.keys, (...change) =>
     store.setValue(...change),
   );
-  byId<HTMLInputElement>("load").max = String(start.farthest_load);
-  byId("load").parentElement?.style.setProperty("--farthest", String(start.farthest_load));
   const screen = new Screen(store, (state) => {
     if (!isBusy(state)) document.body.dataset["busy"] = "no";
   });
@@ -80,14 +82,19 @@ function show(store: Store): void {
   screen.add((state) => [state.critical, state.estimate], drawCritical);
   screen.add(
     (state) => [
-      ...[state.critical, state.solved, state.reference],
+      ...[state.critical, state.solved, state.reference, state.cycle?.is.solved],
       ...[state.progress, state.refusal],
     ],
     drawFacts,
   );
-  screen.add((state) => [state.chosen.load, state.chosen.case, state.solved], drawLoad);
+  screen.add(
+    (state) => [state.chosen.load, state.chosen.case, state.solved, state.cycle, state.refusal],
+    drawLoad,
+  );
+  screen.add((state) => [state.cycle?.is.solved], drawCycleNumbers);
 
   const floorBar = byId<HTMLCanvasElement>("floor-bar");
+  const pullBar = byId<HTMLCanvasElement>("pull-bar");
   const [canvas, bar] = [byId<HTMLCanvasElement>("map"), byId<HTMLCanvasElement>("colour-bar")];
   screen.add(
     (state) => [state.picture, ...Object.values(mapContents(state) ?? {})],
@@ -96,7 +103,12 @@ function show(store: Store): void {
       if (state.picture === null || contents === null) return;
       drawMap(canvas, contents, state.start.colours);
       write(byId("colour-most"), engineeringText(contents.force, "force", 3));
-      const { floor, floorIsOlder } = contents.scene;
+      const { floor, floorIsOlder, pull_N } = contents.scene;
+      for (const id of ["pull-key", "pull-words"]) byId(id).hidden = pull_N === 0;
+      if (pull_N !== 0) {
+        write(byId("pull-most"), engineeringText(pull_N, "force", 3));
+        drawPullBar(pullBar);
+      }
       byId("floor-key").hidden = floor === null;
       for (const part of [floorBar, byId("floor-most")]) part.classList.toggle("older", floorIsOlder);
       byId("touch-key").hidden = floor !== null;
@@ -115,11 +127,12 @@ function show(store: Store): void {
     ({ start }) => drawColourBar(bar, start.colours),
     [bar],
   );
-  const [section, phase, loading] = [byId("section"), byId("phase"), byId("loading")];
+  const [section, phase] = [byId("section"), byId("phase")];
+  const [loading, pull] = [byId("loading"), byId("pull")];
   screen.add((state) => [state.section, state.chosen.exaggeration], drawSection, [section]);
   screen.add(
     (state) => [
-      ...[state.phase, state.critical, state.solved],
+      ...[state.phase, state.critical, state.solved, state.cycle, state.chosen.load],
       isOlder(state, state.solved, "load"),
     ],
     drawPhase,
@@ -127,11 +140,11 @@ function show(store: Store): void {
   );
   screen.add(
     (state) => [
-      ...[state.phase, state.critical, state.solved],
+      ...[state.phase, state.critical, state.solved, state.cycle, state.chosen.load],
       isOlder(state, state.solved, "load"),
     ],
     drawLoading,
-    [loading],
+    [loading, pull],
   );
   const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
   screen.add((state) => [state.curves, state.critical], drawCurves, curves);
@@ -143,10 +156,12 @@ function show(store: Store): void {
 
   screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
   const facts = [byId("regime"), byId("pillars")];
-  screen.age((state) => state.critical, "case", [...facts, phase, loading, ...curves]);
+  screen.age((state) => state.critical, "case", [...facts, phase, ...curves]);
+  const known = (state: State): Of<unknown> | null => state.cycle ?? state.critical;
+  screen.age(known, "case", [loading, pull, byId("cycle-numbers")]);
   screen.age((state) => state.picture, "load", [canvas, byId("bar"), byId("floor-key")]);
   const numbers = ["load-numbers", "floor-numbers", "beyond-note", "warnings"].map((id) => byId(id));
-  screen.age((state) => state.solved, "load", numbers);
+  screen.age((state) => state.solved ?? state.picture, "load", numbers);
   screen.age((state) => state.section, "load", [section]);
   const texts = [byId("command"), byId("python"), byId("case-file")];
   screen.age((state) => state.texts, "load", texts);
@@ -213,12 +228,26 @@ function listen(store: Store, server: Server): void {
   slider.addEventListener("pointerup", () => (pointing = false));
   slider.addEventListener("input", () => {
     const value = Number(slider.value);
+    const { chosen, cycle } = store.state;
+    if (sticks(chosen.case)) {
+      // With adhesion it has a step for every state.
+      const state = cycle?.is.states[value];
+      if (state !== undefined) store.choose({ load: state.load }, performance.now());
+      return;
+    }
     const load = pointing && Math.abs(value - 1) < SNAP ? 1 : value;
     store.choose({ load }, performance.now());
   });
   byId("to-critical").addEventListener("click", () =>
     store.choose({ load: 1 }, performance.now()),
   );
+  byId("to-pull-off").addEventListener("click", () => {
+    const { cycle } = store.state;
+    const stations = cycle?.is.solved?.summary.stations;
+    const pull = cycle?.is.solved?.summary.pull_off_force_N;
+    const state = cycle?.is.states.find(({ place, load }) => load > 1 && stations?.[place]?.force_N === pull);
+    if (state !== undefined) store.choose({ load: state.load }, performance.now());
+  });
   const exaggeration = byId<HTMLInputElement>("exaggeration");
   exaggeration.addEventListener("input", () => {
     const factor = Number((10 ** Number(exaggeration.value)).toPrecision(3));

@@ -1,6 +1,14 @@
 // Numbers for people: units with prefixes, and as many digits as are known.
 
-export type Dimension = "length" | "pressure" | "force" | "angle" | "fraction" | "number";
+export type Dimension =
+  | "length"
+  | "pressure"
+  | "force"
+  | "energy"
+  | "energy per area"
+  | "angle"
+  | "fraction"
+  | "number";
 
 interface Unit {
   readonly symbol: string;
@@ -26,6 +34,18 @@ const UNITS: Record<Dimension, readonly Unit[]> = {
     { symbol: "mN", power: -3 },
     { symbol: "µN", power: -6 },
     { symbol: "nN", power: -9 },
+  ],
+  energy: [
+    { symbol: "J", power: 0 },
+    { symbol: "mJ", power: -3 },
+    { symbol: "µJ", power: -6 },
+    { symbol: "nJ", power: -9 },
+    { symbol: "pJ", power: -12 },
+    { symbol: "fJ", power: -15 },
+  ],
+  "energy per area": [
+    { symbol: "J/m²", power: 0 },
+    { symbol: "mJ/m²", power: -3 },
   ],
   angle: [{ symbol: "°", power: null }],
   // Per cent and what else can be typed is read by the program.
@@ -122,7 +142,10 @@ export function parse(text: string, dimension: Dimension): number | null {
     if (symbol === "°" || symbol === "deg") return Number(`${digits}e${exponent}`) * DEGREE;
     return symbol === "rad" ? Number(`${digits}e${exponent}`) : null;
   }
-  const name = symbol.replace(/^[uμ]/, "µ");
+  const name = symbol
+    .replace(/^[uμ]/, "µ")
+    .replace(/\^?2$/, "²")
+    .replace(/^(m?)N\/m$/, "$1J/m²");
   const unit = UNITS[dimension].find((unit) => unit.symbol === name);
   if (unit === undefined || unit.power === null) return null;
   return Number(`${digits}e${Number(exponent) + unit.power}`);

@@ -1,17 +1,30 @@
 // The numbers: the critical state of the case, and the load that is shown.
 
-import type { FloorSummary, TransitionSummary } from "./engine.js";
+import type { CycleError, CycleSummary, FloorSummary, Limit, TransitionSummary } from "./engine.js";
 import {
   digitsFor,
   engineering,
   engineeringText,
+  plain,
   radiusDigits,
   significant,
   write,
   type Dimension,
 } from "./numbers.js";
 import { byId } from "./screen.js";
-import { floorBears, isBeyond, isBusy, isCritical, isOlder, type Estimate, type State } from "./store.js";
+import { stationShown } from "./diagrams.js";
+import {
+  floorBears,
+  isBeyond,
+  isBusy,
+  isCritical,
+  isOlder,
+  isWhole,
+  stationAt,
+  sticks,
+  type Estimate,
+  type State,
+} from "./store.js";
 
 interface Readout {
   readonly id: string;
@@ -84,7 +97,7 @@ function solved(summary: TransitionSummary): readonly Readout[] {
 
 /** What else is known of the critical state, and of how it was solved for. */
 export function drawFacts(state: State): void {
-  const { critical, solved } = state;
+  const { critical } = state;
   if (critical !== null) {
     const regime = byId("regime");
     const { pillars_in_contact: all, pillars_partially_in_contact: part } = critical.is;
@@ -98,20 +111,36 @@ export function drawFacts(state: State): void {
   }
   byId("status").textContent = statusWords(state);
   const warnings = byId("warnings");
-  warnings.textContent = solved?.is.warnings.join("; ") ?? "";
+  const answer = answerOf(state);
+  warnings.textContent = answer?.warnings.join("; ") ?? "";
   warnings.hidden = warnings.textContent === "";
 }
 
+/** How the contact or the cycle that is shown was solved; null while there is none. */
+function answerOf({ solved, cycle }: State): Answer | null {
+  if (solved !== null) return { of: solved.of, ...solved.is.summary, warnings: solved.is.warnings };
+  const summary = cycle?.is.solved?.summary;
+  return cycle === null || summary === undefined ? null : { of: cycle.of, ...summary };
+}
+
+interface Answer {
+  readonly of: State["question"];
+  readonly method: string;
+  readonly wall_time_s: number;
+  readonly warnings: readonly string[];
+}
+
 function statusWords(state: State): string {
-  const { progress, refusal, solved } = state;
+  const { progress, refusal } = state;
+  const answer = answerOf(state);
   if (progress !== null) {
     const { stage, step, touched } = progress.is;
     return `${stage}, step ${step}, ${touched} pillars touched …`;
   }
   if (refusal !== null && !isOlder(state, refusal, "load")) return "no result";
-  if (solved === null) return "starting …";
-  if (isOlder(state, solved, "load")) return "solving …";
-  const { method, wall_time_s } = solved.is.summary;
+  if (answer === null) return "starting …";
+  if (isOlder(state, { of: answer.of, is: answer }, "load")) return "solving …";
+  const { method, wall_time_s } = answer;
   return `${method}, solved in ${seconds(wall_time_s)}`;
 }
 
@@ -121,6 +150,16 @@ function seconds(time: number): string {
 
 /** The load: words and slider follow what is chosen, the numbers are those of the state solved for. */
 export function drawLoad(state: State): void {
+  const sticky = sticks(state.chosen.case);
+  byId("to-pull-off").hidden = !sticky;
+  byId("cycle-numbers").hidden = !sticky || state.cycle === null || state.cycle.is.solved === null;
+  byId("load-end").textContent = sticky ? "last release" : "beyond";
+  for (const id of ["load-track", "loading-legend", "export-menu"]) byId(id).classList.toggle("cycle", sticky);
+  if (sticky) {
+    drawCycleLoad(state);
+    return;
+  }
+  byId<HTMLInputElement>("load").disabled = false;
   const { load } = state.chosen;
   const words = loadWords(load);
   const beyond = isBeyond(load);
@@ -131,9 +170,7 @@ export function drawLoad(state: State): void {
   for (const part of [byId("load").parentElement, byId("loading-legend")]) {
     part?.classList.toggle("through-floor", !bears);
   }
-  const slider = byId<HTMLInputElement>("load");
-  slider.value = String(load);
-  slider.setAttribute("aria-valuetext", words);
+  setSlider(0.002, state.start.farthest_load, 1, load, words);
   if (state.solved === null) return;
   const { summary } = state.solved.is;
   const error = summary.relative_error_estimate;
@@ -144,6 +181,118 @@ export function drawLoad(state: State): void {
   write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
   write(byId("floor-gap"), engineeringText(summary.smallest_floor_gap_m, "length", digits(error.indentation)));
   drawFloor(summary.floor);
+}
+
+/** The slider of the load: its steps, its end, where the critical state is, its value and that in words. */
+function setSlider(step: number, end: number, critical: number, value: number, words: string): void {
+  const slider = byId<HTMLInputElement>("load");
+  slider.step = String(step);
+  slider.max = String(end);
+  slider.value = String(value);
+  slider.setAttribute("aria-valuetext", words);
+  byId("load-track").style.setProperty("--farthest", String(end / critical));
+}
+
+/** Indentations below this, m, are none: a part in 1e6 of the smallest pillars. */
+const NO_LENGTH = 1e-13;
+
+/** The way of the lens with adhesion: the slider has a step for every state. */
+function drawCycleLoad(state: State): void {
+  const { cycle, chosen } = state;
+  byId("beyond-note").hidden = true;
+  byId("floor-numbers").hidden = true;
+  byId("load-words").classList.remove("beyond");
+  byId("load-track").classList.remove("through-floor");
+  const states = cycle?.is.states ?? [];
+  const shown = stationAt(cycle, chosen.load);
+  const station = stationShown(state);
+  const summary = cycle?.is.solved?.summary;
+  const words =
+    shown === null || station === null || summary === undefined
+      ? state.refusal === null
+        ? "being solved"
+        : "no result"
+      : wayWords(shown.load, station, summary);
+  write(byId("load-words"), words);
+  const slider = byId<HTMLInputElement>("load");
+  slider.disabled = !isWhole(cycle);
+  byId<HTMLButtonElement>("to-pull-off").disabled =
+    slider.disabled || (summary?.pull_off_force_N ?? null) === null;
+  const spoken = words.replace(/[_^]\{(.*?)\}/g, "$1");
+  const turn = states.findIndex(({ load }) => load === 1);
+  if (slider.disabled || shown === null || turn < 1) setSlider(0.01, 2, 1, chosen.load, spoken);
+  else setSlider(1, states.length - 1, turn, states.indexOf(shown), spoken);
+  if (shown === null || station === null) return;
+  const { indentation_m, force_N, contact_radius_m } = station;
+  const pulled = shown.pillar_forces_N.filter((force) => force < 0).length;
+  // The first contact is found a little beyond where it is.
+  const lengths = [Math.abs(indentation_m) < NO_LENGTH ? 0 : indentation_m, contact_radius_m].map((value) =>
+    engineeringText(value, "length", 4),
+  );
+  const force = engineeringText(force_N, "force", 4);
+  const all = shown.pillar_forces_N.length;
+  const holding = all === 0 ? "nothing in contact" : `${all} in contact, ${shown.parts.length} in part, ${pulled} pulled`;
+  write(byId("load-numbers"), `F = ${force},  ζ = ${lengths[0]},  a = ${lengths[1]}\n${holding}`);
+}
+
+/** Where the lens is on its way. */
+function wayWords(load: number, station: CycleSummary["stations"][number], summary: CycleSummary): string {
+  if (load === 1) return "critical state";
+  if (load === 0) return "first contact";
+  if (station.pillars_in_contact === 0) return "last release";
+  if (station.force_N === summary.pull_off_force_N) return "unloading, pull-off";
+  const { first_contact_indentation_m: first, last_release_indentation_m: last } = summary;
+  const turn = summary.turn_indentation_m;
+  const down = station.branch === "loading";
+  const [from, to] = down ? [first ?? 0, turn] : [turn, last ?? 0];
+  const part = significant((100 * (station.indentation_m - from)) / (to - from), 2);
+  return `${station.branch}, ${part} % of the way to the ${down ? "critical state" : "last release"}`;
+}
+
+/** What loading and unloading come to. */
+export function drawCycleNumbers(state: State): void {
+  const cycle = state.cycle?.is.solved;
+  if (cycle === undefined || cycle === null) return;
+  const { summary } = cycle;
+  const errors = summary.relative_error_estimate;
+  const number = (value: number | null, dimension: Dimension, error: CycleError | null): string =>
+    value === null ? "–" : engineeringText(value, dimension, Math.min(5, digitsFor(error?.numerical ?? null)));
+  const pull = summary.pull_off_force_N;
+  const pillars = summary.pull_off_pillars_in_contact ?? 0;
+  const texts: Record<string, string> = {
+    "pull-off-force": pull === null ? "nothing pulls" : number(pull, "force", errors.pull_off_force),
+    "pull-off-error": pull === null ? "" : errorWords(errors.pull_off_force),
+    "pull-off-held":
+      pull === null
+        ? ""
+        : `${pillars} ${pillars === 1 ? "pillar" : "pillars"}, ζ = ${engineeringText(summary.pull_off_indentation_m ?? 0, "length", 3)}`,
+    "sticky-critical": number(summary.critical_force_N, "force", errors.critical_force),
+    "plain-critical": `${engineeringText(cycle.critical_force_without_adhesion_N, "force", 5)} without adhesion`,
+    "last-release":
+      summary.last_release_indentation_m === null
+        ? "–"
+        : engineeringText(summary.last_release_indentation_m, "length", 3),
+    "separation-work": number(summary.work_of_separation_J, "energy", errors.hysteresis),
+    "loop-area": number(summary.hysteresis_J, "energy", errors.hysteresis),
+    "loop-error": errorWords(errors.hysteresis),
+  };
+  for (const [id, text] of Object.entries(texts)) write(byId(id), text);
+  for (const limit of summary.limits) drawLimit(limit);
+}
+
+/** The numerical error, and that of the model apart. */
+function errorWords(error: CycleError | null): string {
+  if (error === null) return "";
+  const numerical = `error ${significant(error.numerical, 1)}`;
+  return error.model_fronts > 0 ? `${numerical}, of the model ${significant(error.model_fronts, 1)}` : numerical;
+}
+
+/** A condition of the model, marked where it does not hold. */
+function drawLimit({ name, value, threshold, strained }: Limit): void {
+  const shown = document.getElementById(`limit-${name}`);
+  if (shown === null) return;
+  write(shown, `${significant(value, 2)} ${strained ? ">" : "<"} ${plain(threshold)}`);
+  shown.parentElement?.classList.toggle("strained", strained);
 }
 
 /** What the floor bears, in the digits that its errors leave. */
@@ -181,13 +330,24 @@ function loadWords(fraction: number): string {
 /** What listeners are told of a result that has come to rest; null while there is none. */
 export function announcement(state: State): string | null {
   const { critical, solved, refusal, question } = state;
-  if (critical === null || solved === null || refusal !== null || isBusy(state)) return null;
+  if (critical === null || refusal !== null || isBusy(state)) return null;
   if (critical.of.name !== question.name) return null;
   const summary = critical.is;
   const force = engineeringText(summary.critical_force_N, "force", 4);
   const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
   const radius = engineeringText(summary.critical_contact_radius_m, "length", Math.min(4, digits));
   const indentation = engineeringText(summary.critical_indentation_m, "length", 4);
+  const station = stationShown(state);
+  const cycle = state.cycle?.is.solved?.summary;
+  if (station !== null && cycle !== undefined) {
+    const pull = cycle.pull_off_force_N;
+    return (
+      `Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
+      (pull === null ? "Nothing pulls. " : `Pull-off force ${engineeringText(pull, "force", 2)}. `) +
+      `Load shown: ${wayWords(stationAt(state.cycle, state.chosen.load)?.load ?? 1, station, cycle)}.`
+    );
+  }
+  if (solved === null) return null;
   return (
     `Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
     `Load shown: ${loadWords(solved.is.fraction)}.` +

@@ -1,7 +1,7 @@
 // The one place that asks the server: it follows the store, and puts the answers into it.
 
-import { Refused, type Background, type Kind, type Refusal, type Server } from "./engine.js";
-import { isBusy, isWithoutFloor, knownCritical, type Question, type Store } from "./store.js";
+import { Refused, type ApiPath, type Background, type Kind, type Refusal, type Server } from "./engine.js";
+import { isBusy, isWithoutFloor, knownCritical, sticks, type Question, type Store } from "./store.js";
 
 /** A computation that takes longer than this, ms, is given up for a newer one; shorter ones are
  * shown, so that the picture moves while a slider does. */
@@ -52,12 +52,13 @@ export function answerQuestions(store: Store, server: Server): void {
     );
   }
 
-  /** Calls off a question that has an estimated picture, if there is a newer question. */
+  /** Calls off a question that has an estimated picture, or the first state of a cycle, if there is a newer question. */
   function callOffSketched(): void {
     const { asking, picture, question } = store.state;
     const under = asking.contact?.question;
     if (under === undefined || under.number >= question.number) return;
-    if (picture?.of.number === under.number && picture.is.stage !== "exact") {
+    const goesOn = picture?.is.stage !== "exact" || sticks(under.case);
+    if (picture?.of.number === under.number && goesOn) {
       server.cancel("contact");
     }
   }
@@ -72,7 +73,7 @@ export function answerQuestions(store: Store, server: Server): void {
 
   async function contact(question: Question): Promise<void> {
     const known = knownCritical(store.state, question);
-    await ask("contact", question, {
+    await ask("contact", sticks(question.case) ? "cycle" : "contact", question, {
       case: question.case,
       load: {
         fraction: question.load,
@@ -92,18 +93,19 @@ export function answerQuestions(store: Store, server: Server): void {
       phase: { case: question.case, load: { fraction: 1, critical_indentation_m } },
       curves: { case: question.case },
     };
-    for (const kind of BACKGROUND) {
+    // With adhesion the phase diagram shows the loading of the cycle.
+    for (const kind of BACKGROUND.filter((kind) => kind === "curves" || !sticks(question.case))) {
       const names = [asking[kind]?.question.name, answered[kind]?.of.name];
-      if (!names.includes(question.name)) void ask(kind, question, questions[kind]);
+      if (!names.includes(question.name)) void ask(kind, kind, question, questions[kind]);
     }
   }
 
-  async function ask(kind: Kind, question: Question, body: object): Promise<void> {
+  async function ask(kind: Kind, path: ApiPath, question: Question, body: object): Promise<void> {
     store.send(kind, question, performance.now());
     let whole = false;
     let refusal: Refusal | null = null;
     try {
-      whole = await server.ask(kind, body, (line) => {
+      whole = await server.ask(kind, path, body, (line) => {
         const take = (): void => store.receive(kind, question.number, line, performance.now());
         if (line.state && isWithoutFloor(line.state)) window.setTimeout(take, WITHOUT_FLOOR);
         else take();

@@ -1,6 +1,14 @@
 // What the map shows of a state, or of what is nearly one.
 
-import type { ContactState, FloorCells, Point, Preview } from "./engine.js";
+import type {
+  ContactState,
+  FloorCells,
+  PartialTop,
+  Point,
+  Preview,
+  SolvedCycle,
+  StationState,
+} from "./engine.js";
 import { engineeringText, radiusDigits, significant } from "./numbers.js";
 
 export interface Scene {
@@ -13,6 +21,10 @@ export interface Scene {
   readonly forces_N: readonly number[];
   /** A letter for every pillar, `f`ully or `p`artially in contact; empty if that is not known. */
   readonly statuses: string;
+  /** What is held of those in part, where that is known. */
+  readonly parts: readonly PartialTop[];
+  /** The largest pull on a pillar that colours show, N, which is negative; 0 where nothing sticks. */
+  readonly pull_N: number;
   readonly floor_contacts_m: readonly Point[];
   readonly floor: FloorCells | null;
   /** Whether the floor is that of a state before, on the same pillars: it is grey then. */
@@ -44,6 +56,8 @@ export function sceneOf(state: ContactState): Scene {
     pillars: state.pillars,
     forces_N: state.pillar_forces_N,
     statuses: state.pillar_statuses,
+    parts: [],
+    pull_N: 0,
     floor_contacts_m: state.floor_contacts_m,
     floor: state.floor,
     floorIsOlder: false,
@@ -53,6 +67,34 @@ export function sceneOf(state: ContactState): Scene {
       (summary.floor === null
         ? ""
         : `; the floor is in contact within ${engineeringText(summary.floor.radius_m, "length", 3)}`),
+  };
+}
+
+/** A state of a cycle as it is drawn. */
+export function sceneOfStation(cycle: SolvedCycle, state: StationState): Scene {
+  const station = cycle.summary.stations[state.place];
+  const forces = state.pillar_forces_N;
+  const partial = new Set(state.parts.map(({ pillar }) => pillar));
+  const pulled = forces.filter((force) => force < 0).length;
+  const [all, radius] = [forces.length, station?.contact_radius_m ?? 0];
+  return {
+    fraction: state.load,
+    pitch_m: cycle.pitch_m,
+    diameter_m: cycle.diameter_m,
+    offset_m: cycle.offset_m,
+    contact_radius_m: radius,
+    pillars: state.pillars,
+    forces_N: forces,
+    statuses: forces.map((_, k) => (partial.has(k) ? "p" : "f")).join(""),
+    parts: state.parts,
+    pull_N: cycle.largest_pull_N,
+    floor_contacts_m: state.floor_contacts_m,
+    floor: null,
+    floorIsOlder: false,
+    words:
+      `Contact from above, ${station?.branch ?? "loading"}: ${all} pillars in contact, ` +
+      `${partial.size} of them in part, ${pulled} pulled, ` +
+      `within ${engineeringText(radius, "length", 3)} of the lens axis`,
   };
 }
 
@@ -90,6 +132,8 @@ export function sceneOfPreview(preview: Smooth): Scene {
     pillars,
     forces_N: forces.map((force) => (force * preview.force_N) / sum),
     statuses: "",
+    parts: [],
+    pull_N: 0,
     floor_contacts_m: [],
     floor: null,
     floorIsOlder: false,

@@ -98,7 +98,8 @@ function names(width: number, height: number, em: number, across: number): SVGEl
     class: "scale-bar",
   });
   const label = text(engineeringText(length, "length", 1), end, y - 0.45 * em, "end");
-  for (const name of [lens, substrate, label]) name.setAttribute("class", "body-name");
+  lens.setAttribute("class", "body-name");
+  for (const name of [substrate, label]) name.setAttribute("class", "body-name below");
   return [lens, substrate, bar, label];
 }
 

@@ -8,6 +8,7 @@ import type {
   Background,
   ContactState,
   CurvePoint,
+  CurveStation,
   Kind,
   Line,
   PathState,
@@ -15,22 +16,37 @@ import type {
   Progress,
   Refusal,
   Section,
+  SolvedCycle,
   Start,
+  StationState,
   Texts,
   TransitionSummary,
   Value,
   Values,
 } from "./engine.js";
-import { largestForceOf, sceneOf, sceneOfPreview, withFloorBefore, type Scene } from "./scene.js";
+import {
+  largestForceOf,
+  sceneOf,
+  sceneOfPreview,
+  sceneOfStation,
+  withFloorBefore,
+  type Scene,
+} from "./scene.js";
 
 export const FRACTION = "texture.surface_fraction";
 export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
+export const WORK = "adhesion.work";
+export const RECEDING = "adhesion.work_receding";
+
+/** With adhesion the load goes on to the last release, on the way back. */
+const LAST_RELEASE = 2;
 
 /** What the user has chosen. */
 export interface Chosen {
   readonly case: Values;
-  /** The load, as a part of the way from first touch to the critical state; more than 1 is beyond it. */
+  /** The load, as a part of the way from first touch to the critical state; more than 1 is beyond it, and with adhesion on the way
+   * back to the last release, at 2. */
   readonly load: number;
   /** How much heights are exaggerated in the section; null for as much as fills the view. */
   readonly exaggeration: number | null;
@@ -84,6 +100,16 @@ export interface Curves {
   readonly exact: readonly CurvePoint[];
 }
 
+/** A cycle of loading and unloading with adhesion. */
+export interface Cycle {
+  /** The curve, as far as the lens has gone. */
+  readonly curve: readonly CurveStation[];
+  /** The cycle, once the lens is back. */
+  readonly solved: SolvedCycle | null;
+  /** States along it, in their order, as far as they have come. */
+  readonly states: readonly StationState[];
+}
+
 /** A question under way, and when it was sent, ms. */
 interface Asking {
   readonly question: Question;
@@ -123,6 +149,8 @@ export interface State {
   /** The largest force that the colours of a case have to show, N. */
   readonly largestForce: Of<number> | null;
   readonly section: Of<Section | null> | null;
+  /** Loading and unloading, with adhesion only: then no contact is solved besides. */
+  readonly cycle: Of<Cycle> | null;
   readonly texts: Of<Texts> | null;
   readonly progress: Of<Progress> | null;
   readonly refusal: Of<Refusal> | null;
@@ -143,7 +171,7 @@ export class Store {
   readonly #listeners: (() => void)[] = [];
 
   constructor(start: Start, first: Chosen, asked: number) {
-    const chosen = { ...first, load: within(first.load, start) };
+    const chosen = { ...first, load: within(first.load, first.case, start) };
     this.#state = {
       start,
       chosen,
@@ -160,6 +188,7 @@ export class Store {
       estimate: null,
       largestForce: null,
       section: null,
+      cycle: null,
       texts: null,
       progress: null,
       refusal: null,
@@ -190,9 +219,18 @@ export class Store {
   /** Changes what the user has chosen; what `choice` does not name stays. `asked` is the time of the change, ms. */
   choose(choice: Partial<Chosen>, asked: number, typed: string | null = null): void {
     const before = this.#state.chosen;
-    const chosen = { ...before, ...choice, load: within(choice.load ?? before.load, this.#state.start) };
+    const values = choice.case ?? before.case;
+    const [wanted, turned] = [choice.load ?? before.load, sticks(values) !== sticks(before.case)];
+    // What is past the critical state is another way with adhesion than without.
+    const load = within(turned && choice.load === undefined ? Math.min(1, wanted) : wanted, values, this.#state.start);
+    const chosen = { ...before, ...choice, load };
     if (choice.case === undefined && choice.load === undefined) {
       this.#change({ chosen });
+      return;
+    }
+    if (choice.case === undefined && sticks(values)) {
+      // The states of the whole way are there, or come.
+      this.#change({ chosen, ...shownAt(this.#state.cycle, load) });
       return;
     }
     const question = newQuestion(this.#state.question.number + 1, chosen, asked);
@@ -206,7 +244,11 @@ export class Store {
       if (other.alternative === key || other.goes_with?.key === key) delete values[other.key];
     }
     values[key] = value;
-    this.choose({ case: values }, asked, typed ? key : null);
+    // Without adhesion nothing recedes; what is not given is as the work of adhesion.
+    if (key === WORK && value === 0) delete values[RECEDING];
+    const isEmptied = value === "" && (key === WORK || key === RECEDING);
+    if (isEmptied) delete values[key];
+    this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
   }
 
   /** Shows a message beside a button, or removes it. */
@@ -290,6 +332,25 @@ export function isOlder(
   return shown.of.name !== reference.name || !sameLoad;
 }
 
+/** Whether pillar tops stick. */
+export function sticks(values: Values): boolean {
+  return [WORK, RECEDING].some((key) => Number(values[key] ?? 0) !== 0);
+}
+
+/** The state of a cycle nearest to a load; null while there is none. */
+export function stationAt(cycle: Of<Cycle> | null, load: number): StationState | null {
+  const distance = (state: StationState): number => Math.abs(state.load - load);
+  return (cycle?.is.states ?? []).reduce<StationState | null>(
+    (nearest, state) => (nearest === null || distance(state) < distance(nearest) ? state : nearest),
+    null,
+  );
+}
+
+/** Whether all states of a cycle are there. */
+export function isWhole(cycle: Of<Cycle> | null): cycle is Of<Cycle> & { is: { solved: SolvedCycle } } {
+  return cycle !== null && cycle.is.solved !== null && cycle.is.states.length === cycle.is.solved.states;
+}
+
 /** The critical state of a case, where it has been solved for. */
 export function knownCritical({ critical }: State, { name }: Question): TransitionSummary | null {
   return critical?.of.name === name ? critical.is : null;
@@ -336,7 +397,8 @@ function newQuestion(number: number, chosen: Chosen, asked: number): Question {
 }
 
 /** The load nearest to `load` that the slider can have; the critical one if `load` is no number. */
-function within(load: number, { farthest_load: farthest }: Start): number {
+function within(load: number, values: Values, { farthest_load }: Start): number {
+  const farthest = sticks(values) ? LAST_RELEASE : farthest_load;
   return Number.isFinite(load) ? Math.min(farthest, Math.max(0, load)) : 1;
 }
 
@@ -352,6 +414,7 @@ function contactLine(
 ): Partial<State> {
   const known = knownCritical(state, of) !== null;
   if (line.progress) return { progress: { of, is: line.progress } };
+  if (line.curve || line.cycle || line.station || line.transition) return cycleLine(state, of, since, line, now);
   if (line.preview) {
     const { critical_force_N, critical_contact_radius_m, critical_indentation_m } = line.preview;
     const estimate = {
@@ -386,6 +449,7 @@ function contactLine(
       picture: { of, is: { stage: "exact", scene } },
       solved: { of, is: line.state },
       largestForce: { of, is: force },
+      cycle: null,
       estimate: known ? null : state.estimate,
       lastTime: now - since,
       refusal: null,
@@ -403,6 +467,63 @@ function contactLine(
   if (line.case) return { texts: { of, is: line.case } };
   if (line.section !== undefined) return { section: { of, is: line.section } };
   return {};
+}
+
+/** A line of a cycle. */
+function cycleLine(state: State, of: Question, since: number, line: Line, now: number): Partial<State> {
+  const critical = knownCritical(state, of);
+  if (line.transition) {
+    if (critical === null) return {};
+    return { phase: { of, is: { transition: line.transition, path: [], critical } } };
+  }
+  const own = state.cycle?.of.number === of.number ? state.cycle.is : null;
+  const before: Cycle = own ?? { curve: [], solved: null, states: [] };
+  if (line.curve) {
+    return { cycle: { of, is: { ...before, curve: [...before.curve, ...line.curve] } } };
+  }
+  if (line.cycle) {
+    const { phase } = state;
+    const path = critical === null ? [] : loadingPath(line.cycle, critical);
+    return {
+      cycle: { of, is: { ...before, solved: line.cycle } },
+      ...(phase?.of.number === of.number && { phase: { of, is: { ...phase.is, path } } }),
+      solved: null,
+      largestForce: { of, is: line.cycle.largest_force_N },
+      lastTime: now - since,
+      refusal: null,
+    };
+  }
+  if (!line.station) return {};
+  const states = [...before.states, line.station].sort((a, b) => a.load - b.load);
+  const cycle = { of, is: { ...before, states } };
+  // The first state is that of the load when it was asked for.
+  const shows = states.length === 1 || isWhole(cycle);
+  return { cycle, ...(shows && shownAt(cycle, state.chosen.load)) };
+}
+
+/** What is shown of a cycle at a load. */
+function shownAt(cycle: Of<Cycle> | null, load: number): Partial<State> {
+  const state = stationAt(cycle, load);
+  if (cycle === null || cycle.is.solved === null || state === null) return {};
+  const { of } = cycle;
+  return {
+    picture: { of, is: { stage: "exact", scene: sceneOfStation(cycle.is.solved, state) } },
+    section: { of, is: state.section },
+  };
+}
+
+/** The loading of a cycle as the phase diagram shows it. */
+function loadingPath(cycle: SolvedCycle, critical: TransitionSummary): PathState[] {
+  const unit = critical.normalized.force / critical.critical_force_N;
+  return cycle.summary.stations
+    .filter(({ branch, force_N }) => branch === "loading" && force_N > 0)
+    .map(({ indentation_m, force_N, contact_radius_m }) => ({
+      fraction: Math.min(0.999, indentation_m / critical.critical_indentation_m),
+      indentation_m,
+      force_N,
+      floor_force_N: null,
+      normalized: [contact_radius_m / cycle.pitch_m, force_N * unit],
+    }));
 }
 
 function phaseLine(state: State, of: Question, line: Line): Partial<State> {

@@ -1,6 +1,7 @@
 //! The answers: contacts with their pillars and section, curves over the surface fraction, and the
 //! phase diagram. Everything is in SI units, with the unit in the name.
 
+use crate::cycle::without_adhesion;
 use crate::floor::FloorCells;
 use crate::jobs::{Failure, Worker};
 use crate::lines;
@@ -136,8 +137,8 @@ fn first_touch(case: &Case) -> f64 {
 }
 
 #[derive(Serialize)]
-struct CriticalLine {
-    critical: TransitionSummary,
+pub(crate) struct CriticalLine {
+    pub(crate) critical: TransitionSummary,
 }
 
 #[derive(Serialize)]
@@ -205,7 +206,7 @@ struct SectionLine {
 
 /// Heights over the undeformed floor along x through the lens axis.
 #[derive(Serialize)]
-struct Section {
+pub(crate) struct Section {
     x_m: Vec<f64>,
     lens_m: Vec<f64>,
     surface_m: Vec<f64>,
@@ -216,8 +217,8 @@ struct Section {
 }
 
 #[derive(Serialize)]
-struct CaseLine {
-    case: lines::Texts,
+pub(crate) struct CaseLine {
+    pub(crate) case: lines::Texts,
 }
 
 /// `POST /api/contact`
@@ -264,13 +265,18 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
         case: lines::texts(&case, &solved),
     });
     worker.send(&SectionLine {
-        section: section(state, solved.floor_contact(), worker)?,
+        section: section(
+            state,
+            fakir_figure::Section::half_width(state),
+            solved.floor_contact(),
+            worker,
+        )?,
     });
     Ok(())
 }
 
 /// Sends a preview where solving takes long enough for it to be of use.
-fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
+pub(crate) fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
     let system = &case.system;
     if expected_pillars(system) < PREVIEW_PILLARS || case.method == Method::Homogenised {
         return;
@@ -322,11 +328,7 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
         pitch_m: system.lattice().pitch,
         diameter_m: system.pillar().diameter,
         offset_m: system.lattice().offset_vector(),
-        pillars: state
-            .pillars
-            .iter()
-            .flat_map(|pillar| [pillar.index.0, pillar.index.1])
-            .collect(),
+        pillars: indices(state),
         pillar_forces_N: state.pillars.iter().map(|pillar| pillar.force).collect(),
         pillar_statuses: state
             .pillars
@@ -345,8 +347,16 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
     }
 }
 
+/// Lattice indices of the touched pillars, one after the other.
+pub(crate) fn indices(state: &ContactState) -> Vec<i64> {
+    let pillars = state.pillars.iter();
+    pillars
+        .flat_map(|pillar| [pillar.index.0, pillar.index.1])
+        .collect()
+}
+
 /// A point and its images under the symmetry of the lattice.
-fn copies(system: &System, point: Point) -> Vec<Point> {
+pub(crate) fn copies(system: &System, point: Point) -> Vec<Point> {
     let near = 1e-6 * system.lattice().pitch;
     let mut copies: Vec<Point> = Vec::new();
     for [x, y] in system.lattice().symmetry().images(point) {
@@ -357,13 +367,13 @@ fn copies(system: &System, point: Point) -> Vec<Point> {
     copies
 }
 
-/// The section of the state that is shown; none of methods that do not resolve it.
-fn section(
+/// The section of the state that is shown, of this half width (m); none of methods that do not resolve it.
+pub(crate) fn section(
     state: &ContactState,
+    half_width: f64,
     floor_contact: Option<Point>,
     worker: &Worker,
 ) -> Result<Option<Section>, Failure> {
-    let half_width = fakir_figure::Section::half_width(state);
     let detail = SectionDetail::Screen;
     let run = worker.run();
     match fakir_figure::Section::new(state, half_width, floor_contact, detail, &run) {
@@ -436,9 +446,9 @@ enum CurveLine {
     },
 }
 
-/// `POST /api/curves`: the cheap curves at once, then the exact one, coarse first.
+/// `POST /api/curves`: the cheap curves at once, then the exact one, coarse first. All are without adhesion, which the page says.
 pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), Failure> {
-    let case = request::case(&request.case)?;
+    let case = without_adhesion(&request::case(&request.case)?);
     let system = &case.system;
     let present = system.texture().surface_fraction();
     let range = [FRACTIONS[0].min(0.5 * present), FRACTIONS[1].max(present)];
@@ -549,21 +559,28 @@ struct PathState {
     normalized: [f64; 2],
 }
 
+/// A place in the phase diagram: `a/e` and `F gamma_int/(h d)`.
+fn reduced(system: &System, force: f64, radius: f64) -> [f64; 2] {
+    let reduced = Normalized::new(system, force, radius, 0.0);
+    [reduced.contact_radius, reduced.force]
+}
+
+/// The transition curve of the phase diagram.
+pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
+    let curve = spaced([0.01, 1000.0], 200).into_iter().map(|ratio| {
+        let radius = ratio * system.lattice().pitch;
+        let force = closed_forms::transition_force(system, radius);
+        reduced(system, force, radius)
+    });
+    PhaseLine::Transition(curve.collect())
+}
+
 /// `POST /api/phase`: the transition curve, and the loading of the case, past the critical state too.
 pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
     let case = request::case(&request.case)?;
     request.load.check()?;
     let system = &case.system;
-    let pitch = system.lattice().pitch;
-    let reduced = |force: f64, radius: f64| {
-        let reduced = Normalized::new(system, force, radius, 0.0);
-        [reduced.contact_radius, reduced.force]
-    };
-    let curve = spaced([0.01, 1000.0], 200).into_iter().map(|ratio| {
-        let radius = ratio * pitch;
-        reduced(closed_forms::transition_force(system, radius), radius)
-    });
-    worker.send(&PhaseLine::Transition(curve.collect()));
+    worker.send(&transition_line(system));
     let run = worker.run();
     let method = curve_method(case.method);
     let critical = match request.load.critical_indentation_m {
@@ -592,7 +609,7 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
                     indentation_m: state.indentation,
                     force_N: state.force,
                     floor_force_N: of_floor(&state, |floor| floor.force),
-                    normalized: reduced(state.force, state.contact_radius),
+                    normalized: reduced(system, state.force, state.contact_radius),
                 }));
             }
             Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),

@@ -1,19 +1,22 @@
 //! Files for other programs and for print: as the command line saves them.
 
 use crate::answers::{Solved, solve};
+use crate::cycle::SolvedCycle;
 use crate::jobs::{Failure, File, Worker};
 use crate::refusal::Refusal;
-use crate::request;
-use fakir::problem::Control;
+use crate::request::{self, LoadPoint};
+use fakir::problem::{Control, Point};
 use fakir::state::{ContactState, Run};
-use fakir_case::Case;
+use fakir_case::{Case, Key};
 use fakir_figure::{
-    Figure, FigureError, PhaseDiagram, ProfileState, Series, Style, Text, View, floor_gap_map,
-    phase_diagram, phase_point, pressure_map, profiles, top_view,
+    Figure, FigureError, PhaseDiagram, ProfileState, Series, Style, Text, View, cycle_curve,
+    floor_gap_map, phase_diagram, phase_point, pressure_map, profiles, release_map, top_view,
 };
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{PressSummary, TransitionSummary, control_words, json, pillars};
+use fakir_study::result::{
+    CycleSummary, PressSummary, TransitionSummary, control_words, json, pillars,
+};
 
 const FIGURES: [&str; 5] = [
     "pressure-map",
@@ -22,6 +25,9 @@ const FIGURES: [&str; 5] = [
     "floor-gap-map",
     "phase-diagram",
 ];
+
+/// Figures of loading and unloading with adhesion.
+const CYCLE_FIGURES: [&str; 2] = ["cycle", "releases"];
 
 const JSON: &str = "application/json";
 const CSV: &str = "text/csv; charset=utf-8";
@@ -42,19 +48,18 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
         },
         ("summary", "json") => File {
             kind: JSON,
-            contents: summary(&solved(&case, request, worker)?),
+            contents: solved(&case, request, worker)?.summary(),
         },
         ("pillars", "csv") => {
             let solved = solved(&case, request, worker)?;
-            let table = solved
-                .state()
-                .and_then(|(state, _)| pillars(state).some_csv("pillars.csv"));
+            let state = solved.state();
+            let table = state.and_then(|state| pillars(state).some_csv("pillars.csv"));
             File {
                 kind: CSV,
                 contents: table.ok_or_else(no_pillars)?.contents,
             }
         }
-        (name, "svg" | "png") if FIGURES.contains(&name) => {
+        (name, "svg" | "png") if FIGURES.contains(&name) || CYCLE_FIGURES.contains(&name) => {
             let solved = solved(&case, request, worker)?;
             let figure = figure(name, &case, &solved, &worker.run())?
                 .with_provenance(&provenance(&case, &solved).stamp());
@@ -73,8 +78,9 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
             return Err(Refusal::impossible("there is no such file")
                 .at("file")
                 .accepted(format!(
-                    "case.toml, summary.json, pillars.csv, or {} as .svg or .png",
-                    FIGURES.join(", ")
+                    "case.toml, summary.json, pillars.csv, or {}, or with adhesion {}, as .svg or .png",
+                    FIGURES.join(", "),
+                    CYCLE_FIGURES.join(", ")
                 ))
                 .into());
         }
@@ -83,42 +89,108 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
     Ok(())
 }
 
-fn solved(case: &Case, request: &request::Export, worker: &Worker) -> Result<Solved, Failure> {
-    solve(case, request.load, worker, None, |_, _| {})
+/// What a file is made of.
+enum Answer {
+    Contact(Box<Solved>),
+    /// Loading and unloading with adhesion, and the contact at a load.
+    Cycle(Box<SolvedCycle>, Box<ContactState>, LoadPoint),
+}
+
+impl Answer {
+    fn state(&self) -> Option<&ContactState> {
+        match self {
+            Self::Contact(solved) => solved.state().map(|(state, _)| state),
+            Self::Cycle(_, state, _) => Some(state),
+        }
+    }
+
+    fn floor_contact(&self) -> Option<Point> {
+        match self {
+            Self::Contact(solved) => solved.floor_contact(),
+            Self::Cycle(solved, _, load) => {
+                let critical = solved.cycle.critical.as_ref();
+                let critical = critical.filter(|_| solved.is_turn(load.fraction));
+                critical.map(|critical| critical.floor_contact)
+            }
+        }
+    }
+
+    /// What `fakir transition --json`, `fakir press --json` or `fakir approach --retract --json` prints.
+    fn summary(&self) -> Vec<u8> {
+        let text = match self {
+            Self::Cycle(solved, ..) => json(&CycleSummary::new(&solved.cycle, solved.wall_time)),
+            Self::Contact(solved) => match (&solved.pressed, &solved.critical) {
+                (Some((state, time)), _) => json(&PressSummary::new(state, *time)),
+                (None, Some((critical, time))) => json(&TransitionSummary::new(critical, *time)),
+                (None, None) => return Vec::new(),
+            },
+        };
+        format!("{text}\n").into_bytes()
+    }
+
+    fn question(&self) -> String {
+        let at = |state: &ContactState| control_words(Control::Indentation(state.indentation));
+        match self {
+            Self::Contact(solved) => match &solved.pressed {
+                None => "critical state".to_owned(),
+                Some((state, _)) => at(state),
+            },
+            Self::Cycle(solved, _, load) if solved.is_turn(load.fraction) => {
+                "critical state".to_owned()
+            }
+            Self::Cycle(_, state, load) if load.fraction < 1.0 => {
+                format!("loading, {}", at(state))
+            }
+            Self::Cycle(_, state, _) => format!("unloading, {}", at(state)),
+        }
+    }
+}
+
+fn solved(case: &Case, request: &request::Export, worker: &Worker) -> Result<Answer, Failure> {
+    let load = request.load;
+    if case.system.adhesion().is_none() {
+        let solved = solve(case, load, worker, None, |_, _| {})?;
+        return Ok(Answer::Contact(Box::new(solved)));
+    }
+    let solved = SolvedCycle::of_page(case, worker, |_| {})?.0;
+    let state = solved.state_at(load.fraction);
+    Ok(Answer::Cycle(Box::new(solved), Box::new(state), load))
 }
 
 fn no_pillars() -> Refusal {
     Refusal::impossible("no pillar is touched, or the method does not resolve pillars").at("file")
 }
 
-/// What `fakir transition --json` or `fakir press --json` prints.
-fn summary(solved: &Solved) -> Vec<u8> {
-    let text = match (&solved.pressed, &solved.critical) {
-        (Some((state, time)), _) => json(&PressSummary::new(state, *time)),
-        (None, Some((critical, time))) => json(&TransitionSummary::new(critical, *time)),
-        (None, None) => return Vec::new(),
-    };
-    format!("{text}\n").into_bytes()
-}
-
-fn question(solved: &Solved) -> String {
-    match &solved.pressed {
-        None => "critical state".to_owned(),
-        Some((state, _)) => control_words(Control::Indentation(state.indentation)),
-    }
-}
-
-fn provenance(case: &Case, solved: &Solved) -> Provenance {
+fn provenance(case: &Case, solved: &Answer) -> Provenance {
     Provenance::new(
-        question(solved),
+        solved.question(),
         method_words(case.method),
-        &[Topic::Method(case.method)],
+        &Topic::of_case(case),
         case.to_toml(),
     )
 }
 
-fn figure(name: &str, case: &Case, solved: &Solved, run: &Run<'_>) -> Result<Figure, FigureError> {
-    let Some((state, _)) = solved.state() else {
+fn figure(name: &str, case: &Case, solved: &Answer, run: &Run<'_>) -> Result<Figure, Failure> {
+    let figure = match (name, solved) {
+        ("cycle", Answer::Cycle(solved, ..)) => cycle_curve(&solved.cycle),
+        ("releases", Answer::Cycle(solved, ..)) => release_map(&solved.cycle),
+        ("cycle" | "releases", Answer::Contact(_)) => {
+            return Err(Refusal::impossible("without adhesion there is no cycle")
+                .at(Key::WorkOfAdhesion.path())
+                .into());
+        }
+        _ => contact_figure(name, case, solved, run),
+    };
+    Ok(figure?)
+}
+
+fn contact_figure(
+    name: &str,
+    case: &Case,
+    solved: &Answer,
+    run: &Run<'_>,
+) -> Result<Figure, FigureError> {
+    let Some(state) = solved.state() else {
         return Err(FigureError::NoPillars {
             method: case.method.name(),
         });
@@ -127,7 +199,7 @@ fn figure(name: &str, case: &Case, solved: &Solved, run: &Run<'_>) -> Result<Fig
     match name {
         "profiles" => {
             let section = ProfileState {
-                label: Text::plain(&question(solved)),
+                label: Text::plain(&solved.question()),
                 state,
                 floor_contact,
             };

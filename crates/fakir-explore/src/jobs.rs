@@ -34,8 +34,8 @@ const QUEUE: usize = 32;
 /// A computation that takes longer is given up.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The same limit for all points of a curve together.
-const BACKGROUND_PATIENCE: Duration = Duration::from_secs(600);
+/// The same limit for a cycle, and for all points of a curve together.
+const LONG_PATIENCE: Duration = Duration::from_secs(600);
 
 /// No progress is reported before, or more often than, this.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(120);
@@ -47,6 +47,8 @@ const LONGEST_SESSION: usize = 64;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Kind {
     Contact,
+    /// It takes the place of a contact.
+    Cycle,
     Curves,
     Phase,
     Export,
@@ -56,6 +58,14 @@ impl Kind {
     /// Whether it gives way to contacts.
     fn is_background(self) -> bool {
         matches!(self, Self::Curves | Self::Phase)
+    }
+
+    /// When it is given up.
+    fn patience(self) -> Duration {
+        match self {
+            Self::Contact | Self::Export => PATIENCE,
+            Self::Cycle | Self::Curves | Self::Phase => LONG_PATIENCE,
+        }
     }
 }
 
@@ -148,18 +158,16 @@ impl Jobs {
         let (sender, mut messages) = unbounded_channel();
         let worker = Worker::new(job, kind, sender);
         let (cancel, timed_out) = (worker.job.cancel.clone(), Arc::clone(&worker.timed_out));
-        let patience = if kind.is_background() {
-            BACKGROUND_PATIENCE
-        } else {
-            PATIENCE
-        };
         let running = tokio::task::spawn_blocking(move || {
             let _slot = slot;
             worker.do_work(work);
         });
         tokio::spawn(async move {
             tokio::pin!(running);
-            if tokio::time::timeout(patience, &mut running).await.is_err() {
+            if tokio::time::timeout(kind.patience(), &mut running)
+                .await
+                .is_err()
+            {
                 timed_out.store(true, Ordering::Relaxed);
                 cancel.cancel();
             }
@@ -373,8 +381,13 @@ impl Worker {
             Ok(()) => return,
             Err(Failure::Refused(refusal)) => refusal,
             Err(Failure::Cancelled) if self.timed_out.load(Ordering::Relaxed) => {
-                Refusal::impossible(format!("this takes longer than {} s", PATIENCE.as_secs()))
-                    .accepted("fewer pillars, a coarser method, or `fakir transition`")
+                let patience = self.kind.patience().as_secs();
+                let accepted = match self.kind {
+                    Kind::Cycle => "fewer pillars, or `fakir approach --retract`",
+                    _ => "fewer pillars, a coarser method, or `fakir transition`",
+                };
+                Refusal::impossible(format!("this takes longer than {patience} s"))
+                    .accepted(accepted)
             }
             Err(Failure::Cancelled) => return,
         };

@@ -12,6 +12,7 @@
 //! | `GET /TOKEN/` and below | the page |
 //! | `GET /TOKEN/start.json` | the case to begin with, what its keys can be, colours |
 //! | `POST /api/contact` | critical state, contact under a load, section (`answers`) |
+//! | `POST /api/cycle` | loading and unloading with adhesion, with states all along (`cycle`) |
 //! | `POST /api/curves` | critical states over the surface fraction, as they are computed |
 //! | `POST /api/phase` | transition curve and loading path |
 //! | `POST /api/export` | a file: case, numbers, figures (`export`) |
@@ -28,6 +29,7 @@
 
 mod answers;
 mod arrivals;
+mod cycle;
 mod export;
 mod floor;
 mod guard;

@@ -15,25 +15,46 @@ pub(crate) struct Texts {
     python: String,
 }
 
+/// Of a critical state, or of a contact under another load.
 pub(crate) fn texts(case: &Case, solved: &Solved) -> Texts {
     let indentation = solved.pressed.as_ref().map(|(state, _)| state.indentation);
-    Texts {
-        toml: case.to_toml(),
-        command: command(case, indentation),
-        python: python(case, indentation),
+    Texts::of(case, Question::Contact(indentation))
+}
+
+/// Of a cycle of loading and unloading.
+pub(crate) fn cycle_texts(case: &Case) -> Texts {
+    Texts::of(case, Question::Cycle)
+}
+
+impl Texts {
+    fn of(case: &Case, question: Question) -> Self {
+        Self {
+            toml: case.to_toml(),
+            command: command(case, question),
+            python: python(case, question),
+        }
     }
+}
+
+/// What is asked of a case.
+#[derive(Clone, Copy)]
+enum Question {
+    /// The contact at an indentation, m; the critical state if there is none.
+    Contact(Option<f64>),
+    Cycle,
 }
 
 /// The command that asks the same. It overrides each key that differs from the case that
 /// `fakir init` writes.
-fn command(case: &Case, indentation: Option<f64>) -> String {
+fn command(case: &Case, question: Question) -> String {
     let example = Case::example();
-    let question = match indentation {
-        None => "fakir transition case.toml".to_owned(),
-        Some(indentation) => format!(
+    let question = match question {
+        Question::Contact(None) => "fakir transition case.toml".to_owned(),
+        Question::Contact(Some(indentation)) => format!(
             "fakir press case.toml --indentation {}",
             format_quantity(indentation, Dimension::Length).replace(' ', "")
         ),
+        Question::Cycle => "fakir approach case.toml --retract".to_owned(),
     };
     let changes = Key::ALL.into_iter().filter_map(|key| {
         let value = case.value(key)?;
@@ -52,7 +73,7 @@ fn argument(key: Key, value: &str) -> String {
 }
 
 /// The lines of Python that ask the same.
-fn python(case: &Case, indentation: Option<f64>) -> String {
+fn python(case: &Case, question: Question) -> String {
     let [lens, substrate, texture, pillar, method] =
         ["lens", "substrate", "texture", "texture.pillar", "method"]
             .map(|table| arguments(case, table));
@@ -66,14 +87,18 @@ fn python(case: &Case, indentation: Option<f64>) -> String {
         let works = arguments(case, "adhesion");
         format!("    adhesion=fakir.Adhesion({works}),\n")
     };
-    let question = match indentation {
-        None => format!(
+    let question = match question {
+        Question::Contact(None) => format!(
             "critical = system.transition({method})\nprint(critical.force, \"N\", critical.indentation, \"m\")\n"
         ),
-        Some(indentation) => format!(
+        Question::Contact(Some(indentation)) => format!(
             "state = system.press(indentation=\"{}\", {method})\nprint(state.force, \"N\")\n",
             format_quantity(indentation, Dimension::Length)
         ),
+        Question::Cycle => {
+            let accuracy = case.value(Key::Accuracy).unwrap_or_default();
+            format!("cycle = system.cycle(accuracy={accuracy})\nprint(cycle)\n")
+        }
     };
     format!(
         "import fakir\n\n\
@@ -123,7 +148,7 @@ mod tests {
             file.set(change).unwrap();
         }
         let case = file.case().unwrap();
-        let command = command(&case, Some(3e-6));
+        let command = command(&case, Question::Contact(Some(3e-6)));
         assert!(
             command.contains("fakir press case.toml --indentation 3um \\\n"),
             "{command}"
@@ -141,7 +166,7 @@ mod tests {
     #[test]
     fn the_lines_for_python_have_every_key() {
         let case = Case::example();
-        let lines = python(&case, Some(3e-6));
+        let lines = python(&case, Question::Contact(Some(3e-6)));
         for wanted in [
             "lens=fakir.Lens(radius=\"2.2 mm\", young_modulus=\"2 MPa\", poisson_ratio=0.5),",
             "diameter=\"6 um\", height=\"2.2 um\", compliance=\"column\",\n",
@@ -154,10 +179,21 @@ mod tests {
         let mut file = CaseFile::parse("case.toml", &case.to_toml()).unwrap();
         file.set("floor.contact=false").unwrap();
         file.set("adhesion.work=50mJ/m2").unwrap();
-        let lines = python(&file.case().unwrap(), None);
+        let case = file.case().unwrap();
+        let lines = python(&case, Question::Cycle);
         assert!(
             lines.contains("    ),\n    floor_contact=False,\n    adhesion=fakir.Adhesion(work=\"50 mJ/m2\"),\n)\n"),
             "{lines}"
         );
+        assert!(
+            lines.contains("cycle = system.cycle(accuracy=\"default\")"),
+            "{lines}"
+        );
+        let command = command(&case, Question::Cycle);
+        assert!(
+            command.contains("fakir approach case.toml --retract \\\n"),
+            "{command}"
+        );
+        assert!(command.contains("--set adhesion.work=50mJ/m2"), "{command}");
     }
 }

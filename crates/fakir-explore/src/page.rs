@@ -99,10 +99,7 @@ pub(crate) fn start(case: &Case) -> String {
 /// What the table of keys says about each key that the page shows: its name and symbol, its kind, words, bounds and
 /// default, and the word of another key that it goes with. The controls of the page are made of it.
 fn keys() -> Vec<Value> {
-    // The page shows contacts on loading, without adhesion.
-    let of_page = Key::ALL
-        .into_iter()
-        .filter(|key| !key.is_of_surface() && key.table() != "adhesion");
+    let of_page = Key::ALL.into_iter().filter(|key| !key.is_of_surface());
     let bound = |bound| match bound {
         Bound::Included(value) | Bound::Excluded(value) => Some(value),
         Bound::Unbounded => None,

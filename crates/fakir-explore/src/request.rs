@@ -31,7 +31,7 @@ pub(crate) struct Ticket {
 /// A case by its keys, as `{"lens.radius": 2.2e-3, ...}`.
 pub(crate) type Values = BTreeMap<String, Setting>;
 
-/// `POST /api/contact`, and `/api/phase`
+/// `POST /api/contact`, `/api/cycle`, and `/api/phase`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct AtLoad {
@@ -60,7 +60,7 @@ pub(crate) struct Export {
     pub(crate) file: String,
 }
 
-/// A load, as a place on the way from first touch to the critical state.
+/// A load, as a place on the way from first touch to the critical state; with adhesion 1 to 2 is the way back, to the last release.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LoadPoint {

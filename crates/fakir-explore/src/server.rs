@@ -5,7 +5,7 @@ use crate::guard::{Guard, HEADERS, Token};
 use crate::jobs::{Failure, Jobs, Kind, Worker};
 use crate::refusal::Refusal;
 use crate::request::Ticket;
-use crate::{answers, export, page, request};
+use crate::{answers, cycle, export, page, request};
 use axum::body::to_bytes;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderValue, StatusCode, header};
@@ -231,6 +231,7 @@ fn next_free(port: u16) -> Option<u16> {
 fn router(shared: Shared) -> Router {
     Router::new()
         .route("/api/contact", post(contact))
+        .route("/api/cycle", post(with_adhesion))
         .route("/api/curves", post(curves))
         .route("/api/phase", post(phase))
         .route("/api/export", post(export))
@@ -310,6 +311,11 @@ async fn wrong_method(request: Request) -> Response {
 async fn contact(State(shared): State<Shared>, request: Request) -> Response {
     let ticket = |asked: &request::AtLoad| asked.ticket.clone();
     answer(&shared, request, Kind::Contact, ticket, answers::contact).await
+}
+
+async fn with_adhesion(State(shared): State<Shared>, request: Request) -> Response {
+    let ticket = |asked: &request::AtLoad| asked.ticket.clone();
+    answer(&shared, request, Kind::Cycle, ticket, cycle::cycle).await
 }
 
 async fn curves(State(shared): State<Shared>, request: Request) -> Response {

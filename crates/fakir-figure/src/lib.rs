@@ -63,6 +63,7 @@ pub use figures::phase_diagram::{PhaseDiagram, phase_diagram, phase_point};
 pub use figures::pillar_pressure::pillar_pressure;
 pub use figures::pressure_map::pressure_map;
 pub use figures::profiles::{ProfileState, profiles, surface_profiles};
+pub use figures::pull_off_curves::{PullOffCurve, PullOffPoint, pull_off_curves};
 pub use figures::surface_maps::{surface_gap_map, surface_pressure_map};
 pub use figures::top_view::{View, top_view};
 pub use section::{Section, SectionDetail};

@@ -11,6 +11,15 @@ const LENGTHS: &[(&str, f64)] = &[("m", 1.0), ("mm", 1e-3), ("µm", 1e-6), ("nm"
 const PRESSURES: &[(&str, f64)] = &[("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3), ("Pa", 1.0)];
 const FORCES: &[(&str, f64)] = &[("N", 1.0), ("mN", 1e-3), ("µN", 1e-6), ("nN", 1e-9)];
 
+const ENERGIES: &[(&str, f64)] = &[
+    ("J", 1.0),
+    ("mJ", 1e-3),
+    ("µJ", 1e-6),
+    ("nJ", 1e-9),
+    ("pJ", 1e-12),
+    ("fJ", 1e-15),
+];
+
 impl Unit {
     /// For lengths up to `largest`, m.
     pub(crate) fn of_length(largest: f64) -> Self {
@@ -25,6 +34,11 @@ impl Unit {
     /// For forces up to `largest`, N.
     pub(crate) fn of_force(largest: f64) -> Self {
         Self::choose(FORCES, largest)
+    }
+
+    /// For energies up to `largest`, J.
+    pub(crate) fn of_energy(largest: f64) -> Self {
+        Self::choose(ENERGIES, largest)
     }
 
     fn choose(units: &[(&'static str, f64)], largest: f64) -> Self {

@@ -274,11 +274,13 @@ fn fitted(quantity: FittedQuantity) -> FittedCurve {
         computed: 2e-6 * f64::from(k),
         error: 2e-7,
         used: k < 15,
+        unloading: false,
     };
     FittedCurve {
         quantity,
         points: (-2..16).map(point).collect(),
         curve: vec![[-2e-7, -4e-6], [1.4e-6, 2.8e-5]],
+        unloading: Vec::new(),
     }
 }
 

@@ -1,5 +1,5 @@
 //! The inverse question: which pitch, height, diameter, lens radius or modulus gives a wanted
-//! critical force or contact radius, or has the floor bear a wanted share of the force under a load.
+//! critical force, contact radius or pull-off force, or has the floor bear a wanted share of the force under a load.
 //!
 //! The answer is sought as a root of `g(x) = ln(answer(x)/wanted)` over `ln x`: bracketed by
 //! strides that double, from where the homogenised lattice (a thousand times cheaper) has its
@@ -11,11 +11,15 @@
 //! `g(x) = (share(x)/wanted)^(2/3) - 1` is nearly straight there; before the transition, where the share is zero, it
 //! goes on with the gap to the floor. The search starts where the homogenised lattice has its transition under the load. What cannot be
 //! solved says nothing of the share there, and is an end of the range.
+//!
+//! A pull-off force is that of a whole cycle up to the critical state, which only tops that stick have and only the spectral method
+//! solves: there is no estimate to begin with, and the range ends where a cycle has very many pillars. It is met to within its own
+//! numerical error, as pillars that are held in part move in steps.
 
 use fakir::numerics::convergence::within;
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::{Control, FloorModel, Method};
-use fakir::state::{ContactState, CriticalState, Run, SolveError};
+use fakir::problem::{Adhesion, Control, CyclePlan, FloorModel, Method};
+use fakir::state::{ContactState, CriticalState, Cycle, Run, SolveError};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, TextureOnly};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, digits, with_unit};
@@ -36,6 +40,8 @@ pub enum Wanted {
         /// Under this force or at this indentation.
         load: Control,
     },
+    /// The largest pull on the way back from the critical state, N, as a positive number.
+    PullOff(f64),
 }
 
 impl Wanted {
@@ -45,6 +51,7 @@ impl Wanted {
         match self {
             Self::Force(value)
             | Self::ContactRadius(value)
+            | Self::PullOff(value)
             | Self::FloorShare { share: value, .. } => value,
         }
     }
@@ -53,9 +60,13 @@ impl Wanted {
     #[must_use]
     pub fn of(self, reached: &Reached) -> f64 {
         match (self, reached) {
-            (Self::Force(_), _) => reached.contact().force,
+            (Self::PullOff(_), Reached::PulledOff(cycle)) => {
+                let pull_off = cycle.pull_off.as_ref();
+                pull_off.map_or(0.0, |pull_off| -pull_off.force)
+            }
+            (Self::Force(_) | Self::PullOff(_), _) => reached.contact().force,
             (Self::ContactRadius(_), Reached::Critical(critical)) => critical.contact_radius(),
-            (Self::ContactRadius(_), Reached::Pressed(contact)) => contact.contact_radius,
+            (Self::ContactRadius(_), _) => reached.contact().contact_radius,
             (Self::FloorShare { .. }, _) => {
                 let floor = reached.contact().floor.as_ref();
                 floor.map_or(0.0, |floor| floor.share)
@@ -67,7 +78,7 @@ impl Wanted {
     #[must_use]
     pub fn dimension(self) -> Dimension {
         match self {
-            Self::Force(_) => Dimension::Force,
+            Self::Force(_) | Self::PullOff(_) => Dimension::Force,
             Self::ContactRadius(_) => Dimension::Length,
             Self::FloorShare { .. } => Dimension::Fraction,
         }
@@ -78,13 +89,23 @@ impl Wanted {
     pub fn load_words(self) -> String {
         match self {
             Self::FloorShare { load, .. } => format!(" in the {}", control_words(load)),
-            Self::Force(_) | Self::ContactRadius(_) => String::new(),
+            Self::Force(_) | Self::ContactRadius(_) | Self::PullOff(_) => String::new(),
         }
     }
 
     /// Whether it is a floor share.
     fn is_share(self) -> bool {
         matches!(self, Self::FloorShare { .. })
+    }
+
+    /// Whether it is a pull-off force.
+    fn is_pull_off(self) -> bool {
+        matches!(self, Self::PullOff(_))
+    }
+
+    /// Whether what cannot be solved says nothing of it, and whether it is known no better than its own error.
+    fn is_coarse(self) -> bool {
+        self.is_share() || self.is_pull_off()
     }
 
     /// How far a contact is from what is wanted: zero where it is met, positive where there is too much.
@@ -104,6 +125,9 @@ impl Wanted {
     /// By how much the excess of a contact may be wrong by the contact's own estimate, as far as it
     /// matters: critical states are known far better than samples can be made.
     fn excess_error(self, reached: &Reached) -> f64 {
+        if let Reached::PulledOff(cycle) = reached {
+            return cycle.errors.pull_off_force.numerical();
+        }
         match &reached.contact().floor {
             Some(floor) if self.is_share() => {
                 let slope = (self.of(reached) / self.value()).powf(SHARE_POWER) * SHARE_POWER;
@@ -120,6 +144,7 @@ impl Wanted {
             Self::Force(_) => "critical force",
             Self::ContactRadius(_) => "critical contact radius",
             Self::FloorShare { .. } => "floor share",
+            Self::PullOff(_) => "pull-off force",
         }
     }
 }
@@ -131,15 +156,25 @@ pub enum Reached {
     Critical(CriticalState),
     /// The contact under the load for which a floor share is wanted.
     Pressed(ContactState),
+    /// The cycle for whose pull-off force a value is wanted.
+    PulledOff(Box<Cycle>),
 }
 
 impl Reached {
-    /// The contact, critical or not.
+    /// The contact, critical or not; of a cycle that where the lens turns.
     #[must_use]
     pub fn contact(&self) -> &ContactState {
         match self {
             Self::Critical(critical) => &critical.contact,
             Self::Pressed(contact) => contact,
+            Self::PulledOff(cycle) => &cycle.turn,
+        }
+    }
+
+    fn is_converged(&self) -> bool {
+        match self {
+            Self::PulledOff(cycle) => cycle.converged(),
+            _ => self.contact().converged(),
         }
     }
 }
@@ -151,14 +186,14 @@ pub struct Candidate {
     pub value: f64,
     /// The case with this value.
     pub case: Case,
-    /// Its critical state, or its contact under the load.
+    /// Its critical state, its contact under the load, or its cycle.
     pub reached: Reached,
 }
 
 /// What came of a search.
 #[derive(Debug, Clone)]
 pub enum Design {
-    /// A value that gives what is wanted, to within [`TOLERANCE`]; a floor share to within its own estimated error.
+    /// A value that gives what is wanted, to within [`TOLERANCE`]; a floor share or pull-off force to within its own estimated error.
     Found {
         /// The value and its contact.
         candidate: Candidate,
@@ -175,6 +210,8 @@ pub enum Design {
         nearest: Candidate,
         /// What stands in the way.
         limit: Limit,
+        /// The least and the greatest that was found of a pull-off force, N.
+        reach: Option<[f64; 2]>,
     },
 }
 
@@ -187,6 +224,8 @@ pub enum Limit {
     Solver(SolveError),
     /// Beyond, the lens meets the floor before any pillar.
     FloorFirst,
+    /// Beyond, so many pillars are in contact that a cycle takes too long.
+    ManyPillars,
 }
 
 /// A question with its answer.
@@ -234,6 +273,10 @@ impl Answer {
         let digits = match self.wanted {
             Wanted::Force(_) => DIGITS,
             Wanted::ContactRadius(_) => LENGTH_DIGITS,
+            Wanted::PullOff(_) => match &candidate.reached {
+                Reached::PulledOff(cycle) => digits(cycle.errors.pull_off_force.numerical()),
+                _ => 1,
+            },
             Wanted::FloorShare { .. } => {
                 floor.map_or(1, |floor| digits(floor.error.share).min(DIGITS))
             }
@@ -250,6 +293,7 @@ impl Answer {
         match self.wanted {
             Wanted::Force(force) => with_unit(force, dimension, DIGITS),
             Wanted::ContactRadius(radius) => with_unit(radius, dimension, LENGTH_DIGITS),
+            Wanted::PullOff(force) => format_quantity(force, dimension),
             Wanted::FloorShare { share, .. } => {
                 let load = self.wanted.load_words();
                 format!("{}{load}", format_quantity(share, dimension))
@@ -279,16 +323,23 @@ impl Answer {
                     self.answer_of(b)
                 )
             }
-            Design::OutOfReach { limit, .. } => {
+            Design::OutOfReach { limit, reach, .. } => {
+                let reach = reach.map_or(String::new(), |ends| {
+                    let [least, greatest] = ends.map(|end| with_unit(end, Dimension::Force, 3));
+                    format!("it is from {least} to {greatest}, and ")
+                });
                 let why = match limit {
                     Limit::Range => "which is as near as it comes".to_owned(),
                     Limit::FloorFirst => {
                         "beyond which the lens meets the floor before any pillar".to_owned()
                     }
                     Limit::Solver(error) => format!("beyond which {error}"),
+                    Limit::ManyPillars => format!(
+                        "beyond which the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long"
+                    ),
                 };
                 format!(
-                    "No {path} gives a {name} of {wanted}: the nearest is {}, at {}, {why}",
+                    "No {path} gives a {name} of {wanted}: {reach}the nearest is {}, at {}, {why}",
                     self.answer_of(nearest),
                     self.value(nearest),
                 )
@@ -341,6 +392,16 @@ pub enum DesignError {
     /// A floor share where the lens goes through the floor.
     #[error("floor.contact = false leaves the floor out: a floor share needs floor.contact = true")]
     FloorIgnored,
+    /// A pull-off force of tops that do not stick.
+    #[error(
+        "a pull-off force needs pillar tops that stick: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
+    )]
+    NoAdhesion,
+    /// A case with so many pillars in contact that there is no cycle to begin with.
+    #[error(
+        "the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long: begin with another {}", .0.path()
+    )]
+    TooManyPillars(Key),
     /// A solution that did not converge kept the search from its end.
     #[error(
         "the contact at {} = {value:e} (SI units) did not converge: try another accuracy \
@@ -354,11 +415,12 @@ pub enum DesignError {
     },
 }
 
-/// Keys that can be sought: all sizes and moduli of a case with a texture.
+/// Keys that can be sought: all sizes and moduli of a case with a texture, but no work of adhesion.
 #[must_use]
 pub fn free_keys() -> Vec<Key> {
     let keys = Key::ALL.into_iter();
-    keys.filter(|key| key.is_positive() && !key.is_of_surface())
+    let is_made = |key: &Key| key.is_positive() && key.dimension() != Dimension::EnergyPerArea;
+    keys.filter(|key| is_made(key) && !key.is_of_surface())
         .collect()
 }
 
@@ -390,13 +452,13 @@ pub const TOLERANCE: f64 = 1e-9;
 /// Relative width of a bracket within which an answer that is still not met is a jump.
 const JUMP: f64 = 1e-12;
 
-/// The same of floor shares, which jump by their error where the grid on the floor changes.
-const SHARE_JUMP: f64 = 1e-7;
+/// The same of floor shares, which jump by their error where the grid on the floor changes, and of pull-off forces.
+const COARSE_JUMP: f64 = 1e-7;
 
 /// A floor share to this power is nearly straight in what is left of the load past the transition.
 const SHARE_POWER: f64 = 2.0 / 3.0;
 
-/// Part of the estimated error of a floor share to which it is met, unless it jumps by more.
+/// Part of the estimated error of a floor share or pull-off force to which it is met, unless it jumps by more.
 const SHARPNESS: f64 = 0.1;
 
 /// Relative width of a bracket that is narrow enough to say beyond which value there is no contact.
@@ -443,6 +505,9 @@ pub fn design(
     }
     let first = first_value(file, free)?;
     let case = with(file, free, first)?;
+    if wanted.is_pull_off() && case.system.adhesion().is_none() {
+        return Err(DesignError::NoAdhesion);
+    }
     if wanted.is_share() {
         if !matches!(case.method, Method::Spectral(_)) {
             return Err(DesignError::NoFloor(case.method));
@@ -459,12 +524,11 @@ pub fn design(
         range: range(free, first, &case),
         method: Some(Method::Homogenised),
     };
-    let estimate = match search.find(first, STRIDES[1]) {
-        Ok(Ending::Found(candidate) | Ending::OutOfReach(candidate, _)) => Some(candidate.value),
-        Err(DesignError::Solve(SolveError::Interrupted)) => {
-            return Err(SolveError::Interrupted.into());
-        }
-        _ => None,
+    let estimate = if wanted.is_pull_off() {
+        // The homogenised lattice has no adhesion.
+        None
+    } else {
+        search.estimate(first)?
     };
     search.method = None;
     let ending = match estimate {
@@ -484,9 +548,10 @@ pub fn design(
             candidate,
         },
         Ending::Jump(sides) => Design::Jump(sides),
-        Ending::OutOfReach(nearest, limit) => Design::OutOfReach {
+        Ending::OutOfReach(nearest, limit, reach) => Design::OutOfReach {
             nearest: search.exactly(nearest)?,
             limit,
+            reach: reach.filter(|_| wanted.is_pull_off()),
         },
     })
 }
@@ -495,7 +560,8 @@ pub fn design(
 enum Ending {
     Found(Candidate),
     Jump(Box<[Candidate; 2]>),
-    OutOfReach(Candidate, Limit),
+    /// The nearest, what limits it, and the least and the greatest answer, if the whole range was searched.
+    OutOfReach(Candidate, Limit, Option<[f64; 2]>),
 }
 
 /// The case with a key set to a value in SI units.
@@ -566,7 +632,7 @@ struct Search<'a> {
 struct Trial {
     /// The logarithm of the value, `ln x`.
     position: f64,
-    outcome: Result<Candidate, SolveError>,
+    outcome: Result<Candidate, Limit>,
     /// How far it is from what is wanted: infinite where there is no contact.
     excess: f64,
     /// By how much the excess may be wrong.
@@ -593,7 +659,7 @@ impl Trial {
 
     fn limit(&self) -> Limit {
         match &self.outcome {
-            Err(error) => Limit::Solver(error.clone()),
+            Err(limit) => limit.clone(),
             Ok(candidate) if candidate.reached.contact().force <= 0.0 => Limit::FloorFirst,
             Ok(_) => Limit::Range,
         }
@@ -607,11 +673,30 @@ struct Missed {
     unsolved: [Option<Trial>; 2],
 }
 
+/// Why there is no contact where one is needed.
+fn no_contact(limit: Limit, key: Key) -> DesignError {
+    match limit {
+        Limit::Solver(error) => error.into(),
+        _ => DesignError::TooManyPillars(key),
+    }
+}
+
 impl Search<'_> {
+    /// The value that the homogenised lattice gives, if it gives any.
+    fn estimate(&self, first: f64) -> Result<Option<f64>, DesignError> {
+        match self.find(first, STRIDES[1]) {
+            Ok(Ending::Found(candidate) | Ending::OutOfReach(candidate, ..)) => {
+                Ok(Some(candidate.value))
+            }
+            Err(DesignError::Solve(SolveError::Interrupted)) => Err(SolveError::Interrupted.into()),
+            _ => Ok(None),
+        }
+    }
+
     fn trial(&self, position: f64) -> Result<Trial, DesignError> {
         let value = position.exp().clamp(self.range[0], self.range[1]);
         if self.method.is_none()
-            && !self.wanted.is_share()
+            && !self.wanted.is_coarse()
             && let Ok(outline) = self.trial_by(Some(Method::Homogenised), value)
             && self.is_clear(&outline, value)?
         {
@@ -632,7 +717,7 @@ impl Search<'_> {
                 pillars > MANY_PILLARS && outline.excess.abs() > CLEAR
             }
             // With that many pillars it knows the contact radius to a per cent.
-            Err(SolveError::ContactExceedsLens { lens_radius, .. }) => {
+            Err(Limit::Solver(SolveError::ContactExceedsLens { lens_radius, .. })) => {
                 let case = with(self.file, self.free, value)?;
                 let widest = 0.5 * lens_radius / case.system.lattice().pitch;
                 widest * widest > MANY_PILLARS as f64
@@ -646,14 +731,26 @@ impl Search<'_> {
         if let Some(method) = method {
             case.method = method;
         }
+        if self.wanted.is_pull_off() && self.has_many_pillars(&case)? {
+            return Ok(Trial {
+                position: value.ln(),
+                outcome: Err(Limit::ManyPillars),
+                excess: f64::INFINITY,
+                error: 0.0,
+            });
+        }
         let reached = match self.wanted {
             Wanted::FloorShare { load, .. } => {
                 fakir::press(&case.system, load, case.method, self.run).map(Reached::Pressed)
             }
+            Wanted::PullOff(_) => {
+                fakir::cycle(&case.system, CyclePlan::default(), case.method, self.run)
+                    .map(|cycle| Reached::PulledOff(Box::new(cycle)))
+            }
             _ => fakir::transition(&case.system, case.method, self.run).map(Reached::Critical),
         };
         let outcome = match reached {
-            Ok(reached) if !reached.contact().converged() => {
+            Ok(reached) if !reached.is_converged() => {
                 return Err(DesignError::NotConverged {
                     key: self.free,
                     value,
@@ -668,9 +765,11 @@ impl Search<'_> {
                 error @ (SolveError::ContactExceedsLens { .. }
                 | SolveError::TooLarge { .. }
                 | SolveError::TextureTooDense { .. }),
-            ) => Err(error),
+            ) => Err(Limit::Solver(error)),
             // The grid on the floor of wide lattices.
-            Err(error @ SolveError::TooManyCells { .. }) if self.wanted.is_share() => Err(error),
+            Err(error @ SolveError::TooManyCells { .. }) if self.wanted.is_share() => {
+                Err(Limit::Solver(error))
+            }
             Err(error) => return Err(error.into()),
         };
         let (excess, error) = match &outcome {
@@ -692,6 +791,18 @@ impl Search<'_> {
         })
     }
 
+    /// Whether, by the homogenised lattice, so many pillars are in contact at the transition that a cycle takes too long.
+    fn has_many_pillars(&self, case: &Case) -> Result<bool, DesignError> {
+        let without = case.system.with_adhesion(Adhesion::NONE);
+        let system = without.map_err(SolveError::from)?;
+        match fakir::transition(&system, Method::Homogenised, self.run) {
+            Ok(critical) => Ok(critical.contact.pillars_in_contact > MANY_PILLARS),
+            Err(SolveError::Interrupted) => Err(SolveError::Interrupted.into()),
+            // Whether the contact can be solved is for the method of the case to say.
+            Err(_) => Ok(false),
+        }
+    }
+
     /// The candidate by the method of the case, where an estimate did for the search. Where the
     /// contact is a little wider than estimated and no longer solved, one nearby.
     fn exactly(&self, candidate: Candidate) -> Result<Candidate, DesignError> {
@@ -706,8 +817,10 @@ impl Search<'_> {
             }
             match self.trial_by(None, value)?.outcome {
                 Ok(candidate) => return Ok(candidate),
-                Err(error @ SolveError::ContactExceedsLens { .. }) => failure = Some(error),
-                Err(error) => return Err(error.into()),
+                Err(Limit::Solver(error @ SolveError::ContactExceedsLens { .. })) => {
+                    failure = Some(error);
+                }
+                Err(limit) => return Err(no_contact(limit, self.free)),
             }
         }
         Err(failure.map_or(DesignError::NotPositive(self.wanted), DesignError::Solve))
@@ -720,10 +833,10 @@ impl Search<'_> {
         {
             return Ok(Ending::Found(candidate));
         }
-        if self.wanted.is_share()
-            && let Err(error) = start.outcome
+        if self.wanted.is_coarse()
+            && let Err(limit) = start.outcome
         {
-            return Err(error.into());
+            return Err(no_contact(limit, self.free));
         }
         match self.bracket(start, stride)? {
             Ok(bracket) => self.close_in(bracket),
@@ -767,8 +880,8 @@ impl Search<'_> {
             };
             strides[side] *= 2.0;
             let trial = self.trial(next)?;
-            // What cannot be solved has no floor share: the range ends before it.
-            if self.wanted.is_share() && trial.outcome.is_err() {
+            // What cannot be solved has no floor share or pull-off: the range ends before it.
+            if self.wanted.is_coarse() && trial.outcome.is_err() {
                 unsolved[side] = Some(trial);
                 continue;
             }
@@ -794,8 +907,8 @@ impl Search<'_> {
     fn close_in(&self, mut sides: [Trial; 2]) -> Result<Ending, DesignError> {
         let mut root = self.narrow(&mut sides, EDGE)?;
         if sides.iter().all(|trial| trial.excess.is_finite()) {
-            let width = if self.wanted.is_share() {
-                SHARE_JUMP
+            let width = if self.wanted.is_coarse() {
+                COARSE_JUMP
             } else {
                 JUMP
             };
@@ -813,7 +926,7 @@ impl Search<'_> {
         {
             return Ok(Ending::Found(candidate.clone()));
         }
-        Self::edge(&sides)
+        self.edge(&sides)
     }
 
     /// Moves two trials on either side of the wanted value together, until their values differ by this part of them or
@@ -831,16 +944,16 @@ impl Search<'_> {
     }
 
     /// The outcome where a bracket has become narrow and the wanted value is not in it.
-    fn edge([low, high]: &[Trial; 2]) -> Result<Ending, DesignError> {
+    fn edge(&self, [low, high]: &[Trial; 2]) -> Result<Ending, DesignError> {
         match (low.outcome.clone(), high.outcome.clone()) {
             (Ok(a), Ok(b)) if low.excess.is_finite() && high.excess.is_finite() => {
                 Ok(Ending::Jump(Box::new([a, b])))
             }
             (Ok(nearest), _) if low.excess.is_finite() => {
-                Ok(Ending::OutOfReach(nearest, high.limit()))
+                Ok(Ending::OutOfReach(nearest, high.limit(), None))
             }
-            (_, Ok(nearest)) => Ok(Ending::OutOfReach(nearest, low.limit())),
-            (_, Err(error)) => Err(error.into()),
+            (_, Ok(nearest)) => Ok(Ending::OutOfReach(nearest, low.limit(), None)),
+            (_, Err(limit)) => Err(no_contact(limit, self.free)),
         }
     }
 
@@ -852,6 +965,14 @@ impl Search<'_> {
             unsolved,
         } = missed;
         trials.sort_by(|a, b| a.position.total_cmp(&b.position));
+        let answers = trials
+            .iter()
+            .filter_map(|trial| trial.outcome.as_ref().ok());
+        let answers = answers.map(|candidate| self.wanted.of(&candidate.reached));
+        let (least, greatest) = answers
+            .fold((f64::INFINITY, 0.0f64), |(least, greatest), answer| {
+                (least.min(answer), greatest.max(answer))
+            });
         let farness = |trial: &Trial| trial.excess.abs();
         let Some(best) =
             (0..trials.len()).min_by(|a, b| farness(&trials[*a]).total_cmp(&farness(&trials[*b])))
@@ -897,15 +1018,19 @@ impl Search<'_> {
         let beyond = unsolved.find(|trial| (trial.position - best.position).abs() < 2.0 * EDGE);
         let limit = beyond.map_or(Limit::Range, Trial::limit);
         match best.outcome {
-            Ok(candidate) => Ok(Ending::OutOfReach(candidate, limit)),
-            Err(error) => Err(error.into()),
+            Ok(candidate) => {
+                let answer = self.wanted.of(&candidate.reached);
+                let reach = [least.min(answer), greatest.max(answer)];
+                Ok(Ending::OutOfReach(candidate, limit, Some(reach)))
+            }
+            Err(limit) => Err(no_contact(limit, self.free)),
         }
     }
 
     /// The sensitivity `d ln(answer)/d ln(x)` by a central difference.
     fn sensitivity(&self, found: &Candidate) -> Result<f64, DesignError> {
-        // Floor shares are known to fewer digits: a longer step leaves more of their difference.
-        let step = if self.wanted.is_share() { 1e-2 } else { 1e-3 };
+        // Floor shares and pull-off forces are known to fewer digits: a longer step leaves more of their difference.
+        let step = if self.wanted.is_coarse() { 1e-2 } else { 1e-3 };
         let middle = found.value.ln();
         let sides = [self.trial(middle - step)?, self.trial(middle + step)?];
         let logarithms = sides.map(|trial| {
@@ -1025,7 +1150,7 @@ mod tests {
             .collect();
         let least = forces.iter().copied().fold(f64::INFINITY, f64::min);
         let wanted = Wanted::Force(0.5 * least);
-        let Design::OutOfReach { nearest, limit } =
+        let Design::OutOfReach { nearest, limit, .. } =
             design(&file, Key::Pitch, wanted, &run).unwrap()
         else {
             panic!("half the least force cannot be had");
@@ -1131,7 +1256,8 @@ mod tests {
         for share in [0.5 * floor.share, 2.0 * floor.share] {
             let wanted = Wanted::FloorShare { share, load };
             let free = Key::LensYoungModulus;
-            let Design::OutOfReach { nearest, limit } = design(&file, free, wanted, &run).unwrap()
+            let Design::OutOfReach { nearest, limit, .. } =
+                design(&file, free, wanted, &run).unwrap()
             else {
                 panic!("the modulus cannot change the share");
             };
@@ -1172,11 +1298,62 @@ mod tests {
         assert!(told.contains("needs floor.contact = true"), "{told}");
     }
 
+    /// The cycle of the case as it is written down has the wanted pull-off force to within its own numerical error.
+    #[test]
+    fn a_pull_off_force_is_had_by_the_case_that_is_found() {
+        let mut file = paper(0.02);
+        file.set("adhesion.work=50mJ/m2").unwrap();
+        let force = 40e-6;
+        for free in [Key::Pitch, Key::SubstrateYoungModulus] {
+            let candidate = found(&file, free, Wanted::PullOff(force));
+            let written = CaseFile::parse("found", &candidate.case.to_toml()).unwrap();
+            let case = written.case().unwrap();
+            let plan = CyclePlan::default();
+            let cycle = fakir::cycle(&case.system, plan, case.method, &Run::default()).unwrap();
+            let pull_off = cycle.pull_off.as_ref().unwrap();
+            let off = (-pull_off.force / force - 1.0).abs();
+            assert!(
+                off <= cycle.errors.pull_off_force.numerical(),
+                "{free}: {off:e}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_pull_off_force_that_cannot_be_had_is_answered_with_the_range() {
+        let run = Run::default();
+        let file = paper(0.005);
+        let refused = design(&file, Key::PillarHeight, Wanted::PullOff(1e-6), &run);
+        assert!(matches!(refused, Err(DesignError::NoAdhesion)));
+        let mut sticky = file.clone();
+        sticky.set("adhesion.work=50mJ/m2").unwrap();
+        // Of stiffer and stiffer pillars on a soft lens the pull-off force does not grow any more.
+        let free = Key::SubstrateYoungModulus;
+        let wanted = Wanted::PullOff(1.0);
+        let answer = Answer {
+            free,
+            wanted,
+            design: design(&sticky, free, wanted, &run).unwrap(),
+        };
+        let Design::OutOfReach { nearest, reach, .. } = &answer.design else {
+            panic!("1 N cannot be had: {answer:?}");
+        };
+        let [least, greatest] = reach.unwrap();
+        let nearest = wanted.of(&nearest.reached);
+        assert!(0.0 < least && least < greatest && nearest <= greatest && greatest < 1.0);
+        assert!(nearest > 0.99 * greatest, "{nearest:e} of {greatest:e}");
+        let told = answer.statement();
+        assert!(
+            told.contains("it is from ") && told.contains("the nearest is"),
+            "{told}"
+        );
+    }
+
     #[test]
     fn what_is_no_number_is_never_met() {
         let trial = |excess| Trial {
             position: 0.0,
-            outcome: Err(SolveError::Interrupted),
+            outcome: Err(Limit::Range),
             excess,
             error: 0.0,
         };

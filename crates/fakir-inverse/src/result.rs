@@ -1,10 +1,10 @@
 //! A design and a spread as one JSON object.
 
 use crate::design::{Answer, Design, Reached, Wanted};
-use crate::spread::{Critical, Sampling, Spread};
+use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
 use fakir::problem::{Control, Method};
 use fakir_study::VERSION;
-use fakir_study::result::{PressSummary, TransitionSummary};
+use fakir_study::result::{CycleSummary, PressSummary, TransitionSummary};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -40,6 +40,7 @@ impl DesignSummary {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
 struct AnswerObject {
     free: &'static str,
     wanted: Map<String, Value>,
@@ -50,11 +51,17 @@ struct AnswerObject {
     /// The relative change of what is wanted over that of the value, `d ln(wanted)/d ln(value)`.
     sensitivity: Option<f64>,
     statement: String,
+    /// The least and the greatest that was found, where no value gives what is wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reachable_pull_off_force_N: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     critical_state: Option<TransitionSummary>,
     /// The contact under the load of a wanted floor share.
     #[serde(skip_serializing_if = "Option::is_none")]
     state: Option<PressSummary>,
+    /// The cycle of a wanted pull-off force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cycle: Option<CycleSummary>,
 }
 
 impl AnswerObject {
@@ -70,6 +77,7 @@ impl AnswerObject {
             Wanted::Force(_) => "critical_force_N",
             Wanted::ContactRadius(_) => "critical_contact_radius_m",
             Wanted::FloorShare { .. } => "floor_share",
+            Wanted::PullOff(_) => "pull_off_force_N",
         };
         let mut wanted = named(wanted.to_owned(), answer.wanted.value());
         match answer.wanted {
@@ -87,11 +95,17 @@ impl AnswerObject {
             }
             _ => {}
         }
-        let (critical_state, state) = match &nearest.reached {
+        let (mut critical_state, mut state, mut cycle) = (None, None, None);
+        match &nearest.reached {
             Reached::Critical(critical) => {
-                (Some(TransitionSummary::new(critical, wall_time)), None)
+                critical_state = Some(TransitionSummary::new(critical, wall_time));
             }
-            Reached::Pressed(contact) => (None, Some(PressSummary::new(contact, wall_time))),
+            Reached::Pressed(contact) => state = Some(PressSummary::new(contact, wall_time)),
+            Reached::PulledOff(pulled) => cycle = Some(CycleSummary::new(pulled, wall_time)),
+        }
+        let reach = match answer.design {
+            Design::OutOfReach { reach, .. } => reach,
+            _ => None,
         };
         Self {
             free: answer.free.path(),
@@ -103,8 +117,10 @@ impl AnswerObject {
             ),
             sensitivity,
             statement: answer.statement(),
+            reachable_pull_off_force_N: reach,
             critical_state,
             state,
+            cycle,
         }
     }
 }
@@ -119,6 +135,11 @@ struct SpreadObject {
     critical_force_N: Option<StatisticsObject>,
     critical_indentation_m: Option<StatisticsObject>,
     critical_contact_radius_m: Option<StatisticsObject>,
+    /// None, as the next, where nothing sticks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pull_off_force_N: Option<StatisticsObject>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hysteresis_J: Option<StatisticsObject>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -130,17 +151,17 @@ struct StatisticsObject {
 
 impl SpreadObject {
     fn new(sampling: &Sampling, spread: &Spread) -> Self {
-        let summary = |pick: fn(&Critical) -> f64| {
-            spread.summary(pick).map(|summary| StatisticsObject {
-                mean: summary.mean,
-                standard_deviation: summary.deviation,
-                percentiles: summary
-                    .percentiles
-                    .iter()
-                    .map(|(percentage, value)| (percentage.to_string(), Value::from(*value)))
-                    .collect(),
-            })
+        let object = |summary: Summary| StatisticsObject {
+            mean: summary.mean,
+            standard_deviation: summary.deviation,
+            percentiles: summary
+                .percentiles
+                .iter()
+                .map(|(percentage, value)| (percentage.to_string(), Value::from(*value)))
+                .collect(),
         };
+        let summary = |pick: fn(&Critical) -> f64| spread.summary(pick).map(object);
+        let pulled = |pick: fn(&PullOff) -> f64| spread.pull_off_summary(pick).map(object);
         Self {
             samples: sampling.samples,
             failed: spread.failures().count(),
@@ -149,6 +170,8 @@ impl SpreadObject {
             critical_force_N: summary(|critical| critical.force),
             critical_indentation_m: summary(|critical| critical.indentation),
             critical_contact_radius_m: summary(|critical| critical.contact_radius),
+            pull_off_force_N: pulled(|pull_off| pull_off.force),
+            hysteresis_J: pulled(|pull_off| pull_off.hysteresis),
         }
     }
 }

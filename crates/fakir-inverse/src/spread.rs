@@ -1,10 +1,11 @@
 //! How far the critical state of a texture scatters: sizes and moduli that vary from sample to
-//! sample, and a lens that lands anywhere on the lattice.
+//! sample, and a lens that lands anywhere on the lattice. Where pillar tops stick every sample is pulled off again, and so
+//! is told how far pull-off and hysteresis scatter.
 
-use fakir::problem::HexagonalLattice;
-use fakir::state::{Run, SolveError};
+use fakir::problem::{CyclePlan, HexagonalLattice};
+use fakir::state::{CriticalState, Cycle, Run, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument, parse_quantity};
-use fakir_case::{CaseError, CaseFile, Key, Kind, TextureOnly};
+use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_study::{Column, Table, Values};
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
@@ -106,6 +107,17 @@ pub struct Critical {
     pub indentation: f64,
     /// `a_c`, m.
     pub contact_radius: f64,
+    /// How the lens comes off again; none where nothing sticks.
+    pub pull_off: Option<PullOff>,
+}
+
+/// The numbers of a lens that is pulled off tops that stick, from the critical state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PullOff {
+    /// Largest pull, N: negative.
+    pub force: f64,
+    /// Area of the loop of force over indentation, J.
+    pub hysteresis: f64,
 }
 
 /// The samples and what they say.
@@ -148,8 +160,8 @@ pub enum SpreadError {
 /// drawn again, which cuts the normal distribution off.
 const DRAWS: usize = 100;
 
-/// Critical states of samples drawn about a case, by the method of the case. `done` is told the
-/// number of samples that are done.
+/// Critical states of samples drawn about a case, by the method of the case; with tops that stick also how the lens
+/// comes off from there. `done` is told the number of samples that are done.
 ///
 /// # Errors
 /// See [`SpreadError`]. Samples without a solution are no error: they say why.
@@ -255,15 +267,10 @@ impl Draw<'_> {
                     continue;
                 }
             };
-            let outcome = match fakir::transition(&case.system, case.method, run) {
-                Ok(critical) if critical.contact.converged() => Ok(Critical {
-                    force: critical.contact.force,
-                    indentation: critical.contact.indentation,
-                    contact_radius: critical.contact_radius(),
-                }),
-                Ok(critical) => Err(critical.contact.termination.description().to_owned()),
+            let outcome = match outcome(&case, run) {
                 Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
                 Err(error) => Err(error.to_string()),
+                Ok(outcome) => outcome,
             };
             let lattice = case.system.lattice();
             return Ok(Sample {
@@ -288,6 +295,48 @@ impl Draw<'_> {
         let [x, y] = lattice.centre(i, j);
         let (x, y) = (point[0] - x, point[1] - y);
         (x.hypot(y) / lattice.pitch, y.atan2(x))
+    }
+}
+
+/// The critical state of a sample, or why there is none to be relied on.
+fn outcome(case: &Case, run: &Run<'_>) -> Result<Result<Critical, String>, SolveError> {
+    if case.system.adhesion().is_none() {
+        let critical = fakir::transition(&case.system, case.method, run)?;
+        return Ok(match critical.contact.termination {
+            _ if critical.contact.converged() => Ok(Critical::of(&critical)),
+            termination => Err(termination.description().to_owned()),
+        });
+    }
+    let cycle = fakir::cycle(&case.system, CyclePlan::default(), case.method, run)?;
+    Ok(if cycle.converged() {
+        Critical::of_cycle(&cycle).ok_or_else(|| "the lens does not come off again".to_owned())
+    } else {
+        Err(cycle.termination.description().to_owned())
+    })
+}
+
+impl Critical {
+    fn of(critical: &CriticalState) -> Self {
+        Self {
+            force: critical.contact.force,
+            indentation: critical.contact.indentation,
+            contact_radius: critical.contact_radius(),
+            pull_off: None,
+        }
+    }
+
+    /// None of a cycle that does not end with the lens off.
+    fn of_cycle(cycle: &Cycle) -> Option<Self> {
+        cycle.separation?;
+        // A lens that nothing pulls at comes off without force.
+        let force = cycle.pull_off.as_ref().map_or(0.0, |it| it.force);
+        Some(Self {
+            pull_off: Some(PullOff {
+                force,
+                hysteresis: cycle.loop_area,
+            }),
+            ..Self::of(cycle.critical.as_ref()?)
+        })
     }
 }
 
@@ -365,6 +414,16 @@ impl Spread {
                 critical.contact_radius
             }),
         ]);
+        if self.sticks() {
+            let pulled = |name: &str, of: fn(&PullOff) -> f64| {
+                let value = |sample: &Sample| Some(of(&sample.outcome.as_ref().ok()?.pull_off?));
+                numbers(name.to_owned(), samples().map(value).collect())
+            };
+            columns.extend([
+                pulled("pull_off_force_N", |pull_off| pull_off.force),
+                pulled("hysteresis_J", |pull_off| pull_off.hysteresis),
+            ]);
+        }
         let problem = |sample: &Sample| sample.outcome.as_ref().err().cloned();
         columns.push(Column {
             name: "problem".to_owned(),
@@ -380,7 +439,22 @@ impl Spread {
     /// Mean, deviation and percentiles of one number of the critical states; `None` with fewer
     /// than two of them.
     pub fn summary(&self, pick: impl Fn(&Critical) -> f64) -> Option<Summary> {
-        let mut values: Vec<f64> = self.found().map(pick).collect();
+        Self::summary_of(self.found().map(pick).collect())
+    }
+
+    /// Mean, deviation and percentiles of one number of how the lens comes off; `None` where nothing sticks.
+    pub fn pull_off_summary(&self, pick: impl Fn(&PullOff) -> f64) -> Option<Summary> {
+        let pulled = self.found().filter_map(|it| it.pull_off.as_ref());
+        Self::summary_of(pulled.map(pick).collect())
+    }
+
+    /// Whether the lens was pulled off.
+    #[must_use]
+    pub fn sticks(&self) -> bool {
+        self.found().any(|critical| critical.pull_off.is_some())
+    }
+
+    fn summary_of(mut values: Vec<f64>) -> Option<Summary> {
         if values.len() < 2 {
             return None;
         }

@@ -198,6 +198,7 @@ fn states_past_the_transition_are_left_out_where_the_floor_is_ignored() {
         &FitOptions {
             contact_point: Some(CONTACT_POINT),
             machine_compliance: COMPLIANCE,
+            ..FitOptions::default()
         },
         &Run::default(),
     )
@@ -221,6 +222,7 @@ fn states_past_the_transition_are_used_with_the_floor() {
     let options = FitOptions {
         contact_point: Some(CONTACT_POINT),
         machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
     };
     let file = case_file(&[SPECTRAL]);
     let fitted = fit(&file, &data, &[SUBSTRATE], &options, &Run::default()).unwrap();

@@ -2,7 +2,7 @@
 
 use crate::case::{Case, key};
 use crate::error::{design_error, spread_error, value_error};
-use crate::state::{Critical, State, load};
+use crate::state::{Critical, Cycled, State, cycled, load};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir_inverse::DesignSummary;
@@ -15,36 +15,39 @@ use std::time::Instant;
 
 /// The object that `fakir design --json` prints, and value, case and contact of what was found
 /// or comes nearest.
-type Designed = (String, Vec<(f64, Case, Contact)>);
+type Designed<'py> = (String, Vec<(f64, Case, Contact<'py>)>);
 
-/// What was designed for: a critical state, or a contact under a load.
+/// What was designed for: a critical state, a contact under a load, or a cycle.
 #[derive(IntoPyObject)]
-pub(crate) enum Contact {
+pub(crate) enum Contact<'py> {
     Critical(Critical),
     Pressed(State),
+    PulledOff(Cycled<'py>),
 }
 
-/// What is wanted: a critical force (N), a critical contact radius (m), or a floor share with a force (N)
-/// or an indentation (m).
+/// What is wanted: a critical force (N), a critical contact radius (m), a floor share with a force (N)
+/// or an indentation (m), or a pull-off force (N).
 type WantedNumbers = (
     Option<f64>,
     Option<f64>,
     Option<(f64, Option<f64>, Option<f64>)>,
+    Option<f64>,
 );
 
 /// The value of a key that gives what is wanted.
 #[pyfunction]
-pub(crate) fn design(
-    py: Python<'_>,
+pub(crate) fn design<'py>(
+    py: Python<'py>,
     case: &Case,
     free: &str,
     wanted: WantedNumbers,
     options: Options,
-) -> PyResult<Designed> {
+) -> PyResult<Designed<'py>> {
     let wanted = match wanted {
-        (Some(force), None, None) => Wanted::Force(force),
-        (None, Some(radius), None) => Wanted::ContactRadius(radius),
-        (None, None, Some((share, force, indentation))) => Wanted::FloorShare {
+        (Some(force), None, None, None) => Wanted::Force(force),
+        (None, Some(radius), None, None) => Wanted::ContactRadius(radius),
+        (None, None, None, Some(force)) => Wanted::PullOff(force),
+        (None, None, Some((share, force, indentation)), None) => Wanted::FloorShare {
             share,
             load: load(indentation, force)?,
         },
@@ -75,10 +78,12 @@ pub(crate) fn design(
         let contact = match candidate.reached {
             Reached::Critical(critical) => Contact::Critical(Critical::new(critical, wall_time)),
             Reached::Pressed(state) => Contact::Pressed(State::new(state, wall_time)),
+            Reached::PulledOff(cycle) => Contact::PulledOff(cycled(py, *cycle, wall_time)?),
         };
-        (candidate.value, candidate.case.into(), contact)
+        Ok((candidate.value, candidate.case.into(), contact))
     };
-    Ok((summary, candidates.into_iter().map(candidate).collect()))
+    let candidates = candidates.into_iter().map(candidate);
+    Ok((summary, candidates.collect::<PyResult<_>>()?))
 }
 
 /// The object that `fakir design --json` prints, and the columns of `samples.csv`.
@@ -163,8 +168,7 @@ pub(crate) fn cite(
             random: false,
         });
     }
-    for case in cases {
-        let topic = Topic::Method(case.case.method);
+    for topic in cases.iter().flat_map(|case| Topic::of_case(&case.case)) {
         if !topics.contains(&topic) {
             topics.push(topic);
         }

@@ -1,9 +1,10 @@
-//! Fits of measured loading curves.
+//! Fits of measured curves.
 
 use crate::case::Case;
 use crate::error::{fit_error, value_error};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
+use fakir::state::Branch;
 use fakir_inverse::fit::{
     Column, Fit, FitOptions, FitSummary, Measurements, Parameter, Position, Quantity,
 };
@@ -120,6 +121,12 @@ impl Fitted {
         columns(py, &self.table)
     }
 
+    /// Whether points of the curve are of the unloading of tops that stick.
+    fn unloading<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        let curve = self.fit.curve.iter();
+        PyArray1::from_iter(py, curve.map(|p| p.branch == Some(Branch::Unloading)))
+    }
+
     /// The computed curve: load, force (N) and contact radius (m).
     fn curve<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 3] {
         let curve = || self.fit.curve.iter();
@@ -138,8 +145,7 @@ pub(crate) fn fit(
     case: &Case,
     data: &Data,
     free: Vec<String>,
-    contact_point: Option<f64>,
-    machine_compliance: f64,
+    instrument: (Option<f64>, f64, f64),
     options: Options,
 ) -> PyResult<Fitted> {
     let free = free.iter().map(|name| {
@@ -149,9 +155,11 @@ pub(crate) fn fit(
         })
     });
     let free = free.collect::<PyResult<Vec<_>>>()?;
+    let (contact_point, machine_compliance, force_offset) = instrument;
     let known = FitOptions {
         contact_point,
         machine_compliance,
+        force_offset,
     };
     let file = case.file()?;
     let measurements = &data.measurements;

@@ -43,7 +43,7 @@ mod _fakir {
     };
     #[pymodule_export]
     use super::theory::{
-        closed_form, closed_forms, constants, exact_lattice_sums, fitted_lattice_sums,
+        adhesion, closed_form, closed_forms, constants, exact_lattice_sums, fitted_lattice_sums,
         hertz_contact_radius, hollow_potential, homogenised, inverse_power_sum, lattice_potential,
         phase, site_potential, sum_coefficients, theory, transition_force,
         transition_from_exact_sums,

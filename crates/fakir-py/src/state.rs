@@ -286,7 +286,7 @@ pub(crate) fn approach(
 
 /// The object that `fakir approach --retract --json` prints, the critical state, the columns of the pillars that hold at pull-off, and
 /// how the computation ended.
-type Cycled<'py> = (
+pub(crate) type Cycled<'py> = (
     String,
     Option<Critical>,
     Option<Bound<'py, PyDict>>,
@@ -325,7 +325,15 @@ pub(crate) fn cycle<'py>(
     let start = Instant::now();
     let found = watched(py, &options, |run| fakir::cycle(&system, plan, method, run))?;
     let cycle = found.map_err(|error| solve_error(&error))?;
-    let time = start.elapsed().as_secs_f64();
+    cycled(py, cycle, start.elapsed().as_secs_f64())
+}
+
+/// What Python has of a cycle that was found in some time, s.
+pub(crate) fn cycled(
+    py: Python<'_>,
+    cycle: fakir::state::Cycle,
+    time: f64,
+) -> PyResult<Cycled<'_>> {
     let summary = json(&CycleSummary::new(&cycle, time));
     let pulling = cycle.pull_off.as_ref();
     let pulling = pulling.map(|it| columns(py, &pillars_of(&it.pillars))?.into_py_dict(py));

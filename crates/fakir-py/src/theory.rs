@@ -9,7 +9,7 @@ use fakir::theory::lattice_potential as potential;
 use fakir::theory::lattice_sums;
 use fakir::theory::lattice_sums::{LatticeSums, SumCoefficients, SumFit};
 use fakir_study::closed_forms::Formula;
-use fakir_study::result::{TheorySummary, json};
+use fakir_study::result::{AdhesionObject, TheorySummary, json};
 use pyo3::prelude::*;
 
 /// Force, indentation, top contact radius and distance of the floor contact.
@@ -49,10 +49,20 @@ pub(crate) fn transition_from_exact_sums(case: &Case, contact_radius: f64) -> Es
     estimate(&forms::transition_from_exact_sums(system, contact_radius))
 }
 
-/// The object that `fakir theory --json` prints.
+/// The object that `fakir theory --json` prints. `range` is that of the attraction (m), if it is known.
 #[pyfunction]
-pub(crate) fn theory(case: &Case) -> String {
-    json(&TheorySummary::new(&case.case.system))
+pub(crate) fn theory(case: &Case, range: Option<f64>) -> PyResult<String> {
+    let summary = TheorySummary::new(&case.case.system, range);
+    let summary = summary.map_err(|error| value_error(error.to_string()))?;
+    Ok(json(&summary))
+}
+
+/// What of it is of tops that stick; `null` where nothing does.
+#[pyfunction]
+pub(crate) fn adhesion(case: &Case, range: Option<f64>) -> PyResult<String> {
+    let found = AdhesionObject::new(&case.case.system, range);
+    let found = found.map_err(|error| value_error(error.to_string()))?;
+    Ok(json(&found))
 }
 
 /// The constants of the object that [`theory`] gives.

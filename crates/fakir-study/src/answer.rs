@@ -1,5 +1,6 @@
 //! The answer to one case, as it is kept: numbers only, each of which JSON gives back bit for bit.
 
+use crate::cycled::Cycled;
 use crate::result::of_floor;
 use crate::surface_answer::{SurfaceCritical, SurfacePressed};
 use fakir::state::{ContactState, CriticalState, FloorContact, Normalized, Regime};
@@ -21,7 +22,7 @@ pub struct Row {
     pub wall_time: f64,
 }
 
-/// What a case answers: the numbers of `fakir transition --json` or `fakir press --json`.
+/// What a case answers: the numbers of `fakir transition --json`, `fakir press --json` or `fakir approach --retract --json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
@@ -29,6 +30,8 @@ pub enum Answer {
     Transition(Critical),
     /// The contact under a load.
     Press(Pressed),
+    /// Loading and unloading with adhesion.
+    Cycle(Cycled),
     /// The critical state of a general surface.
     SurfaceTransition(SurfaceCritical),
     /// The contact with a general surface under a load.
@@ -228,7 +231,7 @@ pub(crate) enum RegimeName {
 }
 
 /// Numbers in JSON, which has no infinity and no NaN: those are texts.
-mod exact {
+pub(crate) mod exact {
     use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
     #[derive(Deserialize)]
@@ -240,7 +243,7 @@ mod exact {
 
     // serde hands over references.
     #[allow(clippy::trivially_copy_pass_by_ref)]
-    pub(super) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    pub(crate) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
         if value.is_finite() {
             value.serialize(serializer)
         } else {
@@ -248,7 +251,7 @@ mod exact {
         }
     }
 
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
         match Number::deserialize(deserializer)? {
             Number::Finite(value) => Ok(value),
             Number::Text(text) => text.parse().map_err(de::Error::custom),

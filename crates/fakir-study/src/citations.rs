@@ -22,6 +22,8 @@ pub enum Topic {
     Method(Method),
     /// Pillar tops that stick.
     Adhesion,
+    /// The range of the attraction of tops that stick.
+    AttractionRange,
     /// The closed forms of the paper, with their lattice sums.
     ClosedForms,
     /// Fits of measured curves.
@@ -39,11 +41,17 @@ impl Topic {
     /// What a case makes use of.
     #[must_use]
     pub fn of_case(case: &Case) -> Vec<Self> {
+        Self::of_case_with_range(case, None)
+    }
+
+    /// What a case makes use of where the range of the attraction (m) is known, or is not.
+    #[must_use]
+    pub fn of_case_with_range(case: &Case, range: Option<f64>) -> Vec<Self> {
         let sticks = !case.system.adhesion().is_none();
-        let adhesion = sticks.then_some(Self::Adhesion);
         [Self::Method(case.method)]
             .into_iter()
-            .chain(adhesion)
+            .chain(sticks.then_some(Self::Adhesion))
+            .chain(range.map(|_| Self::AttractionRange))
             .collect()
     }
 
@@ -235,6 +243,7 @@ impl Topic {
             Self::Method(Method::Homogenised) => vec!["homogenised"],
             Self::Method(_) => Vec::new(), // a method that is added must name its sources here
             Self::Adhesion => vec!["adhesion"],
+            Self::AttractionRange => vec!["attraction_range"],
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
             Self::Surface { periodic, random } => {
@@ -331,6 +340,7 @@ mod tests {
             .into_iter()
             .chain([
                 Topic::Adhesion,
+                Topic::AttractionRange,
                 Topic::ClosedForms,
                 surface(true, false),
                 surface(false, true),

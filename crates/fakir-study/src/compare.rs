@@ -61,9 +61,10 @@ pub fn compare(
     next: &dyn Fn(&str),
     keep: &mut dyn FnMut(&'static str, CriticalState, f64),
 ) -> Result<Comparison, SolveError> {
+    let sticks = !system.adhesion().is_none();
     let mut rows: Vec<MethodRow> = closed_forms(system)
         .iter()
-        .map(MethodRow::formula)
+        .map(|form| MethodRow::formula(form, sticks))
         .collect();
     let mut all_warnings = Vec::new();
     for (method, key, name) in methods() {

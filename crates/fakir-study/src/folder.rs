@@ -5,10 +5,12 @@
 //! | `journal.jsonl` | every case as it ended, with the time it took; an interrupted sweep goes on from it |
 //! | `study.toml` | the study as it was understood |
 //! | `table.csv`, `table.parquet` | one row per case |
+//! | `pull-off.svg`, `pull-off.png` | of a whole sweep of cycles: pull-off force and hysteresis |
 //! | `provenance.json` | version, study, methods, reference |
 
 use crate::answer::Row;
 use crate::error::{StudyError, memory};
+use crate::figures::{of_cycles, saved};
 use crate::journal::{
     Contents, DamagedLine, Found, Header, JOURNAL, Journal, first_difference, whole,
 };
@@ -476,11 +478,15 @@ const STUDY: &str = "study.toml";
 fn results(study: &Study, rows: &[Row]) -> Vec<File> {
     let table = Table::new(study, rows);
     let provenance = Provenance::of_study(study);
-    let tables = [
+    let mut files = vec![
         File::new("table.csv", table.to_csv()),
         File::new("table.parquet", table.to_parquet(&provenance)),
     ];
-    let names = tables.iter().map(|file| file.name.as_ref());
+    if let Some(figure) = of_cycles(study, rows) {
+        files.extend(saved(figure, &provenance));
+    }
+    let names = files.iter().map(|file| file.name.as_ref());
     let provenance = provenance.file([JOURNAL, STUDY].into_iter().chain(names));
-    tables.into_iter().chain([provenance]).collect()
+    files.push(provenance);
+    files
 }

@@ -45,8 +45,10 @@ pub mod approach;
 pub mod citations;
 pub mod closed_forms;
 pub mod compare;
+mod cycled;
 mod error;
 pub mod fields;
+pub mod figures;
 mod folder;
 mod journal;
 pub mod numbers;
@@ -61,6 +63,7 @@ mod sweep;
 mod table;
 
 pub use answer::{Answer, Critical, Pressed, Row};
+pub use cycled::{Cycled, Errors, Hysteresis, Loading, Pull};
 pub use error::StudyError;
 pub use folder::{Existing, Ledger, Summary, merge, sweep_into};
 pub use journal::DamagedLine;

@@ -179,7 +179,8 @@ pub(crate) fn longest_first(
 
 /// What the critical state of a case takes, very roughly: the number of pillars touched and what
 /// any case takes, in pillars. The contact radius is the paper's for large contacts,
-/// `e sqrt(1 + (k phi)^2)`, with `k = 4 R h/d^2`, but half the lens radius at most.
+/// `e sqrt(1 + (k phi)^2)`, with `k = 4 R h/d^2`, but half the lens radius at most. Where tops stick every pillar is followed
+/// through its own events.
 fn cost(system: &System, method: Method) -> f64 {
     const OVERHEAD: f64 = 20.0;
     let pillar = system.pillar();
@@ -190,6 +191,7 @@ fn cost(system: &System, method: Method) -> f64 {
     match method {
         Method::Love(mesh) => OVERHEAD + pillars * (mesh.cells_per_diameter as f64).powi(2),
         Method::Homogenised => OVERHEAD,
+        _ if !system.adhesion().is_none() => OVERHEAD + pillars * pillars,
         _ => OVERHEAD + pillars,
     }
 }

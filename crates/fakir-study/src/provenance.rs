@@ -67,6 +67,7 @@ impl Provenance {
         let asked = match study.asked() {
             Asked::Transition => "critical state",
             Asked::Press => "contact under a load",
+            Asked::Cycle => "loading and unloading with adhesion",
         };
         Self::new(
             format!("{asked}, {} cases", study.cases()),

@@ -1,13 +1,14 @@
 //! Answering the cases of a study, on several threads.
 
 use crate::answer::{Answer, Critical, Pressed, Row};
+use crate::cycled::Cycled;
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
 use crate::surfaces::{self, SurfaceError};
 use fakir::problem::Control;
 use fakir::state::{CancelToken, Run, SolveError, Termination, Threads};
 use fakir_case::Study;
-use fakir_case::study::{StudiedCase, StudyCase};
+use fakir_case::study::{Question, StudiedCase, StudyCase};
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -250,12 +251,21 @@ impl<'a> SharedSweep<'a> {
             memory_limit: self.memory_limit,
             ..Run::default()
         };
-        let case_of_texture = match &case.case {
-            StudiedCase::Texture(case) => case,
-            StudiedCase::Surface(file) => return surfaces::answer(file, case.control, &run),
+        let (of_texture, control) = match (&case.case, case.question) {
+            (StudiedCase::Texture(texture), Question::Contact(control)) => (texture, control),
+            (StudiedCase::Texture(texture), Question::Cycle(plan)) => {
+                let cycle = fakir::cycle(&texture.system, plan, texture.method, &run)?;
+                return Ok((Answer::Cycle(Cycled::from(&cycle)), cycle.termination));
+            }
+            (StudiedCase::Surface(file), Question::Contact(control)) => {
+                return surfaces::answer(file, control, &run);
+            }
+            (StudiedCase::Surface(_), Question::Cycle(_)) => {
+                unreachable!("studies refuse cycles of general surfaces")
+            }
         };
-        let (system, method) = (&case_of_texture.system, case_of_texture.method);
-        match case.control {
+        let (system, method) = (&of_texture.system, of_texture.method);
+        match control {
             Control::FloorContact => {
                 let critical = fakir::transition(system, method, &run)?;
                 let answer = Answer::Transition(Critical::from(&critical));

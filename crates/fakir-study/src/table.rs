@@ -1,6 +1,7 @@
 //! The rows of a sweep as a table: one row per case, one column per axis and per number.
 
 use crate::answer::{Answer, Critical, Pressed, Row};
+use crate::cycled::{Cycled, Errors};
 use crate::output::File;
 use crate::provenance::Provenance;
 use crate::surface_answer::{SurfaceCritical, SurfaceNumbers, SurfacePressed};
@@ -65,6 +66,8 @@ impl Table {
         match (study.asked(), study.is_of_surfaces()) {
             (Asked::Transition, false) => critical_columns(rows, &mut columns),
             (Asked::Press, false) => pressed_columns(rows, &mut columns),
+            // There are no cycles of general surfaces.
+            (Asked::Cycle, _) => cycle_columns(rows, &mut columns),
             (Asked::Transition, true) => surface_critical_columns(rows, &mut columns),
             (Asked::Press, true) => surface_pressed_columns(rows, &mut columns),
         }
@@ -222,6 +225,12 @@ impl<T> Answers<'_, T> {
         self.push(name, Values::Counts(self.values(count)));
     }
 
+    fn count_if_any(&mut self, name: &str, value: impl Fn(&T) -> Option<usize>) {
+        let count = |answer: &T| value(answer).and_then(|value| i64::try_from(value).ok());
+        let values = self.values(count).into_iter().map(Option::flatten);
+        self.push(name, Values::Counts(values.collect()));
+    }
+
     fn flag(&mut self, name: &str, value: impl Fn(&T) -> bool) {
         self.push(name, Values::Flags(self.values(value)));
     }
@@ -311,6 +320,72 @@ fn pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
         Some(it.floor?.relative_error_estimate_area)
     });
     of.count("iterations", |it| it.iterations);
+}
+
+fn cycle_columns(rows: &[Row], columns: &mut Vec<Column>) {
+    let answers = rows.iter().map(|row| match &row.answer {
+        Some(Answer::Cycle(cycle)) => Some(cycle),
+        _ => None,
+    });
+    let mut of: Answers<'_, Cycled> = Answers {
+        answers: answers.collect(),
+        columns,
+    };
+    of.word("method", |it| it.method.clone());
+    of.number("surface_fraction", |it| it.surface_fraction);
+    of.number("pitch_m", |it| it.pitch);
+    of.number("work_of_adhesion_J_per_m2", |it| it.work);
+    of.number("receding_work_of_adhesion_J_per_m2", |it| it.work_receding);
+    of.word("drive", |it| it.drive.clone());
+    of.number_if_any("machine_stiffness_N_per_m", |it| it.machine_stiffness);
+    of.number_if_any("critical_force_N", |it| it.loading.critical_force);
+    of.number_if_any("critical_indentation_m", |it| {
+        it.loading.critical_indentation
+    });
+    of.number_if_any("critical_contact_radius_m", |it| {
+        it.loading.critical_contact_radius
+    });
+    of.number("turn_force_N", |it| it.loading.turn_force);
+    of.number("turn_indentation_m", |it| it.loading.turn_indentation);
+    of.count("turn_pillars_in_contact", |it| {
+        it.loading.turn_pillars_in_contact
+    });
+    of.number_if_any("pull_off_force_N", |it| Some(it.pull_off?.force));
+    of.number_if_any("pull_off_indentation_m", |it| {
+        Some(it.pull_off?.indentation)
+    });
+    of.count_if_any("pull_off_pillars_in_contact", |it| {
+        Some(it.pull_off?.pillars_in_contact)
+    });
+    of.number("kendall_pull_off_force_N", |it| it.kendall_pull_off);
+    of.number_if_any("normalized_pull_off_force", |it| {
+        Some(it.pull_off?.normalized_force)
+    });
+    of.number_if_any("last_release_indentation_m", |it| it.last_release);
+    of.number("work_of_separation_J", |it| it.work_of_separation);
+    of.number_if_any("hysteresis_J", |it| Some(it.hysteresis?.area));
+    of.number_if_any("normalized_hysteresis", |it| {
+        Some(it.hysteresis?.normalized)
+    });
+    of.number_if_any("certificate", |it| Some(it.hysteresis?.certificate));
+    of.number("kendall_strain", |it| it.kendall_strain);
+    type Of = fn(&Cycled) -> Option<Errors>;
+    let errors: [(&str, Of); 4] = [
+        ("critical_force", |it| it.loading.critical_force_error),
+        ("critical_indentation", |it| {
+            it.loading.critical_indentation_error
+        }),
+        ("pull_off_force", |it| Some(it.pull_off?.error)),
+        ("hysteresis", |it| Some(it.hysteresis?.error)),
+    ];
+    for (name, error) in errors {
+        of.number_if_any(&format!("relative_error_estimate_{name}"), |it| {
+            Some(error(it)?.numerical)
+        });
+        of.number_if_any(&format!("relative_model_error_{name}"), |it| {
+            Some(error(it)?.model)
+        });
+    }
 }
 
 fn surface_critical_columns(rows: &[Row], columns: &mut Vec<Column>) {

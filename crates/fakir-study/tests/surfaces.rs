@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fakir::state::Run;
-use fakir_case::study::StudiedCase;
+use fakir_case::study::{Question, StudiedCase};
 use fakir_case::{CaseFile, Study, StudyFile};
 use fakir_study::provenance::Provenance;
 use fakir_study::surfaces::on_wide_enough_a_grid;
@@ -72,7 +72,9 @@ fn rows_are_those_of_single_cases_on_any_threads() {
     );
     for index in 0..study.cases() {
         let case = file(&study, index).surface_case(1_000_000_000).unwrap();
-        let control = study.case(index).control;
+        let Question::Contact(control) = study.case(index).question else {
+            panic!("asked is a contact");
+        };
         let alone = case.system.press(control, &Run::default()).unwrap();
         assert_eq!(force[index], Some(alone.force));
         let (tops, floor) = (tops[index].unwrap(), floor[index].unwrap());

@@ -4,7 +4,7 @@ use crate::problem::{Accuracy, Control, CyclePlan, Method, System};
 use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
-use crate::state::{ContactState, CriticalState, Cycle, Run, SolveError};
+use crate::state::{ContactState, CriticalState, Cycle, Passage, Run, SolveError};
 use crate::theory;
 
 /// The contact under what is prescribed, by the given method.
@@ -87,11 +87,26 @@ pub fn cycle(
     method: Method,
     run: &Run<'_>,
 ) -> Result<Cycle, SolveError> {
+    follow_cycle(system, plan, method, run, &|_| {})
+}
+
+/// [`cycle`], and every station told as the lens passes it, with what is in contact there for whoever asks: for pictures that follow
+/// the lens. Where the path does not converge, not all that was told is in [`Cycle::stations`].
+///
+/// # Errors
+/// As [`cycle`].
+pub fn follow_cycle(
+    system: &System,
+    plan: CyclePlan,
+    method: Method,
+    run: &Run<'_>,
+    follower: &dyn Fn(&Passage<'_>),
+) -> Result<Cycle, SolveError> {
     let plan = plan.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
     if system.adhesion().is_none() {
         return Err(SolveError::NothingSticks);
     }
-    adhesive::cycle(system, plan, with_adhesion(method)?, run)?.checked()
+    adhesive::cycle(system, plan, with_adhesion(method)?, run, follower)?.checked()
 }
 
 /// The accuracy of the one method that has adhesion.

@@ -199,6 +199,10 @@ pub fn verify(
     mesh: ElementMesh,
     run: &Run<'_>,
 ) -> Result<Verification, SolveError> {
+    // Before anything is solved in vain.
+    if !system.adhesion().is_none() {
+        return Err(SolveError::NoAdhesion { method: "love" });
+    }
     let spectral = press(system, control, Method::Spectral(Accuracy::Accurate), run)?;
     let cells = [mesh.cells_per_diameter / 2, mesh.cells_per_diameter];
     let answer = |cells_per_diameter: usize| match &spectral.floor {

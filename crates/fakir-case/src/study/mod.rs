@@ -4,7 +4,7 @@
 //! # let case = fakir_case::Case::example().to_toml();
 //! let text = r#"
 //! [study]
-//! question = "transition"       # or "press", with indentation or force given here or as an axis
+//! question = "transition"       # or "press", with indentation or force given here or as an axis; or "cycle"
 //! combine = "product"           # every value with every other; or "zip": first with first ...
 //!
 //! [axes]
@@ -43,7 +43,7 @@ use crate::parts::Words;
 use crate::surface::SurfaceExample;
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
-use fakir::problem::{Control, Method};
+use fakir::problem::{Control, CyclePlan, Drive, Method, Turn};
 use posed::{Surfaces, looked_at};
 use std::fmt::Write;
 use std::path::Path;
@@ -59,15 +59,20 @@ pub enum Asked {
     Transition,
     /// The contact under a load.
     Press,
+    /// Loading and unloading with adhesion.
+    Cycle,
 }
 
 impl Words for Asked {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("transition", Self::Transition), ("press", Self::Press)];
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("transition", Self::Transition),
+        ("press", Self::Press),
+        ("cycle", Self::Cycle),
+    ];
 }
 
 impl Asked {
-    /// `"transition"` or `"press"`.
+    /// `"transition"`, `"press"` or `"cycle"`.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.word()
@@ -97,6 +102,7 @@ pub struct StudyFile {
     asked: Asked,
     combine: Combine,
     load: Option<FixedLoad>,
+    drive: Drive,
     varied: Vec<Varied>,
 }
 
@@ -295,7 +301,7 @@ impl StudyFile {
                 "a load has no place in the question \"transition\"",
             )
             .key(path)
-            .accepted("leave it out, or question = \"press\" in [study]")),
+            .accepted("leave it out, or question = \"press\" or \"cycle\" in [study]")),
             (Asked::Press, None, None) => {
                 let error = match question {
                     Some(place) => CaseError::at(place, "this question needs a load"),
@@ -305,6 +311,7 @@ impl StudyFile {
                     "give indentation = \"3 um\" or force = \"20 uN\" in [study], or one of them as an axis",
                 ))
             }
+            // Loads of a cycle say where it turns back; without one it does so at the critical state.
             _ => Ok(()),
         }
     }
@@ -380,9 +387,23 @@ impl StudyFile {
             }
             coordinates.push(coordinate);
         }
+        let load = load.unwrap_or(Control::FloorContact);
+        let question = match self.asked {
+            Asked::Transition | Asked::Press => Question::Contact(load),
+            Asked::Cycle => Question::Cycle(CyclePlan {
+                turn: match load {
+                    Control::FloorContact => Turn::Critical(1.0),
+                    Control::Indentation(indentation) => Turn::Indentation(indentation),
+                    Control::Force(force) => Turn::Force(force),
+                },
+                drive: self.drive,
+                retract: true,
+            }),
+        };
+        let case = StudiedCase::of(file, self.asked)?;
         Ok(StudyCase {
-            case: StudiedCase::of(file)?,
-            control: load.unwrap_or(Control::FloorContact),
+            case,
+            question,
             coordinates,
         })
     }
@@ -421,7 +442,7 @@ impl StudyFile {
     /// The error of a case, at an axis, with the combination of values that it comes from.
     fn blame(&self, error: CaseError, index: usize) -> CaseError {
         // What is wrong with or without axes is the fault of the case alone.
-        let of_file = StudiedCase::of(self.case.clone());
+        let of_file = StudiedCase::of(self.case.clone(), self.asked);
         if let Err(alone) = of_file.and_then(|case| self.check(case))
             && alone.one_line() == error.one_line()
         {
@@ -481,13 +502,22 @@ pub struct Study {
     text: String,
 }
 
+/// What is asked about one case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Question {
+    /// The contact at a load, or where the floor is reached.
+    Contact(Control),
+    /// Loading and unloading with adhesion.
+    Cycle(CyclePlan),
+}
+
 /// One case of a study.
 #[derive(Debug, Clone)]
 pub struct StudyCase {
     /// What is pressed, and how it is solved.
     pub case: StudiedCase,
     /// What is asked.
-    pub control: Control,
+    pub question: Question,
     /// The value of every axis.
     pub coordinates: Vec<Coordinate>,
 }
@@ -603,6 +633,14 @@ impl Study {
         }) = &file.load
         {
             let _ = writeln!(text, "{} = {}", variable.path(), variable.written(*value));
+        }
+        // What is the default is not written, so that journals of before there were drives can be gone on with.
+        if file.drive != Drive::Displacement {
+            let _ = writeln!(text, "drive = \"{}\"", file.drive.name());
+        }
+        if let Drive::Machine(stiffness) = file.drive {
+            let stiffness = format_quantity(stiffness, Dimension::Stiffness);
+            let _ = writeln!(text, "machine_stiffness = \"{stiffness}\"");
         }
         text.push_str("\n[axes]\n");
         for axis in self.axes() {

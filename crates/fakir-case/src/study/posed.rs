@@ -6,6 +6,7 @@ use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
 use crate::surface::SurfaceExample;
+use crate::texture_only::TextureOnly;
 use fakir::state::Run;
 use std::collections::BTreeMap;
 
@@ -20,13 +21,19 @@ pub enum StudiedCase {
 }
 
 impl StudiedCase {
-    /// The case of a file.
-    pub(super) fn of(file: CaseFile) -> Result<Self, CaseError> {
-        Ok(if file.is_surface() {
-            Self::Surface(Box::new(file))
-        } else {
-            Self::Texture(file.case()?)
-        })
+    /// The case of a file, of which something can be asked.
+    pub(super) fn of(file: CaseFile, asked: Asked) -> Result<Self, CaseError> {
+        if asked == Asked::Cycle {
+            file.refuse_surface_for(TextureOnly::Cycle)?;
+        }
+        if file.is_surface() {
+            return Ok(Self::Surface(Box::new(file)));
+        }
+        let case = file.case()?;
+        if asked == Asked::Cycle && case.system.adhesion().is_none() {
+            return Err(file.without_adhesion());
+        }
+        Ok(Self::Texture(case))
     }
 
     /// The case with a texture, if it is one.

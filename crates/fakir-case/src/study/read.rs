@@ -12,6 +12,7 @@ use crate::file::{both_given, quantity};
 use crate::key::{Key, is_table, join, names_in, nearest};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
+use fakir::problem::Drive;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -64,6 +65,7 @@ pub(super) fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseErro
         asked: settings.asked,
         combine: settings.combine,
         load: settings.load,
+        drive: settings.driven.drive(settings.asked)?,
         varied,
     };
     file.check_load(settings.question.as_ref())?;
@@ -104,7 +106,65 @@ struct Settings {
     question: Option<Place>,
     combine: Combine,
     load: Option<FixedLoad>,
+    driven: Driven,
     case: Option<(String, Place)>,
+}
+
+/// What moves the lens in a cycle, as it is given.
+#[derive(Default)]
+struct Driven {
+    name: Option<(DriveName, Place)>,
+    /// N/m.
+    stiffness: Option<(f64, Place)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum DriveName {
+    Displacement,
+    Force,
+    Machine,
+}
+
+impl Words for DriveName {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("displacement", Self::Displacement),
+        ("force", Self::Force),
+        ("machine", Self::Machine),
+    ];
+}
+
+impl Driven {
+    fn drive(self, asked: Asked) -> Result<Drive, CaseError> {
+        const DRIVE: &str = "study.drive";
+        const STIFFNESS: &str = "study.machine_stiffness";
+        let of_cycles = |place: &Place, path: &str| {
+            CaseError::at(place, "only a cycle has a drive")
+                .key(path)
+                .accepted("leave it out, or question = \"cycle\" in [study]")
+        };
+        let places = [
+            (self.name.as_ref().map(|(_, place)| place), DRIVE),
+            (self.stiffness.as_ref().map(|(_, place)| place), STIFFNESS),
+        ];
+        for (place, path) in places {
+            if let (Some(place), true) = (place, asked != Asked::Cycle) {
+                return Err(of_cycles(place, path));
+            }
+        }
+        match (self.name, self.stiffness) {
+            (None | Some((DriveName::Displacement, _)), None) => Ok(Drive::Displacement),
+            (Some((DriveName::Force, _)), None) => Ok(Drive::Force),
+            (Some((DriveName::Machine, _)), Some((stiffness, _))) => Ok(Drive::Machine(stiffness)),
+            (Some((DriveName::Machine, place)), None) => {
+                Err(CaseError::at(&place, "a machine has a stiffness")
+                    .key(DRIVE)
+                    .accepted("give machine_stiffness = \"100 N/m\" too"))
+            }
+            (_, Some((_, place))) => Err(CaseError::at(&place, "only a machine has a stiffness")
+                .key(STIFFNESS)
+                .accepted("leave it out, or drive = \"machine\"")),
+        }
+    }
 }
 
 struct Reader<'s> {
@@ -144,13 +204,21 @@ impl Reader<'_> {
             .key(path)
             .accepted(match path {
                 "axes" => format!("[axes] says what is varied: {AXES_EXAMPLE}"),
-                _ => "[study] may have question, combine, case and a load".to_owned(),
+                _ => "[study] may have question, combine, case, a load and a drive".to_owned(),
             })),
         }
     }
 
     fn settings(&self, value: &Spanned<DeValue<'_>>) -> Result<Settings, CaseError> {
-        const KEYS: [&str; 5] = ["question", "combine", "case", "indentation", "force"];
+        const KEYS: [&str; 7] = [
+            "question",
+            "combine",
+            "case",
+            "indentation",
+            "force",
+            "drive",
+            "machine_stiffness",
+        ];
         let mut settings = Settings::default();
         for (name, value) in in_order(self.table("study", value)?) {
             let path = join("study", name.get_ref());
@@ -161,6 +229,17 @@ impl Reader<'_> {
                     settings.question = Some(entry.place);
                 }
                 "combine" => settings.combine = word(&path, &entry)?,
+                "drive" => settings.driven.name = Some((word(&path, &entry)?, entry.place)),
+                "machine_stiffness" => {
+                    let stiffness = quantity(&path, Dimension::Stiffness, &entry)?;
+                    if !(stiffness > 0.0 && stiffness.is_finite()) {
+                        let written = format_quantity(stiffness, Dimension::Stiffness);
+                        return Err(CaseError::at(&entry.place, format!("cannot be {written}"))
+                            .key(&path)
+                            .accepted("it must be a finite number greater than 0"));
+                    }
+                    settings.driven.stiffness = Some((stiffness, entry.place));
+                }
                 "case" => match entry.value {
                     Value::Text(text) => settings.case = Some((text, entry.place)),
                     other => {

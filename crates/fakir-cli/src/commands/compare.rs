@@ -63,6 +63,11 @@ fn text(case: &Case, summary: &CompareSummary) -> String {
             row.processor_time_s.map_or("-".to_owned(), seconds)
         }),
     ];
+    let sticks = if case.system.adhesion().is_none() {
+        ""
+    } else {
+        "\nOnly the method spectral has adhesion: the other numbers are without it, and confirm nothing of it.\n"
+    };
     let remarks: String = rows
         .iter()
         .filter_map(|row| Some(format!("  {}: {}\n", row.name, row.remark.as_ref()?)))
@@ -71,7 +76,7 @@ fn text(case: &Case, summary: &CompareSummary) -> String {
         format!("\nDifferences are from \"{name}\"; threads: {threads}.\n")
     });
     format!(
-        "Comparison of methods\n{}\n\n{}{against}{remarks}",
+        "Comparison of methods\n{}\n\n{}{against}{remarks}{sticks}",
         texture_line(&case.system),
         table(rows, &columns),
     )

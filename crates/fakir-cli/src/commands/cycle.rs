@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::numbers::{digits, seconds, significant, with_unit};
 use crate::report::Report;
 use crate::report::figures::saved;
-use crate::report::state::{QuantityList, error_remark, texture_line};
+use crate::report::state::{QuantityList, error_remark, strained_range, texture_line};
 use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::problem::{Adhesion, CyclePlan, Drive};
@@ -23,6 +23,7 @@ use std::time::Instant;
 pub(crate) fn run(
     case: &Case,
     plan: CyclePlan,
+    range: Option<f64>,
     saves: bool,
     session: &Session,
 ) -> Result<Report, Failure> {
@@ -40,7 +41,7 @@ pub(crate) fn run(
     let provenance = Provenance::new(
         "loading and unloading with adhesion",
         method_words(case.method),
-        &Topic::of_case(case),
+        &Topic::of_case_with_range(case, range),
         case.to_toml(),
     );
     let mut tables = vec![
@@ -55,11 +56,11 @@ pub(crate) fn run(
         tables.extend(figures(&cycle, &provenance));
     }
     Ok(Report {
-        json: json(&CycleSummary::new(&cycle, wall_time)),
-        text: text(case, &cycle, wall_time),
+        json: json(&CycleSummary::new(&cycle, wall_time).with_range(&cycle, range)),
+        text: text(case, &cycle, range, wall_time),
         provenance,
         tables,
-        warnings: cycle_warnings(&cycle),
+        warnings: [cycle_warnings(&cycle), strained_range(&cycle.limits(range))].concat(),
         converged: cycle.converged(),
     })
 }
@@ -74,14 +75,14 @@ fn figures(cycle: &Cycle, provenance: &Provenance) -> Vec<File> {
         .collect()
 }
 
-fn text(case: &Case, cycle: &Cycle, wall_time: f64) -> String {
+fn text(case: &Case, cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
     format!(
         "Loading and unloading with adhesion\n{}\n{}, {}\n{}\n\n{}\n{}",
         texture_line(&case.system),
         adhesion_words(case.system.adhesion()),
         drive_words(cycle.plan.drive),
         method_words(case.method),
-        quantities(cycle, wall_time),
+        quantities(cycle, range, wall_time),
         table(&changes(cycle), &change_columns())
     )
 }
@@ -109,7 +110,7 @@ fn drive_words(drive: Drive) -> String {
     }
 }
 
-fn quantities(cycle: &Cycle, wall_time: f64) -> String {
+fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
     let errors = &cycle.errors;
     let mut list = QuantityList::default();
     let first = cycle
@@ -125,6 +126,54 @@ fn quantities(cycle: &Cycle, wall_time: f64) -> String {
     if let Some(indentation) = cycle.zero_load_indentation {
         list.length("at rest without load", indentation, String::new());
     }
+    turn_and_pull_off(&mut list, cycle);
+    match cycle.separation {
+        Some(indentation) => list.length("last release", indentation, String::new()),
+        None => list.row("last release", "-".to_owned(), "", "something still holds"),
+    };
+    let energy = |list: &mut QuantityList, name: &str, value: f64, error: CycleError, words| {
+        list.row(name, significant(value, known(error)), "J", words);
+    };
+    let area = errors.loop_area;
+    energy(
+        &mut list,
+        "work of separation",
+        cycle.work_of_separation,
+        area,
+        "",
+    );
+    if let Some(certificate) = cycle.certificate() {
+        energy(
+            &mut list,
+            "hysteresis",
+            cycle.loop_area,
+            area,
+            &remark(area),
+        );
+        list.row(
+            "certificate",
+            certificate_words(certificate),
+            "",
+            "relative difference from what all events dissipate",
+        );
+    }
+    list.limits(&cycle.limits(range));
+    list.row(
+        "stations",
+        cycle.stations.len().to_string(),
+        "",
+        &format!(
+            "{}, in {}",
+            cycle.termination.description(),
+            seconds(wall_time)
+        ),
+    );
+    list.text()
+}
+
+/// Where the lens turns, and the pull-off.
+pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
+    let errors = &cycle.errors;
     let turn = &cycle.turn;
     let reason = match &cycle.critical {
         Some(critical) if turn.indentation > critical.contact.indentation => {
@@ -183,63 +232,6 @@ fn quantities(cycle: &Cycle, wall_time: f64) -> String {
             "",
         );
     }
-    match cycle.separation {
-        Some(indentation) => list.length("last release", indentation, String::new()),
-        None => list.row("last release", "-".to_owned(), "", "something still holds"),
-    };
-    let energy = |list: &mut QuantityList, name: &str, value: f64, error: CycleError, words| {
-        list.row(name, significant(value, known(error)), "J", words);
-    };
-    let area = errors.loop_area;
-    energy(
-        &mut list,
-        "work of separation",
-        cycle.work_of_separation,
-        area,
-        "",
-    );
-    if let Some(certificate) = cycle.certificate() {
-        energy(
-            &mut list,
-            "hysteresis",
-            cycle.loop_area,
-            area,
-            &remark(area),
-        );
-        list.row(
-            "certificate",
-            certificate_words(certificate),
-            "",
-            "relative difference from what all events dissipate",
-        );
-    }
-    for limit in cycle.limits(None) {
-        let doubtful = if limit.strained { "beyond" } else { "below" };
-        list.row(
-            match limit.name {
-                "kendall_strain" => "strain of pillars at pull-off",
-                "slope" => "slope of the lens",
-                other => other,
-            },
-            significant(limit.value, 2),
-            "",
-            &format!(
-                "{doubtful} {}, where the model is doubtful",
-                limit.threshold
-            ),
-        );
-    }
-    list.row(
-        "stations",
-        cycle.stations.len().to_string(),
-        "",
-        &format!(
-            "{}, in {}",
-            cycle.termination.description(),
-            seconds(wall_time)
-        ),
-    );
-    list.text()
 }
 
 /// What is smaller than any error that matters is rounding, and differs between machines.

@@ -1,4 +1,4 @@
-//! `fakir design`: the value that gives a wanted critical state or floor share, and how far real samples scatter
+//! `fakir design`: the value that gives a wanted critical state, pull-off force or floor share, and how far real samples scatter
 //! about it.
 
 use crate::arguments::Design as Options;
@@ -9,17 +9,17 @@ use crate::report::figures::saved;
 use crate::report::state::{QuantityList, radius_digits, texture_line};
 use crate::report::table::{Column, list, table};
 use crate::session::Session;
-use fakir::state::{ContactState, CriticalState, Normalized};
+use fakir::state::{ContactState, CriticalState, Cycle, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseFile, Key};
 use fakir_figure::{Figure, Histogram, Text, histogram};
 use fakir_inverse::DesignSummary;
 use fakir_inverse::design::{Answer, Design, Reached, Wanted, design};
-use fakir_inverse::spread::{Critical, Landing, Sampling, Spread, Summary, spread};
+use fakir_inverse::spread::{Critical, Landing, PullOff, Sampling, Spread, Summary, spread};
 use fakir_study::citations::Topic;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{json, warnings};
+use fakir_study::result::{cycle_warnings, json, warnings};
 use std::time::Instant;
 
 /// The report of a design, and whether it found what was wanted.
@@ -70,9 +70,12 @@ pub(crate) fn run(
         answer.as_ref().map(|answer| design_text(answer, &case)),
         scattered.map(|(sampling, scatter)| spread_text(&case, sampling, scatter)),
     ];
-    let mut warned = answer.as_ref().map_or(Vec::new(), |answer| {
-        warnings(answer.nearest().reached.contact())
-    });
+    let mut warned = answer
+        .as_ref()
+        .map_or(Vec::new(), |answer| match &answer.nearest().reached {
+            Reached::PulledOff(cycle) => cycle_warnings(cycle),
+            reached => warnings(reached.contact()),
+        });
     warned.extend(answer.as_ref().and_then(Answer::caution));
     warned.extend(scatter.as_ref().and_then(failures));
     let provenance = Provenance::new(
@@ -84,7 +87,8 @@ pub(crate) fn run(
     let mut tables = Vec::new();
     if let Some((sampling, scatter)) = scattered {
         tables.push(File::new("samples.csv", scatter.table(sampling).to_csv()));
-        if let Some(figure) = spread_figure(scatter) {
+        let figures = spread_figure(scatter).into_iter();
+        for figure in figures.chain(pull_off_figure(scatter)) {
             tables.extend(saved(figure, &provenance));
         }
     }
@@ -127,6 +131,7 @@ fn design_text(answer: &Answer, case: &Case) -> String {
     let rows = match &answer.nearest().reached {
         Reached::Critical(critical) => critical_rows(answer, critical),
         Reached::Pressed(state) => pressed_rows(answer, state),
+        Reached::PulledOff(cycle) => pulled_off_rows(answer, cycle),
     };
     format!(
         "{}\n{}\n{}\n\n{rows}",
@@ -154,6 +159,16 @@ fn pressed_rows(answer: &Answer, state: &ContactState) -> String {
         )
         .floor(state)
         .pillars(state);
+    if let Some((value, remark)) = sensitivity(answer) {
+        rows.row("sensitivity", value, "", &remark);
+    }
+    rows.text()
+}
+
+/// The cycle that was found for a wanted pull-off force.
+fn pulled_off_rows(answer: &Answer, cycle: &Cycle) -> String {
+    let mut rows = QuantityList::default();
+    super::cycle::turn_and_pull_off(&mut rows, cycle);
     if let Some((value, remark)) = sensitivity(answer) {
         rows.row("sensitivity", value, "", &remark);
     }
@@ -222,20 +237,28 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
     let [Some(force), Some(indentation), Some(radius)] = all else {
         return format!("{head}\n\nfewer than two of them have a critical state\n");
     };
+    let pulled = |pick: fn(&PullOff) -> f64| {
+        let summary = spread.pull_off_summary(pick);
+        summary.map_or(Vec::new(), |summary| statistics(&summary))
+    };
+    let (pull_off, hysteresis) = (pulled(|it| it.force), pulled(|it| it.hysteresis));
     let rows: Vec<StatisticRow> = statistics(&force)
         .into_iter()
         .zip(statistics(&indentation))
         .zip(statistics(&radius))
+        .enumerate()
         .map(
-            |(((name, force), (_, indentation)), (_, radius))| StatisticRow {
+            |(place, (((name, force), (_, indentation)), (_, radius)))| StatisticRow {
                 name,
                 force,
                 indentation,
                 radius,
+                pull_off: pull_off.get(place).map(|(_, value)| *value),
+                hysteresis: hysteresis.get(place).map(|(_, value)| *value),
             },
         )
         .collect();
-    let columns = [
+    let mut columns = vec![
         Column::text("", |row: &StatisticRow| row.name.clone()),
         Column::force(
             "critical force",
@@ -246,6 +269,17 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
         Column::length("indentation", &rows, |row| Some(row.indentation)),
         Column::length("contact radius", &rows, |row| Some(row.radius)),
     ];
+    if spread.sticks() {
+        columns.push(Column::force(
+            "pull-off",
+            &rows,
+            |row| row.pull_off,
+            |_| LENGTH_DIGITS,
+        ));
+        columns.push(Column::number("hysteresis (J)", LENGTH_DIGITS, |row| {
+            row.hysteresis
+        }));
+    }
     let without = match case.method {
         _ if spread.failures().next().is_none() => String::new(),
         _ => format!(", {} without a solution", spread.failures().count()),
@@ -258,6 +292,8 @@ struct StatisticRow {
     force: f64,
     indentation: f64,
     radius: f64,
+    pull_off: Option<f64>,
+    hysteresis: Option<f64>,
 }
 
 /// Mean, deviation and percentiles with their names.
@@ -288,19 +324,43 @@ fn failures(spread: &Spread) -> Option<String> {
 
 /// Critical forces of the samples with their percentiles; none of fewer than two.
 fn spread_figure(spread: &Spread) -> Option<Figure> {
-    let forces: Vec<f64> = spread.found().map(|critical| critical.force).collect();
+    force_figure(
+        "spread",
+        ("critical force", "*F*_{c}"),
+        &spread
+            .found()
+            .map(|critical| critical.force)
+            .collect::<Vec<f64>>(),
+    )
+}
+
+/// Pull-off forces of the samples, likewise.
+fn pull_off_figure(spread: &Spread) -> Option<Figure> {
+    let pulled = spread.found().filter_map(|critical| critical.pull_off);
+    force_figure(
+        "pull-off-spread",
+        ("pull-off force", "*F*_{p}"),
+        &pulled.map(|pull_off| pull_off.force).collect::<Vec<f64>>(),
+    )
+}
+
+fn force_figure(
+    file: &'static str,
+    (name, symbol): (&str, &str),
+    forces: &[f64],
+) -> Option<Figure> {
     let unit = column_unit(forces.iter().copied(), Dimension::Force)?;
     let figure = histogram(&Histogram {
         label: Text::from(format!(
-            "critical force *F*_{{c}} ({})",
+            "{name} {symbol} ({})",
             unit.symbol.replace('u', "µ")
         )),
         values: forces.iter().map(|force| force / unit.in_si()).collect(),
         percentiles: vec![5.0, 50.0, 95.0],
     });
-    let title = "Spread of the critical force";
-    let caption = format!("Critical forces of {} samples.", forces.len());
+    let title = format!("Spread of the {name}");
+    let caption = format!("The {name} of {} samples.", forces.len());
     figure
         .ok()
-        .map(|figure| figure.named("spread").with_description(title, &caption))
+        .map(|figure| figure.named(file).with_description(&title, &caption))
 }

@@ -1,4 +1,4 @@
-//! `fakir fit`: moduli and instrument parameters from a measured loading curve.
+//! `fakir fit`: moduli, work of adhesion and instrument parameters from a measured curve.
 
 use crate::arguments::Fit as Options;
 use crate::failure::Failure;
@@ -8,11 +8,13 @@ use crate::report::figures::saved;
 use crate::report::state::texture_line;
 use crate::report::table::{Column, table};
 use crate::session::Session;
+use fakir::state::Branch;
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile};
 use fakir_figure::{Figure, FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 use fakir_inverse::fit::{
-    Estimate, Fit, FitSummary, FittedRow, Measurements, Parameter, Position, Quantity, fit,
+    CurvePoint, Estimate, Fit, FitSummary, FittedPullOff, FittedRow, Measurements, Parameter,
+    Position, Quantity, fit,
 };
 use fakir_study::citations::Topic;
 use fakir_study::output::File;
@@ -32,10 +34,12 @@ pub(crate) fn run(
     let wall_time = start.elapsed().as_secs_f64();
     let case = fitted.file.case()?;
     let names: Vec<&str> = options.free.iter().map(|free| free.name()).collect();
+    let mut topics = Topic::of_case(&case);
+    topics.push(Topic::LeastSquares);
     let provenance = Provenance::new(
         format!("least squares for {}", names.join(", ")),
         method_words(case.method),
-        &[Topic::Method(case.method), Topic::LeastSquares],
+        &topics,
         case.to_toml(),
     );
     let mut tables = vec![File::new("fitted.csv", fitted.table(data).to_csv())];
@@ -87,6 +91,9 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
         ],
     );
     text.push('\n');
+    if let Some(pull_off) = &fitted.pull_off {
+        text += &pull_off_words(pull_off);
+    }
     text += &correlations(fitted);
     for scatter in &fitted.scatter {
         let dimension = match scatter.quantity {
@@ -125,6 +132,23 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
         ),
     };
     text
+}
+
+/// The pull-off as measured and as fitted, and what the model does not know of it.
+fn pull_off_words(pull_off: &FittedPullOff) -> String {
+    let force = |force| with_unit(force, Dimension::Force, 3);
+    let of_work = pull_off.work_error.map_or(String::new(), |error| {
+        format!(
+            ", which is {} of the work of adhesion and not in its interval",
+            significant(error, 1)
+        )
+    });
+    format!(
+        "pull-off: least reading {}, fitted {}; error of the model {} (shapes of partial contacts){of_work}\n\n",
+        force(pull_off.measured),
+        force(pull_off.computed),
+        significant(pull_off.model_error, 1),
+    )
 }
 
 /// Digits of a value that its standard error leaves, and one more.
@@ -183,19 +207,25 @@ fn figure(data: &Measurements, fitted: &Fit) -> Figure {
                 computed: compared.computed,
                 error: compared.error,
                 used: row.used,
+                unloading: row.branch == Some(Branch::Unloading),
             })
         };
-        let curve = fitted.curve.iter().map(|point| match quantity {
+        let place = |point: &CurvePoint| match quantity {
             Quantity::Force => [point.load, point.force],
             Quantity::ContactRadius => [point.load, point.contact_radius],
-        });
+        };
+        let (back, forth): (Vec<&CurvePoint>, Vec<&CurvePoint>) = fitted
+            .curve
+            .iter()
+            .partition(|point| point.branch == Some(Branch::Unloading));
         FittedCurve {
             quantity: match quantity {
                 Quantity::Force => FittedQuantity::Force,
                 Quantity::ContactRadius => FittedQuantity::ContactRadius,
             },
             points: fitted.rows.iter().filter_map(point).collect(),
-            curve: curve.collect(),
+            curve: forth.into_iter().map(place).collect(),
+            unloading: back.into_iter().map(place).collect(),
         }
     };
     let curves: Vec<FittedCurve> = fitted.scatter.iter().map(curve).collect();

@@ -5,7 +5,7 @@ use crate::numbers::{significant, with_unit};
 use crate::report::Report;
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{QuantityList, radius_digits, texture_line};
+use crate::report::state::{QuantityList, radius_digits, strained_range, texture_line};
 use crate::session::Session;
 use fakir::problem::{Control, FloorModel, Method};
 use fakir::state::{ContactState, CriticalState, Normalized, SolveError};
@@ -19,6 +19,7 @@ use std::time::Instant;
 pub(crate) fn run(
     case: &Case,
     control: Control,
+    range: Option<f64>,
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
@@ -27,6 +28,7 @@ pub(crate) fn run(
     let state = fakir::press(&case.system, control, case.method, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
     let mut warnings = warnings(&state);
+    warnings.extend(strained_range(&state.limits(range)));
     if state.smallest_floor_gap < 0.0 {
         session.part("critical state");
         warnings.push(beyond(case, session)?);
@@ -34,7 +36,7 @@ pub(crate) fn run(
     let provenance = Provenance::new(
         control_words(control),
         method_words(case.method),
-        &Topic::of_case(case),
+        &Topic::of_case_with_range(case, range),
         case.to_toml(),
     );
     let mut tables = Vec::from_iter(pillars(&state).some_csv("pillars.csv"));
@@ -42,8 +44,8 @@ pub(crate) fn run(
     let figures = figures::files(&state, None, maps, &provenance, session)?;
     tables.extend(figures);
     Ok(Report {
-        json: json(&PressSummary::new(&state, wall_time)),
-        text: text(&state, wall_time),
+        json: json(&PressSummary::new(&state, wall_time).with_range(&state, range)),
+        text: text(&state, range, wall_time),
         provenance,
         tables,
         warnings,
@@ -78,7 +80,7 @@ fn critical_load(critical: &CriticalState) -> String {
     )
 }
 
-fn text(state: &ContactState, wall_time: f64) -> String {
+fn text(state: &ContactState, range: Option<f64>, wall_time: f64) -> String {
     let reduced = Normalized::new(
         &state.system,
         state.force,
@@ -111,6 +113,7 @@ fn text(state: &ContactState, wall_time: f64) -> String {
             gap.to_owned(),
         )
         .floor(state)
+        .range(&state.limits(range))
         .solution(state, wall_time);
     format!(
         "Contact under load\n{}\n{}\n\n{}",

@@ -8,38 +8,55 @@ use crate::report::table::{Column, table};
 use fakir::problem::{MAXIMUM_SURFACE_FRACTION, Method, System};
 use fakir::state::SolveError;
 use fakir_case::Case;
-use fakir_case::unit::Dimension;
+use fakir_case::unit::{Dimension, format_quantity};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::Provenance;
 use fakir_study::result::{
-    CoefficientRow, Constants, CurveRow, FormulaRow, SumRow, TheorySummary, csv, json,
+    AdhesionObject, CoefficientRow, Constants, CurveRow, FormulaRow, PullOffRow, SumRow,
+    TheorySummary, csv, json,
 };
 
-pub(crate) fn run(case: &Case) -> Result<Report, Failure> {
+pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
     let system = &case.system;
-    let summary = TheorySummary::new(system);
+    let summary = TheorySummary::new(system, range).map_err(SolveError::from)?;
+    let adhesion = summary.adhesion.as_ref();
+    let mut topics = vec![Topic::ClosedForms, Topic::Method(Method::Homogenised)];
+    topics.extend(adhesion.map(|_| Topic::Adhesion));
+    topics.extend(range.map(|_| Topic::AttractionRange));
+    let pull_off = adhesion.map(|it| csv("pull_off.csv", &it.pull_off));
     Ok(Report {
         json: json(&summary),
         text: [
             format!("Closed forms\n{}\n", texture_line(system)),
             constants_text(&summary.constants, summary.no_homogenised.as_ref()),
-            critical_text(&summary.critical_states, &summary.constants),
+            adhesion.map_or(String::new(), adhesion_text),
+            critical_text(
+                &summary.critical_states,
+                &summary.constants,
+                adhesion.is_some(),
+            ),
             coefficients_text(&summary.coefficients, summary.fit_range),
             sums_text(&summary.lattice_sums, summary.own_radius),
             curve_text(&summary.transition_curve),
         ]
+        .into_iter()
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
         .join("\n"),
         provenance: Provenance::new(
             "critical state and transition curve",
             "closed forms and homogenised lattice",
-            &[Topic::ClosedForms, Topic::Method(Method::Homogenised)],
+            &topics,
             case.to_toml(),
         ),
         tables: vec![
             csv("critical_states.csv", &summary.critical_states),
             csv("lattice_sums.csv", &summary.lattice_sums),
             csv("transition_curve.csv", &summary.transition_curve),
-        ],
+        ]
+        .into_iter()
+        .chain(pull_off)
+        .collect(),
         warnings: warnings(system, summary.no_homogenised.as_ref()),
         converged: true,
     })
@@ -47,6 +64,12 @@ pub(crate) fn run(case: &Case) -> Result<Report, Failure> {
 
 fn warnings(system: &System, no_homogenised: Option<&SolveError>) -> Vec<String> {
     let mut warnings = Vec::new();
+    if !system.adhesion().is_none() {
+        warnings.push(
+            "critical states, lattice sums and transition curve are without adhesion: no formula for them has it"
+                .to_owned(),
+        );
+    }
     if system.lattice().offset != 0.0 {
         warnings.push(
             "the formulas are for a lens axis on a pillar; the offset is left out".to_owned(),
@@ -111,7 +134,41 @@ fn constants_text(constants: &Constants, no_homogenised: Option<&SolveError>) ->
     list.text()
 }
 
-fn critical_text(rows: &[FormulaRow], constants: &Constants) -> String {
+fn adhesion_text(adhesion: &AdhesionObject) -> String {
+    let rows = &adhesion.pull_off;
+    let length = |name, value| Column::quantity(name, Dimension::Length, rows, value);
+    let columns = [
+        Column::text("Pull-off", |row: &PullOffRow| row.name.to_owned()),
+        Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
+        Column::number("of flat pillars", 4, |row| Some(row.normalized_force)),
+        length("indentation", |row| row.indentation_m),
+        length("radius", |row| row.contact_radius_m),
+        Column::number("tilt (rad)", 3, |row| row.tilt_rad),
+    ];
+    let work = format_quantity(
+        adhesion.receding_work_of_adhesion_J_per_m2,
+        Dimension::EnergyPerArea,
+    );
+    let strain = significant(adhesion.kendall_strain, 2);
+    let range = match (adhesion.tabor_number, adhesion.attraction_range_m) {
+        (Some(number), Some(range)) => format!(
+            "The Tabor number of a pillar top is {} for a range of {}; the range counts as small from 5 on.\n",
+            significant(number, 3),
+            format_quantity(range, Dimension::Length)
+        ),
+        _ => String::new(),
+    };
+    format!(
+        "{}\nWork of adhesion where tops part: {work}. A flat pillar alone comes off at Kendall's force; under the\n\
+         lens its roundness helps. A tilted one begins to peel at that force, and holds on for a while; the tilt is\n\
+         that of the lens at the contact radius of the large-contact formulas. The bare substrate is that of Johnson,\n\
+         Kendall and Roberts, and with a range of attraction that of Maugis. The stress at pull-off is {strain} of\n\
+         Young's modulus of the substrate; the model is doubtful from 0.3 on.\n{range}",
+        table(rows, &columns)
+    )
+}
+
+fn critical_text(rows: &[FormulaRow], constants: &Constants, sticks: bool) -> String {
     let length = |name, value| Column::quantity(name, Dimension::Length, rows, value);
     let columns = [
         Column::text("Critical state", |row: &FormulaRow| row.name.to_owned()),
@@ -126,8 +183,13 @@ fn critical_text(rows: &[FormulaRow], constants: &Constants) -> String {
         }),
     ];
     let in_text = with_unit(constants.contact_radius_in_text_m, Dimension::Length, 6);
+    let without = if sticks {
+        "\nThese are without adhesion: no formula for the critical state has it.\n"
+    } else {
+        "\n"
+    };
     format!(
-        "{}\nThe top radius is that of the contact on the pillar tops, the floor radius r_c the distance of\n\
+        "{}{without}The top radius is that of the contact on the pillar tops, the floor radius r_c the distance of\n\
          the floor contact from the lens axis. A formula is given even where it does not apply.\n\
          The contact radius of the paper's text, sqrt(e^2 + phi R h), would be {in_text}: e is the pitch,\n\
          phi the surface fraction, R the lens radius, h the height of a pillar.\n",

@@ -5,7 +5,7 @@ use crate::numbers::{significant, with_unit};
 use crate::report::Report;
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{QuantityList, radius_digits, texture_line};
+use crate::report::state::{QuantityList, radius_digits, strained_range, texture_line};
 use crate::session::Session;
 use fakir::state::{CriticalState, Regime};
 use fakir_case::Case;
@@ -15,7 +15,12 @@ use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::{TransitionSummary, json, pillars, warnings};
 use std::time::Instant;
 
-pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, Failure> {
+pub(crate) fn run(
+    case: &Case,
+    range: Option<f64>,
+    maps: Maps,
+    session: &Session,
+) -> Result<Report, Failure> {
     maps.check_memory(session)?;
     let start = Instant::now();
     let critical = fakir::transition(&case.system, case.method, &session.run())?;
@@ -24,7 +29,7 @@ pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, 
     let provenance = Provenance::new(
         "critical state",
         method_words(case.method),
-        &Topic::of_case(case),
+        &Topic::of_case_with_range(case, range),
         case.to_toml(),
     );
     let mut tables = Vec::from_iter(pillars(state).some_csv("pillars.csv"));
@@ -33,16 +38,16 @@ pub(crate) fn run(case: &Case, maps: Maps, session: &Session) -> Result<Report, 
     let figures = figures::files(state, floor_contact, maps, &provenance, session)?;
     tables.extend(figures);
     Ok(Report {
-        json: json(&TransitionSummary::new(&critical, wall_time)),
-        text: text(&critical, wall_time),
+        json: json(&TransitionSummary::new(&critical, wall_time).with_range(state, range)),
+        text: text(&critical, range, wall_time),
         provenance,
         tables,
-        warnings: warnings(state),
+        warnings: [warnings(state), strained_range(&state.limits(range))].concat(),
         converged: state.converged(),
     })
 }
 
-fn text(critical: &CriticalState, wall_time: f64) -> String {
+fn text(critical: &CriticalState, range: Option<f64>, wall_time: f64) -> String {
     let state = &critical.contact;
     let reduced = critical.normalized();
     let radius_error = critical.relative_contact_radius_error();
@@ -70,6 +75,7 @@ fn text(critical: &CriticalState, wall_time: f64) -> String {
             place(critical),
         )
         .pillars(state)
+        .range(&state.limits(range))
         .solution(state, wall_time);
     let first = match critical.regime {
         Regime::TopFirst => "the lens rests on pillar tops and just reaches the floor",

@@ -16,6 +16,14 @@ use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::{AnswerRow, VerifySummary, control_words, csv, json, warnings};
 use std::time::Instant;
 
+/// Why pillar tops that stick are not verified.
+pub(crate) const NO_SECOND_OPINION: &str =
+    "there is no second opinion on adhesion: only the method spectral has it, elements have none";
+
+/// What can be verified of them.
+pub(crate) const WITHOUT_ADHESION: &str = "--set adhesion.work=0 verifies the contact without adhesion, if adhesion.work_receding is not given either; \
+     of a whole cycle, fakir approach --retract sets the loop area against what all events dissipate";
+
 pub(crate) fn run(
     case: &Case,
     control: Control,

@@ -6,11 +6,12 @@ use crate::session::Session;
 use fakir::problem::{Point, SurfaceSystem};
 use fakir::state::{Contact, ContactState, SurfaceContact};
 use fakir_figure::{
-    Figure, FigureError, LoadingPoint, ProfileState, SurfaceState, Text, View, approach,
-    floor_gap_map, floor_pressure_map, pillar_pressure, pressure_map, profiles, surface_gap_map,
+    FigureError, LoadingPoint, ProfileState, SurfaceState, Text, View, approach, floor_gap_map,
+    floor_pressure_map, pillar_pressure, pressure_map, profiles, surface_gap_map,
     surface_pressure_map, surface_profiles, top_view,
 };
 use fakir_study::approach::{Approach, Loadable};
+pub(crate) use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 
@@ -94,14 +95,4 @@ pub(crate) fn of_loading<P: Loadable>(
     });
     let figure = approach(&points, critical);
     figure.map_or(Vec::new(), |figure| saved(figure, provenance).into())
-}
-
-/// A figure as files.
-pub(crate) fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
-    let figure = figure.with_provenance(&provenance.stamp());
-    let name = figure.name();
-    [
-        File::new(format!("{name}.svg"), figure.svg()),
-        File::new(format!("{name}.png"), figure.png()),
-    ]
 }

@@ -4,7 +4,7 @@ use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
 use fakir::Difference;
 use fakir::problem::{Method, System};
-use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Normalized};
+use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::Dimension;
 
 /// Most digits shown of contact radii.
@@ -78,6 +78,25 @@ pub(crate) fn difference(name: &str, difference: Difference) -> String {
         difference.allowed
     )
 }
+
+/// What to be careful about if the range of the attraction does not count as small.
+pub(crate) fn strained_range(limits: &[Limit]) -> Vec<String> {
+    let strained = limits.iter().filter(|limit| limit.strained);
+    strained
+        .filter(|limit| limit.name == RANGE)
+        .map(|limit| {
+            format!(
+                "the range of the attraction does not count as small (Tabor number {} below {}): pull-off is then \
+                 less sharp than the model (the JKR limit) has it",
+                significant(limit.value, 2),
+                limit.threshold
+            )
+        })
+        .collect()
+}
+
+/// The limit that the range of the attraction sets.
+const RANGE: &str = "tabor_number";
 
 /// A list of the quantities of a state, built up row by row.
 #[derive(Debug, Default)]
@@ -205,6 +224,37 @@ impl QuantityList {
             self.row("patches on the floor", floor.patches.to_string(), "", "");
         }
         self
+    }
+
+    /// How near a contact with adhesion comes to where the model is doubtful.
+    pub(crate) fn limits(&mut self, limits: &[Limit]) -> &mut Self {
+        for limit in limits {
+            let name = match limit.name {
+                "kendall_strain" => "strain of pillars at pull-off",
+                "slope" => "slope of the lens",
+                RANGE => "Tabor number",
+                other => other,
+            };
+            let threshold = limit.threshold;
+            let remark = match (limit.name, limit.strained) {
+                (RANGE, false) => {
+                    format!("above {threshold}: the range counts as small (JKR limit)")
+                }
+                (RANGE, true) => {
+                    format!("below {threshold}: the range does not count as small (JKR limit)")
+                }
+                (_, true) => format!("beyond {threshold}, where the model is doubtful"),
+                (_, false) => format!("below {threshold}, where the model is doubtful"),
+            };
+            self.row(name, significant(limit.value, 2), "", &remark);
+        }
+        self
+    }
+
+    /// Of these limits the one that the range of the attraction sets, where it is known.
+    pub(crate) fn range(&mut self, limits: &[Limit]) -> &mut Self {
+        let of_range = limits.iter().filter(|limit| limit.name == RANGE);
+        self.limits(&of_range.copied().collect::<Vec<Limit>>())
     }
 
     /// An area, in the square of the unit that suits its root.

@@ -9,7 +9,7 @@ export async function save(store, server, name) {
     const { question } = store.state;
     const known = knownCritical(store.state, question);
     const load = {
-        fraction: question.load,
+        fraction: store.state.chosen.load,
         ...(known && { critical_indentation_m: known.critical_indentation_m }),
     };
     try {

@@ -1,6 +1,6 @@
 // The quantities of a case: a slider and a field with unit for each, and what is wrong with it.
 import { editable, engineeringText, parse } from "./numbers.js";
-import { FRACTION, PITCH } from "./store.js";
+import { FRACTION, PITCH, RECEDING, WORK } from "./store.js";
 const DEGREE = Math.PI / 180;
 const DIAMETER = "texture.pillar.diameter";
 /** The tables of a case file that stand first on the page, before all others in their order. */
@@ -33,7 +33,7 @@ export class Controls {
     }
     /** Shows a case everywhere but in the field that was just `typed` into. */
     show(values, typed) {
-        const shown = this.withSpacing(values);
+        const shown = withReceding(this.withSpacing(values));
         this.widgets.get(FRACTION)?.box.classList.toggle("derived", values[FRACTION] === undefined);
         this.widgets.get(PITCH)?.box.classList.toggle("derived", values[PITCH] === undefined);
         const valueOf = (key) => shown[key.key] ?? key.default ?? "";
@@ -48,6 +48,9 @@ export class Controls {
             }
             widget.show(valueOf(key), key.key === typed);
         }
+        const receding = this.widgets.get(RECEDING)?.box;
+        receding?.classList.toggle("derived", values[RECEDING] === undefined);
+        receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
     }
     /** A case with both surface fraction and pitch: that which is not given follows from the other. */
     withSpacing(values) {
@@ -116,6 +119,8 @@ export class Controls {
             slide();
         });
         slider.addEventListener("input", slide);
+        // A key that follows another one unless it is given needs no slider.
+        slider.hidden = field.usual === null && field.default === null;
         box.append(text, slider, note);
         const show = (value, typed) => {
             if (typeof value !== "number") {
@@ -161,6 +166,13 @@ export class Controls {
         return { box, note, show: (value) => (select.value = String(value)), inputs: [select] };
     }
 }
+/** A case with the work of adhesion where contact is broken, which is that where it is made unless it is given; none where nothing sticks. */
+function withReceding(values) {
+    const work = values[WORK];
+    if (values[RECEDING] !== undefined || typeof work !== "number" || work <= 0)
+        return values;
+    return { ...values, [RECEDING]: work };
+}
 /** Whether a key is either so or not. */
 function isFlag({ words }) {
     return words.length === 2 && words.includes(TRUE) && words.includes(FALSE);
@@ -204,6 +216,10 @@ function frame({ key, label, symbol, meaning }) {
     box.append(name, help);
     return { box, note, id, describedBy: `${help.id} ${note.id}` };
 }
+/** Whether the slider of a field begins at zero, before the usual values: what is zero unless it is given can be left out. */
+function beginsAtZero({ default: value, usual }) {
+    return value === 0 && usual !== null && usual[0] > 0;
+}
 /** Where a slider begins and ends. */
 function ends({ usual, least, greatest }) {
     return usual ?? [least ?? 0, greatest ?? 1];
@@ -212,6 +228,8 @@ function ends({ usual, least, greatest }) {
 function sliderValue(field, place) {
     const [low, high] = ends(field);
     const part = place / STEPS;
+    if (place === 0 && beginsAtZero(field))
+        return 0;
     // Where zero is not among them values go over decades.
     const value = low > 0 ? low * (high / low) ** part : low + (high - low) * part;
     if (field.whole)

@@ -1,7 +1,8 @@
 // The phase diagram, the loading, and the curves over the surface fraction.
 import { drawChart, range } from "./charts.js";
+import { digitsFor, engineeringText } from "./numbers.js";
 import { byId } from "./screen.js";
-import { floorBears, isCritical, isOlder } from "./store.js";
+import { floorBears, isCritical, isOlder, stationAt, sticks, } from "./store.js";
 const PHASE = {
     xLabel: "contact radius on the tops over pitch, a/e",
     yLabel: "F γ_{int}/(h d)",
@@ -85,6 +86,12 @@ function phaseContents(state) {
             points: [isCritical(fraction) ? at : [normalized[1], normalized[0]]],
         });
     }
+    const station = stationShown(state);
+    if (station !== null && state.cycle?.of.name === critical.of.name && station.force_N > 0) {
+        const unit = critical.is.normalized.force / critical.is.critical_force_N;
+        const place = [station.contact_radius_m / critical.is.pitch_m, station.force_N * unit];
+        series.push({ kind: "points", style: "load-point", points: [place] });
+    }
     const part = (share) => inside[Math.floor(inside.length * share)] ?? [1, floor];
     const [left, right] = [part(0.3), part(0.78)];
     const style = aged("region", older);
@@ -105,7 +112,96 @@ const LOADING = {
     yDimension: "force",
     linear: true,
 };
+/** The part of the height of a chart above which a pull is well seen. */
+const WELL_SEEN = 0.25;
+/** The station of the cycle that is shown. */
+export function stationShown({ cycle, chosen }) {
+    const shown = stationAt(cycle, chosen.load);
+    return (shown && cycle?.is.solved?.summary.stations[shown.place]) ?? null;
+}
+/** Both branches, and what happens on them. */
+function drawCycle(state, cycle) {
+    const curve = cycle.solved === null ? cycle.curve.map(placeOf) : cycle.solved.summary.stations.map(placeOf);
+    const pull = cycle.solved?.summary.pull_off_force_N ?? null;
+    const series = cycleSeries(state, cycle);
+    const [x, y] = [withRoom(curve.map(([x]) => x)), withRoom(curve.map(([, y]) => y))];
+    const force = engineeringText(pull ?? 0, "force", digitsFor(numericalErrorOf(cycle)));
+    const name = (place) => ({ place, text: `pull-off ${force}`, style: "pull-name" });
+    // A pull that is well seen needs no chart of its own.
+    const isSeen = pull !== null && -pull > WELL_SEEN * (y[1] - y[0]);
+    const at = cycle.solved?.summary.pull_off_indentation_m ?? 0;
+    const names = isSeen ? [name([Math.max(at, x[0] + 0.2 * (x[1] - x[0])), pull - 0.09 * (y[1] - y[0])])] : [];
+    drawChart(byId("loading"), LOADING, {
+        x,
+        y: isSeen ? [y[0] - 0.12 * (y[1] - y[0]), y[1]] : y,
+        series,
+        names,
+    });
+    byId("pull-box").hidden = pull === null || isSeen;
+    if (pull === null || isSeen || cycle.solved === null)
+        return;
+    const { stations, last_release_indentation_m: last } = cycle.solved.summary;
+    // From the last release to where the lens no longer bears half as much as it is held back by.
+    const held = stations.filter(({ branch, force_N }) => branch === "unloading" && force_N < -0.5 * pull);
+    const [left, right] = extremes([0, last ?? 0, ...held.map(({ indentation_m }) => indentation_m)]);
+    const room = 0.06 * (right - left);
+    drawChart(byId("pull"), LOADING, {
+        x: [left - room, right + room],
+        y: [1.42 * pull, -0.55 * pull],
+        series,
+        names: [name([Math.max(at, left + 0.2 * (right - left)), 1.26 * pull])],
+    });
+}
+/** The least and the greatest of some values. */
+function extremes(values) {
+    return values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+}
+/** The range of values on a linear axis, with room for marks. */
+function withRoom(values) {
+    const [low, high] = extremes(values);
+    if (!(high > low))
+        return [0, 1];
+    return [low - 0.04 * (high - low), high + 0.06 * (high - low)];
+}
+function numericalErrorOf(cycle) {
+    return cycle.solved?.summary.relative_error_estimate.pull_off_force?.numerical ?? null;
+}
+function placeOf({ indentation_m, force_N }) {
+    return [indentation_m, force_N];
+}
+/** What both charts of a cycle show. */
+function cycleSeries(state, { curve, solved }) {
+    const isDown = (station) => "loading" in station ? station.loading : station.branch === "loading";
+    const all = solved?.summary.stations ?? curve;
+    const down = all.filter(isDown).map(placeOf);
+    const up = all.filter((station) => !isDown(station)).map(placeOf);
+    const turn = down[down.length - 1];
+    const lines = [
+        { kind: "line", style: "zero", points: [[-1, 0], [1, 0]] },
+        { kind: "line", style: "path", points: down },
+        { kind: "line", style: "path unloading", points: turn === undefined ? up : [turn, ...up] },
+    ];
+    if (solved === null)
+        return lines;
+    const { events, pull_off_force_N: pull, pull_off_indentation_m: at } = solved.summary;
+    const { first_contact_indentation_m: first, first_contact_force_N: force } = solved.summary;
+    const placesOf = (kind, branch) => events.filter((event) => event.event === kind && event.branch === branch).map(({ indentation_m, force_N }) => [indentation_m, force_N]);
+    const floor = placesOf("floor_contact", "loading");
+    const last = up[up.length - 1];
+    lines.unshift({ kind: "area", style: "loop-area", points: [...down, ...up] });
+    lines.push({ kind: "ticks-above", style: "snap-in", points: placesOf("snap_in", "loading") }, { kind: "ticks-below", style: "release", points: placesOf("release", "unloading") }, { kind: "points", style: "first-contact", points: first === null || force === null ? [] : [[first, force]] }, { kind: "points", style: "last-release", points: last === undefined || pull === null ? [] : [last] }, { kind: "points", style: "critical-point", points: floor }, { kind: "points", style: "pull-off", points: pull === null || at === null ? [] : [[at, pull]] });
+    const shown = stationShown(state);
+    if (shown !== null)
+        lines.push({ kind: "points", style: "load-point", points: [placeOf(shown)] });
+    return lines;
+}
 export function drawLoading(state) {
+    const sticky = sticks(state.chosen.case);
+    if (sticky && state.cycle !== null)
+        drawCycle(state, state.cycle.is);
+    if (sticky)
+        return;
+    byId("pull-box").hidden = true;
     const contents = loadingContents(state);
     if (contents !== null)
         drawChart(byId("loading"), LOADING, contents);
@@ -211,6 +307,8 @@ export function drawCurvesStatus({ asking, answered, question }) {
     const refused = [answered.curves, answered.phase]
         .filter((each) => each?.of.name === question.name)
         .map((each) => each?.is ?? "");
-    byId("curves-status").textContent =
-        asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
+    const words = asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
+    byId("curves-status").textContent = [sticks(question.case) ? "without adhesion" : "", words]
+        .filter((part) => part !== "")
+        .join(", ");
 }

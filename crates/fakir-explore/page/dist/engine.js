@@ -24,10 +24,10 @@ export class Server {
         this.running.delete(kind);
     }
     /** Asks a question. `listen` is called with every line as it comes. False if a newer question took its place. */
-    async ask(kind, question, listen) {
+    async ask(kind, path, question, listen) {
         const controller = this.begin(kind);
         try {
-            const response = await this.post(kind, question, controller.signal);
+            const response = await this.post(path, question, controller.signal);
             if (response === null || response.body === null)
                 return false;
             const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
@@ -77,12 +77,12 @@ export class Server {
         return controller;
     }
     /** The answer; null if a newer question took its place. */
-    async post(kind, question, signal) {
+    async post(path, question, signal) {
         this.sequence += 1;
         const ticket = { session: this.session, sequence: this.sequence };
         let response;
         try {
-            response = await fetch(`/api/${kind}`, {
+            response = await fetch(`/api/${path}`, {
                 method: "POST",
                 headers: { "content-type": "application/json", "x-fakir-token": this.token },
                 body: JSON.stringify({ ticket, ...question }),

@@ -1,5 +1,5 @@
 // The contact map: pillars from above, coloured by the force they bear, and the floor where it is in contact.
-import { engineeringText } from "./numbers.js";
+import { engineeringText, significant } from "./numbers.js";
 import { centre, HALF_SQRT_3, touchesFloor } from "./scene.js";
 import { colour, letterSize, mixed, tint } from "./theme.js";
 /** Lengths of the scale bar are one of these times a power of ten. */
@@ -125,15 +125,24 @@ function drawPillars(sheet, colours) {
     const { context, scene, pixel, pillar: radius } = sheet;
     const count = colours.length / 4;
     const groups = Array.from({ length: count }, () => new Path2D());
+    const pulls = Array.from({ length: PULLS }, () => new Path2D());
+    const parts = new Map(scene.parts.map((part) => [part.pillar, part.outline]));
     const partial = new Path2D();
     // A ring around the rim.
     const width = Math.max(1.5 * pixel, 0.3 * radius);
     scene.forces_N.forEach((force, k) => {
         const [x, y] = centre(scene, k);
-        const group = Math.round((force / sheet.force) * (count - 1));
-        const path = groups[Math.min(count - 1, Math.max(0, group))];
-        path?.moveTo(x + radius, y);
-        path?.arc(x, y, radius, 0, 2 * Math.PI);
+        const path = force < 0
+            ? pulls[shade(force / scene.pull_N, PULLS)]
+            : groups[shade(force / sheet.force, count)];
+        const outline = parts.get(k);
+        if (outline === undefined) {
+            path?.moveTo(x + radius, y);
+            path?.arc(x, y, radius, 0, 2 * Math.PI);
+        }
+        else {
+            addOutline(path, outline, x, y, radius);
+        }
         if (scene.statuses[k] === "p") {
             const rim = radius + width / 2;
             partial.moveTo(x + rim, y);
@@ -144,9 +153,36 @@ function drawPillars(sheet, colours) {
         context.fillStyle = colour(colours, k * 4 + 2);
         context.fill(path);
     });
+    const colourOfPull = pullColours();
+    pulls.forEach((path, k) => {
+        context.fillStyle = colour(colourOfPull, k);
+        context.fill(path);
+    });
     context.strokeStyle = tint("--partial");
     context.lineWidth = width;
     context.stroke(partial);
+}
+/** Shades of pulls. */
+const PULLS = 16;
+/** The colours of pulls, from none to the largest. */
+function pullColours() {
+    const [low, high] = [tint("--pull-low"), tint("--pull-high")];
+    return Array.from({ length: PULLS }, (_, k) => mixed(low, high, k / (PULLS - 1)));
+}
+/** The shade of a part of the largest value, of so many. */
+function shade(part, count) {
+    return Math.min(count - 1, Math.max(0, Math.round(part * (count - 1))));
+}
+/** Adds what is held of a top. */
+function addOutline(path, outline, x, y, radius) {
+    for (let k = 0; k + 1 < outline.length; k += 2) {
+        const corner = [x + radius * (outline[k] ?? 0), y + radius * (outline[k + 1] ?? 0)];
+        if (k === 0)
+            path?.moveTo(...corner);
+        else
+            path?.lineTo(...corner);
+    }
+    path?.closePath();
 }
 /** Edge of the contact, lens axis, and where the floor is touched. */
 function drawMarks({ context, scene, pixel }) {
@@ -210,6 +246,10 @@ function drawScaleBar(context, side, scale, ratio) {
 export function drawFloorBar(bar) {
     drawColourBar(bar, floorColours());
 }
+/** The colours of pulls, from the largest to none. */
+export function drawPullBar(bar) {
+    drawColourBar(bar, [...pullColours()].reverse());
+}
 /** The colours of the map, from no force to the largest. */
 export function drawColourBar(bar, colours) {
     const context = bar.getContext("2d");
@@ -239,7 +279,12 @@ export function wordsAt(canvas, contents, event) {
         const [a, b] = centre(scene, k);
         if (Math.hypot(a - x, b - y) <= scene.diameter_m / 2) {
             const force = engineeringText(scene.forces_N[k] ?? 0, "force", 4);
-            const partly = scene.statuses[k] === "p" ? ", in contact in part" : "";
+            const covered = scene.parts.find(({ pillar }) => pillar === k)?.covered;
+            const partly = covered !== undefined
+                ? `, ${significant(100 * covered, 2)} % of its top held`
+                : scene.statuses[k] === "p"
+                    ? ", in contact in part"
+                    : "";
             words = `pillar ${force}${partly}, ${place}`;
         }
     }

@@ -18,6 +18,18 @@ const UNITS = {
         { symbol: "µN", power: -6 },
         { symbol: "nN", power: -9 },
     ],
+    energy: [
+        { symbol: "J", power: 0 },
+        { symbol: "mJ", power: -3 },
+        { symbol: "µJ", power: -6 },
+        { symbol: "nJ", power: -9 },
+        { symbol: "pJ", power: -12 },
+        { symbol: "fJ", power: -15 },
+    ],
+    "energy per area": [
+        { symbol: "J/m²", power: 0 },
+        { symbol: "mJ/m²", power: -3 },
+    ],
     angle: [{ symbol: "°", power: null }],
     // Per cent and what else can be typed is read by the program.
     fraction: [],
@@ -107,7 +119,10 @@ export function parse(text, dimension) {
             return Number(`${digits}e${exponent}`) * DEGREE;
         return symbol === "rad" ? Number(`${digits}e${exponent}`) : null;
     }
-    const name = symbol.replace(/^[uμ]/, "µ");
+    const name = symbol
+        .replace(/^[uμ]/, "µ")
+        .replace(/\^?2$/, "²")
+        .replace(/^(m?)N\/m$/, "$1J/m²");
     const unit = UNITS[dimension].find((unit) => unit.symbol === name);
     if (unit === undefined || unit.power === null)
         return null;

@@ -1,6 +1,6 @@
 // The one place that asks the server: it follows the store, and puts the answers into it.
 import { Refused } from "./engine.js";
-import { isBusy, isWithoutFloor, knownCritical } from "./store.js";
+import { isBusy, isWithoutFloor, knownCritical, sticks } from "./store.js";
 /** A computation that takes longer than this, ms, is given up for a newer one; shorter ones are
  * shown, so that the picture moves while a slider does. */
 const GRACE = [120, 700];
@@ -42,13 +42,14 @@ export function answerQuestions(store, server) {
         const grace = Math.min(GRACE[1], Math.max(GRACE[0], 2 * lastTime));
         window.setTimeout(() => callOffLate(before), Math.max(0, grace - (performance.now() - since)));
     }
-    /** Calls off a question that has an estimated picture, if there is a newer question. */
+    /** Calls off a question that has an estimated picture, or the first state of a cycle, if there is a newer question. */
     function callOffSketched() {
         const { asking, picture, question } = store.state;
         const under = asking.contact?.question;
         if (under === undefined || under.number >= question.number)
             return;
-        if (picture?.of.number === under.number && picture.is.stage !== "exact") {
+        const goesOn = picture?.is.stage !== "exact" || sticks(under.case);
+        if (picture?.of.number === under.number && goesOn) {
             server.cancel("contact");
         }
     }
@@ -63,7 +64,7 @@ export function answerQuestions(store, server) {
     }
     async function contact(question) {
         const known = knownCritical(store.state, question);
-        await ask("contact", question, {
+        await ask("contact", sticks(question.case) ? "cycle" : "contact", question, {
             case: question.case,
             load: {
                 fraction: question.load,
@@ -84,18 +85,19 @@ export function answerQuestions(store, server) {
             phase: { case: question.case, load: { fraction: 1, critical_indentation_m } },
             curves: { case: question.case },
         };
-        for (const kind of BACKGROUND) {
+        // With adhesion the phase diagram shows the loading of the cycle.
+        for (const kind of BACKGROUND.filter((kind) => kind === "curves" || !sticks(question.case))) {
             const names = [asking[kind]?.question.name, answered[kind]?.of.name];
             if (!names.includes(question.name))
-                void ask(kind, question, questions[kind]);
+                void ask(kind, kind, question, questions[kind]);
         }
     }
-    async function ask(kind, question, body) {
+    async function ask(kind, path, question, body) {
         store.send(kind, question, performance.now());
         let whole = false;
         let refusal = null;
         try {
-            whole = await server.ask(kind, body, (line) => {
+            whole = await server.ask(kind, path, body, (line) => {
                 const take = () => store.receive(kind, question.number, line, performance.now());
                 if (line.state && isWithoutFloor(line.state))
                     window.setTimeout(take, WITHOUT_FLOOR);

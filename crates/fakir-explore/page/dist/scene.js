@@ -19,6 +19,8 @@ export function sceneOf(state) {
         pillars: state.pillars,
         forces_N: state.pillar_forces_N,
         statuses: state.pillar_statuses,
+        parts: [],
+        pull_N: 0,
         floor_contacts_m: state.floor_contacts_m,
         floor: state.floor,
         floorIsOlder: false,
@@ -27,6 +29,32 @@ export function sceneOf(state) {
             (summary.floor === null
                 ? ""
                 : `; the floor is in contact within ${engineeringText(summary.floor.radius_m, "length", 3)}`),
+    };
+}
+/** A state of a cycle as it is drawn. */
+export function sceneOfStation(cycle, state) {
+    const station = cycle.summary.stations[state.place];
+    const forces = state.pillar_forces_N;
+    const partial = new Set(state.parts.map(({ pillar }) => pillar));
+    const pulled = forces.filter((force) => force < 0).length;
+    const [all, radius] = [forces.length, station?.contact_radius_m ?? 0];
+    return {
+        fraction: state.load,
+        pitch_m: cycle.pitch_m,
+        diameter_m: cycle.diameter_m,
+        offset_m: cycle.offset_m,
+        contact_radius_m: radius,
+        pillars: state.pillars,
+        forces_N: forces,
+        statuses: forces.map((_, k) => (partial.has(k) ? "p" : "f")).join(""),
+        parts: state.parts,
+        pull_N: cycle.largest_pull_N,
+        floor_contacts_m: state.floor_contacts_m,
+        floor: null,
+        floorIsOlder: false,
+        words: `Contact from above, ${station?.branch ?? "loading"}: ${all} pillars in contact, ` +
+            `${partial.size} of them in part, ${pulled} pulled, ` +
+            `within ${engineeringText(radius, "length", 3)} of the lens axis`,
     };
 }
 /** A preview as it is drawn: forces fall off as under a sphere, and bear the load together. */
@@ -58,6 +86,8 @@ export function sceneOfPreview(preview) {
         pillars,
         forces_N: forces.map((force) => (force * preview.force_N) / sum),
         statuses: "",
+        parts: [],
+        pull_N: 0,
         floor_contacts_m: [],
         floor: null,
         floorIsOlder: false,

@@ -80,8 +80,9 @@ function names(width, height, em, across) {
         class: "scale-bar",
     });
     const label = text(engineeringText(length, "length", 1), end, y - 0.45 * em, "end");
-    for (const name of [lens, substrate, label])
-        name.setAttribute("class", "body-name");
+    lens.setAttribute("class", "body-name");
+    for (const name of [substrate, label])
+        name.setAttribute("class", "body-name below");
     return [lens, substrate, bar, label];
 }
 /** Lowest and highest point of the surface; at least so far apart that rounding is not seen. */

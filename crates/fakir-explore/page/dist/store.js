@@ -3,15 +3,19 @@
 // Every change of the case or the load makes a new question, with a number. What comes back is kept
 // with the question that it answers, so that everything shown can be told to be of the newest
 // question or of an older one.
-import { largestForceOf, sceneOf, sceneOfPreview, withFloorBefore } from "./scene.js";
+import { largestForceOf, sceneOf, sceneOfPreview, sceneOfStation, withFloorBefore, } from "./scene.js";
 export const FRACTION = "texture.surface_fraction";
 export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
+export const WORK = "adhesion.work";
+export const RECEDING = "adhesion.work_receding";
+/** With adhesion the load goes on to the last release, on the way back. */
+const LAST_RELEASE = 2;
 export class Store {
     #state;
     #listeners = [];
     constructor(start, first, asked) {
-        const chosen = { ...first, load: within(first.load, start) };
+        const chosen = { ...first, load: within(first.load, first.case, start) };
         this.#state = {
             start,
             chosen,
@@ -28,6 +32,7 @@ export class Store {
             estimate: null,
             largestForce: null,
             section: null,
+            cycle: null,
             texts: null,
             progress: null,
             refusal: null,
@@ -54,9 +59,18 @@ export class Store {
     /** Changes what the user has chosen; what `choice` does not name stays. `asked` is the time of the change, ms. */
     choose(choice, asked, typed = null) {
         const before = this.#state.chosen;
-        const chosen = { ...before, ...choice, load: within(choice.load ?? before.load, this.#state.start) };
+        const values = choice.case ?? before.case;
+        const [wanted, turned] = [choice.load ?? before.load, sticks(values) !== sticks(before.case)];
+        // What is past the critical state is another way with adhesion than without.
+        const load = within(turned && choice.load === undefined ? Math.min(1, wanted) : wanted, values, this.#state.start);
+        const chosen = { ...before, ...choice, load };
         if (choice.case === undefined && choice.load === undefined) {
             this.#change({ chosen });
+            return;
+        }
+        if (choice.case === undefined && sticks(values)) {
+            // The states of the whole way are there, or come.
+            this.#change({ chosen, ...shownAt(this.#state.cycle, load) });
             return;
         }
         const question = newQuestion(this.#state.question.number + 1, chosen, asked);
@@ -70,7 +84,13 @@ export class Store {
                 delete values[other.key];
         }
         values[key] = value;
-        this.choose({ case: values }, asked, typed ? key : null);
+        // Without adhesion nothing recedes; what is not given is as the work of adhesion.
+        if (key === WORK && value === 0)
+            delete values[RECEDING];
+        const isEmptied = value === "" && (key === WORK || key === RECEDING);
+        if (isEmptied)
+            delete values[key];
+        this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
     }
     /** Shows a message beside a button, or removes it. */
     tell(about, words) {
@@ -145,6 +165,19 @@ export function isOlder({ reference }, shown, dependsOn) {
     const sameLoad = dependsOn === "case" || shown.of.load === reference.load;
     return shown.of.name !== reference.name || !sameLoad;
 }
+/** Whether pillar tops stick. */
+export function sticks(values) {
+    return [WORK, RECEDING].some((key) => Number(values[key] ?? 0) !== 0);
+}
+/** The state of a cycle nearest to a load; null while there is none. */
+export function stationAt(cycle, load) {
+    const distance = (state) => Math.abs(state.load - load);
+    return (cycle?.is.states ?? []).reduce((nearest, state) => (nearest === null || distance(state) < distance(nearest) ? state : nearest), null);
+}
+/** Whether all states of a cycle are there. */
+export function isWhole(cycle) {
+    return cycle !== null && cycle.is.solved !== null && cycle.is.states.length === cycle.is.solved.states;
+}
 /** The critical state of a case, where it has been solved for. */
 export function knownCritical({ critical }, { name }) {
     return critical?.of.name === name ? critical.is : null;
@@ -183,7 +216,8 @@ function newQuestion(number, chosen, asked) {
     return { number, case: values, name: JSON.stringify(values), load, asked };
 }
 /** The load nearest to `load` that the slider can have; the critical one if `load` is no number. */
-function within(load, { farthest_load: farthest }) {
+function within(load, values, { farthest_load }) {
+    const farthest = sticks(values) ? LAST_RELEASE : farthest_load;
     return Number.isFinite(load) ? Math.min(farthest, Math.max(0, load)) : 1;
 }
 function newer(a, b) {
@@ -193,6 +227,8 @@ function contactLine(state, { question: of, since }, line, now) {
     const known = knownCritical(state, of) !== null;
     if (line.progress)
         return { progress: { of, is: line.progress } };
+    if (line.curve || line.cycle || line.station || line.transition)
+        return cycleLine(state, of, since, line, now);
     if (line.preview) {
         const { critical_force_N, critical_contact_radius_m, critical_indentation_m } = line.preview;
         const estimate = {
@@ -228,6 +264,7 @@ function contactLine(state, { question: of, since }, line, now) {
             picture: { of, is: { stage: "exact", scene } },
             solved: { of, is: line.state },
             largestForce: { of, is: force },
+            cycle: null,
             estimate: known ? null : state.estimate,
             lastTime: now - since,
             refusal: null,
@@ -248,6 +285,63 @@ function contactLine(state, { question: of, since }, line, now) {
     if (line.section !== undefined)
         return { section: { of, is: line.section } };
     return {};
+}
+/** A line of a cycle. */
+function cycleLine(state, of, since, line, now) {
+    const critical = knownCritical(state, of);
+    if (line.transition) {
+        if (critical === null)
+            return {};
+        return { phase: { of, is: { transition: line.transition, path: [], critical } } };
+    }
+    const own = state.cycle?.of.number === of.number ? state.cycle.is : null;
+    const before = own ?? { curve: [], solved: null, states: [] };
+    if (line.curve) {
+        return { cycle: { of, is: { ...before, curve: [...before.curve, ...line.curve] } } };
+    }
+    if (line.cycle) {
+        const { phase } = state;
+        const path = critical === null ? [] : loadingPath(line.cycle, critical);
+        return {
+            cycle: { of, is: { ...before, solved: line.cycle } },
+            ...(phase?.of.number === of.number && { phase: { of, is: { ...phase.is, path } } }),
+            solved: null,
+            largestForce: { of, is: line.cycle.largest_force_N },
+            lastTime: now - since,
+            refusal: null,
+        };
+    }
+    if (!line.station)
+        return {};
+    const states = [...before.states, line.station].sort((a, b) => a.load - b.load);
+    const cycle = { of, is: { ...before, states } };
+    // The first state is that of the load when it was asked for.
+    const shows = states.length === 1 || isWhole(cycle);
+    return { cycle, ...(shows && shownAt(cycle, state.chosen.load)) };
+}
+/** What is shown of a cycle at a load. */
+function shownAt(cycle, load) {
+    const state = stationAt(cycle, load);
+    if (cycle === null || cycle.is.solved === null || state === null)
+        return {};
+    const { of } = cycle;
+    return {
+        picture: { of, is: { stage: "exact", scene: sceneOfStation(cycle.is.solved, state) } },
+        section: { of, is: state.section },
+    };
+}
+/** The loading of a cycle as the phase diagram shows it. */
+function loadingPath(cycle, critical) {
+    const unit = critical.normalized.force / critical.critical_force_N;
+    return cycle.summary.stations
+        .filter(({ branch, force_N }) => branch === "loading" && force_N > 0)
+        .map(({ indentation_m, force_N, contact_radius_m }) => ({
+        fraction: Math.min(0.999, indentation_m / critical.critical_indentation_m),
+        indentation_m,
+        force_N,
+        floor_force_N: null,
+        normalized: [contact_radius_m / cycle.pitch_m, force_N * unit],
+    }));
 }
 function phaseLine(state, of, line) {
     const critical = knownCritical(state, of);

@@ -21,6 +21,8 @@ pub struct FittedPoint {
     pub error: f64,
     /// Whether the curve was fitted to it.
     pub used: bool,
+    /// Whether it was measured on the unloading of tops that stick.
+    pub unloading: bool,
 }
 
 /// The quantity that a curve shows.
@@ -52,6 +54,8 @@ pub struct FittedCurve {
     pub points: Vec<FittedPoint>,
     /// Load and value along the fitted curve, in SI units.
     pub curve: Vec<[f64; 2]>,
+    /// The same along the unloading of tops that stick; otherwise empty.
+    pub unloading: Vec<[f64; 2]>,
 }
 
 /// Measured points with error bars on fitted curves, each above a panel of measured less fitted
@@ -74,7 +78,7 @@ pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve]) -> Figure {
     }
     .figure()
     .with_description(
-        "Measured loading curve and fit",
+        "Measured curve and fit",
         "Measured points with their standard errors on the fitted curve; below, measured less \
          fitted values over the same load.",
     )
@@ -119,37 +123,74 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
         let errors = points.iter().map(|p| [0.0, unit.of(p.error)]).collect();
         (points.iter().map(at).collect::<Vec<_>>(), errors)
     };
-    let style = Style::marks(0).in_tint(Tint::Black);
-    let (points, errors) = marks(used().collect(), of_value, &|p| p.measured);
-    let line = curve
-        .curve
-        .iter()
-        .map(|[x, y]| [of_load.of(*x), of_value.of(*y)]);
+    let has_branches = !curve.unloading.is_empty();
     let fitted = Style::line(1).with_line(Dash::Solid);
-    let mut series = vec![
-        Series::new("fitted", line.collect(), fitted),
-        Series::new("measured", points, style).with_errors(errors),
-    ];
+    let line = |points: &[[f64; 2]]| {
+        let points = points.iter();
+        points
+            .map(|[x, y]| [of_load.of(*x), of_value.of(*y)])
+            .collect()
+    };
+    let lines = if has_branches {
+        vec![
+            ("fitted, loading", &curve.curve, fitted.in_tint(Tint::Blue)),
+            (
+                "fitted, unloading",
+                &curve.unloading,
+                fitted.in_tint(Tint::Vermillion),
+            ),
+        ]
+    } else {
+        vec![("fitted", &curve.curve, fitted)]
+    };
+    let branches = if has_branches {
+        vec![
+            (
+                false,
+                "measured, loading",
+                Style::marks(4).in_tint(Tint::Blue),
+            ),
+            (
+                true,
+                "measured, unloading",
+                Style::marks(5).in_tint(Tint::Vermillion),
+            ),
+        ]
+    } else {
+        vec![(false, "measured", Style::marks(0).in_tint(Tint::Black))]
+    };
+    let on = |unloading: bool| {
+        used()
+            .filter(move |point| point.unloading == unloading)
+            .collect()
+    };
+    let mut series: Vec<Series> = lines
+        .into_iter()
+        .map(|(name, points, style)| Series::new(name, line(points), style))
+        .collect();
+    for (unloading, name, style) in &branches {
+        let (points, errors) = marks(on(*unloading), of_value, &|p| p.measured);
+        series.push(Series::new(*name, points, *style).with_errors(errors));
+    }
     let left_out: Vec<&FittedPoint> = curve.points.iter().filter(|point| !point.used).collect();
     if !left_out.is_empty() {
         let (points, _) = marks(left_out, of_value, &|p| p.measured);
         let style = Style::marks(4).in_tint(Tint::Grey);
         series.push(Series::new("past the transition", points, style));
     }
-    let (rest, errors) = marks(used().collect(), of_rest, &left);
     let ends = curve.points.iter().map(|point| of_load.of(point.load));
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
     });
     let zero = Series::unnamed(vec![[low, 0.0], [high, 0.0]], fitted);
-    let rest = Series::unnamed(rest, style).with_errors(errors);
+    let mut rests = vec![zero];
+    for (unloading, _, style) in &branches {
+        let (rest, errors) = marks(on(*unloading), of_rest, &left);
+        rests.push(Series::unnamed(rest, *style).with_errors(errors));
+    }
     [
         Chart::new(x.clone(), Axis::linear(label(symbol, of_value)), series),
-        Chart::new(
-            x,
-            Axis::linear(label("residual", of_rest)),
-            vec![zero, rest],
-        ),
+        Chart::new(x, Axis::linear(label("residual", of_rest)), rests),
     ]
 }
 

@@ -13,5 +13,6 @@ pub(crate) mod phase_diagram;
 pub(crate) mod pillar_pressure;
 pub(crate) mod pressure_map;
 pub(crate) mod profiles;
+pub(crate) mod pull_off_curves;
 pub(crate) mod surface_maps;
 pub(crate) mod top_view;

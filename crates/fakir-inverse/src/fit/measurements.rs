@@ -1,9 +1,10 @@
-//! Measured loading curves.
+//! Measured curves of loading and unloading.
 
+use fakir::state::Branch;
 use fakir_case::input::{self, LARGEST_TABLE};
 use std::path::Path;
 
-/// A column of measured values, in SI units.
+/// A column of measured values, in SI units; the branch as 0 of loading and 1 of unloading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // see `Column::name`
 pub enum Column {
@@ -15,11 +16,12 @@ pub enum Column {
     ForceError,
     ContactRadius,
     ContactRadiusError,
+    Branch,
 }
 
 impl Column {
     /// All columns.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Displacement,
         Self::DisplacementError,
         Self::Indentation,
@@ -28,6 +30,7 @@ impl Column {
         Self::ForceError,
         Self::ContactRadius,
         Self::ContactRadiusError,
+        Self::Branch,
     ];
 
     /// Its heading: `"displacement_m"`, `"force_error_N"`.
@@ -42,6 +45,7 @@ impl Column {
             Self::ForceError => "force_error_N",
             Self::ContactRadius => "contact_radius_m",
             Self::ContactRadiusError => "contact_radius_error_m",
+            Self::Branch => "branch",
         }
     }
 
@@ -65,6 +69,9 @@ impl Column {
     fn problem(self, value: f64) -> Option<&'static str> {
         match self {
             _ if !value.is_finite() => Some("must be a finite number"),
+            Self::Branch if branch(value).is_none() => {
+                Some("a branch is 0 for loading or 1 for unloading")
+            }
             Self::DisplacementError | Self::IndentationError if value < 0.0 => {
                 Some("a standard error cannot be negative")
             }
@@ -76,6 +83,12 @@ impl Column {
             _ => None,
         }
     }
+}
+
+/// The branch that a value of the column stands for.
+fn branch(value: f64) -> Option<Branch> {
+    let mut named = [(0.0, Branch::Loading), (1.0, Branch::Unloading)].into_iter();
+    named.find_map(|(number, branch)| value.total_cmp(&number).is_eq().then_some(branch))
 }
 
 /// What the position of the lens was measured as.
@@ -110,6 +123,8 @@ pub struct Measurement {
     pub force: Option<Measured>,
     /// Contact radius, m.
     pub contact_radius: Option<Measured>,
+    /// Whether it was measured on loading or on unloading, if the data say so.
+    pub branch: Option<Branch>,
 }
 
 impl Measurement {
@@ -133,6 +148,8 @@ impl Measurement {
 /// | `indentation_m` | in place of it: how far the lens has come down since its lowest point was level with the pillar tops |
 /// | `force_N` | normal force |
 /// | `contact_radius_m` | distance from the lens axis of the farthest point of a pillar top in contact |
+///
+/// | `branch` | `loading` or `unloading`; without it unloading begins after the largest load |
 ///
 /// and their standard errors in columns of the same names with `_error` before the unit:
 /// `displacement_error_m`, `indentation_error_m`, `force_error_N`, `contact_radius_error_m`. A
@@ -265,6 +282,39 @@ impl Measurements {
         &self.rows
     }
 
+    /// The branch of every row: as given, or loading up to the first of the largest loads and unloading after it.
+    pub(super) fn branches(&self) -> Vec<Branch> {
+        let load = |row: &Measurement| row.position.or(row.force).map_or(0.0, |m| m.value);
+        let mut turn = 0;
+        for (number, row) in self.rows.iter().enumerate() {
+            if load(row) > load(&self.rows[turn]) {
+                turn = number;
+            }
+        }
+        let rows = self.rows.iter().enumerate();
+        rows.map(|(number, row)| {
+            row.branch.unwrap_or(if number > turn {
+                Branch::Unloading
+            } else {
+                Branch::Loading
+            })
+        })
+        .collect()
+    }
+
+    /// Checks that all rows have a branch or none.
+    pub(super) fn check_branches(&self) -> Result<(), DataError> {
+        let missing = self.rows.iter().find(|row| row.branch.is_none());
+        match missing {
+            Some(row) if self.rows.iter().any(|row| row.branch.is_some()) => {
+                let reader = Reader { name: &self.name };
+                let problem = "no branch here, but in other rows: give all of them or none";
+                Err(reader.fail(Some(row.line), Some(Column::Branch.name()), problem))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Checks that a quantity has errors in all rows or in none.
     pub(super) fn check_errors(&self) -> Result<(), DataError> {
         type Pick = fn(&Measurement) -> Option<Measured>;
@@ -300,6 +350,19 @@ impl Measurements {
 
 /// Columns, and for every row its line in the file and its values.
 type Table = (Vec<Column>, Vec<(u64, RowValues)>);
+
+/// The number that the text of a cell stands for.
+fn value(column: Column, text: &str) -> Result<f64, String> {
+    if column == Column::Branch {
+        let mut numbers = [0.0, 1.0].into_iter();
+        let is_named = |number: &f64| branch(*number).is_some_and(|branch| branch.name() == text);
+        return numbers
+            .find(is_named)
+            .ok_or_else(|| format!("\"{text}\" is no branch: give loading or unloading"));
+    }
+    text.parse()
+        .map_err(|_| format!("\"{text}\" is no number: give one like 1.2e-5, without unit"))
+}
 
 struct Reader<'a> {
     name: &'a str,
@@ -351,11 +414,8 @@ impl Reader<'_> {
                 if text.is_empty() {
                     continue;
                 }
-                let value = text.parse().map_err(|_| {
-                    let problem =
-                        format!("\"{text}\" is no number: give one like 1.2e-5, without unit");
-                    self.fail(Some(line), Some(column.name()), problem)
-                })?;
+                let value = value(*column, text)
+                    .map_err(|problem| self.fail(Some(line), Some(column.name()), problem))?;
                 cells.push((*column, value));
             }
             rows.push((line, cells));
@@ -448,6 +508,7 @@ impl Reader<'_> {
             position: None,
             force: None,
             contact_radius: None,
+            branch: None,
         };
         for (column, value) in cells {
             if let Some(problem) = column.problem(*value) {
@@ -466,13 +527,17 @@ impl Reader<'_> {
                 Column::Indentation => row.position = of(Column::IndentationError),
                 Column::Force => row.force = of(Column::ForceError),
                 Column::ContactRadius => row.contact_radius = of(Column::ContactRadiusError),
+                Column::Branch => row.branch = branch(*value),
                 _ => {}
             }
         }
         match (row.position, row.force) {
-            (None, Some(force)) if force.value < 0.0 && row.contact_radius.is_some() => {
+            (None, Some(force))
+                if force.value < 0.0 && row.contact_radius.is_some() && row.branch.is_none() =>
+            {
                 let problem = format!(
-                    "{}: a force that is the load cannot be negative",
+                    "{}: a force that is the load cannot be negative, unless a column branch says whether it \
+                     was measured on loading or on unloading",
                     force.value
                 );
                 Err(self.fail(Some(line), Some(Column::Force.name()), problem))

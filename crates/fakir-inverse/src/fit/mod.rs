@@ -1,11 +1,15 @@
-//! Moduli, sizes and instrument parameters from measured loading curves, by least squares.
+//! Moduli, sizes, works of adhesion and instrument parameters from measured curves, by least squares.
 //!
 //! Measured are any two or three of position (displacement or indentation), force and contact
 //! radius: see [`Measurements`]. Where the position is measured it is the load, and force and
 //! contact radius are compared with the contact at the indentation
-//! `zeta = displacement - contact_point - machine_compliance F`; elsewhere the force is the load.
+//! `zeta = displacement - contact_point - machine_compliance F`; elsewhere the force is the load. A `force_offset` is in all measured
+//! forces.
 //! States past the transition, where the lens rests on the floor too, are used where the floor bears its part: by the spectral
 //! method, unless the case ignores the floor. Otherwise they are left out.
+//!
+//! With adhesion all rows are of one [cycle](fakir::cycle) of loading and unloading, up to the largest measured load, and each has its
+//! branch; the machine of the compliance that is fitted drives it.
 //!
 //! # Method
 //! The sum of squares of (measured - computed)/error is minimised by the method of Levenberg and
@@ -23,6 +27,11 @@
 //!   at least `(e/2)/sqrt(12)` (uniform over half the pitch `e`), added in quadrature. A jump has no
 //!   derivative: that of the [homogenised lattice](fakir::theory::homogenised) serves instead, which
 //!   changes how the data are weighed but not the answer to data without errors.
+//! * With adhesion the force jumps where pillars are released, and between jumps hardly depends on the work of adhesion. What is known of
+//!   a jump is between which rows it is. So a row of the unloading is compared with the straight line through the stretch of the computed curve
+//!   from the row before to the row after it, and the mean square of how far the curve is from that line, on average over
+//!   the rows around, is added to the square of its error, as often as rows share the stretch. The search begins with the work whose pull-off is the least measured force, and with
+//!   longer stretches, in which jumps that are far from their place are seen.
 //!
 //! # Errors of the result
 //! The covariance is the inverse of the normal matrix, and the 95 % intervals follow from the normal
@@ -32,6 +41,7 @@
 //! factor of e (of a contact point or compliance: the range of the data), has no interval, but a
 //! [`Undetermined`] that says so.
 
+mod curve;
 mod least_squares;
 mod measurements;
 mod model;
@@ -44,8 +54,8 @@ pub use report::FitSummary;
 
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
-use fakir::state::{Run, SolveError, Termination};
-use fakir_case::{CaseError, CaseFile, TextureOnly};
+use fakir::state::{Branch, Cycle, Run, SolveError, Termination};
+use fakir_case::{CaseError, CaseFile, Key, TextureOnly};
 use least_squares::Linear;
 use model::{Derivatives, Model, State};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -59,6 +69,8 @@ pub struct FitOptions {
     pub contact_point: Option<f64>,
     /// Machine compliance, m/N: its value, or where the fit begins.
     pub machine_compliance: f64,
+    /// What the instrument reads without any force, N: its value, or where the fit begins.
+    pub force_offset: f64,
 }
 
 /// Why there is no fit.
@@ -86,6 +98,32 @@ pub enum FitError {
     /// A parameter of the instrument, without a reading of it.
     #[error("{name}: {} takes a column displacement_m", .parameter.name())]
     NoDisplacement {
+        /// The file.
+        name: String,
+        /// The parameter.
+        parameter: Parameter,
+    },
+    /// An offset of forces without forces.
+    #[error("{name}: force_offset takes a column force_N")]
+    NoForce {
+        /// The file.
+        name: String,
+    },
+    /// A work of adhesion without the data that show it.
+    #[error(
+        "{name}: {} takes rows of the unloading: on loading adhesion hardly shows, and pull-off does", .parameter.name()
+    )]
+    NoUnloading {
+        /// The file.
+        name: String,
+        /// The parameter.
+        parameter: Parameter,
+    },
+    /// A work of adhesion of which neither the case nor the data say where to begin.
+    #[error(
+        "{name}: no force of the unloading pulls: give {} in the case, for the fit to begin with", .parameter.name()
+    )]
+    NoStart {
         /// The file.
         name: String,
         /// The parameter.
@@ -216,10 +254,11 @@ pub struct Scatter {
 pub struct Compared {
     /// The measured value.
     pub measured: f64,
-    /// The computed value.
+    /// The computed value, as the instrument reads it. A force on unloading with adhesion is that of the straight line through the stretch of the
+    /// curve between the neighbouring rows.
     pub computed: f64,
     /// The standard error with which it went into the fit: given or estimated, with that of the
-    /// load and of jumps of the contact radius.
+    /// load and of jumps.
     pub error: f64,
 }
 
@@ -236,15 +275,18 @@ impl Compared {
 pub struct FittedRow {
     /// As it was measured.
     pub measurement: Measurement,
+    /// The branch of the cycle that it is on; none without adhesion.
+    pub branch: Option<Branch>,
     /// Computed indentation, m.
     pub indentation: f64,
     /// Force, N, unless it is the load.
     pub force: Option<Compared>,
     /// Contact radius, m.
     pub contact_radius: Option<Compared>,
-    /// Smallest gap between lens and floor, m; negative past the transition if the floor was to be ignored.
-    pub smallest_floor_gap: f64,
-    /// Whether it went into the fit: it did unless the lens is below a floor that was to be ignored.
+    /// Smallest gap between lens and floor, m; negative past the transition if the floor was to be ignored. It is not computed with
+    /// adhesion.
+    pub smallest_floor_gap: Option<f64>,
+    /// Whether it went into the fit: it did unless the lens is below a floor that was to be ignored, or on a floor with adhesion.
     pub used: bool,
     /// Whether the contact was solved.
     pub converged: bool,
@@ -264,12 +306,27 @@ impl FittedRow {
 /// A point of a computed curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
+    /// The branch of the cycle that it is on; none without adhesion.
+    pub branch: Option<Branch>,
     /// Displacement or indentation, m; the force, N, if that is the load.
     pub load: f64,
-    /// The computed force, N.
+    /// The computed force with the offset of the instrument, N.
     pub force: f64,
     /// The computed contact radius, m.
     pub contact_radius: f64,
+}
+
+/// The pull-off of the data and that of the fitted cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FittedPullOff {
+    /// The least measured force, without the offset of the instrument, N.
+    pub measured: f64,
+    /// That of the fitted cycle, N.
+    pub computed: f64,
+    /// The relative error of the model in it, which the intervals do not have: that of the shapes of partial contacts.
+    pub model_error: f64,
+    /// By which part the work of adhesion changes if the pull-off force changes by that part of itself; none if no work was fitted.
+    pub work_error: Option<f64>,
 }
 
 /// What came of a fit.
@@ -295,6 +352,12 @@ pub struct Fit {
     pub contact_point: f64,
     /// Machine compliance, m/N, fitted or given.
     pub machine_compliance: f64,
+    /// Offset of the measured forces, N, fitted or given.
+    pub force_offset: f64,
+    /// The cycle with the fitted values; none without adhesion.
+    pub cycle: Option<Cycle>,
+    /// Its pull-off beside that of the data; none without unloading.
+    pub pull_off: Option<FittedPullOff>,
     /// The case with the fitted values.
     pub file: CaseFile,
     /// Why the search stopped.
@@ -363,6 +426,9 @@ const LEAST_SCATTER: f64 = 1e-9;
 /// Points of the computed curve.
 const CURVE: usize = 61;
 
+/// The shortest stretches of a curve with adhesion over which it is averaged, as parts of the range of the loads, one after the other.
+const STRETCHES: [f64; 2] = [0.125, 0.05];
+
 /// Values of the free parameters that fit the data best; all else is as in the case file, which
 /// also says where to begin. The rows are shared between the threads of `run`.
 ///
@@ -378,13 +444,19 @@ pub fn fit(
     file.refuse_surface_for(TextureOnly::Fit)?;
     check(data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
-    let mut search = Search::new(&model)?;
-    let termination = search.run(run)?;
+    let stages = if model.sticks { &STRETCHES[..] } else { &[0.0] };
+    let mut search = Search::new(&model, stages[0])?;
+    let mut termination = search.run(run)?;
+    for stretch in &stages[1..] {
+        search.restart(*stretch)?;
+        termination = search.run(run)?;
+    }
     search.answer(termination)
 }
 
 fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Result<(), FitError> {
     data.check_errors()?;
+    data.check_branches()?;
     if free.is_empty() {
         return Err(FitError::NothingFree);
     }
@@ -395,9 +467,20 @@ fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Resul
         if free[..number].contains(parameter) {
             return Err(FitError::Twice(*parameter));
         }
-        if parameter.is_of_instrument() && data.position() != Position::Displacement {
+        if parameter.is_of_displacement() && data.position() != Position::Displacement {
             return Err(FitError::NoDisplacement {
                 name: data.name().to_owned(),
+                parameter: *parameter,
+            });
+        }
+        let name = || data.name().to_owned();
+        if *parameter == Parameter::ForceOffset && data.rows().iter().all(|row| row.force.is_none())
+        {
+            return Err(FitError::NoForce { name: name() });
+        }
+        if parameter.is_work() && !data.branches().contains(&Branch::Unloading) {
+            return Err(FitError::NoUnloading {
+                name: name(),
                 parameter: *parameter,
             });
         }
@@ -407,6 +490,9 @@ fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Resul
     }
     if !options.machine_compliance.is_finite() {
         return Err(FitError::NotFinite("the machine compliance"));
+    }
+    if !options.force_offset.is_finite() {
+        return Err(FitError::NotFinite("the force offset"));
     }
     Ok(())
 }
@@ -421,6 +507,8 @@ struct Datum {
 /// The search at some unknowns.
 struct Search<'a> {
     model: &'a Model<'a>,
+    /// The shortest stretch of a curve with adhesion, as a part of the range of the loads.
+    stretch: f64,
     unknowns: Vec<f64>,
     states: Vec<State>,
     derivatives: Vec<Derivatives>,
@@ -432,10 +520,12 @@ struct Search<'a> {
     scatter: [f64; 2],
     linear: Option<Linear>,
     iterations: usize,
+    /// Steps with other stretches before.
+    earlier_iterations: usize,
 }
 
 impl<'a> Search<'a> {
-    fn new(model: &'a Model<'a>) -> Result<Self, FitError> {
+    fn new(model: &'a Model<'a>, stretch: f64) -> Result<Self, FitError> {
         let rows = model.data.rows();
         let scale = |quantity: Quantity| {
             let values = rows.iter().filter_map(|row| quantity.of(row));
@@ -444,7 +534,8 @@ impl<'a> Search<'a> {
         let unknowns = model.start()?;
         let mut search = Self {
             model,
-            states: model.states(&unknowns)?,
+            stretch,
+            states: model.states(&unknowns, stretch)?,
             derivatives: Vec::new(),
             used: Vec::new(),
             data: Vec::new(),
@@ -452,6 +543,7 @@ impl<'a> Search<'a> {
             scatter: Quantity::ALL.map(|quantity| 0.01 * scale(quantity)),
             linear: None,
             iterations: 0,
+            earlier_iterations: 0,
             unknowns,
         };
         search.select();
@@ -465,11 +557,22 @@ impl<'a> Search<'a> {
         Ok(search)
     }
 
+    /// Begins again from where the search is, with other stretches.
+    fn restart(&mut self, stretch: f64) -> Result<(), FitError> {
+        self.stretch = stretch;
+        self.earlier_iterations += self.iterations;
+        self.iterations = 0;
+        self.states = self.model.states(&self.unknowns, stretch)?;
+        self.select();
+        self.check_enough()?;
+        self.linearise()
+    }
+
     /// The rows that are used and their values; whether they are others than before.
     fn select(&mut self) -> bool {
         // After many steps a row that was left out stays out, or a row at the transition might come and go for ever.
         let stays_out = |row: usize| self.iterations > PATIENCE && !self.used[row];
-        let above_floor = |state: &State| state.smallest_floor_gap >= 0.0;
+        let above_floor = |state: &State| !state.past_transition;
         let used: Vec<bool> = self
             .states
             .iter()
@@ -519,7 +622,7 @@ impl<'a> Search<'a> {
 
     fn computed(&self, datum: &Datum, states: &[State]) -> f64 {
         match datum.quantity {
-            Quantity::Force => states[datum.row].force,
+            Quantity::Force => states[datum.row].read_force,
             Quantity::ContactRadius => states[datum.row].contact_radius,
         }
     }
@@ -532,7 +635,9 @@ impl<'a> Search<'a> {
 
     /// Derivatives and errors at the unknowns.
     fn linearise(&mut self) -> Result<(), FitError> {
-        self.derivatives = self.model.derivatives(&self.unknowns, &self.states)?;
+        self.derivatives = self
+            .model
+            .derivatives(&self.unknowns, &self.states, self.stretch)?;
         self.errors = self.with_errors()?;
         // The estimated errors depend on the leverages, and the leverages on the errors. One repetition is enough, as every
         // step of the search comes here again.
@@ -565,12 +670,15 @@ impl<'a> Search<'a> {
     }
 
     /// What is known of the variance of a value besides its own error: that of the load, and of
-    /// jumps of the contact radius.
+    /// jumps.
     fn known_variance(&self, datum: &Datum, half_pitch: f64) -> f64 {
         let row = &self.model.data.rows()[datum.row];
         let slopes = &self.derivatives[datum.row];
         let (slope, jumps) = match datum.quantity {
-            Quantity::Force => (slopes.force_by_position, 0.0),
+            Quantity::Force => (
+                slopes.force_by_position,
+                self.states[datum.row].force_variance,
+            ),
             Quantity::ContactRadius => (slopes.radius_by_position, half_pitch * half_pitch / 12.0),
         };
         let of = |measured: Option<Measured>| measured.and_then(|m| m.error).unwrap_or(0.0);
@@ -579,6 +687,15 @@ impl<'a> Search<'a> {
             None => slopes.radius_by_force * of(row.force),
         };
         load * load + jumps
+    }
+
+    /// What is added where values are weighed: rows in one stretch share its jumps, and know together what one of them knows.
+    fn shared_variance(&self, datum: &Datum) -> f64 {
+        let state = &self.states[datum.row];
+        match datum.quantity {
+            Quantity::Force => state.force_variance * (state.sharing - 1.0),
+            Quantity::ContactRadius => 0.0,
+        }
     }
 
     fn half_pitch(&self) -> Result<f64, FitError> {
@@ -593,9 +710,21 @@ impl<'a> Search<'a> {
                 .measured
                 .error
                 .unwrap_or(self.scatter[datum.quantity as usize]);
-            (own * own + self.known_variance(datum, half_pitch)).sqrt()
+            let known = self.known_variance(datum, half_pitch) + self.shared_variance(datum);
+            (own * own + known).sqrt()
         };
         Ok(self.data.iter().map(error).collect())
+    }
+
+    /// The sum of squares over the variance of each value by itself.
+    fn chi_square_of_values(&self) -> f64 {
+        let residuals = self.residuals();
+        let terms = self.data.iter().zip(&residuals).zip(&self.errors);
+        terms
+            .map(|((datum, residual), error)| {
+                residual * residual / (error * error - self.shared_variance(datum))
+            })
+            .sum()
     }
 
     /// Errors of the quantities that have none, from the residuals.
@@ -718,7 +847,7 @@ impl<'a> Search<'a> {
                 .zip(&step)
                 .map(|(u, s)| u + s)
                 .collect();
-            match self.model.states(&trial) {
+            match self.model.states(&trial, self.stretch) {
                 Ok(states) => {
                     let squares = self.trial_chi_square(&states);
                     if squares <= now {
@@ -773,7 +902,7 @@ impl<'a> Search<'a> {
         let terms = self.data.iter().zip(&self.errors).map(|(datum, error)| {
             let (from, to) = (&self.states[datum.row], &states[datum.row]);
             let computed = match datum.quantity {
-                Quantity::Force => to.force,
+                Quantity::Force => to.read_force,
                 Quantity::ContactRadius => {
                     from.contact_radius + to.smooth_radius - from.smooth_radius
                 }
@@ -820,20 +949,36 @@ impl<'a> Search<'a> {
             })
             .collect();
         let settings = self.model.settings(&self.unknowns)?;
+        let solved = if self.model.sticks {
+            self.model.cycle(&settings)?
+        } else {
+            None
+        };
+        let curve = match &solved {
+            Some((curve, _)) => self.curve_of_cycle(&settings, curve),
+            None => self.curve(&settings)?,
+        };
+        let pull_off = match &solved {
+            Some((_, cycle)) => self.pull_off(&settings, cycle)?,
+            None => None,
+        };
         Ok(Fit {
             estimates,
             correlation,
             undetermined,
-            chi_square: self.chi_square(),
+            chi_square: self.chi_square_of_values(),
             degrees_of_freedom: freedom,
             scatter: self.scatters(),
             rows: self.rows(),
-            curve: self.curve(&settings)?,
+            curve,
             contact_point: settings.contact_point,
             machine_compliance: settings.machine_compliance,
+            force_offset: settings.force_offset,
+            cycle: solved.map(|(_, cycle)| cycle),
+            pull_off,
             file: self.model.file(&self.unknowns),
             termination,
-            iterations: self.iterations,
+            iterations: self.earlier_iterations + self.iterations,
         })
     }
 
@@ -971,8 +1116,9 @@ impl<'a> Search<'a> {
             };
             FittedRow {
                 measurement: *measurement,
+                branch: self.model.sticks.then(|| self.model.branches[number]),
                 indentation: state.indentation,
-                force: compared(Quantity::Force, state.force),
+                force: compared(Quantity::Force, state.read_force),
                 contact_radius: compared(Quantity::ContactRadius, state.contact_radius),
                 smallest_floor_gap: state.smallest_floor_gap,
                 used: self.used[number],
@@ -980,6 +1126,84 @@ impl<'a> Search<'a> {
             }
         })
         .collect()
+    }
+
+    /// The pull-off of the fitted cycle beside the least force that was measured.
+    fn pull_off(
+        &self,
+        settings: &model::Settings,
+        cycle: &Cycle,
+    ) -> Result<Option<FittedPullOff>, FitError> {
+        /// Step of the logarithm of the work by which the change of the pull-off force is found.
+        const STEP: f64 = 0.1;
+        let (Some(measured), Some(pull_off)) = (self.model.measured_pull(), &cycle.pull_off) else {
+            return Ok(None);
+        };
+        let model_error = cycle.errors.pull_off_force.fronts;
+        let works = [Key::RecedingWorkOfAdhesion, Key::WorkOfAdhesion];
+        let is_free = |key: &Key| self.model.free.contains(&Parameter::Key(*key));
+        let mut work_error = None;
+        if let Some(key) = works.into_iter().find(is_free)
+            && let Some(work) = settings.case.number(key)
+        {
+            let mut file = self.model.file(&self.unknowns);
+            file.set_number(key, work * STEP.exp());
+            let more = model::Settings {
+                case: file.case()?,
+                ..settings.clone()
+            };
+            let more = self
+                .model
+                .cycle(&more)?
+                .and_then(|(_, cycle)| cycle.pull_off);
+            let power = more.map(|more| (more.force / pull_off.force).ln() / STEP);
+            work_error = power
+                .filter(|power| *power > 0.0)
+                .map(|power| model_error / power);
+        }
+        Ok(Some(FittedPullOff {
+            measured: measured - settings.force_offset,
+            computed: pull_off.force,
+            model_error,
+            work_error,
+        }))
+    }
+
+    /// The computed curve of a cycle over the data.
+    fn curve_of_cycle(&self, settings: &model::Settings, curve: &curve::Curve) -> Vec<CurvePoint> {
+        let loads = self.model.data.rows().iter().map(model::load_of);
+        let least = loads.fold(f64::INFINITY, f64::min);
+        let instrument = least - settings.load(self.model.data.position(), least);
+        let of_branch = |branch: Branch| {
+            let first = curve.at(branch, least - instrument);
+            let places = curve.places(branch).iter().copied();
+            let places = places.filter(move |place| place.position + instrument > least);
+            let before = places.clone().next().filter(|_| first.force == 0.0);
+            // Up to its first place the curve is without contact.
+            let touch = before.map(|place| curve::Place {
+                force: 0.0,
+                contact_radius: 0.0,
+                ..place
+            });
+            let all = [first].into_iter().chain(touch).chain(places);
+            let mut points: Vec<CurvePoint> = all
+                .map(|place| CurvePoint {
+                    branch: Some(branch),
+                    load: place.position + instrument,
+                    force: place.force + settings.force_offset,
+                    contact_radius: place.contact_radius,
+                })
+                .collect();
+            if branch == Branch::Unloading {
+                points.reverse();
+            }
+            points
+        };
+        let mut points = of_branch(Branch::Loading);
+        if self.model.branches.contains(&Branch::Unloading) {
+            points.extend(of_branch(Branch::Unloading));
+        }
+        points
     }
 
     /// The computed curve over the data that were used.
@@ -1005,8 +1229,9 @@ impl<'a> Search<'a> {
                     self.model.state_at(settings, load, 0.0)?
                 };
                 Ok(CurvePoint {
+                    branch: None,
                     load,
-                    force: state.force,
+                    force: state.force + settings.force_offset,
                     contact_radius: state.contact_radius,
                 })
             })

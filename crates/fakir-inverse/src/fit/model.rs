@@ -1,18 +1,25 @@
 //! What the model says in place of every measured value, and how that changes with the
 //! parameters.
 
+use super::curve::Curve;
 use super::measurements::{Measurement, Measurements, Position};
 use super::parameter::Parameter;
 use super::{FitError, FitOptions};
-use fakir::numerics::convergence::within;
-use fakir::problem::{Control, Method};
-use fakir::state::{ContactState, Run, SolveError};
+use fakir::numerics::convergence::{larger, within};
+use fakir::problem::{Control, CyclePlan, Drive, Method, Turn};
+use fakir::state::{Branch, ContactState, Cycle, Run, SolveError};
 use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
 
 /// Relative step of derivatives: the error of a difference is its square, and kinks of the curve,
 /// where pillars are touched first, are spread as errors of measurement spread them.
 const DIFFERENCE: f64 = 1e-2;
+
+/// The same of a work of adhesion: contacts that are broken at other places come in groups.
+const DIFFERENCE_OF_WORK: f64 = 5e-2;
+
+/// How far rows are from one whose jumps they share, as a part of the range of the loads.
+const AROUND: f64 = 0.125;
 
 /// Relative error at which reading, force and indentation agree.
 const BALANCE: f64 = 1e-9;
@@ -27,12 +34,22 @@ pub(super) struct State {
     pub(super) indentation: f64,
     /// Force, N.
     pub(super) force: f64,
+    /// What the instrument reads of it, N: with its offset, and on unloading with adhesion that of the line through a stretch of the curve.
+    pub(super) read_force: f64,
+    /// Mean square of how far the force is from such lines, on average over the rows around, N^2.
+    pub(super) force_variance: f64,
+    /// How many rows are in its stretch, and so share its jumps.
+    pub(super) sharing: f64,
+    /// Slopes of that line, and of one through the contact radius.
+    pub(super) slopes: [f64; 2],
     /// Contact radius, m.
     pub(super) contact_radius: f64,
-    /// Contact radius of the homogenised lattice, m: it has no jumps, and so a derivative.
+    /// Contact radius of the homogenised lattice, m, or of a line through a stretch: it has no jumps, and so a derivative.
     pub(super) smooth_radius: f64,
-    /// Smallest gap between lens and floor, m.
-    pub(super) smallest_floor_gap: f64,
+    /// Smallest gap between lens and floor, m; not known along a cycle.
+    pub(super) smallest_floor_gap: Option<f64>,
+    /// Whether the lens is below the floor, or would be if it could.
+    pub(super) past_transition: bool,
     pub(super) converged: bool,
 }
 
@@ -57,10 +74,23 @@ pub(super) struct Settings {
     pub(super) contact_point: f64,
     /// Machine compliance, m/N.
     pub(super) machine_compliance: f64,
+    /// What the instrument reads without any force, N.
+    pub(super) force_offset: f64,
+}
+
+impl Settings {
+    /// What a measured load is without what the instrument adds to it.
+    pub(super) fn load(&self, position: Position, measured: f64) -> f64 {
+        match position {
+            Position::Displacement => measured - self.contact_point,
+            Position::Indentation => measured,
+            Position::None => measured - self.force_offset,
+        }
+    }
 }
 
 pub(super) struct Model<'a> {
-    file: &'a CaseFile,
+    file: CaseFile,
     pub(super) data: &'a Measurements,
     pub(super) free: &'a [Parameter],
     /// Where the fit begins.
@@ -70,6 +100,14 @@ pub(super) struct Model<'a> {
     single: Run<'a>,
     pool: Option<&'a rayon::ThreadPool>,
     wants_radius: bool,
+    /// Whether pillar tops stick: then all rows are of one cycle of loading and unloading.
+    pub(super) sticks: bool,
+    /// The branch of every row.
+    pub(super) branches: Vec<Branch>,
+    /// The rows of each branch in the order of rising load.
+    orders: [Vec<usize>; 2],
+    /// For every row the load from the one before to the one after it on its branch.
+    stretches: Vec<f64>,
 }
 
 impl<'a> Model<'a> {
@@ -82,14 +120,23 @@ impl<'a> Model<'a> {
     ) -> Result<Self, FitError> {
         let case = file.case()?;
         let wants_radius = data.rows().iter().any(|row| row.contact_radius.is_some());
+        let sticks = !case.system.adhesion().is_none() || free.iter().any(|free| free.is_work());
+        let branches = data.branches();
+        let orders = [Branch::Loading, Branch::Unloading].map(|branch| {
+            let rows = 0..branches.len();
+            let mut order: Vec<usize> = rows.filter(|row| branches[*row] == branch).collect();
+            order.sort_by(|a, b| load_of(&data.rows()[*a]).total_cmp(&load_of(&data.rows()[*b])));
+            order
+        });
         let mut model = Self {
-            file,
+            file: file.clone(),
             data,
             free,
             start: Settings {
                 case,
                 contact_point: options.contact_point.unwrap_or(0.0),
                 machine_compliance: options.machine_compliance,
+                force_offset: options.force_offset,
             },
             units: Vec::new(),
             // Threads share the rows, and every row is computed by one thread.
@@ -100,29 +147,101 @@ impl<'a> Model<'a> {
             },
             pool: run.pool,
             wants_radius,
+            sticks,
+            stretches: stretches(data, &orders),
+            orders,
+            branches,
         };
         if free.contains(&Parameter::ContactPoint) && options.contact_point.is_none() {
             model.start.contact_point = model.likely_contact_point()?;
         }
-        let range = model.position_range();
+        model.begin_with_work()?;
+        let range = model.load_range();
         let units = free.iter().map(|parameter| {
             Ok(match parameter {
                 Parameter::Key(_) if parameter.is_positive() => model.start_of(*parameter)?,
                 Parameter::Key(_) => 1.0,
                 Parameter::ContactPoint => range,
                 Parameter::MachineCompliance => range / model.largest_force(),
+                Parameter::ForceOffset => model.largest_force(),
             })
         });
         model.units = units.collect::<Result<_, FitError>>()?;
         Ok(model)
     }
 
-    fn position_range(&self) -> f64 {
-        let positions = self.data.rows().iter().filter_map(|row| row.position);
-        let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-            (low.min(p.value), high.max(p.value))
+    fn load_range(&self) -> f64 {
+        let loads = self.data.rows().iter().map(load_of);
+        let (low, high) = loads.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), load| {
+            (low.min(load), high.max(load))
         });
         if high > low { high - low } else { 1e-6 }
+    }
+
+    /// The least force of the unloading, N, without the offset with which the fit begins.
+    pub(super) fn measured_pull(&self) -> Option<f64> {
+        let rows = self.data.rows().iter().zip(&self.branches);
+        let unloading = rows.filter(|(_, branch)| **branch == Branch::Unloading);
+        let forces = unloading.filter_map(|(row, _)| Some(row.force?.value));
+        forces.reduce(f64::min)
+    }
+
+    /// Chooses the work of adhesion with which the fit begins such that the pull-off is that of the data.
+    fn begin_with_work(&mut self) -> Result<(), FitError> {
+        /// Relative difference of forces, the most trials, and a guess (J/m^2).
+        const NEAR: f64 = 0.02;
+        const TRIALS: usize = 8;
+        const GUESS: f64 = 0.05;
+        /// The pull-off force grows about as this power of the work.
+        const POWER: f64 = 0.6;
+        let works = [Key::WorkOfAdhesion, Key::RecedingWorkOfAdhesion];
+        let free: Vec<Key> = works
+            .into_iter()
+            .filter(|key| self.free.contains(&Parameter::Key(*key)))
+            .collect();
+        // Parting takes the receding work.
+        let Some(key) = free.last().copied() else {
+            return Ok(());
+        };
+        let given = self.start.case.number(key).filter(|work| *work > 0.0);
+        let parts_by_another =
+            key == Key::WorkOfAdhesion && self.start.case.system.adhesion().work_receding.is_some();
+        let pull = self
+            .measured_pull()
+            .map(|force| force - self.start.force_offset);
+        let (Some(pull), false) = (pull.filter(|pull| *pull < 0.0), parts_by_another) else {
+            return match given {
+                Some(_) => Ok(()),
+                None => Err(FitError::NoStart {
+                    name: self.data.name().to_owned(),
+                    parameter: Parameter::Key(key),
+                }),
+            };
+        };
+        let least = match key {
+            Key::RecedingWorkOfAdhesion => self.start.case.system.adhesion().work,
+            _ => 0.0,
+        };
+        let mut work = given.unwrap_or(GUESS).max(least);
+        for _ in 0..TRIALS {
+            for key in &free {
+                let missing = self.start.case.number(*key).is_none_or(|work| work <= 0.0);
+                if *key == works[1] || free.len() == 1 || missing {
+                    self.file.set_number(*key, work);
+                }
+            }
+            self.start.case = self.file.case()?;
+            let computed = match self.cycle(&self.start)? {
+                Some((_, cycle)) => cycle.pull_off.map_or(0.0, |pull_off| pull_off.force),
+                None => 0.0,
+            };
+            let ratio = (pull / computed).clamp(0.01, 100.0);
+            if within(ratio.ln().abs(), NEAR) {
+                break;
+            }
+            work = (work * ratio.powf(1.0 / POWER)).max(least);
+        }
+        Ok(())
     }
 
     fn largest_force(&self) -> f64 {
@@ -135,8 +254,11 @@ impl<'a> Model<'a> {
     /// the largest force, where a wrong modulus moves it little.
     fn likely_contact_point(&self) -> Result<f64, FitError> {
         let wanted = 0.1 * self.largest_force();
-        let rows = self.data.rows().iter();
-        let loaded = rows.filter_map(|row| Some((row.position?.value, row.force?.value)));
+        let rows = self.data.rows().iter().zip(&self.branches);
+        let rows = rows.filter(|(_, branch)| !self.sticks || **branch == Branch::Loading);
+        let offset = self.start.force_offset;
+        let loaded =
+            rows.filter_map(|(row, _)| Some((row.position?.value, row.force?.value - offset)));
         let away = |force: f64| (force / wanted).ln().abs();
         let nearest = loaded
             .filter(|(_, force)| *force > 0.0)
@@ -162,6 +284,7 @@ impl<'a> Model<'a> {
             }
             Parameter::ContactPoint => Ok(self.start.contact_point),
             Parameter::MachineCompliance => Ok(self.start.machine_compliance),
+            Parameter::ForceOffset => Ok(self.start.force_offset),
         }
     }
 
@@ -215,16 +338,139 @@ impl<'a> Model<'a> {
                 Parameter::MachineCompliance => {
                     settings.machine_compliance = self.value(number, *unknown);
                 }
+                Parameter::ForceOffset => settings.force_offset = self.value(number, *unknown),
                 Parameter::Key(_) => {}
             }
         }
         Ok(settings)
     }
 
-    /// The states in place of the measured ones.
-    pub(super) fn states(&self, unknowns: &[f64]) -> Result<Vec<State>, FitError> {
+    /// The states in place of the measured ones. With adhesion they are averages over stretches of the curve, at least this
+    /// part of the range of the loads.
+    pub(super) fn states(&self, unknowns: &[f64], stretch: f64) -> Result<Vec<State>, FitError> {
         let settings = self.settings(unknowns)?;
-        self.for_each_row(|_, row| self.state(&settings, row))
+        if self.sticks {
+            return self.states_of_cycle(&settings, stretch * self.load_range());
+        }
+        self.for_each_row(|_, row| {
+            let state = self.state(&settings, row)?;
+            Ok(State {
+                read_force: state.force + settings.force_offset,
+                ..state
+            })
+        })
+    }
+
+    /// The cycle that was measured, up to the largest measured load, with its curve; none if that load is before contact.
+    pub(super) fn cycle(&self, settings: &Settings) -> Result<Option<(Curve, Cycle)>, FitError> {
+        let position = self.data.position();
+        let loads = self.data.rows().iter().map(load_of);
+        let largest = settings.load(position, loads.fold(f64::NEG_INFINITY, f64::max));
+        if largest <= 0.0 {
+            return Ok(None);
+        }
+        let compliance = match position {
+            Position::Displacement => settings.machine_compliance,
+            _ => 0.0,
+        };
+        let solve = |turn: Turn, drive: Drive, retract: bool| -> Result<_, SolveError> {
+            let plan = CyclePlan {
+                turn,
+                drive,
+                retract,
+            };
+            let case = &settings.case;
+            let cycle = fakir::cycle(&case.system, plan, case.method, &self.single)?;
+            Ok((Curve::new(&cycle, compliance), cycle))
+        };
+        let retract = self.branches.contains(&Branch::Unloading);
+        let solved = match position {
+            Position::None => solve(Turn::Force(largest), Drive::Force, retract),
+            _ if compliance == 0.0 => {
+                solve(Turn::Indentation(largest), Drive::Displacement, retract)
+            }
+            _ => {
+                let drive = if compliance > 0.0 {
+                    Drive::Machine(1.0 / compliance)
+                } else {
+                    Drive::Displacement
+                };
+                // The lens comes down less than the crosshead, by what the machine gives way: where it turns is on the
+                // curve of a loading that goes that far itself.
+                let far = largest + (-compliance).max(0.0) * 2.0 * self.largest_force();
+                let (loading, _) = solve(Turn::Indentation(far), drive, false)?;
+                let turn = loading.at(Branch::Loading, largest).indentation;
+                solve(Turn::Indentation(turn), drive, retract)
+            }
+        };
+        Ok(Some(solved?))
+    }
+
+    fn states_of_cycle(
+        &self,
+        settings: &Settings,
+        least_stretch: f64,
+    ) -> Result<Vec<State>, FitError> {
+        /// Relative distance from the end of the loading that is rounding.
+        const ROUNDING: f64 = 1e-6;
+        let cycle = self.cycle(settings)?;
+        let nothing = Curve::nothing();
+        let curve = cycle.as_ref().map_or(&nothing, |(curve, _)| curve);
+        let cycle = cycle.as_ref().map(|(_, cycle)| cycle);
+        let end = cycle
+            .and(curve.turn())
+            .map_or(f64::INFINITY, |turn| turn.position);
+        let critical = cycle.and_then(|cycle| cycle.critical.as_ref());
+        let deepest = critical.map_or(f64::INFINITY, |state| state.contact.indentation);
+        let state = |(number, row): (usize, &Measurement)| {
+            let branch = self.branches[number];
+            let position = settings.load(self.data.position(), load_of(row));
+            let place = curve.at(branch, position);
+            let stretch = self.stretches[number].max(least_stretch);
+            let average = curve.average(branch, position, stretch);
+            // On loading the force has kinks but hardly jumps.
+            let (force, force_variance) = match branch {
+                Branch::Loading => (place.force, 0.0),
+                Branch::Unloading => (average.force, average.force_variance),
+            };
+            let is_beyond = |value: f64, end: f64| value > end * (1.0 + ROUNDING);
+            State {
+                indentation: place.indentation,
+                force: place.force,
+                read_force: force + settings.force_offset,
+                force_variance,
+                sharing: larger(2.0 * stretch / self.stretches[number], 1.0)
+                    .min(self.branches.len() as f64),
+                slopes: [average.force_slope, average.radius_slope],
+                contact_radius: place.contact_radius,
+                smooth_radius: average.contact_radius,
+                smallest_floor_gap: None,
+                past_transition: is_beyond(position, end) || is_beyond(place.indentation, deepest),
+                converged: cycle.is_none_or(Cycle::converged),
+            }
+        };
+        let mut states: Vec<State> = self.data.rows().iter().enumerate().map(state).collect();
+        for order in &self.orders {
+            self.share_variances(order, &mut states);
+        }
+        Ok(states)
+    }
+
+    /// Gives every row of a branch the mean variance of the rows around: which of them has the jump is what is not known.
+    fn share_variances(&self, order: &[usize], states: &mut [State]) {
+        let rows = self.data.rows();
+        let loads: Vec<f64> = order.iter().map(|number| load_of(&rows[*number])).collect();
+        let mut sums = vec![0.0];
+        for number in order {
+            sums.push(sums[sums.len() - 1] + states[*number].force_variance);
+        }
+        let reach = AROUND * self.load_range();
+        for (number, load) in order.iter().zip(&loads) {
+            let first = loads.partition_point(|other| *other < load - reach);
+            let end = loads.partition_point(|other| *other <= load + reach);
+            let sum = larger(sums[end] - sums[first], 0.0);
+            states[*number].force_variance = sum / (end - first) as f64;
+        }
     }
 
     fn for_each_row<T: Send>(
@@ -242,16 +488,17 @@ impl<'a> Model<'a> {
     fn state(&self, settings: &Settings, row: &Measurement) -> Result<State, FitError> {
         match (row.position, row.force) {
             (Some(position), force) => {
-                let guess = force.map_or(0.0, |force| force.value);
+                let guess = force.map_or(0.0, |force| force.value - settings.force_offset);
                 self.state_at(settings, position.value, guess)
             }
             (None, force) => self.state_under(settings, force.map_or(0.0, |force| force.value)),
         }
     }
 
-    /// The state under a force.
-    pub(super) fn state_under(&self, settings: &Settings, force: f64) -> Result<State, FitError> {
-        Ok(self.solve(&settings.case, Control::Force(force))?)
+    /// The state under a force that was read.
+    pub(super) fn state_under(&self, settings: &Settings, reading: f64) -> Result<State, FitError> {
+        let force = settings.load(Position::None, reading);
+        Ok(self.solve(&settings.case, Control::Force(force.max(0.0)))?)
     }
 
     /// The state at a reading: the indentation `zeta` with
@@ -262,12 +509,11 @@ impl<'a> Model<'a> {
         reading: f64,
         likely_force: f64,
     ) -> Result<State, FitError> {
-        let (compliance, target) = match self.data.position() {
-            Position::Displacement => (
-                settings.machine_compliance,
-                reading - settings.contact_point,
-            ),
-            _ => (0.0, reading),
+        let position = self.data.position();
+        let target = settings.load(position, reading);
+        let compliance = match position {
+            Position::Displacement => settings.machine_compliance,
+            _ => 0.0,
         };
         let solve = |zeta: f64| self.solve(&settings.case, Control::Indentation(zeta));
         if compliance == 0.0 || target <= 0.0 {
@@ -307,9 +553,14 @@ impl<'a> Model<'a> {
             return Ok(State {
                 indentation: zeta,
                 force: 0.0,
+                read_force: 0.0,
+                force_variance: 0.0,
+                sharing: 1.0,
+                slopes: [0.0; 2],
                 contact_radius: 0.0,
                 smooth_radius: 0.0,
-                smallest_floor_gap: case.system.pillar().height - zeta,
+                smallest_floor_gap: Some(case.system.pillar().height - zeta),
+                past_transition: false,
                 converged: true,
             });
         }
@@ -323,9 +574,14 @@ impl<'a> Model<'a> {
         Ok(State {
             indentation: contact.indentation,
             force: contact.force,
+            read_force: contact.force,
+            force_variance: 0.0,
+            sharing: 1.0,
+            slopes: [0.0; 2],
             contact_radius: contact.contact_radius,
             smooth_radius,
-            smallest_floor_gap: contact.smallest_floor_gap,
+            smallest_floor_gap: Some(contact.smallest_floor_gap),
+            past_transition: contact.smallest_floor_gap < 0.0,
             converged: contact.converged(),
         })
     }
@@ -337,7 +593,11 @@ impl<'a> Model<'a> {
         &self,
         unknowns: &[f64],
         states: &[State],
+        stretch: f64,
     ) -> Result<Vec<Derivatives>, FitError> {
+        if self.sticks {
+            return self.derivatives_of_cycle(unknowns, states, stretch);
+        }
         let settings = self.settings(unknowns)?;
         let mut sides = Vec::new();
         for (number, parameter) in self.free.iter().enumerate() {
@@ -386,6 +646,10 @@ impl<'a> Model<'a> {
                         (held, -compliance * held[0] * follow)
                     }
                     (Parameter::ContactPoint, _) => ([0.0; 2], -self.units[number] * follow),
+                    (Parameter::ForceOffset, _) => {
+                        let unit = self.units[number];
+                        ([unit, -unit * all.radius_by_force], 0.0)
+                    }
                     _ => ([0.0; 2], -self.units[number] * state.force * follow),
                 };
                 all.force.push(force + along[0] * moved);
@@ -393,6 +657,65 @@ impl<'a> Model<'a> {
             }
             Ok(all)
         })
+    }
+
+    /// Derivatives by central differences of whole cycles.
+    fn derivatives_of_cycle(
+        &self,
+        unknowns: &[f64],
+        states: &[State],
+        stretch: f64,
+    ) -> Result<Vec<Derivatives>, FitError> {
+        let step = |number: usize| {
+            if self.free[number].is_work() {
+                DIFFERENCE_OF_WORK
+            } else {
+                DIFFERENCE
+            }
+        };
+        let side = |(number, sign): (usize, f64)| {
+            let mut moved = unknowns.to_vec();
+            moved[number] += sign * step(number);
+            // A receding work cannot be less than the other: a difference to one side is what is left there.
+            match self.states(&moved, stretch) {
+                Ok(there) => Ok((there, step(number))),
+                Err(FitError::Case(_)) => Ok((states.to_vec(), 0.0)),
+                Err(error) => Err(error),
+            }
+        };
+        let sides: Vec<(usize, f64)> = (0..unknowns.len())
+            .flat_map(|number| [(number, -1.0), (number, 1.0)])
+            .collect();
+        let solved: Vec<_> = match self.pool {
+            Some(pool) => pool.install(|| {
+                sides
+                    .into_par_iter()
+                    .map(side)
+                    .collect::<Result<_, FitError>>()
+            }),
+            None => sides.into_iter().map(side).collect(),
+        }?;
+        let of_row = |(number, state): (usize, &State)| {
+            let by = |value: fn(&State) -> f64| {
+                let pairs = solved.chunks_exact(2);
+                pairs
+                    .map(|pair| {
+                        let [(below, down), (above, up)] = [&pair[0], &pair[1]];
+                        (value(&above[number]) - value(&below[number])) / (up + down)
+                    })
+                    .collect()
+            };
+            let [force_slope, radius_slope] = state.slopes;
+            let by_force = self.data.position() == Position::None;
+            Derivatives {
+                force: by(|state| state.read_force),
+                contact_radius: by(|state| state.smooth_radius),
+                force_by_position: force_slope,
+                radius_by_position: radius_slope,
+                radius_by_force: if by_force { radius_slope } else { 0.0 },
+            }
+        };
+        Ok(states.iter().enumerate().map(of_row).collect())
     }
 
     /// Derivatives of force and smooth contact radius by the load.
@@ -426,4 +749,25 @@ fn difference(below: &State, above: &State, step: f64) -> [f64; 2] {
         (above.force - below.force) / (2.0 * step),
         (above.smooth_radius - below.smooth_radius) / (2.0 * step),
     ]
+}
+
+/// The load of a row: its position, or else its force.
+pub(super) fn load_of(row: &Measurement) -> f64 {
+    row.position.or(row.force).map_or(0.0, |load| load.value)
+}
+
+/// For every row the load from the one before to the one after it on its branch; at an end, twice that to its neighbour.
+fn stretches(data: &Measurements, orders: &[Vec<usize>; 2]) -> Vec<f64> {
+    let load = |number: &usize| load_of(&data.rows()[*number]);
+    let mut stretches = vec![0.0; data.rows().len()];
+    for order in orders {
+        for (place, number) in order.iter().enumerate() {
+            let step = |neighbour: Option<&usize>| Some((load(neighbour?) - load(number)).abs());
+            let below = step(place.checked_sub(1).and_then(|place| order.get(place)));
+            let above = step(order.get(place + 1));
+            let steps = [below.or(above), above.or(below)];
+            stretches[*number] = steps.into_iter().flatten().sum();
+        }
+    }
+    stretches
 }

@@ -12,11 +12,13 @@ pub enum Parameter {
     ContactPoint,
     /// How far the instrument itself gives way per force, m/N.
     MachineCompliance,
+    /// What the instrument reads without any force, N.
+    ForceOffset,
 }
 
 impl Parameter {
     /// All that can be fitted.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::Key(Key::SubstrateYoungModulus),
         Self::Key(Key::LensYoungModulus),
         Self::Key(Key::LensRadius),
@@ -25,17 +27,21 @@ impl Parameter {
         Self::Key(Key::Pitch),
         Self::Key(Key::Offset),
         Self::Key(Key::OffsetAngle),
+        Self::Key(Key::WorkOfAdhesion),
+        Self::Key(Key::RecedingWorkOfAdhesion),
         Self::ContactPoint,
         Self::MachineCompliance,
+        Self::ForceOffset,
     ];
 
-    /// Its name: the key with its tables, `contact_point` or `machine_compliance`.
+    /// Its name: the key with its tables, `contact_point`, `machine_compliance` or `force_offset`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Key(key) => key.path(),
             Self::ContactPoint => "contact_point",
             Self::MachineCompliance => "machine_compliance",
+            Self::ForceOffset => "force_offset",
         }
     }
 
@@ -66,18 +72,27 @@ impl Parameter {
             Self::Key(key) => Some(key.dimension()),
             Self::ContactPoint => Some(Dimension::Length),
             Self::MachineCompliance => None,
+            Self::ForceOffset => Some(Dimension::Force),
         }
     }
 
-    /// Whether it belongs to the instrument, and so takes a displacement to be seen.
-    pub(super) fn is_of_instrument(self) -> bool {
-        !matches!(self, Self::Key(_))
+    /// Whether it takes a displacement to be seen.
+    pub(super) fn is_of_displacement(self) -> bool {
+        matches!(self, Self::ContactPoint | Self::MachineCompliance)
     }
 
-    /// Whether its logarithm is fitted, as that of sizes and moduli.
+    /// Whether it is a work of adhesion, which only unloading shows.
+    pub(super) fn is_work(self) -> bool {
+        matches!(
+            self,
+            Self::Key(Key::WorkOfAdhesion | Key::RecedingWorkOfAdhesion)
+        )
+    }
+
+    /// Whether its logarithm is fitted, as that of sizes, moduli and works of adhesion.
     pub(super) fn is_positive(self) -> bool {
         match self {
-            Self::Key(key) => key.is_positive(),
+            Self::Key(key) => key.is_positive() || self.is_work(),
             _ => false,
         }
     }

@@ -5,12 +5,16 @@ use super::{
 };
 use fakir::problem::Method;
 use fakir::state::Termination;
+use fakir_study::result::cycle_warnings;
 use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// How states past the transition would be used.
 const WITH_FLOOR: &str = "the method spectral uses them, unless the case has floor.contact = false";
+
+/// The same with adhesion.
+const WITH_ADHESION: &str = "with adhesion the loading ends where the lens reaches the floor, and the unloading is that from there";
 
 impl Fit {
     /// What a reader of the result must know: parameters that are not determined, rows left out, and
@@ -26,18 +30,24 @@ impl Fit {
             .past_transition()
             .map(|row| row.measurement.line.to_string())
             .collect();
+        let why = if self.cycle.is_some() {
+            WITH_ADHESION
+        } else {
+            WITH_FLOOR
+        };
         match &out[..] {
             [] => {}
             [line] => warnings.push(format!(
                 "1 state (line {line}) is past the transition, where the lens touches the floor, and \
-                 left out: {WITH_FLOOR}"
+                 left out: {why}"
             )),
             [first, .., last] => warnings.push(format!(
                 "{} states (lines {first} to {last}) are past the transition, where the lens touches \
-                 the floor, and left out: {WITH_FLOOR}",
+                 the floor, and left out: {why}",
                 out.len()
             )),
         }
+        warnings.extend(self.cycle.as_ref().map_or(Vec::new(), cycle_warnings));
         let unsolved = self.rows.iter().filter(|row| !row.converged).count();
         if unsolved > 0 {
             warnings.push(format!("{unsolved} contacts did not converge"));
@@ -81,6 +91,14 @@ impl Fit {
             name: "line".to_owned(),
             values: Values::Counts(lines.collect()),
         }];
+        if self.cycle.is_some() {
+            let branches = self.rows.iter();
+            let branches = branches.map(|row| row.branch.map(|branch| branch.name().to_owned()));
+            columns.push(Column {
+                name: "branch".to_owned(),
+                values: Values::Words(branches.collect()),
+            });
+        }
         let position = match data.position() {
             Position::Displacement => Some("displacement_m"),
             Position::Indentation => Some("measured_indentation_m"),
@@ -118,7 +136,7 @@ impl Fit {
             ]);
         }
         columns.push(numbers("smallest_floor_gap_m", &|row| {
-            Some(row.smallest_floor_gap)
+            row.smallest_floor_gap
         }));
         columns.push(Column {
             name: "used".to_owned(),
@@ -138,6 +156,9 @@ pub struct FitSummary {
     undetermined: Vec<UndeterminedJson>,
     contact_point_m: Option<f64>,
     machine_compliance_m_per_N: Option<f64>,
+    force_offset_N: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pull_off: Option<PullOffJson>,
     rows: usize,
     rows_past_transition: usize,
     values: usize,
@@ -151,6 +172,15 @@ pub struct FitSummary {
     iterations: usize,
     wall_time_s: f64,
     fakir_version: &'static str,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct PullOffJson {
+    measured_force_N: f64,
+    fitted_force_N: f64,
+    relative_error_of_model: f64,
+    relative_error_of_work: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -178,6 +208,13 @@ impl FitSummary {
                 .collect(),
             contact_point_m: of_displacement.then_some(fitted.contact_point),
             machine_compliance_m_per_N: of_displacement.then_some(fitted.machine_compliance),
+            force_offset_N: fitted.force_offset,
+            pull_off: fitted.pull_off.map(|pull_off| PullOffJson {
+                measured_force_N: pull_off.measured,
+                fitted_force_N: pull_off.computed,
+                relative_error_of_model: pull_off.model_error,
+                relative_error_of_work: pull_off.work_error,
+            }),
             rows: fitted.rows.len(),
             rows_past_transition: fitted.past_transition().count(),
             values: fitted.scatter.iter().map(|scatter| scatter.values).sum(),

@@ -70,13 +70,18 @@ impl CompareSummary {
 }
 
 impl MethodRow {
-    pub(crate) fn formula(form: &ClosedForm) -> Self {
+    pub(crate) fn formula(form: &ClosedForm, sticks: bool) -> Self {
+        let remarks = [
+            (!form.applies).then_some("out of its range"),
+            sticks.then_some("without adhesion"),
+        ];
+        let remarks: Vec<&str> = remarks.into_iter().flatten().collect();
         Self {
             critical_force_N: Some(form.estimate.force),
             critical_indentation_m: Some(form.estimate.indentation),
             critical_contact_radius_m: Some(form.estimate.contact_radius()),
             converged: true,
-            remark: (!form.applies).then(|| "out of its range".to_owned()),
+            remark: (!remarks.is_empty()).then(|| remarks.join(", ")),
             ..Self::empty(form.formula.key(), form.formula.name())
         }
     }

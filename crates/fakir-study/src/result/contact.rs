@@ -1,6 +1,6 @@
 //! The contact under a load.
 
-use super::RelativeErrors;
+use super::{LimitObject, RelativeErrors};
 use crate::VERSION;
 use fakir::state::{ContactState, FloorContact};
 use serde::Serialize;
@@ -69,6 +69,9 @@ pub struct PressSummary {
     /// None before the transition, and past it if the floor was to be ignored.
     floor: Option<FloorObject>,
     relative_error_estimate: RelativeErrors,
+    /// Of tops that stick.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    limits: Vec<LimitObject>,
     converged: bool,
     iterations: usize,
     wall_time_s: f64,
@@ -93,10 +96,21 @@ impl PressSummary {
                 state.error,
                 Some(state.relative_contact_radius_error()),
             ),
+            limits: state.limits(None).into_iter().map(Into::into).collect(),
             converged: state.converged(),
             iterations: state.iterations,
             wall_time_s: wall_time,
             fakir_version: VERSION,
+        }
+    }
+
+    /// The same where the range of the attraction (m) is known, or is not.
+    #[must_use]
+    pub fn with_range(self, state: &ContactState, range: Option<f64>) -> Self {
+        let limits = state.limits(range).into_iter();
+        Self {
+            limits: limits.map(Into::into).collect(),
+            ..self
         }
     }
 }

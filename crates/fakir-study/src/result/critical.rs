@@ -1,9 +1,9 @@
 //! The critical state.
 
-use super::{ReducedVariables, RelativeErrors};
+use super::{LimitObject, ReducedVariables, RelativeErrors};
 use crate::VERSION;
 use fakir::problem::Point;
-use fakir::state::CriticalState;
+use fakir::state::{ContactState, CriticalState};
 use serde::Serialize;
 
 /// A critical state: what `fakir transition --json` prints.
@@ -24,6 +24,9 @@ pub struct TransitionSummary {
     pillars_partially_in_contact: usize,
     normalized: ReducedVariables,
     relative_error_estimate: RelativeErrors,
+    /// Of tops that stick.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    limits: Vec<LimitObject>,
     converged: bool,
     iterations: usize,
     wall_time_s: f64,
@@ -53,10 +56,21 @@ impl TransitionSummary {
                 top_contact_radius: Some(state.relative_contact_radius_error()),
                 ..RelativeErrors::new(state.error, Some(critical.relative_contact_radius_error()))
             },
+            limits: state.limits(None).into_iter().map(Into::into).collect(),
             converged: state.converged(),
             iterations: state.iterations,
             wall_time_s: wall_time,
             fakir_version: VERSION,
+        }
+    }
+
+    /// The same where the range of the attraction (m) is known, or is not.
+    #[must_use]
+    pub fn with_range(self, state: &ContactState, range: Option<f64>) -> Self {
+        let limits = state.limits(range).into_iter();
+        Self {
+            limits: limits.map(Into::into).collect(),
+            ..self
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A cycle of loading and unloading with adhesion.
 
-use super::warnings_of;
+use super::{LimitObject, warnings_of};
 use crate::VERSION;
 use fakir::problem::{Drive, Method};
 use fakir::state::{Cycle, CycleError, CycleEvent, CycleStation};
@@ -123,15 +123,6 @@ struct CycleErrorsObject {
     hysteresis: Option<CycleErrorObject>,
 }
 
-/// A condition of the model, and how near this case comes to where it ends.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-struct LimitObject {
-    name: &'static str,
-    value: f64,
-    threshold: f64,
-    strained: bool,
-}
-
 /// A cycle: what `fakir approach --retract --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
@@ -232,22 +223,23 @@ impl CycleSummary {
                 pull_off_force: pull_off.map(|_| errors.pull_off_force.into()),
                 hysteresis: certificate.map(|_| errors.loop_area.into()),
             },
-            limits: cycle
-                .limits(None)
-                .into_iter()
-                .map(|limit| LimitObject {
-                    name: limit.name,
-                    value: limit.value,
-                    threshold: limit.threshold,
-                    strained: limit.strained,
-                })
-                .collect(),
+            limits: cycle.limits(None).into_iter().map(Into::into).collect(),
             stations: cycle.stations.iter().map(StationRow::from).collect(),
             events: cycle.events.iter().map(EventRow::from).collect(),
             warnings: cycle_warnings(cycle),
             converged: cycle.converged(),
             wall_time_s: wall_time,
             fakir_version: VERSION,
+        }
+    }
+
+    /// The same where the range of the attraction (m) is known, or is not.
+    #[must_use]
+    pub fn with_range(self, cycle: &Cycle, range: Option<f64>) -> Self {
+        let limits = cycle.limits(range).into_iter();
+        Self {
+            limits: limits.map(Into::into).collect(),
+            ..self
         }
     }
 }

@@ -4,6 +4,7 @@
 //! There is a file for every kind of result. Of a study with many cases [`Table`](crate::Table) has
 //! the rows.
 
+mod adhesion;
 mod approach;
 mod compare;
 mod contact;
@@ -15,6 +16,7 @@ mod sweep;
 mod theory;
 mod verify;
 
+pub use adhesion::{AdhesionObject, LimitObject, PullOffRow};
 pub use approach::{ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow};
 pub use compare::{CompareSummary, MethodRow};
 pub use contact::{FloorObject, PressSummary, of_floor};

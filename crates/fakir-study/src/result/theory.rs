@@ -1,8 +1,9 @@
 //! What is known in closed form, as printed and as corrected.
 
+use super::AdhesionObject;
 use crate::VERSION;
 use crate::closed_forms::{ClosedForm, LARGEST_SUM, closed_forms, touches_one_pillar};
-use fakir::problem::{Method, System};
+use fakir::problem::{Adhesion, InvalidQuantity, Method, System};
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir::theory::closed_forms::{
     Form, TransitionEstimate, hertz_contact_radius, large_contact_radius, small_contact_limit,
@@ -27,6 +28,8 @@ pub struct TheorySummary {
     pub pitch_m: f64,
     /// Compliances and limits.
     pub constants: Constants,
+    /// Pillar tops that stick; none where nothing does. All else is without adhesion.
+    pub adhesion: Option<AdhesionObject>,
     /// The critical state by every formula, and by the homogenised lattice.
     pub critical_states: Vec<FormulaRow>,
     /// Coefficients of the lattice sums.
@@ -146,15 +149,21 @@ pub struct CurveRow {
 }
 
 impl TheorySummary {
-    /// What is known of a system.
-    #[must_use]
-    pub fn new(system: &System) -> Self {
+    /// What is known of a system. `range` is that of the attraction of tops that stick (m), if it is known.
+    ///
+    /// # Errors
+    /// A range that is no positive number.
+    pub fn new(system: &System, range: Option<f64>) -> Result<Self, InvalidQuantity> {
+        let adhesion = AdhesionObject::new(system, range)?;
+        // The other formulas know no adhesion.
+        let system = &system.with_adhesion(Adhesion::NONE)?;
         let (critical_states, no_homogenised) = critical_rows(system);
         let radii = radii(system);
-        Self {
+        Ok(Self {
             surface_fraction: system.texture().surface_fraction(),
             pitch_m: system.lattice().pitch,
             constants: constants(system),
+            adhesion,
             critical_states,
             coefficients: coefficient_rows(),
             fit_range: FIT.0,
@@ -166,7 +175,7 @@ impl TheorySummary {
             fakir_version: VERSION,
             no_homogenised,
             own_radius: own_ratio(system),
-        }
+        })
     }
 
     /// Number of contact radii of the least squares.

@@ -11,12 +11,12 @@ use crate::numerics::vector::dot;
 use crate::problem::scaled::Problem;
 use crate::problem::{Accuracy, Control, CyclePlan, Drive, FloorModel, Method, System, Turn};
 use crate::state::contact::contact_warnings;
-use crate::state::cycle::LARGEST_STRAIN;
 use crate::state::fields::Disc;
+use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
-    CycleEventKind, CycleStation, ErrorEstimate, Fields, HeldPillar, PillarState, PillarStatus,
-    PullOff, Run, SolveError, Termination, Warning,
+    CycleEventKind, CycleStation, ErrorEstimate, Fields, HeldContact, HeldPillar, Passage,
+    PillarState, PillarStatus, PullOff, Run, SolveError, Termination, Warning,
 };
 use std::sync::Arc;
 
@@ -85,8 +85,18 @@ pub(crate) fn cycle(
     plan: CyclePlan,
     accuracy: Accuracy,
     run: &Run<'_>,
+    follower: &dyn Fn(&Passage<'_>),
 ) -> Result<Cycle, SolveError> {
     let problem = Problem::new(system);
+    let told = |path: &Path<'_>| {
+        if let Some(station) = path.stations.last() {
+            follower(&Passage {
+                place: path.stations.len() - 1,
+                station: in_si(path.problem, station),
+                held: &|| held(path, path.indentation(), &path.held_tops()),
+            });
+        }
+    };
     let end = match plan.turn {
         Turn::Critical(part) if part < 1.0 => {
             let critical = press(system, Control::FloorContact, accuracy, run)?;
@@ -96,7 +106,9 @@ pub(crate) fn cycle(
         Turn::Indentation(indentation) => End::Indentation(indentation / problem.length),
         Turn::Force(force) => End::Force(force / problem.force()),
     };
-    let mut loaded = Loading::new(system, &problem, accuracy, plan.drive, run)?.until(end)?;
+    let mut loading = Loading::new(system, &problem, accuracy, plan.drive, run)?;
+    loading.path.followed_by(&told);
+    let mut loaded = loading.until(end)?;
     let path = &mut loaded.loading.path;
     if plan.retract
         && loaded.turn.converged()
@@ -205,26 +217,8 @@ impl<'a> Loading<'a> {
         let (system, problem) = (self.system, self.path.problem);
         let lowest = self.path.lowest_floor();
         let path = &self.path;
-        let tops = path.held_tops();
-        let pillars = self.pillars(&tops);
-        let degree = path.tops.fronts.degree();
-        let discs = tops.iter().map(|top| Disc {
-            index: top.index,
-            centre: top.centre,
-            radius: 1.0,
-            coefficients: top.coefficients.clone(),
-            gap: None,
-            held: Some(path.tops.fronts.held_part(top.domain)),
-            sliver: None,
-        });
         let indentation = path.indentation();
-        let fields = Fields::new(
-            problem.clone(),
-            indentation,
-            discs.collect(),
-            degree,
-            degree,
-        );
+        let HeldContact { pillars, fields } = held(path, indentation, &path.held_tops());
         let radius = path.contact_radius();
         let (force, partly) = (path.force(), partly_borne(&pillars));
         let error = if termination == Termination::Converged {
@@ -256,7 +250,7 @@ impl<'a> Loading<'a> {
             pillars_in_contact: pillars.len(),
             pillars_partially_in_contact: partial,
             pillars,
-            fields: Some(Arc::new(fields)),
+            fields: Some(fields),
             error,
             termination,
             iterations: path.events.len(),
@@ -268,45 +262,6 @@ impl<'a> Loading<'a> {
             )
         };
         floor_gap(problem, state, indentation, lowest)
-    }
-
-    /// Tops in contact with what each bears, nearest to the lens axis first.
-    fn pillars(&self, tops: &[HeldTop]) -> Vec<PillarState> {
-        let problem = self.path.problem;
-        let fronts = &self.path.tops.fronts;
-        let mut basis = BasisEvaluator::new(fronts.degree());
-        let mut at_centre = vec![0.0; tops.first().map_or(0, |top| top.coefficients.len())];
-        if !at_centre.is_empty() {
-            basis.evaluate([0.0, 0.0], &mut at_centre);
-        }
-        let pillar = |top: &HeldTop| {
-            let coefficients = &top.coefficients;
-            let centre_is_held = fronts.holds_centre(top.domain);
-            let edge = || {
-                fronts
-                    .edge_range(coefficients)
-                    .map(|q| q * problem.pressure)
-            };
-            PillarState {
-                index: top.index,
-                centre: problem.metres(top.centre),
-                status: if top.domain.is_full() {
-                    PillarStatus::Full
-                } else {
-                    PillarStatus::Partial
-                },
-                force: UNIT_FORCE * coefficients[0] * problem.force(),
-                centre_pressure: if centre_is_held {
-                    dot(&at_centre, coefficients) * problem.pressure
-                } else {
-                    0.0
-                },
-                edge_coefficient: top.domain.is_full().then(edge),
-            }
-        };
-        let mut pillars: Vec<PillarState> = tops.iter().map(pillar).collect();
-        nearest_first(&mut pillars, |pillar| pillar, problem.length);
-        pillars
     }
 
     /// Errors of the degree of the pressure, relative: of forces, and of where a rim lets go.
@@ -335,15 +290,12 @@ impl Loaded<'_> {
         let stations: Vec<CycleStation> = path
             .stations
             .iter()
-            .map(|station| CycleStation {
-                branch: branch(station.course),
-                indentation: station.indentation * metres,
-                force: station.force * newtons,
-                contact_radius: station.radius * metres,
-                pillars_in_contact: station.touched[0],
-                pillars_partially_in_contact: station.touched[1],
-                contact_area: station.area * metres * metres,
-                events: station.events + events_before(events_before_floor, station),
+            .map(|station| {
+                let floor = events_before(events_before_floor, station);
+                CycleStation {
+                    events: station.events + floor,
+                    ..in_si(problem, station)
+                }
             })
             .collect();
         let mut events: Vec<CycleEvent> = path.events.iter().map(|e| loading.event(e)).collect();
@@ -358,11 +310,16 @@ impl Loaded<'_> {
             };
             events.insert(place, floor);
         }
-        let pull_off = path.strongest.as_ref().map(|pull| PullOff {
-            force: stations[pull.station].force,
-            indentation: stations[pull.station].indentation,
-            station: pull.station,
-            pillars: loading.pillars(&pull.tops),
+        let pull_off = path.strongest.as_ref().map(|pull| {
+            let indentation = path.stations[pull.station].indentation;
+            let HeldContact { pillars, fields } = held(path, indentation, &pull.tops);
+            PullOff {
+                force: stations[pull.station].force,
+                indentation: stations[pull.station].indentation,
+                station: pull.station,
+                pillars,
+                fields,
+            }
         });
         let last = stations.last().filter(|_| plan.retract && turn.converged());
         let energies = path.energies;
@@ -462,6 +419,85 @@ fn events_before(floor: Option<usize>, station: &Station) -> usize {
         station.events > events || (station.events == events && station.course == Course::Unloading)
     };
     usize::from(floor.is_some_and(after_floor))
+}
+
+/// What is in contact where tops bear this at an indentation, in units of the solvers.
+fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
+    let fronts = &path.tops.fronts;
+    let degree = fronts.degree();
+    let discs = tops.iter().map(|top| Disc {
+        index: top.index,
+        centre: top.centre,
+        radius: 1.0,
+        coefficients: top.coefficients.clone(),
+        gap: None,
+        held: Some(fronts.held_part(top.domain)),
+        sliver: None,
+    });
+    let fields = Fields::new(
+        path.problem.clone(),
+        indentation,
+        discs.collect(),
+        degree,
+        degree,
+    );
+    HeldContact {
+        pillars: pillars(path, tops),
+        fields: Arc::new(fields),
+    }
+}
+
+/// Tops in contact with what each bears, nearest to the lens axis first.
+fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
+    let problem = path.problem;
+    let fronts = &path.tops.fronts;
+    let mut basis = BasisEvaluator::new(fronts.degree());
+    let mut at_centre = vec![0.0; tops.first().map_or(0, |top| top.coefficients.len())];
+    if !at_centre.is_empty() {
+        basis.evaluate([0.0, 0.0], &mut at_centre);
+    }
+    let pillar = |top: &HeldTop| {
+        let coefficients = &top.coefficients;
+        let centre_is_held = fronts.holds_centre(top.domain);
+        let edge = || {
+            fronts
+                .edge_range(coefficients)
+                .map(|q| q * problem.pressure)
+        };
+        PillarState {
+            index: top.index,
+            centre: problem.metres(top.centre),
+            status: if top.domain.is_full() {
+                PillarStatus::Full
+            } else {
+                PillarStatus::Partial
+            },
+            force: UNIT_FORCE * coefficients[0] * problem.force(),
+            centre_pressure: if centre_is_held {
+                dot(&at_centre, coefficients) * problem.pressure
+            } else {
+                0.0
+            },
+            edge_coefficient: top.domain.is_full().then(edge),
+        }
+    };
+    let mut pillars: Vec<PillarState> = tops.iter().map(pillar).collect();
+    nearest_first(&mut pillars, |pillar| pillar, problem.length);
+    pillars
+}
+
+/// A station as it is handed out.
+fn in_si(problem: &Problem, station: &Station) -> CycleStation {
+    CycleStation {
+        branch: branch(station.course),
+        indentation: station.indentation * problem.length,
+        force: station.force * problem.force(),
+        contact_radius: station.radius * problem.length,
+        pillars_in_contact: station.touched[0],
+        pillars_partially_in_contact: station.touched[1],
+        contact_area: station.area * problem.length * problem.length,
+        events: station.events,
+    }
 }
 
 fn branch(course: Course) -> Branch {

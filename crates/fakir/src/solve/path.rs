@@ -181,6 +181,8 @@ struct Change {
 pub(crate) struct Path<'a> {
     pub(crate) problem: &'a Problem,
     run: &'a Run<'a>,
+    /// Told every station, the last one of [`stations`](Self::stations), when the lens has come to it.
+    follower: &'a dyn Fn(&Self),
     pair: PairCoupling,
     projector: LensProjector,
     pub(crate) window: Window,
@@ -222,6 +224,7 @@ impl<'a> Path<'a> {
         let mut path = Self {
             problem,
             run,
+            follower: &|_| {},
             works: fronts.works(),
             tops: StickyTops::new(fronts, &problem.lattice, &window),
             loads: vec![0.0; own_load.len()],
@@ -414,6 +417,12 @@ impl<'a> Path<'a> {
             });
         }
         self.stations.push(station);
+        (self.follower)(self);
+    }
+
+    /// Has all further stations told.
+    pub(crate) fn followed_by(&mut self, follower: &'a dyn Fn(&Self)) {
+        self.follower = follower;
     }
 
     /// All tops in contact.

@@ -2,6 +2,7 @@
 
 use super::fields::Fields;
 use super::floor_contact::FloorContact;
+use super::limit::{DOUBTFUL_CONTACT, Limit, limits};
 use crate::problem::{Method, Point, System};
 use std::sync::Arc;
 
@@ -87,9 +88,6 @@ pub enum Warning {
     ReachesBorder,
 }
 
-/// Contact radius over lens radius beyond which a contact is warned of.
-pub(crate) const DOUBTFUL_CONTACT: f64 = 0.2;
-
 /// Warnings for a contact radius relative to the lens radius.
 pub(crate) fn contact_warnings(ratio: f64) -> Vec<Warning> {
     if ratio > DOUBTFUL_CONTACT {
@@ -170,6 +168,16 @@ pub struct ContactState {
 }
 
 impl ContactState {
+    /// The conditions of the model with adhesion, and how near this contact comes to where they end; none where nothing sticks.
+    /// `range` is that of the attraction (m), if it is known.
+    #[must_use]
+    pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
+        if self.system.adhesion().is_none() {
+            return Vec::new();
+        }
+        limits(&self.system, self.contact_radius, range)
+    }
+
     /// The state at an indentation (m) at which nothing is touched.
     pub(crate) fn untouched(system: &System, method: Method, indentation: f64) -> Self {
         Self {

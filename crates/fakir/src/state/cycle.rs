@@ -2,7 +2,10 @@
 
 use super::contact::{ContactState, PillarState, Termination, Warning};
 use super::critical::CriticalState;
+use super::fields::Fields;
+use super::limit::{Limit, limits};
 use crate::problem::{Accuracy, CyclePlan, Point, System};
+use std::sync::Arc;
 
 /// Which way the lens goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,8 +105,34 @@ pub struct HeldPillar {
     pub covered: f64,
 }
 
+/// What is in contact at a station.
+#[derive(Debug, Clone)]
+pub struct HeldContact {
+    /// The pillars in contact with what each bears, those nearest to the lens axis first.
+    pub pillars: Vec<PillarState>,
+    /// Displacement, gap and pressure as functions of position.
+    pub fields: Arc<Fields>,
+}
+
+/// A station that a cycle under way has come to: see [`follow_cycle`](crate::follow_cycle).
+pub struct Passage<'a> {
+    /// Its place in [`Cycle::stations`].
+    pub place: usize,
+    /// The station.
+    pub station: CycleStation,
+    pub(crate) held: &'a dyn Fn() -> HeldContact,
+}
+
+impl Passage<'_> {
+    /// What is in contact there. It takes about as long as copying what every pillar bears.
+    #[must_use]
+    pub fn held(&self) -> HeldContact {
+        (self.held)()
+    }
+}
+
 /// The largest pull of the unloading.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct PullOff {
     /// Force, N: the least of the unloading, negative.
     pub force: f64,
@@ -113,6 +142,8 @@ pub struct PullOff {
     pub station: usize,
     /// The pillars in contact with what each bears, those nearest to the lens axis first.
     pub pillars: Vec<PillarState>,
+    /// Displacement, gap and pressure there as functions of position.
+    pub fields: Arc<Fields>,
 }
 
 /// Estimated relative errors of one figure, by where they come from.
@@ -147,19 +178,6 @@ pub struct CycleErrors {
     pub pull_off_force: CycleError,
     /// Of the loop area.
     pub loop_area: CycleError,
-}
-
-/// A condition of the model, and how near this case comes to where it ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limit {
-    /// Its name in results.
-    pub name: &'static str,
-    /// Its value here.
-    pub value: f64,
-    /// From where on it is doubtful.
-    pub threshold: f64,
-    /// Whether it is doubtful here.
-    pub strained: bool,
 }
 
 /// A cycle of loading and unloading with adhesion on the pillar tops.
@@ -253,40 +271,7 @@ impl Cycle {
     /// if it is known.
     #[must_use]
     pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
-        let strain = self.system.kendall_strain();
         let farthest = self.stations.iter().map(|s| s.contact_radius);
-        let slope = farthest.fold(0.0, f64::max) / self.system.lens().radius;
-        let mut limits = vec![
-            Limit {
-                name: "kendall_strain",
-                value: strain,
-                threshold: LARGEST_STRAIN,
-                strained: strain > LARGEST_STRAIN,
-            },
-            Limit {
-                name: "slope",
-                value: slope,
-                threshold: super::contact::DOUBTFUL_CONTACT,
-                strained: slope > super::contact::DOUBTFUL_CONTACT,
-            },
-        ];
-        if let Some(range) = range {
-            let number = self.system.tabor_number(range);
-            limits.push(Limit {
-                name: "tabor_number",
-                value: number,
-                threshold: SMALLEST_TABOR_NUMBER,
-                strained: number < SMALLEST_TABOR_NUMBER,
-            });
-        }
-        limits
+        limits(&self.system, farthest.fold(0.0, f64::max), range)
     }
 }
-
-/// Stress of Kendall's punch at pull-off over the modulus of the substrate beyond which pillars stretch by more than linear elasticity
-/// is good for.
-pub(crate) const LARGEST_STRAIN: f64 = 0.3;
-
-/// Tabor number below which the range of the attraction is not small: the zone at the rim in which it acts is then wider than 8 % of the
-/// pillar radius.
-const SMALLEST_TABOR_NUMBER: f64 = 5.0;

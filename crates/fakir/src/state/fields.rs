@@ -56,6 +56,33 @@ impl Front {
         let [along, across] = [cos * x + sin * y, cos * y - sin * x];
         along < self.place - self.curvature * across * across
     }
+
+    /// The outline of what is before it, a polygon of about so many corners, in radii of the disc from its centre: half of them
+    /// along the rim, half along the front.
+    fn outline(&self, corners: usize) -> Vec<Point> {
+        let (place, curvature) = (self.place, self.curvature);
+        // Where the front meets the rim, `place - curvature y^2 = x` at `y^2 = 1 - x^2`.
+        let meeting = if curvature == 0.0 {
+            place
+        } else {
+            (1.0 - (1.0 - 4.0 * curvature * (place - curvature)).sqrt()) / (2.0 * curvature)
+        };
+        let end = meeting.clamp(-1.0, 1.0).acos();
+        let half = (corners / 2).max(2);
+        let part = |k: usize| k as f64 / half as f64;
+        let rim = (0..=half).map(|k| {
+            let angle = end + part(k) * (TAU - 2.0 * end);
+            [angle.cos(), angle.sin()]
+        });
+        let front = (1..half).map(|k| {
+            let across = end.sin() * (2.0 * part(k) - 1.0);
+            [place - curvature * across * across, across]
+        });
+        let (sin, cos) = self.direction.sin_cos();
+        rim.chain(front)
+            .map(|[x, y]| [cos * x - sin * y, sin * x + cos * y])
+            .collect()
+    }
 }
 
 impl Disc {
@@ -316,6 +343,8 @@ impl Fields {
             covered[k]
                 .as_ref()
                 .map_or_else(Vec::new, |part| part.region.outline(corners))
+        } else if let Some(HeldPart::Before(front)) = &disc.held {
+            front.outline(corners)
         } else {
             let angles = (0..corners).map(|k| TAU * k as f64 / corners as f64);
             angles.map(|angle| [angle.cos(), angle.sin()]).collect()

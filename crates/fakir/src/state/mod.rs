@@ -15,6 +15,7 @@ pub(crate) mod cycle;
 pub(crate) mod error;
 pub(crate) mod fields;
 pub(crate) mod floor_contact;
+pub(crate) mod limit;
 pub(crate) mod run;
 mod samples;
 mod shared;
@@ -24,12 +25,13 @@ pub use crate::numerics::workers::{CancelToken, Threads};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{
-    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation, HeldPillar,
-    Limit, PullOff,
+    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation, HeldContact,
+    HeldPillar, Passage, PullOff,
 };
 pub use error::SolveError;
 pub use fields::Fields;
 pub use floor_contact::{FloorContact, FloorErrors};
+pub use limit::Limit;
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use shared::Contact;

@@ -4,6 +4,8 @@
 //! where the bodies are pressed together. How far a system is from where these hold say
 //! [`System::kendall_strain`](crate::problem::System::kendall_strain) and [`System::tabor_number`](crate::problem::System::tabor_number).
 //!
+#![doc = include_str!("../../doc/rendered/adhesion.md")]
+//!
 //! Sources: K. Kendall, J. Phys. D 4, 1186 (1971) (flat punch); K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)
 //! (sphere); D. Maugis, J. Colloid Interface Sci. 150, 243 (1992) (range of attraction); D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
 

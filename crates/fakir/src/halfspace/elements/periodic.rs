@@ -169,7 +169,10 @@ fn of_means(wave: [f64; 2], cell: [f64; 2]) -> f64 {
     let [of_x, of_y] = [along(0), along(1)];
     let pairs = of_x.iter().flat_map(|x| of_y.iter().map(move |y| (x, y)));
     pairs
-        .map(|((x, of_x), (y, of_y))| 2.0 * of_x * of_y / (x * x + y * y).sqrt())
+        .map(|((x, of_x), (y, of_y))| {
+            let square = x * x + y * y;
+            2.0 * of_x * of_y / square.sqrt()
+        })
         .sum()
 }
 

@@ -10,7 +10,7 @@ use crate::numerics::convergence::Judgement;
 use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Point, SurfaceSystem};
 use crate::solve::elements::solver;
 use crate::solve::spectral::LARGEST_CONTACT;
-use crate::state::contact::DOUBTFUL_CONTACT;
+use crate::state::limit::DOUBTFUL_CONTACT;
 use crate::state::{
     Certificate, ErrorEstimate, Progress, Run, Shares, SolveError, Stage, SurfaceContact,
     Termination, Warning,

@@ -1,0 +1,259 @@
+//! The curve of a cycle of loading and unloading with adhesion, and what it is on average over stretches.
+
+use fakir::problem::Drive;
+use fakir::state::{Branch, Cycle};
+
+/// A place of the curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    /// Where it is: indentation plus machine compliance times force, m; or the force, N, if that is the load.
+    pub(super) position: f64,
+    /// Indentation, m.
+    pub(super) indentation: f64,
+    /// Force, N.
+    pub(super) force: f64,
+    /// Contact radius, m.
+    pub(super) contact_radius: f64,
+}
+
+/// Force and contact radius over a stretch of the curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Average {
+    /// Value of the straight line through the stretch.
+    pub(super) force: f64,
+    pub(super) contact_radius: f64,
+    /// Slope of that line.
+    pub(super) force_slope: f64,
+    pub(super) radius_slope: f64,
+    /// Mean square of how far the force is from that line: that of its jumps.
+    pub(super) force_variance: f64,
+}
+
+/// Loading and unloading, each in the order of rising position.
+pub(super) struct Curve {
+    loading: Vec<Place>,
+    unloading: Vec<Place>,
+}
+
+impl Curve {
+    /// The curve of a cycle. `compliance` is that of the machine, m/N, where the position is that of its crosshead.
+    pub(super) fn new(cycle: &Cycle, compliance: f64) -> Self {
+        let of = |branch: Branch| {
+            let stations = cycle.stations.iter().filter(move |s| s.branch == branch);
+            stations.map(|station| Place {
+                position: match cycle.plan.drive {
+                    Drive::Force => station.force,
+                    _ => station.indentation + compliance * station.force,
+                },
+                indentation: station.indentation,
+                force: station.force,
+                contact_radius: station.contact_radius,
+            })
+        };
+        let loading: Vec<Place> = of(Branch::Loading).collect();
+        let mut unloading: Vec<Place> = loading.last().copied().into_iter().collect();
+        unloading.extend(of(Branch::Unloading));
+        unloading.reverse();
+        let mut curve = Self { loading, unloading };
+        for places in [&mut curve.loading, &mut curve.unloading] {
+            places.sort_by(|a, b| a.position.total_cmp(&b.position));
+        }
+        curve
+    }
+
+    /// A curve without contact.
+    pub(super) fn nothing() -> Self {
+        Self {
+            loading: Vec::new(),
+            unloading: Vec::new(),
+        }
+    }
+
+    /// The places of a branch in the order of rising position.
+    pub(super) fn places(&self, branch: Branch) -> &[Place] {
+        match branch {
+            Branch::Loading => &self.loading,
+            Branch::Unloading => &self.unloading,
+        }
+    }
+
+    /// Where the lens turns.
+    pub(super) fn turn(&self) -> Option<Place> {
+        self.loading.last().copied()
+    }
+
+    /// The curve at a position: without contact before its first place, and its last place beyond that.
+    pub(super) fn at(&self, branch: Branch, position: f64) -> Place {
+        let places = self.places(branch);
+        let above = places.partition_point(|place| place.position < position);
+        match (above.checked_sub(1).map(|k| places[k]), places.get(above)) {
+            (Some(low), Some(high)) => between(low, *high, position),
+            (Some(last), None) => last,
+            (None, _) => Place {
+                position,
+                indentation: position,
+                force: 0.0,
+                contact_radius: 0.0,
+            },
+        }
+    }
+
+    /// The straight line through the curve from half a stretch below the position to half a stretch above, as far as the curve goes.
+    pub(super) fn average(&self, branch: Branch, position: f64, stretch: f64) -> Average {
+        let end = self.turn().map_or(f64::INFINITY, |turn| turn.position);
+        let (low, high) = (
+            position - 0.5 * stretch,
+            (position + 0.5 * stretch).min(end),
+        );
+        let length = high - low;
+        if length <= 0.0 || length.is_nan() {
+            let place = self.at(branch, position);
+            return Average {
+                force: place.force,
+                contact_radius: place.contact_radius,
+                force_slope: 0.0,
+                radius_slope: 0.0,
+                force_variance: 0.0,
+            };
+        }
+        let pieces = self.pieces(branch, low, high);
+        let line = |value: fn(&Place) -> f64| Line::through(&pieces, low, length, value);
+        let (force, radius) = (line(|p| p.force), line(|p| p.contact_radius));
+        let off_centre = position - f64::midpoint(low, high);
+        Average {
+            force: force.mean + force.slope * off_centre,
+            contact_radius: radius.mean + radius.slope * off_centre,
+            force_slope: force.slope,
+            radius_slope: radius.slope,
+            force_variance: force.variance,
+        }
+    }
+
+    /// The places between two positions, with those at both ends.
+    fn pieces(&self, branch: Branch, low: f64, high: f64) -> Vec<Place> {
+        let places = self.places(branch);
+        let mut pieces = vec![self.at(branch, low)];
+        pieces[0].position = low;
+        if let Some(first) = places.first()
+            && low < first.position
+        {
+            // Nothing is in contact up to there.
+            let position = first.position.min(high);
+            pieces.push(Place {
+                position,
+                ..pieces[0]
+            });
+        }
+        let inside = |place: &&Place| place.position > low && place.position < high;
+        pieces.extend(places.iter().filter(inside));
+        let last = self.at(branch, high);
+        pieces.push(Place {
+            position: high,
+            ..last
+        });
+        pieces
+    }
+}
+
+fn between(low: Place, high: Place, position: f64) -> Place {
+    let length = high.position - low.position;
+    let part = if length > 0.0 {
+        (position - low.position) / length
+    } else {
+        1.0
+    };
+    let value = |a: f64, b: f64| a + part * (b - a);
+    Place {
+        position,
+        indentation: value(low.indentation, high.indentation),
+        force: value(low.force, high.force),
+        contact_radius: value(low.contact_radius, high.contact_radius),
+    }
+}
+
+/// The straight line nearest to a function that is straight between places.
+struct Line {
+    mean: f64,
+    slope: f64,
+    /// Mean square of how far the function is from it.
+    variance: f64,
+}
+
+impl Line {
+    fn through(pieces: &[Place], low: f64, length: f64, value: fn(&Place) -> f64) -> Self {
+        let centre = low + 0.5 * length;
+        let mean = integral(pieces, |a, b, step| {
+            step * f64::midpoint(value(a), value(b))
+        }) / length;
+        // Integrals of the function less its mean, with the position and squared.
+        let first = integral(pieces, |a, b, step| {
+            let (x, y) = (a.position - centre, b.position - centre);
+            let (f, g) = (value(a) - mean, value(b) - mean);
+            step / 6.0 * (x * (2.0 * f + g) + y * (f + 2.0 * g))
+        });
+        let squares = integral(pieces, |a, b, step| {
+            let (f, g) = (value(a) - mean, value(b) - mean);
+            step / 3.0 * (f * f + f * g + g * g)
+        });
+        let slope = 12.0 * first / length.powi(3);
+        let variance = squares / length - slope * slope * length * length / 12.0;
+        Self {
+            mean,
+            slope,
+            variance: variance.max(0.0),
+        }
+    }
+}
+
+fn integral(pieces: &[Place], of_piece: impl Fn(&Place, &Place, f64) -> f64) -> f64 {
+    let pairs = pieces.windows(2);
+    pairs
+        .map(|pair| of_piece(&pair[0], &pair[1], pair[1].position - pair[0].position))
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A branch on which the force rises with slope 1 and drops by 1 at 2.
+    fn saw() -> Curve {
+        let place = |position: f64, force: f64| Place {
+            position,
+            indentation: position,
+            force,
+            contact_radius: 0.0,
+        };
+        let loading = vec![
+            place(0.0, 0.0),
+            place(2.0, 2.0),
+            place(2.0, 1.0),
+            place(4.0, 3.0),
+        ];
+        Curve {
+            unloading: loading.clone(),
+            loading,
+        }
+    }
+
+    #[test]
+    fn averages_by_hand() {
+        let curve = saw();
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        // Where the curve is straight, and at its end.
+        for (position, force) in [(1.0, 1.0), (3.2, 2.2), (4.0, 3.0)] {
+            let average = curve.average(Branch::Loading, position, 1.0);
+            assert!(close(average.force, force) && close(average.force_slope, 1.0));
+            assert!(close(average.force_variance, 0.0));
+        }
+        // A jump of -1 amid a stretch of 1: the mean of 2 to 1 about it; its step against a straight line has slope
+        // -12/8 and leaves 1/4 - (3/2)^2/12.
+        let average = curve.average(Branch::Loading, 2.0, 1.0);
+        assert!(close(average.force, 1.5));
+        assert!(close(average.force_slope, 1.0 - 1.5));
+        assert!(close(average.force_variance, 0.25 - 2.25 / 12.0));
+        // Nothing before contact.
+        let average = curve.average(Branch::Unloading, -3.0, 1.0);
+        assert!(close(average.force, 0.0) && close(curve.at(Branch::Loading, -1.0).force, 0.0));
+    }
+}

@@ -1,0 +1,220 @@
+//! Figures of a sweep, and figures as files.
+
+use crate::answer::{Answer, Row};
+use crate::cycled::Cycled;
+use crate::numbers::{column_unit, scaled};
+use crate::output::File;
+use crate::provenance::Provenance;
+use fakir_case::Key;
+use fakir_case::Study;
+use fakir_case::study::{Asked, Axis, Combine, Coordinate, Variable};
+use fakir_case::unit::Dimension;
+use fakir_figure::{Axis as FigureAxis, Figure, PullOffCurve, PullOffPoint, Text, pull_off_curves};
+use std::collections::BTreeMap;
+
+/// A figure as files.
+#[must_use]
+pub fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
+    let figure = figure.with_provenance(&provenance.stamp());
+    let name = figure.name();
+    [
+        File::new(format!("{name}.svg"), figure.svg()),
+        File::new(format!("{name}.png"), figure.png()),
+    ]
+}
+
+/// The most curves of a figure: as many lines and marks can be told apart.
+const MOST_CURVES: usize = 6;
+
+/// Cycles of one curve, each with its place along the bottom in SI units.
+type Cycles<'a> = Vec<(f64, &'a Cycled)>;
+
+/// Pull-off and hysteresis of the cycles of a study: over the surface fraction if that is an axis, otherwise over the longest axis of numbers; a
+/// curve for every combination of the others, and some of them if there are too many. None of another question, of an axis with a single value, and
+/// of a part of a study.
+#[must_use]
+pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
+    if study.asked() != Asked::Cycle || rows.len() < study.cases() {
+        return None;
+    }
+    let axes: Vec<&Axis> = study.axes().collect();
+    let across = across(study, &axes)?;
+    let mut curves: BTreeMap<Vec<usize>, (Text, Cycles<'_>)> = BTreeMap::new();
+    let mut seen: Vec<Vec<&Coordinate>> = axes.iter().map(|_| Vec::new()).collect();
+    for row in rows {
+        let mut place = Vec::new();
+        let mut words = Vec::new();
+        for (number, coordinate) in row.coordinates.iter().enumerate() {
+            if number == across || study.combine() == Combine::Zip {
+                continue;
+            }
+            let known = &mut seen[number];
+            let step = known.iter().position(|other| *other == coordinate);
+            place.push(step.unwrap_or(known.len()));
+            if step.is_none() {
+                known.push(coordinate);
+            }
+            if axes[number].len() > 1 {
+                words.push(setting(axes[number].variable(), coordinate));
+            }
+        }
+        let curve = curves.entry(place);
+        let (_, points) = curve.or_insert_with(|| (Text::from(words.join(", ")), Vec::new()));
+        if let (Coordinate::Number(x), Some(Answer::Cycle(cycle)), None) =
+            (&row.coordinates[across], &row.answer, &row.problem)
+        {
+            points.push((*x, cycle));
+        }
+    }
+    let curves: Vec<(Text, Cycles<'_>)> = curves.into_values().collect();
+    let values = curves.iter().flat_map(|(_, points)| points);
+    let values: Vec<f64> = values.map(|(x, _)| *x).collect();
+    let (axis, size) = figure_axis(axes[across].variable(), &values);
+    let last = curves.len().saturating_sub(1);
+    let shown = curves.len().min(MOST_CURVES);
+    // From the first to the last.
+    let shown = (0..shown).map(|k| if shown > 1 { k * last / (shown - 1) } else { 0 });
+    let curves: Vec<PullOffCurve> = shown
+        .map(|k| curve(&curves[k].0, &curves[k].1, size))
+        .collect();
+    let drawn = curves.iter().any(|curve| curve.points.len() > 1);
+    drawn.then(|| pull_off_curves(&axis, &curves))
+}
+
+/// The axis along the bottom, by number.
+fn across(study: &Study, axes: &[&Axis]) -> Option<usize> {
+    let numbers = || (0..axes.len()).filter(|k| axes[*k].is_numeric() && axes[*k].len() > 1);
+    if study.combine() == Combine::Zip {
+        return numbers().next();
+    }
+    let fraction = Variable::Key(Key::SurfaceFraction);
+    let of_fraction = numbers().find(|k| axes[*k].variable() == fraction);
+    // The first of those that are equally long.
+    of_fraction.or_else(|| numbers().rev().max_by_key(|k| axes[*k].len()))
+}
+
+fn curve(label: &Text, points: &[(f64, &Cycled)], size: f64) -> PullOffCurve {
+    let mut points: Vec<PullOffPoint> = points
+        .iter()
+        .map(|(x, cycle)| {
+            let (pull, hysteresis) = (cycle.pull_off, cycle.hysteresis);
+            PullOffPoint {
+                x: x / size,
+                force: pull.map_or(f64::NAN, |it| it.force),
+                normalized_force: pull.map_or(f64::NAN, |it| it.normalized_force),
+                hysteresis: hysteresis.map_or(f64::NAN, |it| it.area),
+                normalized_hysteresis: hysteresis.map_or(f64::NAN, |it| it.normalized),
+            }
+        })
+        .collect();
+    points.sort_by(|a, b| a.x.total_cmp(&b.x));
+    PullOffCurve {
+        label: label.clone(),
+        points,
+    }
+}
+
+/// The axis of a variable, and the size of its unit in SI. Values that differ by more than a factor of five are on a logarithmic one.
+fn figure_axis(variable: Variable, values: &[f64]) -> (FigureAxis, f64) {
+    let dimension = variable.dimension().unwrap_or(Dimension::Number);
+    let unit = column_unit(values.iter().copied(), dimension);
+    let name = match variable {
+        Variable::Key(key) => match key.symbol() {
+            Some(symbol) => format!("{} {}", key.label(), markup(symbol)),
+            None => key.label(),
+        },
+        Variable::Indentation => "indentation at the turn *ζ*".to_owned(),
+        Variable::Force => "force at the turn *F*".to_owned(),
+    };
+    let label = match unit {
+        Some(unit) => format!("{name} ({})", printed(unit.symbol)),
+        None => name,
+    };
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(0.0, f64::max);
+    let axis = if low > 0.0 && high > 5.0 * low {
+        FigureAxis::logarithmic(label)
+    } else {
+        FigureAxis::linear(label)
+    };
+    (axis, unit.map_or(1.0, |unit| unit.in_si()))
+}
+
+/// A value of a variable: `*w* = 50 mJ/m^{2}`.
+fn setting(variable: Variable, value: &Coordinate) -> String {
+    let name = match variable {
+        Variable::Key(key) => key.symbol().map_or_else(|| key.label(), markup),
+        Variable::Indentation => "*ζ*".to_owned(),
+        Variable::Force => "*F*".to_owned(),
+    };
+    let value = match value {
+        Coordinate::Word(word) => return word.replace('_', " "),
+        Coordinate::Number(value) => *value,
+    };
+    let (number, unit) = scaled(value, variable.dimension().unwrap_or(Dimension::Number), 3);
+    format!("{name} = {number} {}", printed(unit))
+        .trim_end()
+        .to_owned()
+}
+
+/// A symbol of the paper in italics, with what is lowered upright.
+fn markup(symbol: &str) -> String {
+    match symbol.split_once('_') {
+        Some((symbol, lowered)) => format!("*{symbol}*_{{{lowered}}}"),
+        None => format!("*{symbol}*"),
+    }
+}
+
+/// A unit as it is printed: `mJ/m^{2}`, `µm`.
+fn printed(unit: &str) -> String {
+    unit.replace("m2", "m^{2}").replace('u', "µ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::{Options, sweep};
+    use fakir_case::{Case, StudyFile};
+
+    fn study(tables: &str) -> Study {
+        let text = format!("{tables}\n{}", Case::example().to_toml());
+        let mut file = StudyFile::parse("study.toml", &text).unwrap();
+        file.set("texture.pillar.height=0.3um").unwrap();
+        file.study().unwrap()
+    }
+
+    /// The surface fraction is along the bottom wherever it stands, and every work of adhesion has a curve.
+    #[test]
+    fn cycles_are_drawn_over_the_surface_fraction() {
+        let study = study(
+            "[study]\nquestion = \"cycle\"\n[axes]\nsurface_fraction = [0.001, 0.003]\n\
+             \"adhesion.work\" = [\"5 mJ/m2\", \"20 mJ/m2\", \"50 mJ/m2\"]",
+        );
+        let rows = sweep(&study, &mut Options::default()).unwrap();
+        let figure = of_cycles(&study, &rows).unwrap();
+        assert_eq!(figure.name(), "pull-off");
+        assert_eq!(figure.faults(), Vec::<String>::new());
+        let text = figure.svg();
+        for words in ["surface fraction", "5.00 mJ/m", "50.0 mJ/m", "hysteresis"] {
+            assert!(text.contains(words), "{words}");
+        }
+        // Of a part of the study there is none.
+        assert!(of_cycles(&study, &rows[1..]).is_none());
+    }
+
+    #[test]
+    fn other_questions_have_no_figure() {
+        let study = study("[axes]\nsurface_fraction = [0.001, 0.003]");
+        let rows = sweep(&study, &mut Options::default()).unwrap();
+        assert!(of_cycles(&study, &rows).is_none());
+    }
+
+    #[test]
+    fn symbols_and_units_as_printed() {
+        assert_eq!(markup("E_s"), "*E*_{s}");
+        assert_eq!(printed("mJ/m2"), "mJ/m^{2}");
+        let work = Variable::Key(Key::WorkOfAdhesion);
+        let text = setting(work, &Coordinate::Number(50e-3));
+        assert_eq!(text, "*w* = 50.0 mJ/m^{2}");
+    }
+}

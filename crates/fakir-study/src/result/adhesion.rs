@@ -1,0 +1,216 @@
+//! What is known in closed form of pillar tops that stick, and how far the model holds.
+
+use fakir::problem::{InvalidQuantity, System};
+use fakir::state::Limit;
+use fakir::theory::adhesion::{
+    StickySphere, dugdale_pull_off, first_yield_of_tilted_top, kendall_pull_off,
+    pull_off_under_lens, sphere_pull_off_by_displacement, sphere_pull_off_by_force, sticky_sphere,
+};
+use fakir::theory::closed_forms::{Form, large_contact_radius};
+use serde::Serialize;
+
+/// A condition of the model, and how near this case comes to where it ends.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LimitObject {
+    /// `kendall_strain`, `slope` or `tabor_number`.
+    pub name: &'static str,
+    /// Its value here.
+    pub value: f64,
+    /// From where on the model is doubtful.
+    pub threshold: f64,
+    /// Whether it is doubtful here.
+    pub strained: bool,
+}
+
+impl From<Limit> for LimitObject {
+    fn from(limit: Limit) -> Self {
+        Self {
+            name: limit.name,
+            value: limit.value,
+            threshold: limit.threshold,
+            strained: limit.strained,
+        }
+    }
+}
+
+/// Closed forms of contacts that stick.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct AdhesionObject {
+    /// Work of adhesion where contact is made, J/m^2.
+    pub work_of_adhesion_J_per_m2: f64,
+    /// Work of adhesion where contact is broken, J/m^2: the one that the formulas are for.
+    pub receding_work_of_adhesion_J_per_m2: f64,
+    /// Range of the attraction, m, if it is given.
+    pub attraction_range_m: Option<f64>,
+    /// Stress of Kendall's punch at pull-off over the modulus of the substrate.
+    pub kendall_strain: f64,
+    /// Tabor number of a pillar top; none without a range.
+    pub tabor_number: Option<f64>,
+    /// The formulas.
+    pub pull_off: Vec<PullOffRow>,
+}
+
+/// A pull-off by a formula.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct PullOffRow {
+    /// Name of the formula.
+    pub formula: &'static str,
+    /// Name for a person.
+    #[serde(skip)]
+    pub name: &'static str,
+    /// Force, N, negative where the bodies are pulled apart.
+    pub force_N: f64,
+    /// That over Kendall's of one pillar.
+    pub normalized_force: f64,
+    /// Indentation, m; none where the formula has none.
+    pub indentation_m: Option<f64>,
+    /// Radius of contact, m; none where the formula has none.
+    pub contact_radius_m: Option<f64>,
+    /// Angle between lens and pillar top, rad, of the formula that has one.
+    pub tilt_rad: Option<f64>,
+}
+
+impl AdhesionObject {
+    /// What is known of a system; none where nothing sticks. `range` is that of the attraction (m), if it is known.
+    ///
+    /// # Errors
+    /// A range that is no positive number.
+    pub fn new(system: &System, range: Option<f64>) -> Result<Option<Self>, InvalidQuantity> {
+        let adhesion = system.adhesion();
+        if adhesion.is_none() {
+            return Ok(None);
+        }
+        let dugdale = match range {
+            Some(range) => Some(dugdale_pull_off(
+                system.reduced_modulus(),
+                system.lens().radius,
+                adhesion.receding(),
+                range,
+            )?),
+            None => None,
+        };
+        Ok(Some(Self {
+            work_of_adhesion_J_per_m2: adhesion.work,
+            receding_work_of_adhesion_J_per_m2: adhesion.receding(),
+            attraction_range_m: range,
+            kendall_strain: system.kendall_strain(),
+            tabor_number: range.map(|range| system.tabor_number(range)),
+            pull_off: rows(system, dugdale),
+        }))
+    }
+}
+
+/// The formulas; `dugdale` is the force of the one that needs a range.
+fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
+    let (modulus, lens) = (system.reduced_modulus(), system.lens().radius);
+    let (radius, diameter) = (0.5 * system.pillar().diameter, system.pillar().diameter);
+    let work = system.adhesion().receding();
+    let kendall = kendall_pull_off(modulus, radius, work);
+    let row = |formula, name, force: f64| PullOffRow {
+        formula,
+        name,
+        force_N: force,
+        normalized_force: force / kendall,
+        indentation_m: None,
+        contact_radius_m: None,
+        tilt_rad: None,
+    };
+    let of_sphere = |formula, name, sphere: StickySphere| PullOffRow {
+        indentation_m: Some(sphere.indentation),
+        contact_radius_m: Some(sphere.radius),
+        ..row(formula, name, sphere.force)
+    };
+    let under_lens = pull_off_under_lens(modulus, radius, work, lens);
+    // The top of a pillar gives way as a punch, and the pillar as a column besides.
+    let column = (system.internal_compliance() - 1.0 / modulus) / diameter;
+    let punch = sticky_sphere(modulus, lens, work, radius).indentation;
+    let pitch = system.lattice().pitch;
+    let tilt = large_contact_radius(system, Form::Corrected).max(pitch) / lens;
+    let mut rows = vec![
+        PullOffRow {
+            indentation_m: Some(system.internal_compliance() * kendall / diameter),
+            contact_radius_m: Some(radius),
+            ..row("kendall", "flat pillar alone", kendall)
+        },
+        PullOffRow {
+            indentation_m: Some(punch + column * under_lens),
+            contact_radius_m: Some(radius),
+            ..row("pillar_under_lens", "pillar under the lens", under_lens)
+        },
+        PullOffRow {
+            contact_radius_m: Some(radius),
+            tilt_rad: Some(tilt),
+            ..row(
+                "tilted_pillar_first_yield",
+                "tilted pillar, first yields",
+                first_yield_of_tilted_top(modulus, radius, work, tilt),
+            )
+        },
+        of_sphere(
+            "jkr_by_force",
+            "bare substrate, by force",
+            sphere_pull_off_by_force(modulus, lens, work),
+        ),
+        of_sphere(
+            "jkr_by_displacement",
+            "bare substrate, by displacement",
+            sphere_pull_off_by_displacement(modulus, lens, work),
+        ),
+    ];
+    if let Some(force) = dugdale {
+        rows.push(row("maugis_dugdale", "bare substrate, with range", force));
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fakir::problem::Adhesion;
+    use fakir_case::Case;
+    use std::f64::consts::PI;
+
+    /// `d = 6 um`, `R = 2.2 mm`, `E* = 4/3 MPa`, `w = 50 mJ/m^2`: Kendall's force by hand, and that of the smooth sphere of Johnson, Kendall
+    /// and Roberts, `3/2 pi w R`.
+    #[test]
+    fn formulas_are_those_of_a_pillar_and_of_the_bare_substrate() {
+        let system = Case::example().system;
+        assert_eq!(AdhesionObject::new(&system, None), Ok(None));
+        let system = system.with_adhesion(Adhesion::new(50e-3)).unwrap();
+        let found = AdhesionObject::new(&system, None).unwrap().unwrap();
+        let of = |name: &str| {
+            let row = found.pull_off.iter().find(|row| row.formula == name);
+            row.unwrap().clone()
+        };
+        let modulus = system.reduced_modulus();
+        let by_hand = -(8.0 * PI * 50e-3 * modulus * 3e-6f64.powi(3)).sqrt();
+        assert!((of("kendall").force_N / by_hand - 1.0).abs() < 1e-12);
+        let smooth = -1.5 * PI * 50e-3 * system.lens().radius;
+        assert!((of("jkr_by_force").force_N / smooth - 1.0).abs() < 1e-12);
+        assert!(
+            found
+                .pull_off
+                .iter()
+                .all(|row| row.formula != "maugis_dugdale")
+        );
+        // The lens is so flat over one top that it hardly matters.
+        assert!((of("pillar_under_lens").normalized_force - 1.0).abs() < 1e-2);
+        let stretch = |name: &str| of(name).indentation_m.unwrap();
+        assert!((stretch("pillar_under_lens") / stretch("kendall") - 1.0).abs() < 0.03);
+    }
+
+    #[test]
+    fn a_range_of_attraction_gives_the_tabor_number_and_maugis_force() {
+        let system = Case::example().system;
+        let system = system.with_adhesion(Adhesion::new(50e-3)).unwrap();
+        let found = AdhesionObject::new(&system, Some(5e-9)).unwrap().unwrap();
+        assert_eq!(found.tabor_number, Some(system.tabor_number(5e-9)));
+        let force = found.pull_off.last().unwrap();
+        assert_eq!(force.formula, "maugis_dugdale");
+        let unit = PI * 50e-3 * system.lens().radius;
+        assert!((-2.0..-1.5).contains(&(force.force_N / unit)));
+        assert!(AdhesionObject::new(&system, Some(0.0)).is_err());
+    }
+}
