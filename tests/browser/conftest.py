@@ -73,6 +73,25 @@ class Explorer:
     def text(self, name):
         return self.page.evaluate(f"() => document.getElementById('{name}').textContent")
 
+    def overlap(self, selector):
+        """Whether any two of these elements cover each other."""
+        return self.page.evaluate(
+            """(selector) => {
+                const boxes = [...document.querySelectorAll(selector)].map((x) => x.getBoundingClientRect());
+                return boxes.some((a, i) => boxes.some((b, j) => i < j
+                    && a.left < b.right - 1 && b.left < a.right - 1
+                    && a.top < b.bottom - 1 && b.top < a.bottom - 1));
+            }""",
+            selector,
+        )
+
+    def picture(self, name):
+        """Saves the whole page as a picture, if the environment variable SCREENSHOTS names a folder."""
+        folder = os.environ.get("SCREENSHOTS")
+        if folder:
+            self.page.wait_for_timeout(3000)
+            self.page.screenshot(path=f"{folder}/{name}.png", full_page=True)
+
     def rest(self):
         """Waits until the page has the answer to all that was asked."""
         self.until("document.body.dataset.busy === 'no'")

@@ -346,17 +346,5 @@ def test_a_cycle_fits_every_screen(explore, width, height, scheme):
             .map((x) => x.id)"""
     )
     assert cut == []
-    overlapping = page.page.evaluate(
-        """() => {
-            const boxes = [...document.querySelectorAll("#cycle-numbers dl > div, #cycle-numbers > .remark, #loading, #pull")]
-                .map((x) => x.getBoundingClientRect());
-            return boxes.some((a, i) => boxes.some((b, j) => i < j
-                && a.left < b.right - 1 && b.left < a.right - 1
-                && a.top < b.bottom - 1 && b.top < a.bottom - 1));
-        }"""
-    )
-    assert not overlapping
-    folder = os.environ.get("SCREENSHOTS")
-    if folder:
-        page.page.wait_for_timeout(3000)
-        page.page.screenshot(path=f"{folder}/cycle-{width}-{scheme}.png", full_page=True)
+    assert not page.overlap("#cycle-numbers dl > div, #cycle-numbers > .remark, #loading, #pull")
+    page.picture(f"cycle-{width}-{scheme}")

@@ -298,20 +298,8 @@ def test_fits_every_screen(explore, width, height, scheme, tmp_path):
         "() => getComputedStyle(document.documentElement).backgroundColor.match(/\\d+/g)[0] < 128"
     )
     assert dark == (scheme == "dark")
-    overlapping = page.page.evaluate(
-        """() => {
-            const boxes = [...document.querySelectorAll("main section, header, footer")]
-                .map((x) => x.getBoundingClientRect());
-            return boxes.some((a, i) => boxes.some((b, j) => i < j
-                && a.left < b.right - 1 && b.left < a.right - 1
-                && a.top < b.bottom - 1 && b.top < a.bottom - 1));
-        }"""
-    )
-    assert not overlapping
-    folder = os.environ.get("SCREENSHOTS")
-    if folder:
-        page.page.wait_for_timeout(3000)
-        page.page.screenshot(path=f"{folder}/{width}-{scheme}.png", full_page=True)
+    assert not page.overlap("main section, header, footer")
+    page.picture(f"{width}-{scheme}")
 
 
 def test_motion_is_reduced_on_wish(explore):

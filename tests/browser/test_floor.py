@@ -169,7 +169,4 @@ def test_mixed_contact_fits_every_screen(explore, width, height, scheme):
             .map((x) => x.id)"""
     )
     assert cut == []
-    folder = os.environ.get("SCREENSHOTS")
-    if folder:
-        page.page.wait_for_timeout(3000)
-        page.page.screenshot(path=f"{folder}/mixed-{width}-{scheme}.png", full_page=True)
+    page.picture(f"mixed-{width}-{scheme}")

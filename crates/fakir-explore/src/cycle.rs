@@ -4,7 +4,7 @@
 use crate::answers::{self, CaseLine, CriticalLine, Section};
 use crate::jobs::{Failure, Worker};
 use crate::request;
-use fakir::problem::{Adhesion, CyclePlan, Point, System};
+use fakir::problem::{CyclePlan, Point, System};
 use fakir::state::{Branch, ContactState, Cycle, HeldContact, Passage, PillarStatus};
 use fakir_case::Case;
 use fakir_figure::Section as Cut;
@@ -86,8 +86,10 @@ impl SolvedCycle {
         let down = self.held.range(..self.turn).count();
         let up = self.held.len().saturating_sub(down + 1);
         let load = |number: usize| {
-            if number <= down {
-                number as f64 / down.max(1) as f64 + f64::from(u8::from(down == 0))
+            if number == down {
+                1.0
+            } else if number < down {
+                number as f64 / down as f64
             } else {
                 1.0 + (number - down) as f64 / up as f64
             }
@@ -197,10 +199,7 @@ impl Keeper {
 /// The same without adhesion.
 pub(crate) fn without_adhesion(case: &Case) -> Case {
     let mut plain = *case;
-    // No adhesion is always possible.
-    if let Ok(system) = case.system.with_adhesion(Adhesion::NONE) {
-        plain.system = system;
-    }
+    plain.system = case.system.without_adhesion();
     plain
 }
 

@@ -18,7 +18,7 @@
 
 use fakir::numerics::convergence::within;
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::{Adhesion, Control, CyclePlan, FloorModel, Method};
+use fakir::problem::{Control, CyclePlan, FloorModel, Method};
 use fakir::state::{ContactState, CriticalState, Cycle, Run, SolveError};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, TextureOnly};
@@ -793,8 +793,7 @@ impl Search<'_> {
 
     /// Whether, by the homogenised lattice, so many pillars are in contact at the transition that a cycle takes too long.
     fn has_many_pillars(&self, case: &Case) -> Result<bool, DesignError> {
-        let without = case.system.with_adhesion(Adhesion::NONE);
-        let system = without.map_err(SolveError::from)?;
+        let system = case.system.without_adhesion();
         match fakir::transition(&system, Method::Homogenised, self.run) {
             Ok(critical) => Ok(critical.contact.pillars_in_contact > MANY_PILLARS),
             Err(SolveError::Interrupted) => Err(SolveError::Interrupted.into()),

@@ -1,7 +1,7 @@
 //! The answer to a case of which a cycle of loading and unloading with adhesion is asked.
 
 use crate::answer::exact;
-use fakir::problem::Drive;
+use fakir::problem::Method;
 use fakir::state::{Cycle, CycleError};
 use fakir::theory::adhesion::kendall_pull_off;
 use serde::{Deserialize, Serialize};
@@ -140,16 +140,13 @@ impl From<&Cycle> for Cycled {
         let areas = cycle.stations.iter().map(|station| station.contact_area);
         let parting = adhesion.receding() * areas.fold(0.0, f64::max);
         Self {
-            method: "spectral".to_owned(),
+            method: Method::Spectral(cycle.accuracy).name().to_owned(),
             surface_fraction: system.texture().surface_fraction(),
             pitch: system.lattice().pitch,
             work: adhesion.work,
             work_receding: adhesion.receding(),
             drive: cycle.plan.drive.name().to_owned(),
-            machine_stiffness: match cycle.plan.drive {
-                Drive::Machine(stiffness) => Some(stiffness),
-                _ => None,
-            },
+            machine_stiffness: cycle.plan.drive.stiffness(),
             loading: Loading::from(cycle),
             pull_off: cycle.pull_off.as_ref().map(|pull_off| Pull {
                 force: pull_off.force,

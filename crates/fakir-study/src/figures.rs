@@ -165,8 +165,9 @@ fn markup(symbol: &str) -> String {
     }
 }
 
-/// A unit as it is printed: `mJ/m^{2}`, `µm`.
-fn printed(unit: &str) -> String {
+/// A unit as it is printed in a figure: `mJ/m^{2}`, `µm`.
+#[must_use]
+pub fn printed(unit: &str) -> String {
     unit.replace("m2", "m^{2}").replace('u', "µ")
 }
 

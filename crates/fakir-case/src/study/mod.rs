@@ -638,7 +638,7 @@ impl Study {
         if file.drive != Drive::Displacement {
             let _ = writeln!(text, "drive = \"{}\"", file.drive.name());
         }
-        if let Drive::Machine(stiffness) = file.drive {
+        if let Some(stiffness) = file.drive.stiffness() {
             let stiffness = format_quantity(stiffness, Dimension::Stiffness);
             let _ = writeln!(text, "machine_stiffness = \"{stiffness}\"");
         }

@@ -17,6 +17,7 @@ use fakir_inverse::DesignSummary;
 use fakir_inverse::design::{Answer, Design, Reached, Wanted, design};
 use fakir_inverse::spread::{Critical, Landing, PullOff, Sampling, Spread, Summary, spread};
 use fakir_study::citations::Topic;
+use fakir_study::figures::printed;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::{cycle_warnings, json, warnings};
@@ -351,10 +352,7 @@ fn force_figure(
 ) -> Option<Figure> {
     let unit = column_unit(forces.iter().copied(), Dimension::Force)?;
     let figure = histogram(&Histogram {
-        label: Text::from(format!(
-            "{name} {symbol} ({})",
-            unit.symbol.replace('u', "µ")
-        )),
+        label: Text::from(format!("{name} {symbol} ({})", printed(unit.symbol))),
         values: forces.iter().map(|force| force / unit.in_si()).collect(),
         percentiles: vec![5.0, 50.0, 95.0],
     });

@@ -22,14 +22,16 @@ pub struct LimitObject {
     pub strained: bool,
 }
 
-impl From<Limit> for LimitObject {
-    fn from(limit: Limit) -> Self {
-        Self {
+impl LimitObject {
+    /// All of these.
+    pub(super) fn all(limits: Vec<Limit>) -> Vec<Self> {
+        let object = |limit: Limit| Self {
             name: limit.name,
             value: limit.value,
             threshold: limit.threshold,
             strained: limit.strained,
-        }
+        };
+        limits.into_iter().map(object).collect()
     }
 }
 

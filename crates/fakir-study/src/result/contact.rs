@@ -96,7 +96,7 @@ impl PressSummary {
                 state.error,
                 Some(state.relative_contact_radius_error()),
             ),
-            limits: state.limits(None).into_iter().map(Into::into).collect(),
+            limits: LimitObject::all(state.limits(None)),
             converged: state.converged(),
             iterations: state.iterations,
             wall_time_s: wall_time,
@@ -107,9 +107,8 @@ impl PressSummary {
     /// The same where the range of the attraction (m) is known, or is not.
     #[must_use]
     pub fn with_range(self, state: &ContactState, range: Option<f64>) -> Self {
-        let limits = state.limits(range).into_iter();
         Self {
-            limits: limits.map(Into::into).collect(),
+            limits: LimitObject::all(state.limits(range)),
             ..self
         }
     }

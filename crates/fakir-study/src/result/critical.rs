@@ -56,7 +56,7 @@ impl TransitionSummary {
                 top_contact_radius: Some(state.relative_contact_radius_error()),
                 ..RelativeErrors::new(state.error, Some(critical.relative_contact_radius_error()))
             },
-            limits: state.limits(None).into_iter().map(Into::into).collect(),
+            limits: LimitObject::all(state.limits(None)),
             converged: state.converged(),
             iterations: state.iterations,
             wall_time_s: wall_time,
@@ -67,9 +67,8 @@ impl TransitionSummary {
     /// The same where the range of the attraction (m) is known, or is not.
     #[must_use]
     pub fn with_range(self, state: &ContactState, range: Option<f64>) -> Self {
-        let limits = state.limits(range).into_iter();
         Self {
-            limits: limits.map(Into::into).collect(),
+            limits: LimitObject::all(state.limits(range)),
             ..self
         }
     }

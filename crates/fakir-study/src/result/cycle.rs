@@ -2,7 +2,7 @@
 
 use super::{LimitObject, warnings_of};
 use crate::VERSION;
-use fakir::problem::{Drive, Method};
+use fakir::problem::Method;
 use fakir::state::{Cycle, CycleError, CycleEvent, CycleStation};
 use serde::Serialize;
 
@@ -190,10 +190,7 @@ impl CycleSummary {
             work_of_adhesion_J_per_m2: adhesion.work,
             receding_work_of_adhesion_J_per_m2: adhesion.receding(),
             drive: cycle.plan.drive.name(),
-            machine_stiffness_N_per_m: match cycle.plan.drive {
-                Drive::Machine(stiffness) => Some(stiffness),
-                _ => None,
-            },
+            machine_stiffness_N_per_m: cycle.plan.drive.stiffness(),
             first_contact_indentation_m: first.map(|station| station.indentation),
             first_contact_force_N: first.map(|station| station.force),
             zero_load_indentation_m: cycle.zero_load_indentation,
@@ -223,7 +220,7 @@ impl CycleSummary {
                 pull_off_force: pull_off.map(|_| errors.pull_off_force.into()),
                 hysteresis: certificate.map(|_| errors.loop_area.into()),
             },
-            limits: cycle.limits(None).into_iter().map(Into::into).collect(),
+            limits: LimitObject::all(cycle.limits(None)),
             stations: cycle.stations.iter().map(StationRow::from).collect(),
             events: cycle.events.iter().map(EventRow::from).collect(),
             warnings: cycle_warnings(cycle),
@@ -236,9 +233,8 @@ impl CycleSummary {
     /// The same where the range of the attraction (m) is known, or is not.
     #[must_use]
     pub fn with_range(self, cycle: &Cycle, range: Option<f64>) -> Self {
-        let limits = cycle.limits(range).into_iter();
         Self {
-            limits: limits.map(Into::into).collect(),
+            limits: LimitObject::all(cycle.limits(range)),
             ..self
         }
     }

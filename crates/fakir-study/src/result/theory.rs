@@ -3,7 +3,7 @@
 use super::AdhesionObject;
 use crate::VERSION;
 use crate::closed_forms::{ClosedForm, LARGEST_SUM, closed_forms, touches_one_pillar};
-use fakir::problem::{Adhesion, InvalidQuantity, Method, System};
+use fakir::problem::{InvalidQuantity, Method, System};
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir::theory::closed_forms::{
     Form, TransitionEstimate, hertz_contact_radius, large_contact_radius, small_contact_limit,
@@ -156,7 +156,7 @@ impl TheorySummary {
     pub fn new(system: &System, range: Option<f64>) -> Result<Self, InvalidQuantity> {
         let adhesion = AdhesionObject::new(system, range)?;
         // The other formulas know no adhesion.
-        let system = &system.with_adhesion(Adhesion::NONE)?;
+        let system = &system.without_adhesion();
         let (critical_states, no_homogenised) = critical_rows(system);
         let radii = radii(system);
         Ok(Self {

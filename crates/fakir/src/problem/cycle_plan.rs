@@ -57,6 +57,15 @@ impl Drive {
             Self::Machine(_) => "machine",
         }
     }
+
+    /// Stiffness of the machine, N/m; none unless one drives the lens.
+    #[must_use]
+    pub fn stiffness(self) -> Option<f64> {
+        match self {
+            Self::Machine(stiffness) => Some(stiffness),
+            Self::Displacement | Self::Force => None,
+        }
+    }
 }
 
 impl CyclePlan {
@@ -75,7 +84,7 @@ impl CyclePlan {
                 Turn::Force(force + 0.0)
             }
         };
-        if let Drive::Machine(stiffness) = self.drive {
+        if let Some(stiffness) = self.drive.stiffness() {
             Requirement::Positive.check(Quantity::MachineStiffness, stiffness)?;
         }
         Ok(Self { turn, ..self })

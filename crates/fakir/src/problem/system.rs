@@ -207,6 +207,15 @@ impl System {
         })
     }
 
+    /// The same system with pillar tops that do not stick.
+    #[must_use]
+    pub fn without_adhesion(self) -> Self {
+        Self {
+            adhesion: Adhesion::NONE,
+            ..self
+        }
+    }
+
     /// How the pillar tops stick. Only the spectral method has it.
     #[must_use]
     pub fn adhesion(&self) -> Adhesion {
