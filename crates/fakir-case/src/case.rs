@@ -1,16 +1,19 @@
 //! What is to be solved and how, and its canonical text.
 
 use crate::key::{Key, Setting};
-use crate::parts::Parts;
+use crate::parts::{Parts, TextureArrangement};
 use crate::row::Range;
 use fakir::problem::{
-    Adhesion, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
+    Adhesion, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, Point, System,
+    Texture,
 };
+use std::f64::consts::PI;
 use std::fmt::Write;
 use std::ops::Bound::{self, Excluded, Included};
+use std::path::PathBuf;
 
 /// A system and the method to solve it with: what a case file describes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Case {
     /// The lens and the surface with its pillars.
     pub system: System,
@@ -18,6 +21,17 @@ pub struct Case {
     pub method: Method,
     /// Whether the pitch or the surface fraction was given, and its value. The same one is written back.
     pub(crate) spacing: Spacing,
+    /// Where listed pillars come from.
+    pub(crate) pillars: Option<PillarsOrigin>,
+}
+
+/// A table of pillars.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PillarsOrigin {
+    /// Its file.
+    pub(crate) path: PathBuf,
+    /// Where the lens axis stands in its coordinates, m.
+    pub(crate) axis: Point,
 }
 
 /// How the pitch was given.
@@ -28,10 +42,13 @@ pub(crate) enum Spacing {
 }
 
 impl Spacing {
-    pub(crate) fn pitch(self, diameter: f64) -> f64 {
-        match self {
-            Self::Pitch(pitch) => pitch,
-            Self::SurfaceFraction(fraction) => {
+    pub(crate) fn pitch(self, arrangement: TextureArrangement, diameter: f64) -> f64 {
+        match (self, arrangement) {
+            (Self::Pitch(pitch), _) => pitch,
+            (Self::SurfaceFraction(fraction), TextureArrangement::Square) => {
+                0.5 * diameter * (PI / fraction).sqrt()
+            }
+            (Self::SurfaceFraction(fraction), _) => {
                 HexagonalLattice::with_surface_fraction(fraction, diameter).pitch
             }
         }
@@ -42,11 +59,12 @@ impl Case {
     /// A case to be written with its pitch.
     #[must_use]
     pub fn new(system: System, method: Method) -> Self {
-        let spacing = Spacing::Pitch(system.lattice().pitch);
+        let spacing = Spacing::Pitch(system.pitch());
         Self {
             system,
             method,
             spacing,
+            pillars: None,
         }
     }
 
@@ -66,11 +84,12 @@ impl Case {
         };
         let surface_fraction = 0.1;
         let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
-        let system = System::new(lens, elastomer, Texture { pillar, lattice });
+        let system = System::new(lens, elastomer, Texture::new(pillar, lattice));
         Self {
             system: system.expect("the paper's values are valid"),
             method: Method::default(),
             spacing: Spacing::SurfaceFraction(surface_fraction),
+            pillars: None,
         }
     }
 
@@ -93,6 +112,9 @@ impl Case {
         let does_without = match key {
             Key::WorkOfAdhesion => adhesion == Adhesion::NONE,
             Key::RecedingWorkOfAdhesion => adhesion.work_receding.is_none(),
+            Key::Columns => parts.texture.columns.is_nan(),
+            Key::Pillars => parts.texture.pillars.is_empty(),
+            _ if key.is_of_scatter() => parts.texture.is_plain(),
             _ => key == not_given,
         };
         let is_absent = does_without || key.is_of_surface() || key.idle_with(&mut parts).is_some();

@@ -1,17 +1,18 @@
 //! A case file and its overrides, resolved into a [`Case`].
 
-use crate::case::{Case, Spacing};
+use crate::case::{Case, PillarsOrigin, Spacing};
 use crate::entries::{
     Entries, Entry, NAME_IN_QUOTES, Value, accepted, kind_name, one_of, override_value, unknown_key,
 };
 use crate::error::{CaseError, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting};
-use crate::parts::{Parts, TRUE_OR_FALSE};
+use crate::parts::{Parts, TRUE_OR_FALSE, TextureArrangement, TextureParts};
+use crate::pillars::read_pillars;
 use crate::row::{Field, Presence, Range};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
-use fakir::problem::{Adhesion, HexagonalLattice, InvalidQuantity, Method, System, Texture};
+use fakir::problem::{Adhesion, Arrangement, InvalidQuantity, Method, PillarList, System, Texture};
 use std::path::{Path, PathBuf};
 
 /// A case file that has been read, with the overrides applied so far.
@@ -21,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// let mut file = fakir_case::CaseFile::parse("example.toml", &text)?;
 /// file.set("texture.pitch=25um")?;
 /// let case = file.case()?;
-/// assert_eq!(case.system.lattice().pitch, 25e-6);
+/// assert_eq!(case.system.pitch(), 25e-6);
 /// # Ok::<(), fakir_case::CaseError>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -157,7 +158,7 @@ impl CaseFile {
     /// use fakir_case::{Case, CaseFile, Key};
     /// let mut file = CaseFile::parse("example.toml", &Case::example().to_toml())?;
     /// file.set_number(Key::Pitch, 25e-6);
-    /// assert_eq!(file.case()?.system.lattice().pitch, 25e-6);
+    /// assert_eq!(file.case()?.system.pitch(), 25e-6);
     /// # Ok::<(), fakir_case::CaseError>(())
     /// ```
     pub fn set_number(&mut self, key: Key, value: f64) {
@@ -198,6 +199,7 @@ impl CaseFile {
         let texture = &parts.texture;
         let spacing = match self.entry(Key::Pitch) {
             Some(_) => Spacing::Pitch(texture.lattice.pitch),
+            None if texture.arrangement == TextureArrangement::Listed => Spacing::Pitch(f64::NAN),
             None => {
                 // The system is made with the pitch that follows from the surface fraction, so
                 // that it cannot check the surface fraction itself.
@@ -205,14 +207,23 @@ impl CaseFile {
                 Spacing::SurfaceFraction(texture.surface_fraction)
             }
         };
-        let lattice = HexagonalLattice {
-            pitch: spacing.pitch(texture.pillar.diameter),
-            ..texture.lattice
-        };
         let pillar = texture.pillar;
-        let system = System::new(parts.lens, parts.substrate, Texture { pillar, lattice })
+        let pitch = spacing.pitch(texture.arrangement, pillar.diameter);
+        let (arrangement, pillars) = match texture.plane_lattice(pitch) {
+            Some(lattice) => (Arrangement::from(lattice), None),
+            None => {
+                let (list, origin) = self.listed_pillars(texture)?;
+                (Arrangement::from(list), Some(origin))
+            }
+        };
+        let texture = Texture::new(pillar, arrangement);
+        let system = System::new(parts.lens, parts.substrate, texture)
             .map_err(|invalid| self.impossible(&invalid))?
-            .with_floor(texture.floor);
+            .with_floor(parts.texture.floor);
+        let spacing = match spacing {
+            Spacing::Pitch(_) => Spacing::Pitch(system.pitch()),
+            fraction => fraction,
+        };
         let method = parts.method.method();
         let adhesion = self.adhesion(&parts);
         let system = system
@@ -223,7 +234,28 @@ impl CaseFile {
             system,
             method,
             spacing,
+            pillars,
         })
+    }
+
+    /// The pillars of a table next to the case file, or in the current folder if an override named it.
+    fn listed_pillars(
+        &self,
+        texture: &TextureParts,
+    ) -> Result<(PillarList, PillarsOrigin), CaseError> {
+        let path = self.named_file(Key::Pillars, &texture.pillars);
+        let list = read_pillars(&path, &texture.pillar)
+            .map_err(|error| self.problem(Key::Pillars, error.to_string()))?;
+        let axis = texture.axis;
+        Ok((list.seen_from(axis), PillarsOrigin { path, axis }))
+    }
+
+    /// Where a file that a key names is: next to the case file, or in the current folder if an override named it.
+    pub(crate) fn named_file(&self, key: Key, name: &str) -> PathBuf {
+        match self.entry(key) {
+            Some(entry) if entry.place.source.name() == "--set" => PathBuf::from(name),
+            _ => self.folder.join(name),
+        }
     }
 
     /// The adhesion that is given.
@@ -300,6 +332,10 @@ impl CaseFile {
             if let Some(entry) = self.entry(key) {
                 self.read_value(key, entry, &mut parts)?;
             }
+        }
+        // A table of pillars says what the arrangement is.
+        if self.entry(Key::Pillars).is_some() && self.entry(Key::Lattice).is_none() {
+            parts.texture.arrangement = TextureArrangement::Listed;
         }
         for key in keys().filter(|key| self.entry(*key).is_some()) {
             if let Some((choice, word)) = key.idle_with(&mut parts) {
@@ -449,6 +485,13 @@ impl CaseFile {
     /// The error for a value that the solver refuses. It points at the key that set the value.
     pub(crate) fn impossible(&self, invalid: &InvalidQuantity) -> CaseError {
         let key = Key::of(invalid.quantity);
+        // A pitch that was not given follows from the surface fraction.
+        let by_fraction = key == Some(Key::Pitch) && self.entry(Key::Pitch).is_none();
+        if by_fraction && self.entry(Key::SurfaceFraction).is_some() {
+            return self
+                .problem(Key::SurfaceFraction, "pillars overlap with this")
+                .accepted("on a square lattice they touch at pi/4 = 0.7854");
+        }
         let Some(key) = key else {
             return CaseError::new(&self.source, invalid.to_string());
         };

@@ -87,6 +87,14 @@ impl Key {
         self.part() == Part::Bodies
     }
 
+    /// Whether it turns a lattice, or makes its pillars unlike.
+    pub(crate) fn is_of_scatter(self) -> bool {
+        matches!(
+            self,
+            Self::Rotation | Self::TextureHeightSpread | Self::TextureMissing | Self::TextureSeed
+        )
+    }
+
     /// What kind of value it takes.
     #[must_use]
     pub fn kind(self) -> Kind {

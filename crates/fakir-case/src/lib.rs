@@ -89,6 +89,7 @@ pub mod height_map;
 pub mod input;
 mod key;
 mod parts;
+pub mod pillars;
 mod reference;
 mod row;
 pub mod study;

@@ -4,8 +4,9 @@
 
 use crate::case::{Case, Spacing};
 use fakir::problem::{
-    Accuracy, Boundary, ElementMesh, FloorModel, HexagonalLattice, Lens, Material, MeshLayout,
-    Method, Pillar, PillarCompliance, PunchForm,
+    Accuracy, Arrangement, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice,
+    LatticeForm, Lens, Material, MeshLayout, Method, Pillar, PillarCompliance, PlaneLattice, Point,
+    PunchForm,
 };
 
 /// The values of all keys. Required values are not numbers until they are set, all others have
@@ -23,6 +24,15 @@ pub(crate) struct Parts {
 #[derive(Debug, Clone)]
 pub(crate) struct TextureParts {
     pub(crate) arrangement: TextureArrangement,
+    pub(crate) pillars: String,
+    pub(crate) axis: Point,
+    pub(crate) pitch_y: f64,
+    pub(crate) lattice_angle: f64,
+    pub(crate) rotation: f64,
+    pub(crate) columns: f64,
+    /// But for the seed, which is a number in a case file.
+    pub(crate) disorder: Disorder,
+    pub(crate) seed: f64,
     pub(crate) surface_fraction: f64,
     pub(crate) lattice: HexagonalLattice,
     pub(crate) pillar: Pillar,
@@ -102,6 +112,14 @@ impl Default for Parts {
             substrate: material,
             texture: TextureParts {
                 arrangement: TextureArrangement::Hexagonal,
+                pillars: String::new(),
+                axis: [0.0; 2],
+                pitch_y: NOT_GIVEN,
+                lattice_angle: NOT_GIVEN,
+                rotation: 0.0,
+                columns: NOT_GIVEN,
+                disorder: Disorder::default(),
+                seed: 0.0,
                 surface_fraction: NOT_GIVEN,
                 lattice: HexagonalLattice::new(NOT_GIVEN),
                 pillar: Pillar {
@@ -169,7 +187,7 @@ impl Parts {
             substrate: *case.system.substrate(),
             ..Self::default()
         };
-        parts.texture.lattice = *case.system.lattice();
+        parts.texture.set_arrangement(case);
         parts.texture.pillar = *case.system.pillar();
         parts.texture.floor = case.system.floor_model();
         let adhesion = case.system.adhesion();
@@ -201,6 +219,81 @@ impl Parts {
             other => unreachable!("case files have no method \"{}\"", other.name()),
         }
         parts
+    }
+}
+
+impl TextureParts {
+    fn set_arrangement(&mut self, case: &Case) {
+        match case.system.arrangement() {
+            Arrangement::Hexagonal(lattice) => self.lattice = *lattice,
+            Arrangement::Lattice(lattice) => {
+                self.lattice = HexagonalLattice {
+                    pitch: lattice.form.pitch(),
+                    offset: lattice.offset,
+                    offset_angle: lattice.offset_angle,
+                };
+                self.arrangement = match lattice.form {
+                    LatticeForm::Hexagonal { .. } => TextureArrangement::Hexagonal,
+                    LatticeForm::Square { .. } => TextureArrangement::Square,
+                    LatticeForm::Rectangular { pitch_y, .. } => {
+                        self.pitch_y = pitch_y;
+                        TextureArrangement::Rectangular
+                    }
+                    LatticeForm::Oblique { pitch_y, angle, .. } => {
+                        self.pitch_y = pitch_y;
+                        self.lattice_angle = angle;
+                        TextureArrangement::Oblique
+                    }
+                };
+                self.rotation = lattice.rotation;
+                self.columns = lattice.columns.map_or(NOT_GIVEN, f64::from);
+                self.disorder = lattice.disorder;
+                self.seed = lattice.disorder.seed as f64;
+            }
+            _ => {
+                self.arrangement = TextureArrangement::Listed;
+                if let Some(origin) = &case.pillars {
+                    self.pillars = origin.path.to_string_lossy().into_owned();
+                    self.axis = origin.axis;
+                }
+            }
+        }
+    }
+
+    /// Whether the lattice is endless, not turned, and of equal pillars.
+    pub(crate) fn is_plain(&self) -> bool {
+        let plain = PlaneLattice::new(LatticeForm::Hexagonal { pitch: 1.0 });
+        let same = |lattice: PlaneLattice| {
+            lattice.rotation == plain.rotation && lattice.disorder == plain.disorder
+        };
+        self.plane_lattice(1.0).is_none_or(same)
+    }
+
+    /// The lattice that they describe, of the given pitch; none of listed pillars.
+    pub(crate) fn plane_lattice(&self, pitch: f64) -> Option<PlaneLattice> {
+        let (pitch_y, angle) = (self.pitch_y, self.lattice_angle);
+        let form = match self.arrangement {
+            TextureArrangement::Hexagonal => LatticeForm::Hexagonal { pitch },
+            TextureArrangement::Square => LatticeForm::Square { pitch },
+            TextureArrangement::Rectangular => LatticeForm::Rectangular { pitch, pitch_y },
+            TextureArrangement::Oblique => LatticeForm::Oblique {
+                pitch,
+                pitch_y,
+                angle,
+            },
+            TextureArrangement::Listed => return None,
+        };
+        Some(PlaneLattice {
+            form,
+            rotation: self.rotation,
+            offset: self.lattice.offset,
+            offset_angle: self.lattice.offset_angle,
+            columns: self.columns.is_finite().then_some(self.columns as u32),
+            disorder: Disorder {
+                seed: self.seed as u64,
+                ..self.disorder
+            },
+        })
     }
 }
 
@@ -276,10 +369,20 @@ impl<T: Words> Choice for T {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum TextureArrangement {
     Hexagonal,
+    Square,
+    Rectangular,
+    Oblique,
+    Listed,
 }
 
 impl Words for TextureArrangement {
-    const WORDS: &'static [(&'static str, Self)] = &[("hexagonal", Self::Hexagonal)];
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("hexagonal", Self::Hexagonal),
+        ("square", Self::Square),
+        ("rectangular", Self::Rectangular),
+        ("oblique", Self::Oblique),
+        ("listed", Self::Listed),
+    ];
 }
 
 /// Whether the floor is in contact with the lens where that comes down to it.

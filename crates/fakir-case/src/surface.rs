@@ -114,7 +114,7 @@ impl CaseFile {
         let (kind, parts) = self.surface_parts()?;
         let SurfaceParts { boundary, .. } = parts.surface;
         let (surface, origin) = if kind == Part::HeightMap {
-            let path = self.height_map_path(&parts.surface.height_map);
+            let path = self.named_file(Key::HeightMap, &parts.surface.height_map);
             let surface = self.height_map(&parts.surface, &path, memory_limit)?;
             (surface, SurfaceOrigin::HeightMap(path))
         } else {
@@ -298,15 +298,6 @@ impl CaseFile {
         ))
     }
 
-    /// Where the file of heights is: next to the case file, or in the current folder if an
-    /// override named it.
-    fn height_map_path(&self, name: &str) -> PathBuf {
-        match self.entry(Key::HeightMap) {
-            Some(entry) if entry.place.source.name() == "--set" => PathBuf::from(name),
-            _ => self.folder.join(name),
-        }
-    }
-
     fn pattern(&self, parts: &Parts) -> Result<Pattern, CaseError> {
         let SurfaceParts {
             missing,
@@ -451,7 +442,7 @@ impl CaseFile {
 
     /// All keys that were given and their values, as they are written in a case file.
     fn settings(&self, mut parts: Parts) -> Vec<(Key, String)> {
-        let path = self.height_map_path(&parts.surface.height_map);
+        let path = self.named_file(Key::HeightMap, &parts.surface.height_map);
         let path = std::path::absolute(&path).unwrap_or(path);
         parts.surface.height_map = path.to_string_lossy().into_owned();
         let keys = self.entries.keys.keys();

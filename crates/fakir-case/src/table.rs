@@ -8,7 +8,7 @@ use crate::row::{
 };
 use fakir::problem::Quantity;
 use fakir::problem::pattern::PatternQuantity as Q;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
 /// Makes the enum of keys, the list of them, and their rows.
@@ -50,6 +50,9 @@ pub(crate) enum Part {
 
 const FRACTION: Range = Range::Between(Included(0.0), Excluded(1.0));
 const POISSON: Range = Range::Between(Included(0.0), Included(0.5));
+/// The arrangements of a texture that are lattices, and those that a surface fraction makes.
+const PLANE_LATTICES: &[&str] = &["hexagonal", "square", "rectangular", "oblique"];
+const EVEN_LATTICES: &[&str] = &["hexagonal", "square"];
 /// The lattices that random pillars do not have.
 const LATTICES: &[&str] = &["hexagonal", "square"];
 
@@ -79,24 +82,56 @@ keys! {
     }
     Texture {
         Lattice = "texture.lattice" is
-            word("arrangement of the pillars: hexagonal", |p| &mut p.texture.arrangement)
+            word("hexagonal, square, rectangular or oblique; listed where pillars is given", |p| &mut p.texture.arrangement)
                 .optional();
+        Pillars = "texture.pillars" is
+            text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m", |p| &mut p.texture.pillars)
+                .with(Key::Lattice, &["listed"]);
+        AxisX = "texture.axis_x" is
+            length("where the lens axis stands among listed pillars, along x", |p| &mut p.texture.axis[0])
+                .optional().with(Key::Lattice, &["listed"]);
+        AxisY = "texture.axis_y" is
+            length("where the lens axis stands among listed pillars, along y", |p| &mut p.texture.axis[1])
+                .optional().with(Key::Lattice, &["listed"]);
         SurfaceFraction = "texture.surface_fraction" is
             fraction("part of the surface that is pillar top; or give pitch instead", |p| &mut p.texture.surface_fraction)
                 .symbol("φ").usual(3e-4, 0.3)
-                .range(Range::SurfaceFraction).or(Key::Pitch).of(Quantity::SurfaceFraction);
+                .range(Range::SurfaceFraction).or(Key::Pitch).with(Key::Lattice, EVEN_LATTICES).of(Quantity::SurfaceFraction);
         Pitch = "texture.pitch" is
             length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.texture.lattice.pitch)
                 .symbol("e").usual(1e-6, 1e-3)
-                .range(Range::AtLeast(Key::PillarDiameter)).or(Key::SurfaceFraction).of(Quantity::Pitch);
+                .range(Range::AtLeast(Key::PillarDiameter)).or(Key::SurfaceFraction).with(Key::Lattice, PLANE_LATTICES).of(Quantity::Pitch);
+        PitchY = "texture.pitch_y" is
+            length("distance along the second rows: along y of a rectangular lattice", |p| &mut p.texture.pitch_y)
+                .range(Range::AtLeast(Key::PillarDiameter)).with(Key::Lattice, &["rectangular", "oblique"]).of(Quantity::PitchY);
+        LatticeAngle = "texture.lattice_angle" is
+            angle("between the rows of an oblique lattice", |p| &mut p.texture.lattice_angle)
+                .range(Range::Between(Excluded(0.0), Excluded(PI))).with(Key::Lattice, &["oblique"]).of(Quantity::LatticeAngle);
         Offset = "texture.offset" is
             number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.texture.lattice.offset)
                 .symbol("dx/e").usual(0.0, 1.0)
-                .range(Range::Between(Included(0.0), Included(1000.0))).optional().of(Quantity::Offset);
+                .range(Range::Between(Included(0.0), Included(1000.0))).optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Offset);
         OffsetAngle = "texture.offset_angle" is
             angle("direction of the offset; x points to a second neighbour", |p| &mut p.texture.lattice.offset_angle)
                 .usual(0.0, FRAC_PI_2)
-                .optional().of(Quantity::OffsetAngle);
+                .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::OffsetAngle);
+        Rotation = "texture.rotation" is
+            angle("by which the lattice is turned about the lens axis, anticlockwise", |p| &mut p.texture.rotation)
+                .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Rotation);
+        Columns = "texture.columns" is
+            number("pillars along each side of a finite lattice", |p| &mut p.texture.columns)
+                .range(Range::Whole(1, 10_000)).otherwise("the lattice has no end").with(Key::Lattice, PLANE_LATTICES);
+        TextureHeightSpread = "texture.height_spread" is
+            fraction("standard deviation of the heights of pillars over the height", |p| &mut p.texture.disorder.height_spread)
+                .label("height spread").range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
+                .of(Quantity::HeightSpread);
+        TextureMissing = "texture.missing" is
+            fraction("probability that a pillar is missing", |p| &mut p.texture.disorder.missing)
+                .label("missing").range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
+                .of(Quantity::Missing);
+        TextureSeed = "texture.seed" is
+            number("whole number that decides which heights and which pillars", |p| &mut p.texture.seed)
+                .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES);
         PillarDiameter = "texture.pillar.diameter" is
             length("diameter of a pillar", |p| &mut p.texture.pillar.diameter)
                 .symbol("d").usual(1e-7, 1e-4)

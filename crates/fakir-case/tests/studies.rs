@@ -17,12 +17,12 @@ fn study(tables: &str) -> Study {
 
 /// A case of a study of textures.
 fn texture(study: &Study, index: usize) -> Case {
-    *study.case(index).case.texture().unwrap()
+    study.case(index).case.texture().unwrap().clone()
 }
 
 fn pitches(study: &Study) -> Vec<f64> {
     (0..study.cases())
-        .map(|index| texture(study, index).system.lattice().pitch)
+        .map(|index| texture(study, index).system.pitch())
         .collect()
 }
 
@@ -81,7 +81,13 @@ fn ranges_begin_and_end_where_they_say() {
         assert!((pair[1] / pair[0] / ratio - 1.0).abs() < 1e-12);
     }
     let study = self::study("[axes]\noffset = { from = 0.1, to = 0.7, points = 4 }");
-    let offset = |index: usize| texture(&study, index).system.lattice().offset;
+    let offset = |index: usize| {
+        texture(&study, index)
+            .system
+            .hexagonal_lattice()
+            .unwrap()
+            .offset
+    };
     assert_eq!((offset(0), offset(3)), (0.1, 0.7));
     assert!((offset(1) - 0.3).abs() < 1e-15 && (offset(2) - 0.5).abs() < 1e-15);
 }

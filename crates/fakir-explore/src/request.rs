@@ -221,7 +221,7 @@ pub(crate) fn at_fraction(system: &System, fraction: f64) -> Option<System> {
         pitch: lattice.pitch,
         ..*system.lattice()
     };
-    system.with_lattice(lattice).ok()
+    system.with_arrangement(lattice).ok()
 }
 
 #[cfg(test)]

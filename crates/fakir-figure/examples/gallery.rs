@@ -226,10 +226,7 @@ fn system(modulus: f64, surface_fraction: f64, offset: f64) -> Result<System, Bo
         radius: 2.2e-3,
         material: Material::new(2e6, 0.5),
     };
-    let texture = Texture {
-        pillar,
-        lattice: lattice.offset_by(offset),
-    };
+    let texture = Texture::new(pillar, lattice.offset_by(offset));
     Ok(System::new(lens, Material::new(modulus, 0.5), texture)?)
 }
 

@@ -12,7 +12,7 @@ use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Pixels, Place, Strok
 use crate::series::Dash;
 use crate::text::Text;
 use crate::unit::{Unit, significant};
-use fakir::problem::{HexagonalLattice, Point};
+use fakir::problem::{PlacedPillar, Point, System};
 use fakir::state::ContactState;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -79,23 +79,17 @@ impl Window {
         }
     }
 
-    /// Centres of the pillars of a lattice of which something is seen, with their indices.
-    pub(crate) fn pillars(
-        &self,
-        lattice: &HexagonalLattice,
-        diameter: f64,
-    ) -> Vec<((i64, i64), Point)> {
-        let (middle_i, middle_j) = lattice.nearest_pillar(self.centre);
-        // Lattice points within a distance r have indices within 2 r/(sqrt3 e).
-        let reach = (1.2 * (1.5 * self.half_width + diameter) / lattice.pitch).ceil() as i64 + 1;
-        let limit = self.half_width + 0.5 * diameter;
-        (-reach..=reach)
-            .flat_map(|i| (-reach..=reach).map(move |j| (middle_i + i, middle_j + j)))
-            .map(|(i, j)| ((i, j), lattice.centre(i, j)))
-            .filter(|(_, [x, y])| {
-                (x - self.centre[0]).abs() < limit && (y - self.centre[1]).abs() < limit
-            })
-            .collect()
+    /// The pillars of which something is seen.
+    pub(crate) fn pillars(&self, system: &System) -> Vec<PlacedPillar> {
+        let [x, y] = self.centre;
+        let widest = system.largest_diameter();
+        let farthest = x.hypot(y) + 1.5 * self.half_width + widest;
+        let mut pillars = system.pillars_within(farthest);
+        pillars.retain(|pillar| {
+            let limit = self.half_width + 0.5 * pillar.diameter;
+            (pillar.centre[0] - x).abs() < limit && (pillar.centre[1] - y).abs() < limit
+        });
+        pillars
     }
 
     /// The pillars of a state as discs of two colours: that of the touched ones, and that of the others.
@@ -105,19 +99,18 @@ impl Window {
         [touched, untouched]: [Colour; 2],
         stroke: Option<&Stroke>,
     ) -> Vec<Item> {
-        let diameter = state.system.pillar().diameter;
         let indices: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
-        let disc = |(index, centre)| Item::Disc {
-            centre: self.place(centre),
-            radius: self.length(0.5 * diameter),
-            fill: Some(if indices.contains(&index) {
+        let disc = |pillar: PlacedPillar| Item::Disc {
+            centre: self.place(pillar.centre),
+            radius: self.length(0.5 * pillar.diameter),
+            fill: Some(if indices.contains(&pillar.index) {
                 touched
             } else {
                 untouched
             }),
             stroke: stroke.cloned(),
         };
-        let pillars = self.pillars(state.system.lattice(), diameter);
+        let pillars = self.pillars(&state.system);
         pillars.into_iter().map(disc).collect()
     }
 
@@ -416,7 +409,10 @@ pub(crate) fn edge_stroke() -> Stroke {
 pub(crate) const RED: Colour = Colour([200, 30, 30]);
 
 /// The images of a point under the symmetries of the lattice, each once.
-pub(crate) fn symmetric_copies(lattice: &HexagonalLattice, point: Point) -> Vec<Point> {
+pub(crate) fn symmetric_copies(system: &System, point: Point) -> Vec<Point> {
+    let Some(lattice) = system.hexagonal_lattice() else {
+        return vec![point];
+    };
     let near = 1e-6 * lattice.pitch;
     let mut copies: Vec<Point> = Vec::new();
     for image in lattice.symmetry().images(point) {
@@ -431,12 +427,30 @@ pub(crate) fn symmetric_copies(lattice: &HexagonalLattice, point: Point) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Texture};
+
+    /// Pillars of unit diameter.
+    fn system(lattice: HexagonalLattice) -> System {
+        let (rubber, pillar) = (
+            Material::new(1.0, 0.5),
+            Pillar {
+                diameter: 1.0,
+                height: 1.0,
+                compliance: PillarCompliance::None,
+            },
+        );
+        let lens = Lens {
+            radius: 1e3,
+            material: rubber,
+        };
+        System::new(lens, rubber, Texture::new(pillar, lattice)).unwrap()
+    }
 
     #[test]
     fn all_pillars_in_a_window_and_no_others() {
         let lattice = HexagonalLattice::new(2.0).offset_by(0.3);
         let window = Window::new([0.0, 0.0], 100.0, [0.7, -3.0], 9.0);
-        let pillars = window.pillars(&lattice, 1.0);
+        let pillars = window.pillars(&system(lattice));
         // 19^2/(2 sqrt3) = 104.2 lattice cells.
         assert!((95..=114).contains(&pillars.len()), "{}", pillars.len());
         let wide = (-40..=40).flat_map(|i| (-40..=40).map(move |j| (i, j)));
@@ -458,12 +472,10 @@ mod tests {
 
     #[test]
     fn copies_of_a_hollow_site() {
-        let lattice = HexagonalLattice::new(1.0);
-        assert_eq!(
-            symmetric_copies(&lattice, [1.0 / 3f64.sqrt(), 0.0]).len(),
-            6
-        );
-        assert_eq!(symmetric_copies(&lattice, [0.5, 0.1]).len(), 12);
-        assert_eq!(symmetric_copies(&lattice, [0.0, 0.0]).len(), 1);
+        let system = system(HexagonalLattice::new(1.0));
+        let hollow = [1.0 / 3f64.sqrt(), 0.0];
+        assert_eq!(symmetric_copies(&system, hollow).len(), 6);
+        assert_eq!(symmetric_copies(&system, [0.5, 0.1]).len(), 12);
+        assert_eq!(symmetric_copies(&system, [0.0, 0.0]).len(), 1);
     }
 }

@@ -4,7 +4,7 @@
 use crate::error::FigureError;
 use crate::map::symmetric_copies;
 use crate::patches::on_axis;
-use fakir::problem::Point;
+use fakir::problem::{PlacedPillar, Point};
 use fakir::state::{ContactState, Run};
 use std::collections::HashMap;
 
@@ -93,7 +93,7 @@ impl Section {
         let surface_height = |(x, w): (&f64, &f64)| {
             let floor = -(1.0 - lens_share) * w;
             let pillar = pillars.iter().find(|p| (p.start..=p.end).contains(x));
-            pillar.map_or(floor, |pillar| floor + height - pillar.shortening)
+            pillar.map_or(floor, |pillar| floor + pillar.height - pillar.shortening)
         };
         let lens: Vec<f64> = x.iter().zip(&displacement).map(lens_height).collect();
         let surface = x.iter().zip(&displacement).map(surface_height).collect();
@@ -128,9 +128,8 @@ impl Section {
 
 /// Where symmetric copies of a floor contact lie in the section, m.
 fn in_section(state: &ContactState, point: Point) -> impl Iterator<Item = f64> {
-    let lattice = state.system.lattice();
-    let near = NEAR * lattice.pitch;
-    symmetric_copies(lattice, point)
+    let near = NEAR * state.system.pitch();
+    symmetric_copies(&state.system, point)
         .into_iter()
         .filter(move |[_, y]| y.abs() < near)
         .map(|[x, _]| x)
@@ -142,49 +141,41 @@ fn nearest(places: &[f64], at: f64) -> Option<usize> {
     (0..places.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// A pillar in the section: where it starts and ends, and by how much it is shortened, m.
+/// A pillar in the section: where it starts and ends, its height, and by how much it is shortened, m.
 #[derive(Debug)]
 struct CutPillar {
     start: f64,
     end: f64,
+    height: f64,
     shortening: f64,
 }
 
 fn cut_pillars(state: &ContactState, half_width: f64) -> Vec<CutPillar> {
-    let (lattice, pillar) = (state.system.lattice(), state.system.pillar());
+    let system = &state.system;
     let force: HashMap<(i64, i64), f64> =
         state.pillars.iter().map(|p| (p.index, p.force)).collect();
-    let radius = 0.5 * pillar.diameter;
-    // Rows of pillars along x are half a pitch apart, so that at most a few meet y = 0; along a row
-    // every second of the columns, which are sqrt(3)/2 pitches apart, has a pillar.
-    let row_distance = 0.5 * lattice.pitch;
-    let column_distance = 0.5 * 3f64.sqrt() * lattice.pitch;
-    let [offset_x, offset_y] = lattice.offset_vector();
-    let rows = around(offset_y, radius, row_distance);
-    let columns = around(offset_x, half_width + radius, column_distance);
-    let mut cut: Vec<CutPillar> = rows
-        .flat_map(|row| columns.clone().map(move |column| (row, column)))
-        .filter(|(row, column)| (row + column) % 2 == 0)
-        .filter_map(|(row, column)| {
-            let index = ((column + row) / 2, (column - row) / 2);
-            let [x, y] = lattice.centre(index.0, index.1);
-            let half = (radius * radius - y * y).max(0.0).sqrt();
-            (half > 0.0 && x.abs() - half < half_width).then(|| CutPillar {
-                start: x - half,
-                end: x + half,
-                shortening: force
-                    .get(&index)
-                    .map_or(0.0, |force| force * state.system.column_compliance()),
-            })
+    let cut = |pillar: PlacedPillar| {
+        let radius = 0.5 * pillar.diameter;
+        let [x, y] = pillar.centre;
+        let half = (radius * radius - y * y).max(0.0).sqrt();
+        let compliance = system.column_compliance_of(pillar.height, pillar.diameter);
+        (half > 0.0 && x.abs() - half < half_width).then(|| CutPillar {
+            start: x - half,
+            end: x + half,
+            height: pillar.height,
+            shortening: force
+                .get(&pillar.index)
+                .map_or(0.0, |force| force * compliance),
         })
+    };
+    let farthest = half_width + system.largest_diameter();
+    let mut cut: Vec<CutPillar> = system
+        .pillars_within(farthest)
+        .into_iter()
+        .filter_map(cut)
         .collect();
     cut.sort_by(|a, b| a.start.total_cmp(&b.start));
     cut
-}
-
-/// Whole numbers of steps that are within `reach` of `middle`, and one more at either end.
-fn around(middle: f64, reach: f64, step: f64) -> std::ops::RangeInclusive<i64> {
-    ((middle - reach) / step).floor() as i64 - 1..=((middle + reach) / step).ceil() as i64 + 1
 }
 
 /// Where the section is sampled: evenly, at pillar edges and beside them.
@@ -228,7 +219,7 @@ mod tests {
             compliance: PillarCompliance::Column,
         };
         let lattice = HexagonalLattice::new(PITCH).offset_by(offset);
-        System::new(lens, Material::new(1e6, 0.5), Texture { pillar, lattice }).unwrap()
+        System::new(lens, Material::new(1e6, 0.5), Texture::new(pillar, lattice)).unwrap()
     }
 
     fn section(state: &ContactState, floor_contact: Option<Point>) -> Section {

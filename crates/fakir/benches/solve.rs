@@ -26,7 +26,7 @@ fn system(lens_radius: f64, surface_fraction: f64) -> System {
         compliance: PillarCompliance::Column,
     };
     let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
-    System::new(lens, rubber, Texture { pillar, lattice }).expect("a valid system")
+    System::new(lens, rubber, Texture::new(pillar, lattice)).expect("a valid system")
 }
 
 #[divan::bench(args = [0.03, 0.1, 0.2])]
@@ -45,7 +45,7 @@ fn accurate_transition(bencher: Bencher<'_, '_>, surface_fraction: f64) {
 /// At a surface fraction of 0.2, a lens of ten times the contact radius: nearly Hertz's contact,
 /// `zeta = a^2/R`, so that about `pillars` lie within `a`.
 fn press(bencher: Bencher<'_, '_>, pillars: usize) {
-    let cell = system(1e-3, 0.2).lattice().cell_area();
+    let cell = system(1e-3, 0.2).arrangement().cell_area();
     let contact_radius = (pillars as f64 * cell / PI).sqrt();
     let system = system(10.0 * contact_radius, 0.2);
     let load = Control::Indentation(0.1 * contact_radius);

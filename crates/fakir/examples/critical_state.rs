@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         compliance: PillarCompliance::Column,
     };
     let lattice = HexagonalLattice::with_surface_fraction(0.03, pillar.diameter);
-    let system = System::new(lens, rubber, Texture { pillar, lattice })?;
+    let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
     let critical = fakir::transition(&system, Method::default(), &Run::default())?;
 
     let contact = &critical.contact;

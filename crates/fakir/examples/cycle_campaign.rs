@@ -66,7 +66,7 @@ fn holds(seed: u64) -> Result<bool, Box<dyn Error>> {
         work,
         work_receding: receding,
     };
-    let system = System::new(lens, substrate, Texture { pillar, lattice })?;
+    let system = System::new(lens, substrate, Texture::new(pillar, lattice))?;
     let system = system.with_adhesion(adhesion)?;
     let start = std::time::Instant::now();
     let cycle = fakir::cycle(

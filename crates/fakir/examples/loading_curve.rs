@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let lattice =
         HexagonalLattice::with_surface_fraction(0.03, pillar.diameter).offset_by(1.0 / 3.0);
-    let system = System::new(lens, rubber, Texture { pillar, lattice })?;
+    let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
 
     let (method, run) = (Method::default(), Run::default());
     let critical = fakir::transition(&system, method, &run)?

@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         radius: 2.2e-3,
         material: rubber,
     };
-    let system = System::new(lens, substrate, Texture { pillar, lattice })?;
+    let system = System::new(lens, substrate, Texture::new(pillar, lattice))?;
     let run = Run::default();
     let critical = fakir::transition(&system, Method::Spectral(accuracy), &run)?;
     let indentation = Control::Indentation(ratio * critical.contact.indentation);

@@ -57,7 +57,7 @@ fn row(seed: u64) -> Result<(), Box<dyn std::error::Error>> {
         let system = System::new(
             lens,
             Material::new(modulus, 0.5),
-            Texture { pillar, lattice },
+            Texture::new(pillar, lattice),
         )?;
         let run = Run::default();
         let critical = fakir::transition(&system, Method::default(), &run)?;

@@ -69,7 +69,7 @@ pub fn transition(
 /// # let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
 /// # let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
 /// # let lens = Lens { radius: 2.2e-3, material: rubber };
-/// # let system = System::new(lens, rubber, Texture { pillar, lattice })?;
+/// # let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
 /// let system = system.with_adhesion(Adhesion::new(50e-3))?; // J/m^2
 /// let cycle = fakir::cycle(&system, CyclePlan::default(), Method::default(), &Run::default())?;
 /// let pull_off = cycle.pull_off.as_ref().ok_or("nothing pulls")?;

@@ -207,7 +207,7 @@ pub fn verify(
     let cells = [mesh.cells_per_diameter / 2, mesh.cells_per_diameter];
     let answer = |cells_per_diameter: usize| match &spectral.floor {
         Some(floor) => {
-            let reach = spectral.contact_radius.max(floor.radius) + 1.5 * system.lattice().pitch;
+            let reach = spectral.contact_radius.max(floor.radius) + 1.5 * system.pitch();
             texture::press_with_floor(system, control, cells_per_diameter, reach, run)
         }
         None => {
@@ -333,7 +333,7 @@ mod tests {
         };
         let surface_fraction = 0.245_161_375_788_943_87;
         let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
-        let system = System::new(lens, substrate, Texture { pillar, lattice }).unwrap();
+        let system = System::new(lens, substrate, Texture::new(pillar, lattice)).unwrap();
         let run = Run::default();
         let mesh = ElementMesh::default();
         let verification = verify(&system, Control::FloorContact, mesh, &run).unwrap();

@@ -50,7 +50,7 @@ fn a_lone_top_pulls_as_a_flat_punch() {
         (1e4, PillarCompliance::Column),
     ] {
         let of_paper = paper_system(HexagonalLattice::new(0.1), substrate, compliance);
-        let system = System::new(lens, *of_paper.substrate(), *of_paper.texture()).unwrap();
+        let system = System::new(lens, *of_paper.substrate(), of_paper.texture().clone()).unwrap();
         let system = system.with_adhesion(Adhesion::new(work)).unwrap();
         let expected = pull_off_under_lens(system.reduced_modulus(), 3e-6, work, lens.radius);
         for drive in [
@@ -165,7 +165,7 @@ fn no_adhesion_is_the_contact_as_it_was() {
         Control::Force(2e-5),
         Control::FloorContact,
     ] {
-        let [a, b] = [plain, none]
+        let [a, b] = [&plain, &none]
             .map(|system| fakir::press(&system, control, Method::default(), &run).unwrap());
         assert_eq!(a.force.to_bits(), b.force.to_bits());
         assert_eq!(a.indentation.to_bits(), b.indentation.to_bits());

@@ -44,7 +44,8 @@ fn three_pillars_touched_at_their_rims() {
         ..HexagonalLattice::with_surface_fraction(0.007722749916820121, pillar.diameter)
     };
     let substrate = Material::new(28898431.329092845, 0.0);
-    let system = System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system");
+    let system =
+        System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
     let default = critical(&system, Method::Spectral(Accuracy::Default));
     let accurate = critical(&system, Method::Spectral(Accuracy::Accurate));
     let mesh = ElementMesh {
@@ -86,7 +87,8 @@ fn a_sphere_on_one_wide_pillar() {
         ..HexagonalLattice::with_surface_fraction(0.102813265669176, pillar.diameter)
     };
     let substrate = Material::new(1384510805855967.0, 0.0);
-    let system = System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system");
+    let system =
+        System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
     let default = critical(&system, Method::Spectral(Accuracy::Default));
     let accurate = critical(&system, Method::Spectral(Accuracy::Accurate));
     let ratios = over_estimates(&default, &accurate);
@@ -117,7 +119,8 @@ fn a_touch_that_only_the_whole_lens_shape_shows() {
         ..HexagonalLattice::new(4.918890537000998e-5)
     };
     let substrate = Material::new(4.563307782112325e8, 0.4054807325243255);
-    let system = System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system");
+    let system =
+        System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
     let press = |accuracy| {
         let load = Control::Indentation(8.787422628639028e-9);
         fakir::press(&system, load, Method::Spectral(accuracy), &Run::default()).expect("a contact")
@@ -150,7 +153,8 @@ fn slivers_beside_a_pillar_in_a_dense_texture() {
         ..HexagonalLattice::new(1.1896592040693466e-5)
     };
     let substrate = Material::new(1.7883847380019582e4, 0.5);
-    let system = System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system");
+    let system =
+        System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
     // The force at which punches are about 1 nm in.
     let punches = Method::Punch(PunchForm::Corrected);
     let near = Control::Indentation(9.832207915745805e-10);

@@ -371,7 +371,7 @@ fn what_is_beyond_the_equator_is_out_of_reach() {
         ..paper_lens()
     };
     let lattice = paper_lattice(0.008, 0.5);
-    let texture = fakir::problem::Texture { pillar, lattice };
+    let texture = fakir::problem::Texture::new(pillar, lattice);
     let system = System::new(lens, lens.material, texture).expect("a valid system");
     let transition = |method| {
         let critical = fakir::transition(&system, method, &Run::default()).expect("an answer");
@@ -420,7 +420,7 @@ fn wide_pillars_reach_beyond_a_small_lens() {
         offset_angle: 0.523_598_775_598_298_8,
         ..HexagonalLattice::with_surface_fraction(0.153_675_026_399_087_14, pillar.diameter)
     };
-    let texture = fakir::problem::Texture { pillar, lattice };
+    let texture = fakir::problem::Texture::new(pillar, lattice);
     let system = System::new(lens, substrate, texture).expect("a valid system");
     let transition = |method| {
         let critical = fakir::transition(&system, method, &Run::default()).expect("an answer");

@@ -352,7 +352,7 @@ fn results_scale() {
         };
         let mut lattice = paper_lattice(0.03, 0.2);
         lattice.pitch *= 1e3;
-        System::new(lens, Material::new(2e9, 0.5), Texture { pillar, lattice }).unwrap()
+        System::new(lens, Material::new(2e9, 0.5), Texture::new(pillar, lattice)).unwrap()
     };
     let a = pressed(&small, Control::Indentation(6e-6), Accuracy::Default);
     let b = pressed(&large, Control::Indentation(6e-3), Accuracy::Default);
@@ -371,7 +371,7 @@ fn a_lens_may_meet_the_floor_first() {
     let system = system(0.0002, 2e6, 1.0 / 3f64.sqrt());
     let radius: f64 = 2.2e-3;
     let first_pillar = {
-        let edge = system.lattice().pitch / 3f64.sqrt() - 3e-6;
+        let edge = system.pitch() / 3f64.sqrt() - 3e-6;
         radius - (radius * radius - edge * edge).sqrt()
     };
     assert!(first_pillar > 2.2e-6);

@@ -92,7 +92,7 @@ fn system(
         radius,
         material: lens,
     };
-    System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system")
+    System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system")
 }
 
 /// Systems whose critical contact radius, about `e sqrt(1 + s^2)` with `s = R h/e^2`, is a few
@@ -132,23 +132,26 @@ fn indented() -> impl Strategy<Value = (System, f64)> {
 
 /// Distance from the lens axis of the nearest point of a pillar top.
 fn nearest_edge(system: &System) -> f64 {
-    let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
-    let [x, y] = system.lattice().centre(i, j);
+    let (i, j) = system
+        .hexagonal_lattice()
+        .unwrap()
+        .nearest_pillar([0.0, 0.0]);
+    let [x, y] = system.hexagonal_lattice().unwrap().centre(i, j);
     (x.hypot(y) - 0.5 * DIAMETER).max(0.0)
 }
 
 /// The system seen in a mirror that leaves the x axis in place.
 fn mirrored(system: &System) -> System {
-    let lattice = *system.lattice();
+    let lattice = *system.hexagonal_lattice().unwrap();
     turned_to(system, -lattice.offset_angle)
 }
 
 fn turned_to(system: &System, offset_angle: f64) -> System {
     let lattice = HexagonalLattice {
         offset_angle,
-        ..*system.lattice()
+        ..*system.hexagonal_lattice().unwrap()
     };
-    system.with_lattice(lattice).expect("a valid system")
+    system.with_arrangement(lattice).expect("a valid system")
 }
 
 fn fields(state: &ContactState) -> &Fields {
@@ -290,7 +293,7 @@ fn check_floor(state: &ContactState) -> Result<(), TestCaseError> {
     } else {
         (1e-9 + 10.0 * state.error.indentation) * state.indentation
     };
-    let step = state.system.lattice().pitch / 12.0;
+    let step = state.system.pitch() / 12.0;
     for point in (-18..=18).flat_map(|i| (-18..=18).map(move |j| [i, j])) {
         let point = point.map(|k| f64::from(k) * step);
         if !fields(state).is_on_pillar(point) {
@@ -493,7 +496,7 @@ fn critical_states_just_reach_the_floor() {
         prop_assert!(mirror.is_some_and(|mirror| is_reflection(state, &mirror.contact)));
         // The nodes do not turn with the lattice: turned by 60 degrees, the answers differ by
         // their errors. What the method claims where the edge crosses pillar tops is 1e-5.
-        let angle = system.lattice().offset_angle + PI / 3.0;
+        let angle = system.hexagonal_lattice().unwrap().offset_angle + PI / 3.0;
         if let Some(turned) = transition(&turned_to(&system, angle))? {
             let claimed = if state.pillars_partially_in_contact > 0 {
                 1e-5

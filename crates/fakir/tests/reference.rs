@@ -97,7 +97,7 @@ impl Row {
         format!(
             "phi = {}, offset {}, E_s = {:e} Pa, {:?}",
             self.system.texture().surface_fraction(),
-            self.system.lattice().offset,
+            self.system.hexagonal_lattice().unwrap().offset,
             self.system.substrate().young_modulus,
             self.system.pillar().compliance
         )
@@ -268,7 +268,7 @@ fn points_on_tops(contact: &ContactState) -> Vec<Point> {
         .expect("a spectral state has fields");
     let pillar_radius = 0.5 * contact.system.pillar().diameter;
     let start = contact.contact_radius - 1e-6;
-    let steps = (1.5 * contact.system.lattice().pitch / STEP) as usize;
+    let steps = (1.5 * contact.system.pitch() / STEP) as usize;
     let partial = contact
         .pillars
         .iter()

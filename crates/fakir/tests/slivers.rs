@@ -24,11 +24,11 @@ fn beside_a_pillar() -> System {
         offset_angle: FRAC_PI_6,
         ..HexagonalLattice::with_surface_fraction(0.1, 6e-6)
     };
-    System::new(lens, rubber, Texture { pillar, lattice }).expect("a valid system")
+    System::new(lens, rubber, Texture::new(pillar, lattice)).expect("a valid system")
 }
 
 fn first_touch(system: &System) -> f64 {
-    let nearest = 0.3 * system.lattice().pitch - 0.5 * system.pillar().diameter;
+    let nearest = 0.3 * system.pitch() - 0.5 * system.pillar().diameter;
     system.lens().sag(nearest)
 }
 

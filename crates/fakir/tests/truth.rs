@@ -7,7 +7,7 @@ mod squares;
 
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
-    Accuracy, Control, FloorModel, HexagonalLattice, Lens, Material, Method, Pillar,
+    Accuracy, Arrangement, Control, FloorModel, HexagonalLattice, Lens, Material, Method, Pillar,
     PillarCompliance, Point, PunchForm, System, Texture,
 };
 use fakir::state::{
@@ -39,7 +39,7 @@ fn rubber(lens_radius: f64, pillar: Pillar, lattice: HexagonalLattice) -> System
         ..paper_lens()
     };
     let substrate = Material::new(INTERMEDIATE, 0.5);
-    System::new(lens, substrate, Texture { pillar, lattice }).expect("a valid system")
+    System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system")
 }
 
 /// The paper's intermediate system with the lens axis anywhere.
@@ -223,7 +223,7 @@ fn few_pillars_agree_with_squares_of_constant_pressure() {
             let expected = extrapolated(coarse.forces[k], fine.forces[k]);
             assert_near(pillar.force, expected, 5e-5);
         }
-        let e = system.lattice().pitch;
+        let e = system.pitch();
         for point in [[0.5 * e, 0.1 * e], [-0.6 * e, 0.0], [3.0 * e, -2.0 * e]] {
             assert!(!fields(&state).is_on_pillar(point));
             let displacement = fields(&state).displacement(point);
@@ -356,10 +356,10 @@ fn lengths_and_moduli_scale() {
                     height: pillar.height * length,
                     ..pillar
                 },
-                lattice: HexagonalLattice {
-                    pitch: base.lattice().pitch * length,
-                    ..*base.lattice()
-                },
+                arrangement: Arrangement::from(HexagonalLattice {
+                    pitch: base.pitch() * length,
+                    ..*base.hexagonal_lattice().unwrap()
+                }),
             },
         )
         .expect("a valid system")
@@ -419,8 +419,11 @@ fn force_rises_with_indentation() {
 
 /// Distance from the lens axis of the nearest point of a pillar top.
 fn nearest_edge(system: &System) -> f64 {
-    let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
-    let to_centre = distance(system.lattice().centre(i, j));
+    let (i, j) = system
+        .hexagonal_lattice()
+        .unwrap()
+        .nearest_pillar([0.0, 0.0]);
+    let to_centre = distance(system.hexagonal_lattice().unwrap().centre(i, j));
     (to_centre - 0.5 * system.pillar().diameter).max(0.0)
 }
 
@@ -533,10 +536,10 @@ fn offset_by_a_lattice_vector_changes_nothing() {
         let system = intermediate(phi, offset, degrees);
         let base = transition(&system, Method::default());
         for (i, j) in [(1, 0), (-1, 0), (3, -2)] {
-            let [x, y] = system.lattice().lattice_vector(i, j);
-            let [offset_x, offset_y] = system.lattice().offset_vector();
+            let [x, y] = system.hexagonal_lattice().unwrap().lattice_vector(i, j);
+            let [offset_x, offset_y] = system.hexagonal_lattice().unwrap().offset_vector();
             let [x, y] = [x + offset_x, y + offset_y];
-            let offset = x.hypot(y) / system.lattice().pitch;
+            let offset = x.hypot(y) / system.pitch();
             let shifted = intermediate(phi, offset, y.atan2(x).to_degrees());
             let other = transition(&shifted, Method::default());
             assert_near(other.contact.force, base.contact.force, 1e-9);
@@ -580,7 +583,7 @@ fn floor_is_nowhere_entered_at_the_critical_state() {
             // The fields count more modes of partially touched pillars nearby than the solver.
             let at_contact = fields.gap(critical.floor_contact);
             assert!(at_contact.abs() < 1e-11, "{at_contact:e} m: {system:?}");
-            let step = system.lattice().pitch / 25.0;
+            let step = system.pitch() / 25.0;
             for point in (-35..=35).flat_map(|i| (-35..=35).map(move |j| [i, j])) {
                 let point = point.map(|k| f64::from(k) * step);
                 if !fields.is_on_pillar(point) {
@@ -754,10 +757,7 @@ fn a_lens_narrower_than_the_pitch_meets_the_floor() {
         radius: 30e-6,
         material: Material::new(2e6, 0.5),
     };
-    let texture = Texture {
-        pillar: paper_pillar(PillarCompliance::Column),
-        lattice,
-    };
+    let texture = Texture::new(paper_pillar(PillarCompliance::Column), lattice);
     let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
     let state = press(&system, Control::Force(0.0), Method::default());
     assert_near(state.indentation, system.pillar().height, 1e-15);
@@ -785,8 +785,11 @@ fn a_touch_too_light_for_the_nodes_is_resolved() {
         INTERMEDIATE,
         PillarCompliance::Column,
     );
-    let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
-    let [x, y] = system.lattice().centre(i, j);
+    let (i, j) = system
+        .hexagonal_lattice()
+        .unwrap()
+        .nearest_pillar([0.0, 0.0]);
+    let [x, y] = system.hexagonal_lattice().unwrap().centre(i, j);
     let edge = x.hypot(y) - 0.5 * system.pillar().diameter;
     let first_touch = system.lens().sag(edge);
     for above in [1e-6, 1e-5, 1e-4, 1e-3] {

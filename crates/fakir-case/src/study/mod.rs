@@ -15,7 +15,7 @@
 //! let study = fakir_case::StudyFile::parse("study.toml", &format!("{text}{case}"))?.study()?;
 //! assert_eq!(study.cases(), 20);
 //! let first = study.case(0).case;
-//! assert_eq!(first.texture().map(|case| case.system.lattice().pitch), Some(10e-6));
+//! assert_eq!(first.texture().map(|case| case.system.pitch()), Some(10e-6));
 //! # Ok::<(), fakir_case::CaseError>(())
 //! ```
 //!

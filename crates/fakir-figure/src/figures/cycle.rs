@@ -9,7 +9,7 @@ use crate::map::{ColourBar, KeySign, Sheet, ringed};
 use crate::scene::{Colour, Item};
 use crate::series::{Marker, Series, Style};
 use crate::unit::Unit;
-use fakir::problem::Method;
+use fakir::problem::{Method, PlacedPillar};
 use fakir::state::{Branch, Cycle, CycleEventKind, CycleStation};
 use std::collections::{BTreeMap, HashSet};
 
@@ -203,29 +203,30 @@ pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
         format!("indentation at release ({})", unit.name),
     );
     let pillar = cycle.system.pillar();
-    let lattice = cycle.system.lattice();
     let farthest = released.values().map(|([x, y], _)| x.hypot(*y));
-    let half_width = farthest.fold(0.0, f64::max) + lattice.pitch;
+    let half_width = farthest.fold(0.0, f64::max) + cycle.system.pitch();
     let sheet = Sheet::new([0.0, 0.0], half_width, &bar);
     let window = &sheet.window;
     let radius = window.length(0.5 * pillar.diameter);
     let pulling = cycle.pull_off.iter().flat_map(|it| &it.pillars);
     let pulling: HashSet<(i64, i64)> = pulling.map(|pillar| pillar.index).collect();
-    let discs = window.pillars(lattice, pillar.diameter);
-    let discs = discs.into_iter().flat_map(|(index, centre)| {
-        let found = released.get(&index);
-        let colour = found.map_or(Colour::grey(226), |(_, at)| bar.colour(unit.of(*at)));
-        let centre = window.place(centre);
-        if pulling.contains(&index) {
-            return ringed(centre, radius, colour).to_vec();
-        }
-        vec![Item::Disc {
-            centre,
-            radius,
-            fill: Some(colour),
-            stroke: None,
-        }]
-    });
+    let discs = window.pillars(&cycle.system);
+    let discs = discs
+        .into_iter()
+        .flat_map(|PlacedPillar { index, centre, .. }| {
+            let found = released.get(&index);
+            let colour = found.map_or(Colour::grey(226), |(_, at)| bar.colour(unit.of(*at)));
+            let centre = window.place(centre);
+            if pulling.contains(&index) {
+                return ringed(centre, radius, colour).to_vec();
+            }
+            vec![Item::Disc {
+                centre,
+                radius,
+                fill: Some(colour),
+                stroke: None,
+            }]
+        });
     let mut signs = Vec::new();
     if !pulling.is_empty() {
         signs.push((KeySign::Ring, "held at pull-off"));

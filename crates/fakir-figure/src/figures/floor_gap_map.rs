@@ -30,13 +30,13 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
         method: state.method.name(),
     })?;
     let system = &state.system;
-    let (lattice, pillar) = (system.lattice(), system.pillar());
+    let (pitch, pillar) = (system.pitch(), system.pillar());
     let [x, y] = state.smallest_gap_position;
     let reach = state
         .floor
         .as_ref()
         .map_or(x.hypot(y), |floor| floor.radius);
-    let half_width = (1.7 * lattice.pitch).max(reach + 0.6 * lattice.pitch);
+    let half_width = (1.7 * pitch).max(reach + 0.6 * pitch);
     let anywhere = Window::new([0.0, 0.0], 1.0, [0.0, 0.0], half_width);
     let [across, up] = anywhere.pixel_coordinates(PIXELS);
     let samples = fields.on_grid(&across, &up, run)?;
@@ -80,7 +80,7 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     let signs = if state.floor.is_some() {
         [(KeySign::Patch(ON_FLOOR), "in contact")]
     } else {
-        let copies = symmetric_copies(lattice, state.smallest_gap_position);
+        let copies = symmetric_copies(system, state.smallest_gap_position);
         let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
         crosses(&places, &mut inside);
         [(KeySign::Cross, "smallest gap")]

@@ -30,7 +30,7 @@ pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
         unit.of(highest),
         format!("pressure on the floor ({})", unit.name),
     );
-    let pitch = state.system.lattice().pitch;
+    let pitch = state.system.pitch();
     let half_width = (1.1 * floor.radius)
         .max(1.05 * state.contact_radius.min(1.5 * floor.radius))
         .max(1.4 * pitch);

@@ -123,7 +123,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
 fn transition_curve(system: &System, [first, last]: [f64; 2]) -> Vec<[f64; 2]> {
     let pillar = system.pillar();
     let reduce = system.internal_compliance() / (pillar.height * pillar.diameter);
-    let pitch = system.lattice().pitch;
+    let pitch = system.pitch();
     (0..=240)
         .map(|k| {
             let ratio = first * (last / first).powf(f64::from(k) / 240.0);
@@ -161,7 +161,7 @@ fn shades(curve: &[[f64; 2]], x: [f64; 2], y: [f64; 2]) -> Vec<Shade> {
 
 /// The name of every region, in the emptiest place well inside it.
 fn region_names(system: &System, frame: &Frame, data: &[Item]) -> Vec<Item> {
-    let pitch = system.lattice().pitch;
+    let pitch = system.pitch();
     let pillar = system.pillar();
     let reduce = system.internal_compliance() / (pillar.height * pillar.diameter);
     let names = [

@@ -52,11 +52,7 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
     ) else {
         return Err(none);
     };
-    let shown = Shown {
-        fields,
-        run,
-        diameter: state.system.pillar().diameter,
-    };
+    let shown = Shown { fields, run };
     let mut pillars = vec![("central pillar", central)];
     if rim.index != central.index {
         pillars.push(("rim pillar", rim));
@@ -74,7 +70,7 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
     let mut left = right;
     for (((name, pillar), bar), width) in pillars.iter().zip(&bars).zip(widths) {
         left += 14.0;
-        let window = Window::new([left, top], SIDE, pillar.centre, 0.54 * shown.diameter);
+        let window = Window::new([left, top], SIDE, pillar.centre, 0.54 * pillar.diameter);
         shown.map(name, pillar, &window, bar, &mut items)?;
         let at = [left + SIDE + BESIDE_MAP, top + ARROW];
         bar.draw(at, SIDE - ARROW, &mut items);
@@ -112,13 +108,12 @@ fn rim_pillar(state: &ContactState) -> Option<&PillarState> {
 struct Shown<'a> {
     fields: &'a Fields,
     run: &'a Run<'a>,
-    diameter: f64,
 }
 
 impl Shown<'_> {
     /// Largest pressure shown, Pa.
     fn cut(&self, pillar: &PillarState) -> f64 {
-        CUT * pillar.force / (0.25 * PI * self.diameter.powi(2))
+        CUT * pillar.force / (0.25 * PI * pillar.diameter.powi(2))
     }
 
     fn bar(&self, pillar: &PillarState) -> ColourBar {
@@ -141,7 +136,7 @@ impl Shown<'_> {
         let points: Vec<Point> = places
             .iter()
             .map(|[x, y]| {
-                let shrink = (0.9999 / x.hypot(*y)).min(1.0) * 0.5 * self.diameter;
+                let shrink = (0.9999 / x.hypot(*y)).min(1.0) * 0.5 * pillar.diameter;
                 [pillar.centre[0] + shrink * x, pillar.centre[1] + shrink * y]
             })
             .collect();
@@ -206,7 +201,7 @@ impl Shown<'_> {
     /// Pa, 0 out of contact.
     fn along(&self, pillar: &PillarState) -> Result<Vec<[f64; 2]>, FigureError> {
         let r = distance(pillar);
-        let [cos, sin] = if r > 1e-9 * self.diameter {
+        let [cos, sin] = if r > 1e-9 * pillar.diameter {
             pillar.centre.map(|v| v / r)
         } else {
             [1.0, 0.0]
@@ -232,7 +227,7 @@ impl Shown<'_> {
         bar: &ColourBar,
         items: &mut Vec<Item>,
     ) -> Result<(), FigureError> {
-        let (radius, unit) = (0.5 * self.diameter, Unit::of_pressure(self.cut(pillar)));
+        let (radius, unit) = (0.5 * pillar.diameter, Unit::of_pressure(self.cut(pillar)));
         let [across, up] = window.pixel_coordinates(PIXELS);
         let places: Vec<Point> = up
             .iter()

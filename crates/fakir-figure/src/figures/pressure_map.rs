@@ -88,7 +88,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 fn map_window(state: &ContactState, floor_contact: Option<Point>, at: [f64; 2]) -> Window {
-    let pitch = state.system.lattice().pitch;
+    let pitch = state.system.pitch();
     let floor = floor_contact.map_or(0.0, |[x, y]| x.hypot(y));
     let half_width = (1.06 * state.contact_radius)
         .max(floor + 0.3 * pitch)
@@ -103,20 +103,19 @@ fn draw_map(
     colour: impl Fn(&PillarState) -> Colour,
     items: &mut Vec<Item>,
 ) {
-    let pillar = state.system.pillar();
-    let radius = window.length(0.5 * pillar.diameter);
-    let lattice = state.system.lattice();
     let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
     let mut inside = Vec::new();
     if let Some(floor) = &state.floor {
         inside.push(Item::filled(patches(window, floor), FLOOR_CONTACT));
     }
-    for (index, centre) in window.pillars(lattice, pillar.diameter) {
-        if !touched.contains(&index) {
-            inside.push(disc(window.place(centre), radius, GREY, None));
+    for pillar in window.pillars(&state.system) {
+        if !touched.contains(&pillar.index) {
+            let radius = window.length(0.5 * pillar.diameter);
+            inside.push(disc(window.place(pillar.centre), radius, GREY, None));
         }
     }
     for pillar in &state.pillars {
+        let radius = window.length(0.5 * pillar.diameter);
         let outline = (pillar.status == PillarStatus::Partial)
             .then(|| Stroke::solid(Colour::BLACK, (0.25 * radius).clamp(0.25, 0.7)));
         let place = window.place(pillar.centre);
@@ -129,7 +128,7 @@ fn draw_map(
         stroke: Some(edge_stroke()),
     });
     if let Some(point) = floor_contact {
-        let copies = symmetric_copies(lattice, point);
+        let copies = symmetric_copies(&state.system, point);
         let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
         crosses(&places, &mut inside);
     }

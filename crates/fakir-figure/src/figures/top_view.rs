@@ -51,7 +51,7 @@ const MOST_SIDES: usize = 128;
 /// # Errors
 /// [`FigureError::NoPillars`] from a state without fields; interruption.
 pub fn top_view(state: &ContactState, view: View, run: &Run<'_>) -> Result<Figure, FigureError> {
-    let pitch = state.system.lattice().pitch;
+    let pitch = state.system.pitch();
     let margin = match view {
         View::Contact => 1.1,
         View::NewtonRings { .. } => 1.25,
@@ -94,23 +94,25 @@ fn no_fields(state: &ContactState) -> FigureError {
 }
 
 fn contact(state: &ContactState, window: &Window) -> Result<Vec<Item>, FigureError> {
-    let diameter = state.system.pillar().diameter;
-    let radius = window.length(0.5 * diameter);
-    let disc = |centre: Point, fill: Colour| Item::Disc {
+    let disc = |centre: Point, diameter: f64, fill: Colour| Item::Disc {
         centre: window.place(centre),
-        radius,
+        radius: window.length(0.5 * diameter),
         fill: Some(fill),
         stroke: None,
     };
     let mut items = vec![Item::filled(Path::rectangle(&window.frame.bounds), FLOOR)];
-    let pillars = window.pillars(state.system.lattice(), diameter);
+    let pillars = window.pillars(&state.system);
     if let Some(floor) = &state.floor {
         items.push(Item::filled(patches(window, floor), ON_FLOOR));
     }
-    items.extend(pillars.into_iter().map(|(_, centre)| disc(centre, PILLAR)));
+    items.extend(pillars.iter().map(|p| disc(p.centre, p.diameter, PILLAR)));
     let full = |pillar: &&PillarState| pillar.status == PillarStatus::Full;
     let pillars = state.pillars.iter();
-    items.extend(pillars.filter(full).map(|p| disc(p.centre, TOUCHED)));
+    items.extend(
+        pillars
+            .filter(full)
+            .map(|p| disc(p.centre, p.diameter, TOUCHED)),
+    );
     items.extend(partial_contacts(state, window)?);
     Ok(items)
 }

@@ -199,7 +199,7 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
             accurate.error.force.max(accurate.error.indentation),
         ]);
     }
-    let angle = system.lattice().offset_angle;
+    let angle = system.hexagonal_lattice().unwrap().offset_angle;
     for (copy, checks) in [
         (
             angle + FRAC_PI_3,
@@ -286,8 +286,8 @@ fn units(drawn: &Drawn, control: Control, state: &ContactState, findings: &mut F
                 ..*pillar
             },
             lattice: HexagonalLattice {
-                pitch: system.lattice().pitch * LENGTH,
-                ..*system.lattice()
+                pitch: system.pitch() * LENGTH,
+                ..*system.hexagonal_lattice().unwrap()
             },
         },
     )
@@ -345,7 +345,9 @@ fn elements(system: &System, control: Control, findings: &mut Findings) {
 fn turned_to(system: &System, offset_angle: f64) -> System {
     let lattice = HexagonalLattice {
         offset_angle,
-        ..*system.lattice()
+        ..*system.hexagonal_lattice().unwrap()
     };
-    system.with_lattice(lattice).expect("as valid as before")
+    system
+        .with_arrangement(lattice)
+        .expect("as valid as before")
 }

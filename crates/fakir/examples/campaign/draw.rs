@@ -56,7 +56,11 @@ impl Drawn {
     /// As a case file, and how to ask the question on the command line.
     pub(crate) fn case_file(&self) -> String {
         let system = &self.system;
-        let (lens, pillar, lattice) = (system.lens(), system.pillar(), system.lattice());
+        let (lens, pillar, lattice) = (
+            system.lens(),
+            system.pillar(),
+            system.hexagonal_lattice().unwrap(),
+        );
         let compliance = match pillar.compliance {
             PillarCompliance::Column => "column",
             PillarCompliance::None => "none",
@@ -172,7 +176,7 @@ impl Random {
             return Asked::Transition;
         }
         let first_touch = system.lens().sag(nearest_edge(system));
-        let reach = system.lattice().pitch * self.logarithmic(0.05, 6.0);
+        let reach = system.pitch() * self.logarithmic(0.05, 6.0);
         let radius = system.lens().radius;
         // Light touches are the hardest: the contact is a sliver of one pillar top.
         let lightly = self.one_in(4.0) && first_touch > 0.0 && first_touch.is_finite();
@@ -191,8 +195,11 @@ impl Random {
 
 /// Distance from the lens axis of the nearest point of a pillar top.
 pub(crate) fn nearest_edge(system: &System) -> f64 {
-    let (i, j) = system.lattice().nearest_pillar([0.0, 0.0]);
-    let [x, y]: Point = system.lattice().centre(i, j);
+    let (i, j) = system
+        .hexagonal_lattice()
+        .unwrap()
+        .nearest_pillar([0.0, 0.0]);
+    let [x, y]: Point = system.hexagonal_lattice().unwrap().centre(i, j);
     (x.hypot(y) - 0.5 * system.pillar().diameter).max(0.0)
 }
 
@@ -211,7 +218,7 @@ fn expected_floor(system: &System, asked: Asked) -> f64 {
 /// Pillars under a contact of the radius that the undeformed lens has at the indentation, or, at the
 /// transition, of the paper's `e sqrt(1 + (R h/e^2)^2)`; none where the contact outgrows the lens.
 fn expected_pillars(system: &System, asked: Asked) -> f64 {
-    let lattice = system.lattice();
+    let lattice = system.hexagonal_lattice().unwrap();
     let (lens, pitch) = (system.lens().radius, lattice.pitch);
     let contact = match asked {
         Asked::Transition => pitch.hypot(lens * system.pillar().height / pitch),

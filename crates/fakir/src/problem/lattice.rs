@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// `pi/(2 sqrt 3)`: the surface fraction at which neighbouring pillars touch.
 pub const MAXIMUM_SURFACE_FRACTION: f64 = 0.906_899_682_117_108_9;
 
-const HALF_SQRT_3: f64 = 0.866_025_403_784_438_6;
+pub(super) const HALF_SQRT_3: f64 = 0.866_025_403_784_438_6;
 
 /// A hexagonal lattice with vectors `a1 = e (sqrt3/2, 1/2)` and `a2 = e (sqrt3/2, -1/2)`.
 ///

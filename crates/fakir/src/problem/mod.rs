@@ -1,7 +1,7 @@
 //! What is asked: the bodies that are pressed, the load, and the method.
 //!
-//! A [`System`] is a smooth elastic lens on an elastic substrate that carries a hexagonal lattice of
-//! cylindrical pillars; a [`SurfaceSystem`] is a lens or a plate on any [`HeightMap`], such as those of [`pattern`].
+//! A [`System`] is a smooth elastic lens on an elastic substrate that carries
+//! cylindrical pillars in any [`Arrangement`]: the paper's hexagonal lattice, another one, or a list; a [`SurfaceSystem`] is a lens or a plate on any [`HeightMap`], such as those of [`pattern`].
 //!
 //! Everything is in SI units and valid once constructed: a [`System`] that
 //! exists can be solved. Both bodies are elastic half-spaces without friction;
@@ -16,6 +16,7 @@
 #![doc = include_str!("../../doc/rendered/problem.md")]
 
 pub(crate) mod adhesion;
+pub(crate) mod arrangement;
 pub(crate) mod control;
 pub(crate) mod cycle_plan;
 pub(crate) mod grid;
@@ -31,6 +32,10 @@ pub(crate) mod surface;
 pub(crate) mod system;
 
 pub use adhesion::Adhesion;
+pub use arrangement::{
+    Arrangement, Disorder, InvalidPillars, LatticeForm, ListedPillar, PillarList, PlacedPillar,
+    PlaneLattice,
+};
 pub use control::Control;
 pub use cycle_plan::{CyclePlan, Drive, Turn};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};

@@ -1,16 +1,9 @@
 //! Where pillars stand and how they are made: a hexagonal lattice of equal ones, any other lattice, or a list. In the units of the solvers.
 
-#![cfg_attr(
-    not(test),
-    expect(
-        dead_code,
-        reason = "problems ask for lattices of equal pillars so far"
-    )
-)]
-
+use super::arrangement::{self, Arrangement, Disorder};
 use super::lattice::HexagonalLattice;
 use super::point::Point;
-use std::collections::BTreeMap;
+use super::system::System;
 use std::sync::Arc;
 
 /// A pillar without its place.
@@ -63,76 +56,136 @@ pub(crate) fn reduced([mut a, mut b]: [Point; 2]) -> [Point; 2] {
     }
 }
 
-/// Pillars on any plane lattice, but for some that are missing or made otherwise.
+/// Pillars on any plane lattice, all alike but for their scatter.
 #[derive(Debug, Clone)]
 pub(crate) struct PlaneLattice {
+    /// Those that pillars are counted by.
+    vectors: [Point; 2],
     /// Reduced.
     basis: [Point; 2],
     /// From the lens axis to the pillar of index (0, 0).
     origin: Point,
     body: PillarBody,
-    /// By index: what stands there instead, if anything does.
-    others: BTreeMap<(i64, i64), Option<PillarBody>>,
+    scatter: Option<Scatter>,
+    /// How many pillars there are along each of the vectors.
+    columns: Option<i64>,
+}
+
+/// How the pillars of a lattice differ.
+#[derive(Debug, Clone)]
+struct Scatter {
+    disorder: Disorder,
+    /// The common height.
+    height: f64,
+}
+
+/// The numbers by which a point is a sum of two vectors.
+fn coordinates([x, y]: Point, [[a, b], [c, d]]: [Point; 2]) -> Point {
+    let area = a * d - b * c;
+    [(x * d - y * c) / area, (a * y - b * x) / area]
 }
 
 impl PlaneLattice {
-    /// The indices of its pillars are those in the [reduced] basis. `None` if the vectors do not span the plane.
+    /// `None` if the vectors do not span the plane.
     pub(crate) fn new(vectors: [Point; 2], origin: Point, body: PillarBody) -> Option<Self> {
         let [[a, b], [c, d]] = vectors;
         let area = (a * d - b * c).abs();
         let longest = a.hypot(b).max(c.hypot(d));
         // An area of rounding errors is none; nor is one that is no number.
         (area > 1e-9 * longest * longest && area.is_finite()).then(|| Self {
+            vectors,
             basis: reduced(vectors),
             origin,
             body,
-            others: BTreeMap::new(),
+            scatter: None,
+            columns: None,
         })
     }
 
-    /// The same with the pillar nearest to a point taken away or replaced.
-    pub(crate) fn with_other(mut self, near: Point, body: Option<PillarBody>) -> Self {
-        let [x, y] = [near[0] - self.origin[0], near[1] - self.origin[1]];
-        let [[a, b], [c, d]] = self.basis;
-        let area = a * d - b * c;
-        let [i, j] = [
-            ((x * d - y * c) / area).round() as i64,
-            ((a * y - b * x) / area).round() as i64,
-        ];
-        let distance = |index: &(i64, i64)| {
-            let [u, v] = self.centre(*index);
-            (u - near[0]).hypot(v - near[1])
-        };
-        let around = (-1..=1).flat_map(|k| (-1..=1).map(move |l| (i + k, j + l)));
-        if let Some(index) = around.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
-            self.others.insert(index, body);
+    /// In units of a length (m), with common pillars of a height.
+    fn of(
+        lattice: &arrangement::PlaneLattice,
+        length: f64,
+        height: f64,
+        body: PillarBody,
+    ) -> Option<Self> {
+        let scaled = |[x, y]: Point| [x / length, y / length];
+        let [one, other] = lattice.vectors();
+        let disorder = lattice.disorder;
+        let whole = Self::new([scaled(one), scaled(other)], scaled(lattice.origin()), body)?;
+        Some(Self {
+            scatter: (disorder.height_spread > 0.0 || disorder.missing > 0.0)
+                .then_some(Scatter { disorder, height }),
+            columns: lattice.columns.map(i64::from),
+            ..whole
+        })
+    }
+
+    /// The pillar of an index, if there is one.
+    fn body_at(&self, (i, j): (i64, i64)) -> Option<PillarBody> {
+        if let Some(columns) = self.columns {
+            let [first, end] = arrangement::PlaneLattice::range(columns);
+            let inside = first..end;
+            if !(inside.contains(&i) && inside.contains(&j)) {
+                return None;
+            }
         }
-        self
+        match &self.scatter {
+            None => Some(self.body),
+            Some(Scatter { disorder, height }) => {
+                let ratio = disorder.height_ratio((i, j))?;
+                Some(PillarBody {
+                    raised: self.body.raised + (ratio - 1.0) * height,
+                    column_compliance_ratio: self.body.column_compliance_ratio * ratio,
+                    ..self.body
+                })
+            }
+        }
+    }
+
+    /// The index of the lattice point nearest to a point, whether or not a pillar stands there.
+    fn nearest(&self, near: Point) -> (i64, i64) {
+        let from_origin = [near[0] - self.origin[0], near[1] - self.origin[1]];
+        let [u, v] = coordinates(from_origin, self.basis).map(f64::round);
+        let [a, b] = self.basis;
+        let around = (-1..=1).flat_map(|k| (-1..=1).map(move |l| [k, l].map(f64::from)));
+        let points = around.map(|[k, l]| [0, 1].map(|axis| (u + k) * a[axis] + (v + l) * b[axis]));
+        let away = |[x, y]: &Point| (x - from_origin[0]).hypot(y - from_origin[1]);
+        let nearest = points.min_by(|one, other| away(one).total_cmp(&away(other)));
+        let [i, j] = coordinates(nearest.unwrap_or(from_origin), self.vectors);
+        (i.round() as i64, j.round() as i64)
     }
 
     fn centre(&self, (i, j): (i64, i64)) -> Point {
-        [0, 1].map(|k| self.origin[k] + self.basis[0][k] * i as f64 + self.basis[1][k] * j as f64)
+        let [one, other] = self.vectors;
+        [0, 1].map(|k| self.origin[k] + one[k] * i as f64 + other[k] * j as f64)
     }
 
     fn cell_area(&self) -> f64 {
-        let [[a, b], [c, d]] = self.basis;
+        let [[a, b], [c, d]] = self.vectors;
         (a * d - b * c).abs()
     }
 
     /// All pillars with centres within a radius of the lens axis, by rising index.
     fn within(&self, radius: f64) -> Vec<IndexedPillar> {
-        let lengths = self.basis.map(|[x, y]| x.hypot(y));
+        let lengths = self.vectors.map(|[x, y]| x.hypot(y));
         let reach = radius + self.origin[0].hypot(self.origin[1]);
         // The distance of rows i = constant is the area of the cell over the length of the other vector.
         let most = |other: usize| (reach * lengths[other] / self.cell_area()).ceil() as i64;
         let (rows, columns) = (most(1), most(0));
+        let side = |most: i64| match self.columns {
+            Some(columns) => {
+                let [first, end] = arrangement::PlaneLattice::range(columns);
+                first.max(-most)..end.min(most + 1)
+            }
+            None => -most..most + 1,
+        };
         let mut pillars = Vec::new();
-        for i in -rows..=rows {
-            for j in -columns..=columns {
+        for i in side(rows) {
+            for j in side(columns) {
                 let centre = self.centre((i, j));
-                let body = self.others.get(&(i, j)).copied();
-                if let Some(body) = body.unwrap_or(Some(self.body))
-                    && centre[0].hypot(centre[1]) <= radius
+                if centre[0].hypot(centre[1]) <= radius
+                    && let Some(body) = self.body_at((i, j))
                 {
                     pillars.push(((i, j), ListedPillar { centre, body }));
                 }
@@ -141,8 +194,22 @@ impl PlaneLattice {
         pillars
     }
 
-    fn bodies(&self) -> impl Iterator<Item = &PillarBody> {
-        std::iter::once(&self.body).chain(self.others.values().flatten())
+    /// Whether all pillars stand within a radius of the lens axis.
+    fn is_within(&self, radius: f64) -> bool {
+        self.columns.is_some_and(|columns| {
+            let [first, end] = arrangement::PlaneLattice::range(columns);
+            let ends = [first, end - 1];
+            let mut corners = ends.iter().flat_map(|&i| ends.map(|j| self.centre((i, j))));
+            corners.all(|[x, y]| x.hypot(y) <= radius)
+        })
+    }
+
+    /// The most that a pillar is higher than the common one.
+    fn highest(&self) -> f64 {
+        let scattered = self.scatter.as_ref().map_or(0.0, |scatter| {
+            Disorder::DEVIATIONS * scatter.disorder.height_spread * scatter.height
+        });
+        self.body.raised + scattered
     }
 }
 
@@ -189,10 +256,11 @@ impl PillarList {
                 spacing = spacing.max(nearest);
             }
         }
-        (least_gap >= 0.0).then_some(Self {
+        // Those that touch may overlap by rounding.
+        (least_gap >= -1e-9).then_some(Self {
             pillars,
             spacing,
-            least_gap,
+            least_gap: least_gap.max(0.0),
         })
     }
 }
@@ -210,6 +278,44 @@ pub(crate) enum PillarField {
 }
 
 impl PillarField {
+    /// In units of a length (m).
+    pub(super) fn new(system: &System, length: f64) -> Self {
+        let column_compliance_ratio = system.column_compliance_ratio();
+        let common = PillarBody::of_column(column_compliance_ratio);
+        let height = system.pillar().height / length;
+        match system.arrangement() {
+            Arrangement::Hexagonal(lattice) => Self::Hexagonal {
+                lattice: HexagonalLattice {
+                    pitch: lattice.pitch / length,
+                    ..*lattice
+                },
+                column_compliance_ratio,
+            },
+            Arrangement::Lattice(lattice) => {
+                let lattice = PlaneLattice::of(lattice, length, height, common);
+                Self::Lattice(Arc::new(lattice.expect("its angle was checked")))
+            }
+            Arrangement::Listed(list) => {
+                let pillar = |pillar: &arrangement::ListedPillar| {
+                    let radius = 0.5 * pillar.diameter / length;
+                    let own_height = pillar.height / length;
+                    ListedPillar {
+                        centre: pillar.centre.map(|x| x / length),
+                        body: PillarBody {
+                            radius,
+                            raised: own_height - height,
+                            column_compliance_ratio: column_compliance_ratio * own_height
+                                / (height * radius),
+                        },
+                    }
+                };
+                let pillars = list.pillars().iter().map(pillar).collect();
+                let list = PillarList::new(pillars);
+                Self::Listed(Arc::new(list.expect("its pillars were checked")))
+            }
+        }
+    }
+
     /// How far apart neighbours stand.
     pub(crate) fn spacing(&self) -> f64 {
         match self {
@@ -234,11 +340,7 @@ impl PillarField {
             Self::Hexagonal { lattice, .. } => lattice.pitch - 2.0,
             Self::Lattice(lattice) => {
                 let shortest = lattice.basis[0][0].hypot(lattice.basis[0][1]);
-                let radii = lattice.bodies().map(|body| body.radius);
-                let (least, most) = radii.fold((f64::INFINITY, 0.0_f64), |(a, b), radius| {
-                    (a.min(radius), b.max(radius))
-                });
-                (shortest - 2.0 * most) / least
+                shortest / lattice.body.radius - 2.0
             }
             Self::Listed(list) => list.least_gap,
         }
@@ -264,7 +366,7 @@ impl PillarField {
         let least = [0.0, f64::NEG_INFINITY];
         match self {
             Self::Hexagonal { .. } => [1.0, 0.0],
-            Self::Lattice(lattice) => lattice.bodies().fold(least, largest),
+            Self::Lattice(lattice) => [lattice.body.radius, lattice.highest()],
             Self::Listed(list) => {
                 let bodies = list.pillars.iter().map(|pillar| &pillar.body);
                 bodies.fold(least, largest)
@@ -282,11 +384,42 @@ impl PillarField {
         }
     }
 
+    /// The pillar whose top holds a point, if any does.
+    pub(crate) fn under(&self, point: Point) -> Option<IndexedPillar> {
+        let holds = |(_, pillar): &IndexedPillar| {
+            let [x, y] = pillar.centre;
+            (x - point[0]).hypot(y - point[1]) <= pillar.body.radius
+        };
+        let pillar = match self {
+            Self::Hexagonal {
+                lattice,
+                column_compliance_ratio,
+            } => {
+                let (i, j) = lattice.nearest_pillar(point);
+                let centre = lattice.centre(i, j);
+                let body = PillarBody::of_column(*column_compliance_ratio);
+                Some(((i, j), ListedPillar { centre, body }))
+            }
+            Self::Lattice(lattice) => {
+                let index = lattice.nearest(point);
+                let centre = lattice.centre(index);
+                let body = lattice.body_at(index);
+                body.map(|body| (index, ListedPillar { centre, body }))
+            }
+            Self::Listed(list) => {
+                let numbered = list.pillars.iter().enumerate();
+                let mut indexed = numbered.map(|(number, pillar)| ((number as i64, 0), *pillar));
+                indexed.find(holds)
+            }
+        };
+        pillar.filter(holds)
+    }
+
     /// The pillars within a radius of the lens axis, by rising index; of a hexagonal lattice, none. Whether these are all that there are.
     pub(crate) fn listed_within(&self, radius: f64) -> (Vec<IndexedPillar>, bool) {
         match self {
             Self::Hexagonal { .. } => (Vec::new(), false),
-            Self::Lattice(lattice) => (lattice.within(radius), false),
+            Self::Lattice(lattice) => (lattice.within(radius), lattice.is_within(radius)),
             Self::Listed(list) => {
                 let near = |(_, pillar): &IndexedPillar| {
                     pillar.centre[0].hypot(pillar.centre[1]) <= radius
@@ -337,9 +470,6 @@ mod tests {
         }
         assert_eq!(found.len(), count);
         assert!(found.is_sorted_by_key(|(index, _)| *index));
-        let missing = lattice.clone().with_other(found[7].1.centre, None);
-        assert_eq!(missing.within(9.0).len(), count - 1);
-        assert!(missing.within(9.0).iter().all(|p| p.0 != found[7].0));
     }
 
     #[test]

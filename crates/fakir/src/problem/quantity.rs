@@ -32,6 +32,18 @@ pub enum Quantity {
     Offset,
     /// Direction of the offset from x, rad.
     OffsetAngle,
+    /// Distance of pillars along the second rows of a lattice, m.
+    PitchY,
+    /// Between the rows of an oblique lattice, rad.
+    LatticeAngle,
+    /// By how much a lattice is turned, rad.
+    Rotation,
+    /// Standard deviation of the heights over the common height.
+    HeightSpread,
+    /// Probability that a pillar is missing.
+    Missing,
+    /// Pillars along each side of a finite lattice.
+    Columns,
     /// Prescribed indentation, m.
     Indentation,
     /// Prescribed force, N.
@@ -62,6 +74,12 @@ impl fmt::Display for Quantity {
             Self::SurfaceFraction => "surface fraction",
             Self::Offset => "offset",
             Self::OffsetAngle => "offset angle",
+            Self::PitchY => "second pitch",
+            Self::LatticeAngle => "angle of the lattice",
+            Self::Rotation => "rotation",
+            Self::HeightSpread => "spread of the heights",
+            Self::Missing => "share of missing pillars",
+            Self::Columns => "number of columns",
             Self::Indentation => "indentation",
             Self::Force => "force",
             Self::WorkOfAdhesion => "work of adhesion",
@@ -109,6 +127,19 @@ pub enum Requirement {
     PoissonRatio,
     /// At least the pillar diameter (m), so that neighbours do not overlap.
     AtLeastDiameter(f64),
+    /// Above zero and below half a turn (rad).
+    BetweenRows,
+    /// From zero to this.
+    UpTo(f64),
+    /// Such that some of a finite number of pillars are left.
+    SomeLeft,
+    /// Such that no pillars overlap.
+    NoOverlap {
+        /// Of the nearest two, m.
+        distance: f64,
+        /// Of a pillar, m.
+        diameter: f64,
+    },
     /// Above zero and at most pi/(2 sqrt 3), where neighbouring pillars touch.
     SurfaceFraction,
     /// Above zero and below the lens radius (m).
@@ -141,6 +172,14 @@ impl fmt::Display for Requirement {
                 f,
                 "at least the pillar diameter, {diameter:e} m (closer pillars overlap)"
             ),
+            Self::BetweenRows => f.write_str("above 0 and below 180 deg"),
+            Self::UpTo(most) => write!(f, "between 0 and {most}"),
+            Self::SomeLeft => f.write_str("lower, or the seed another one: of the columns given no pillar is left"),
+            Self::NoOverlap { distance, diameter } => write!(
+                f,
+                "such that pillars do not overlap (the nearest are {distance:.4e} m apart, the diameter \
+                 is {diameter:.4e} m)"
+            ),
             Self::SurfaceFraction => f.write_str(
                 "greater than 0 and at most pi/(2 sqrt 3) = 0.9069, where neighbouring pillars touch",
             ),
@@ -166,6 +205,10 @@ impl Requirement {
                 Self::Pitches => (0.0..=1000.0).contains(&value),
                 Self::PoissonRatio => (0.0..=0.5).contains(&value),
                 Self::AtLeastDiameter(diameter) => value >= diameter,
+                Self::BetweenRows => value > 0.0 && value < std::f64::consts::PI,
+                Self::SomeLeft => false,
+                Self::UpTo(most) => (0.0..=most).contains(&value),
+                Self::NoOverlap { distance, diameter } => distance >= diameter,
                 Self::SurfaceFraction => value > 0.0 && value <= MAXIMUM_SURFACE_FRACTION,
                 Self::BelowLensRadius(radius) => value > 0.0 && value < radius,
             };

@@ -2,15 +2,16 @@
 //! reduced modulus, so that forces are in units of `E* (d/2)^2`.
 
 use super::lattice::HexagonalLattice;
-use super::pillar_field::PillarField;
+use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use super::point::Point;
 use super::system::{Lens, System};
+use crate::numerics::convergence::smaller;
 
 /// Lens radius, in pillar radii, below which the sphere differs from a paraboloid over a single pillar top:
 /// by `1/(2R)^2`, so that truncation at degree 2 makes an error of 2e-5 at 8 and 1e-6 here.
 pub(crate) const SMALL_LENS: f64 = 40.0;
 
-/// A system in scaled units.
+/// Equal pillars on the endless hexagonal lattice, in scaled units.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem {
     /// Lens radius.
@@ -26,7 +27,7 @@ pub(crate) struct Problem {
     pub(crate) pressure: f64,
 }
 
-/// A lens over pillars of any arrangement on a floor. Lengths are in units of a pillar radius: of the only one there is, or of any.
+/// A lens over pillars of any arrangement on a floor. Lengths are in units of the common pillar radius.
 #[derive(Debug, Clone)]
 pub(crate) struct Scene {
     /// A [plate](Lens::is_flat) has an infinite radius.
@@ -36,9 +37,11 @@ pub(crate) struct Scene {
     pub(crate) field: PillarField,
     /// Unit of length, m.
     pub(crate) length: f64,
+    /// Unit of pressure, `E*`, Pa.
+    pub(crate) pressure: f64,
 }
 
-impl Problem {
+impl Scene {
     pub(crate) fn new(system: &System) -> Self {
         let length = 0.5 * system.pillar().diameter;
         Self {
@@ -47,11 +50,7 @@ impl Problem {
                 ..*system.lens()
             },
             height: system.pillar().height / length,
-            lattice: HexagonalLattice {
-                pitch: system.lattice().pitch / length,
-                ..*system.lattice()
-            },
-            column_compliance_ratio: system.column_compliance_ratio(),
+            field: PillarField::new(system, length),
             length,
             pressure: system.reduced_modulus(),
         }
@@ -62,9 +61,113 @@ impl Problem {
         self.pressure * self.length * self.length
     }
 
+    /// A point in metres.
+    pub(crate) fn metres(&self, point: Point) -> Point {
+        [point[0] * self.length, point[1] * self.length]
+    }
+
     /// Height of the undeformed lens at a point, above its lowest point.
     pub(crate) fn sag(&self, [x, y]: Point) -> f64 {
         self.lens.sag_at_square(x * x + y * y)
+    }
+
+    /// The problem of the hexagonal lattice, if it is that.
+    pub(crate) fn on_lattice(&self) -> Option<Problem> {
+        match self.field {
+            PillarField::Hexagonal {
+                lattice,
+                column_compliance_ratio,
+            } => Some(Problem {
+                lens: self.lens,
+                height: self.height,
+                lattice,
+                column_compliance_ratio,
+                length: self.length,
+                pressure: self.pressure,
+            }),
+            PillarField::Lattice(_) | PillarField::Listed(_) => None,
+        }
+    }
+
+    /// Whether the lens reaches the floor before any pillar.
+    pub(crate) fn touches_floor_first(&self) -> bool {
+        self.first_touch() >= self.height
+    }
+
+    /// Whether the undeformed lens reaches a pillar other than one at an indentation.
+    pub(crate) fn reaches_another(&self, one: (i64, i64), indentation: f64) -> bool {
+        if let PillarField::Hexagonal { lattice, .. } = &self.field {
+            let next = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, -1), (-1, 1)].map(|(i, j)| {
+                let [x, y] = lattice.centre(one.0 + i, one.1 + j);
+                x.hypot(y)
+            });
+            let nearest = next.into_iter().fold(f64::INFINITY, smaller);
+            return self.lens.sag((nearest - 1.0).max(0.0)) <= indentation;
+        }
+        let [largest, highest] = self.field.bounds();
+        // No pillar farther off than this is that high.
+        let rise = (indentation + highest).max(0.0);
+        let lens = self.lens.radius;
+        let radius = if rise < lens {
+            (rise * (2.0 * lens - rise)).sqrt() + largest
+        } else {
+            lens + largest
+        };
+        let (pillars, _) = self.field.listed_within(radius);
+        pillars.iter().any(|(index, pillar)| {
+            let [x, y] = pillar.centre;
+            let edge = (x.hypot(y) - pillar.body.radius).max(0.0);
+            *index != one && self.lens.sag(edge) - pillar.body.raised <= indentation
+        })
+    }
+
+    /// The indentation at which the first top is touched.
+    pub(crate) fn first_touch(&self) -> f64 {
+        if let PillarField::Hexagonal { lattice, .. } = &self.field {
+            return self.lens.sag(nearest_edge(lattice));
+        }
+        let [largest, highest] = self.field.bounds();
+        let lens = self.lens.radius;
+        let among = |pillars: &[IndexedPillar]| {
+            let tops = pillars.iter().map(|(_, ListedPillar { centre, body })| {
+                let edge = centre[0].hypot(centre[1]) - body.radius;
+                self.lens.sag(edge.max(0.0)) - body.raised
+            });
+            tops.fold(f64::INFINITY, smaller)
+        };
+        let mut radius = self.field.spacing();
+        let near = loop {
+            let (pillars, all) = self.field.listed_within(radius);
+            let near = among(&pillars);
+            if all {
+                return near;
+            }
+            if !pillars.is_empty() {
+                break near;
+            }
+            radius *= 2.0;
+        };
+        // One farther off is touched before these only if it is higher by what the lens rises.
+        let rise = near + highest;
+        if self.lens.is_flat() || rise >= lens {
+            return near.min(-highest);
+        }
+        let radius = (rise.max(0.0) * (2.0 * lens - rise)).sqrt() + largest;
+        among(&self.field.listed_within(radius).0).min(near)
+    }
+}
+
+/// Distance of the nearest pillar top from the lens axis; 0 if the axis is on one.
+fn nearest_edge(lattice: &HexagonalLattice) -> f64 {
+    let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
+    let [x, y] = lattice.centre(i, j);
+    (x.hypot(y) - 1.0).max(0.0)
+}
+
+impl Problem {
+    /// Unit of force, N.
+    pub(crate) fn force(&self) -> f64 {
+        self.pressure * self.length * self.length
     }
 
     /// The same with a [brim](Lens::sag_with_brim).
@@ -82,19 +185,13 @@ impl Problem {
                 column_compliance_ratio: self.column_compliance_ratio,
             },
             length: self.length,
+            pressure: self.pressure,
         }
     }
 
     /// Distance of the nearest pillar top from the lens axis; 0 if the axis is on one.
     pub(crate) fn nearest_edge(&self) -> f64 {
-        let (i, j) = self.lattice.nearest_pillar([0.0, 0.0]);
-        let [x, y] = self.lattice.centre(i, j);
-        (x.hypot(y) - 1.0).max(0.0)
-    }
-
-    /// Whether the lens reaches the floor before any pillar.
-    pub(crate) fn touches_floor_first(&self) -> bool {
-        self.lens.sag(self.nearest_edge()) >= self.height
+        nearest_edge(&self.lattice)
     }
 
     /// A point in metres.

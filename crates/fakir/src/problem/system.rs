@@ -1,9 +1,12 @@
-//! A lens on a hexagonal lattice of cylindrical pillars.
+//! A lens on cylindrical pillars.
 
 use super::adhesion::Adhesion;
-use super::lattice::{HexagonalLattice, MAXIMUM_SURFACE_FRACTION};
+use super::arrangement::{Arrangement, PlacedPillar};
+use super::lattice::HexagonalLattice;
+use super::pillar_field::PillarField;
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
+use super::scaled::Scene;
 use crate::numerics::convergence::smaller;
 use std::f64::consts::PI;
 
@@ -96,21 +99,28 @@ pub struct Pillar {
     pub compliance: PillarCompliance,
 }
 
-/// Pillars on a lattice, and where the lens lands on it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Pillars, and where the lens lands on them.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    /// One pillar.
+    /// The pillar that is common: all are like it, or scatter around it. Indentations are counted from its height, over pillars of a list too.
     pub pillar: Pillar,
     /// Where the pillars stand, relative to the lens axis.
-    pub lattice: HexagonalLattice,
+    pub arrangement: Arrangement,
 }
 
 impl Texture {
-    /// `phi = pi/(2 sqrt 3) (d/e)^2`, the fraction of the surface that is pillar top.
+    /// Pillars on a lattice or of a list.
+    pub fn new(pillar: Pillar, arrangement: impl Into<Arrangement>) -> Self {
+        Self {
+            pillar,
+            arrangement: arrangement.into(),
+        }
+    }
+
+    /// The fraction of the surface that is pillar top: `phi = pi/(2 sqrt 3) (d/e)^2` on the hexagonal lattice.
     #[must_use]
     pub fn surface_fraction(&self) -> f64 {
-        let ratio = self.pillar.diameter / self.lattice.pitch;
-        MAXIMUM_SURFACE_FRACTION * ratio * ratio
+        self.arrangement.surface_fraction(self.pillar.diameter)
     }
 }
 
@@ -125,12 +135,12 @@ impl Texture {
 /// let system = System::new(
 ///     Lens { radius: 2.2e-3, material: rubber },
 ///     rubber,
-///     Texture { pillar, lattice },
+///     Texture::new(pillar, lattice),
 /// )?;
 /// assert!((system.reduced_modulus() - 1.0e6 / 0.75).abs() < 1e-3);
 /// # Ok::<(), fakir::problem::InvalidQuantity>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct System {
     lens: Lens,
     substrate: Material,
@@ -155,11 +165,11 @@ impl System {
     /// # Errors
     /// The first [`InvalidQuantity`]: lengths and moduli must be positive and
     /// finite, Poisson's ratios between 0 and 0.5, the pitch at least the
-    /// diameter, the pillars lower than the lens radius.
+    /// diameter, the pillars lower than the lens radius, a scatter within its limits.
     pub fn new(lens: Lens, substrate: Material, texture: Texture) -> Result<Self, InvalidQuantity> {
         use Quantity as Q;
         use Requirement as R;
-        let Texture { pillar, lattice } = texture;
+        let pillar = texture.pillar;
         R::Positive.check(Q::LensRadius, lens.radius)?;
         R::Positive.check(Q::LensYoungModulus, lens.material.young_modulus)?;
         R::PoissonRatio.check(Q::LensPoissonRatio, lens.material.poisson_ratio)?;
@@ -167,14 +177,7 @@ impl System {
         R::PoissonRatio.check(Q::SubstratePoissonRatio, substrate.poisson_ratio)?;
         R::Positive.check(Q::PillarDiameter, pillar.diameter)?;
         R::BelowLensRadius(lens.radius).check(Q::PillarHeight, pillar.height)?;
-        R::Positive.check(Q::Pitch, lattice.pitch)?;
-        // A surface fraction of exactly the maximum may round to a pitch just below the diameter.
-        let overlap_tolerance = 1.0 - 4.0 * f64::EPSILON;
-        if lattice.pitch < pillar.diameter * overlap_tolerance {
-            R::AtLeastDiameter(pillar.diameter).check(Q::Pitch, lattice.pitch)?;
-        }
-        R::Pitches.check(Q::Offset, lattice.offset)?;
-        R::Finite.check(Q::OffsetAngle, lattice.offset_angle)?;
+        texture.arrangement.check(&pillar, lens.radius)?;
         Ok(Self {
             lens,
             substrate,
@@ -186,8 +189,11 @@ impl System {
 
     /// The same system with another model of the floor.
     #[must_use]
-    pub fn with_floor(self, floor: FloorModel) -> Self {
-        Self { floor, ..self }
+    pub fn with_floor(&self, floor: FloorModel) -> Self {
+        Self {
+            floor,
+            ..self.clone()
+        }
     }
 
     /// What becomes of the floor where the lens comes down to it. Methods other than the spectral one ignore it.
@@ -200,19 +206,19 @@ impl System {
     ///
     /// # Errors
     /// Works of adhesion that are negative or no numbers, and a receding one below the advancing one.
-    pub fn with_adhesion(self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
+    pub fn with_adhesion(&self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
         Ok(Self {
             adhesion: adhesion.checked()?,
-            ..self
+            ..self.clone()
         })
     }
 
     /// The same system with pillar tops that do not stick.
     #[must_use]
-    pub fn without_adhesion(self) -> Self {
+    pub fn without_adhesion(&self) -> Self {
         Self {
             adhesion: Adhesion::NONE,
-            ..self
+            ..self.clone()
         }
     }
 
@@ -246,10 +252,67 @@ impl System {
         &self.texture.pillar
     }
 
-    /// The lattice of pillar centres.
+    /// Where the pillars stand.
     #[must_use]
-    pub fn lattice(&self) -> &HexagonalLattice {
-        &self.texture.lattice
+    pub fn arrangement(&self) -> &Arrangement {
+        &self.texture.arrangement
+    }
+
+    /// The endless hexagonal lattice of equal pillars, if that is what there is.
+    #[must_use]
+    pub fn hexagonal_lattice(&self) -> Option<&HexagonalLattice> {
+        match self.arrangement() {
+            Arrangement::Hexagonal(lattice) => Some(lattice),
+            _ => None,
+        }
+    }
+
+    /// [How far apart](Arrangement::pitch) neighbouring pillars stand, m.
+    #[must_use]
+    pub fn pitch(&self) -> f64 {
+        self.arrangement().pitch()
+    }
+
+    /// The pillars with centres within a distance (m) of the lens axis, by rising index.
+    #[must_use]
+    pub fn pillars_within(&self, distance: f64) -> Vec<PlacedPillar> {
+        let common = self.pillar();
+        if let Some(lattice) = self.hexagonal_lattice() {
+            let (near_i, near_j) = lattice.nearest_pillar([0.0, 0.0]);
+            // Lattice points within a distance r have indices within 2 r/(sqrt3 e).
+            let reach = (1.2 * distance / lattice.pitch).ceil() as i64 + 1;
+            let indices = (-reach..=reach)
+                .flat_map(|i| (-reach..=reach).map(move |j| (near_i + i, near_j + j)));
+            let placed = indices.map(|(i, j)| PlacedPillar {
+                index: (i, j),
+                centre: lattice.centre(i, j),
+                height: common.height,
+                diameter: common.diameter,
+            });
+            return placed
+                .filter(|pillar| pillar.centre[0].hypot(pillar.centre[1]) <= distance)
+                .collect();
+        }
+        let (pillars, _) = PillarField::new(self, 1.0).listed_within(distance);
+        let placed = pillars.into_iter().map(|(index, pillar)| PlacedPillar {
+            index,
+            centre: pillar.centre,
+            height: common.height + pillar.body.raised,
+            diameter: 2.0 * pillar.body.radius,
+        });
+        placed.collect()
+    }
+
+    /// Diameter of the widest pillar, m.
+    #[must_use]
+    pub fn largest_diameter(&self) -> f64 {
+        match self.arrangement() {
+            Arrangement::Listed(list) => {
+                let diameters = list.pillars().iter().map(|pillar| pillar.diameter);
+                diameters.fold(0.0, f64::max)
+            }
+            _ => self.pillar().diameter,
+        }
     }
 
     /// `c = (1 - nu_l^2)/E_l + (1 - nu_s^2)/E_s`, 1/Pa.
@@ -268,11 +331,16 @@ impl System {
     /// `4 h/(pi E_s d^2)`, m/N; 0 without column compliance.
     #[must_use]
     pub fn column_compliance(&self) -> f64 {
+        self.column_compliance_of(self.pillar().height, self.pillar().diameter)
+    }
+
+    /// [`column_compliance`](Self::column_compliance) of a pillar of some height and diameter (m).
+    #[must_use]
+    pub fn column_compliance_of(&self, height: f64, diameter: f64) -> f64 {
         match self.pillar().compliance {
             PillarCompliance::None => 0.0,
             PillarCompliance::Column => {
-                4.0 * self.pillar().height
-                    / (PI * self.substrate.young_modulus * self.pillar().diameter.powi(2))
+                4.0 * height / (PI * self.substrate.young_modulus * diameter.powi(2))
             }
         }
     }
@@ -318,30 +386,30 @@ impl System {
         (8.0 * work * radius / (PI * self.reduced_modulus())).sqrt() / range
     }
 
-    /// Indentation at which the lens touches the first pillar: its height above its lowest point, over the
-    /// nearest pillar edge, m. Zero with the lens axis on a pillar top, infinite if no pillar is under the lens.
+    /// Indentation at which the lens touches the first pillar: its height above its lowest point over the nearest pillar edge less by what that
+    /// pillar is higher than the common height, m. Zero with the lens axis on a pillar of that height, infinite if no pillar is under the lens.
     #[must_use]
     pub fn first_touch(&self) -> f64 {
-        let lattice = self.lattice();
-        let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
-        let [x, y] = lattice.centre(i, j);
-        let edge = x.hypot(y) - 0.5 * self.pillar().diameter;
-        self.lens.sag(edge.max(0.0))
+        let scene = Scene::new(self);
+        scene.first_touch() * scene.length
     }
 
     /// Whether the lens reaches the floor before any pillar.
     #[must_use]
     pub fn touches_floor_first(&self) -> bool {
-        self.first_touch() >= self.pillar().height
+        Scene::new(self).touches_floor_first()
     }
 
-    /// The same system with another pitch, offset or offset direction.
+    /// The same system with its pillars elsewhere.
     ///
     /// # Errors
     /// As [`System::new`].
-    pub fn with_lattice(&self, lattice: HexagonalLattice) -> Result<Self, InvalidQuantity> {
-        let pillar = self.texture.pillar;
-        let system = Self::new(self.lens, self.substrate, Texture { pillar, lattice })?;
+    pub fn with_arrangement(
+        &self,
+        arrangement: impl Into<Arrangement>,
+    ) -> Result<Self, InvalidQuantity> {
+        let texture = Texture::new(self.texture.pillar, arrangement);
+        let system = Self::new(self.lens, self.substrate, texture)?;
         Ok(Self {
             floor: self.floor,
             adhesion: self.adhesion,
@@ -352,6 +420,7 @@ impl System {
 
 #[cfg(test)]
 mod tests {
+    use super::super::lattice::MAXIMUM_SURFACE_FRACTION;
     use super::*;
 
     fn paper(young_modulus: f64) -> Result<System, InvalidQuantity> {
@@ -366,10 +435,10 @@ mod tests {
                 material: Material::new(2.0e6, 0.5),
             },
             Material::new(young_modulus, 0.5),
-            Texture {
+            Texture::new(
                 pillar,
-                lattice: HexagonalLattice::with_surface_fraction(0.1, pillar.diameter),
-            },
+                HexagonalLattice::with_surface_fraction(0.1, pillar.diameter),
+            ),
         )
     }
 
@@ -402,9 +471,9 @@ mod tests {
         assert_eq!(refused.requirement, Requirement::Positive);
         let system = paper(2.0e6).unwrap();
         let overlapping = HexagonalLattice::new(5.9e-6);
-        let refused = system.with_lattice(overlapping).unwrap_err();
+        let refused = system.with_arrangement(overlapping).unwrap_err();
         assert_eq!(refused.quantity, Quantity::Pitch);
         let touching = HexagonalLattice::with_surface_fraction(MAXIMUM_SURFACE_FRACTION, 6.0e-6);
-        assert!(system.with_lattice(touching).is_ok());
+        assert!(system.with_arrangement(touching).is_ok());
     }
 }

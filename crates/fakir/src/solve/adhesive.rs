@@ -8,7 +8,7 @@ use super::spectral::degrees;
 use super::touched::nearest_first;
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE};
 use crate::numerics::vector::dot;
-use crate::problem::scaled::Problem;
+use crate::problem::scaled::{Problem, Scene};
 use crate::problem::{Accuracy, Control, CyclePlan, Drive, FloorModel, Method, System, Turn};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
@@ -57,7 +57,7 @@ pub(crate) fn press(
     accuracy: Accuracy,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let problem = Problem::new(system);
+    let problem = on_lattice(system)?;
     let loading = Loading::new(system, &problem, accuracy, Drive::Displacement, run)?;
     let end = match control {
         Control::Indentation(indentation) => End::Indentation(indentation / problem.length),
@@ -87,7 +87,7 @@ pub(crate) fn cycle(
     run: &Run<'_>,
     follower: &dyn Fn(&Passage<'_>),
 ) -> Result<Cycle, SolveError> {
-    let problem = Problem::new(system);
+    let problem = on_lattice(system)?;
     let told = |path: &Path<'_>| {
         if let Some(station) = path.stations.last() {
             follower(&Passage {
@@ -117,6 +117,15 @@ pub(crate) fn cycle(
         loaded.turn.termination = termination;
     }
     Ok(loaded.cycle(plan))
+}
+
+/// The problem, if it is of the lattice on which tops stick.
+fn on_lattice(system: &System) -> Result<Problem, SolveError> {
+    let problem = Scene::new(system).on_lattice();
+    problem.ok_or(SolveError::NotOnArrangement {
+        what: "adhesion",
+        arrangement: system.arrangement().name(),
+    })
 }
 
 /// A lens that comes down on tops that stick.
@@ -261,7 +270,7 @@ impl<'a> Loading<'a> {
                 indentation * problem.length,
             )
         };
-        floor_gap(problem, state, indentation, lowest)
+        floor_gap(&problem.scene(), state, indentation, lowest)
     }
 
     /// Errors of the degree of the pressure, relative: of forces, and of where a rim lets go.
@@ -328,7 +337,7 @@ impl Loaded<'_> {
         let dissipation =
             energies.dissipation + (works.receding - works.advancing) * energies.receded;
         Cycle {
-            system: *loading.system,
+            system: loading.system.clone(),
             plan,
             accuracy: loading.accuracy,
             first_contact: stations.iter().position(|s| s.pillars_in_contact > 0),
@@ -435,7 +444,7 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
         sliver: None,
     });
     let fields = Fields::new(
-        path.problem.clone(),
+        path.problem.scene(),
         indentation,
         discs.collect(),
         degree,
@@ -465,6 +474,8 @@ fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
                 .map(|q| q * problem.pressure)
         };
         PillarState {
+            diameter: 2.0 * problem.length,
+            height: problem.height * problem.length,
             index: top.index,
             centre: problem.metres(top.centre),
             status: if top.domain.is_full() {

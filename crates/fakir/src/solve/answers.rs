@@ -4,23 +4,26 @@ use super::assembled::{OfFloor, PillarMethod, assemble, floor_gap, refined};
 use super::elements::pillars;
 use super::elements::pillars::ElementSolution;
 use super::estimate::unknowns_only;
-use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Uncovered};
+use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
 use super::mixed;
 use super::newton::{Newton, Purpose};
 use super::rules::patch::{Patch, PatchSolver};
 use super::spectral::{Solution, degrees, rough_contact_radius, solve_punch, solve_spectral};
 use super::touched::nearest_first;
+use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::degree_with;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::convergence::larger;
 use crate::numerics::workers::CancelToken;
-use crate::problem::scaled::Problem;
+use crate::problem::pillar_field::{IndexedPillar, ListedPillar, PillarField};
+use crate::problem::scaled::{Problem, Scene};
 use crate::problem::{Accuracy, Control, FloorModel, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::{
     ContactState, ErrorEstimate, Fields, PillarState, PillarStatus, Run, SolveError, Termination,
+    Warning,
 };
 use crate::theory::homogenised;
 use std::sync::Arc;
@@ -46,40 +49,59 @@ pub(crate) fn press(
     method: PillarMethod,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let problem = Problem::new(system);
+    let scene = Scene::new(system);
+    let lattice = scene.on_lattice();
+    if lattice.is_none() {
+        let what = match method {
+            PillarMethod::Spectral(_) => None,
+            PillarMethod::Punch(_) => Some("the punch lattice"),
+            PillarMethod::Love(_) => Some("the method of elements on pillars"),
+        };
+        if let Some(what) = what {
+            return Err(SolveError::NotOnArrangement {
+                what,
+                arrangement: system.arrangement().name(),
+            });
+        }
+    }
     let target = match control {
-        Control::Indentation(indentation) => Control::Indentation(indentation / problem.length),
-        Control::Force(force) => Control::Force(force / problem.force()),
+        Control::Indentation(indentation) => Control::Indentation(indentation / scene.length),
+        Control::Force(force) => Control::Force(force / scene.force()),
         Control::FloorContact => Control::FloorContact,
     };
-    let first_touch = problem.lens.sag(problem.nearest_edge());
+    let first_touch = scene.first_touch();
+    let floor_first = first_touch >= scene.height;
     if let (FloorModel::Contact, PillarMethod::Spectral(accuracy)) = (system.floor_model(), method)
-        && problem.touches_floor_first()
+        && floor_first
     {
         match target {
-            Control::Indentation(indentation) if indentation <= problem.height => {}
+            Control::Indentation(indentation) if indentation <= scene.height => {}
             Control::FloorContact => {}
             Control::Force(force) if force <= 0.0 => {
-                return Ok(without_contact(system, &problem, method, problem.height));
+                return Ok(without_contact(system, &scene, method, scene.height));
             }
-            _ => return mixed::floor_first(system, &problem, target, accuracy, run),
+            _ => {
+                if let Some(lattice) = &lattice {
+                    return mixed::floor_first(system, lattice, target, accuracy, run);
+                }
+            }
         }
     }
     match target {
         Control::Indentation(indentation) if indentation <= first_touch => {
-            Ok(without_contact(system, &problem, method, indentation))
+            Ok(without_contact(system, &scene, method, indentation))
         }
         Control::Force(force) if force <= 0.0 => {
             // A lens that cannot reach any pillar comes down to the floor.
             let level = if first_touch.is_finite() {
                 first_touch
             } else {
-                problem.height
+                scene.height
             };
-            Ok(without_contact(system, &problem, method, level))
+            Ok(without_contact(system, &scene, method, level))
         }
-        Control::FloorContact if problem.touches_floor_first() => {
-            let contact = without_contact(system, &problem, method, problem.height);
+        Control::FloorContact if floor_first => {
+            let contact = without_contact(system, &scene, method, scene.height);
             Ok(ContactState {
                 smallest_floor_gap: 0.0,
                 smallest_gap_position: [0.0, 0.0],
@@ -87,51 +109,60 @@ pub(crate) fn press(
             })
         }
         Control::FloorContact => {
-            let contact = solve(system, &problem, target, method, run)?;
+            let contact = solve(system, &scene, target, method, run)?;
             Ok(ContactState {
                 smallest_floor_gap: 0.0, // but for rounding
                 ..contact
             })
         }
-        _ => solve(system, &problem, target, method, run),
+        _ => solve(system, &scene, target, method, run),
     }
 }
 
 /// Solves where pillars are touched.
 fn solve(
     system: &System,
-    problem: &Problem,
+    scene: &Scene,
     target: Control,
     method: PillarMethod,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let bears = system.floor_model() == FloorModel::Contact && target != Control::FloorContact;
-    let enters = |gap: f64| bears && gap < 0.0;
+    let lattice = scene.on_lattice();
+    let borne = system.floor_model() == FloorModel::Contact && target != Control::FloorContact;
+    // Where the floor bears its part.
+    let bears = lattice.as_ref().filter(|_| borne);
+    let warned = |state: ContactState| {
+        let depth = -state.smallest_floor_gap;
+        let mut state = state;
+        if borne && bears.is_none() && depth > 0.0 {
+            state.warnings.push(Warning::FloorLeftOut { depth });
+        }
+        state
+    };
     if let PillarMethod::Spectral(_) = method
-        && let Some(patch) = find_patch(problem, target)
+        && let Some((pillar, patch)) = find_patch(scene, target)
     {
-        let state = patch_state(system, problem, method, &patch);
-        if !enters(state.smallest_floor_gap) {
-            return Ok(state);
+        let state = patch_state(system, scene, method, pillar, &patch);
+        if !(bears.is_some() && state.smallest_floor_gap < 0.0) {
+            return Ok(warned(state));
         }
     }
-    let scene = problem.scene();
-    let guess = homogenised_radius(system, problem, target);
+    let guess = homogenised_radius(system, scene, target);
     let assembled = |solution: &Solution<'_>, lowest, error| {
         let floor = OfFloor::Lowest(lowest);
-        assemble(system, problem, target, method, solution, floor, error)
+        assemble(system, scene, target, method, solution, floor, error).map(warned)
     };
     match method {
         PillarMethod::Spectral(accuracy) => {
-            if bears
+            if let Some(problem) = bears
                 && accuracy == Accuracy::Accurate
                 && let Some(tops) = mixed::far_past_transition(problem, target, guess, run)?
             {
                 return mixed::past_transition(system, problem, target, accuracy, tops, run);
             }
-            let degrees = degrees(accuracy, &scene);
+            let degrees = degrees(accuracy, scene);
             let form = PunchForm::Corrected;
-            let mut punch = solve_punch(&scene, target, guess, form, Purpose::Start, run)?;
+            let mut punch = solve_punch(scene, target, guess, form, Purpose::Start, run)?;
             // Under a prescribed force a state is assembled at the cost of the solution.
             let listener = run.interim.filter(|_| !matches!(target, Control::Force(_)));
             if let Some(listener) = listener
@@ -143,7 +174,7 @@ fn solve(
                     let lowest = lowest_point(target, &mut punch);
                     assemble(
                         system,
-                        problem,
+                        scene,
                         target,
                         lattice,
                         &punch,
@@ -153,7 +184,7 @@ fn solve(
                 };
                 listener(&state);
             }
-            let mut solution = solve_spectral(&scene, target, punch, degrees, run)?;
+            let mut solution = solve_spectral(scene, target, punch, degrees, run)?;
             let lowest = lowest_point(target, &mut solution);
             let mut told = None;
             if let Some(listener) = listener {
@@ -161,9 +192,12 @@ fn solve(
                 listener(&state);
                 told = Some(state);
             }
-            if enters(lowest.map_or(0.0, |point| {
+            let gap = lowest.map_or(0.0, |point| {
                 point.indentation - solution.outcome.indentation
-            })) {
+            });
+            if let Some(problem) = bears
+                && gap < 0.0
+            {
                 return mixed::past_transition(system, problem, target, accuracy, solution, run);
             }
             let error = refined(&mut solution, target, run)?;
@@ -174,12 +208,18 @@ fn solve(
         }
         PillarMethod::Punch(form) => {
             let purpose = Purpose::Answer;
-            let mut solution = solve_punch(&scene, target, guess, form, purpose, run)?;
+            let mut solution = solve_punch(scene, target, guess, form, purpose, run)?;
             let error = punch_error(form, target, &solution);
             let lowest = lowest_point(target, &mut solution);
             assembled(&solution, lowest, error)
         }
         PillarMethod::Love(mesh) => {
+            let Some(problem) = &lattice else {
+                return Err(SolveError::NotOnArrangement {
+                    what: "the method of elements on pillars",
+                    arrangement: system.arrangement().name(),
+                });
+            };
             let solution = pillars::solve(problem, target, guess, mesh, run)?;
             Ok(elements(system, problem, target, method, &solution))
         }
@@ -235,8 +275,9 @@ const MANY_PILLARS: f64 = 40.0;
 const MANY_TO_WAIT_FOR: usize = 1000;
 
 /// Contact radius of the homogenised lattice, where it can be trusted.
-fn homogenised_radius(system: &System, problem: &Problem, target: Control) -> Option<f64> {
-    let rough = rough_contact_radius(&problem.scene(), target);
+fn homogenised_radius(system: &System, scene: &Scene, target: Control) -> Option<f64> {
+    let problem = scene.on_lattice()?;
+    let rough = rough_contact_radius(scene, target);
     if Window::expected_len(&problem.lattice, rough) < MANY_PILLARS {
         return None;
     }
@@ -260,7 +301,7 @@ fn lowest_point(target: Control, solution: &mut Solution<'_>) -> Option<FloorPoi
 /// A state without any contact: the lens above, or just at, the pillar tops.
 pub(super) fn without_contact(
     system: &System,
-    problem: &Problem,
+    scene: &Scene,
     method: PillarMethod,
     indentation: f64,
 ) -> ContactState {
@@ -273,70 +314,97 @@ pub(super) fn without_contact(
         coefficients: [&[], &[]],
         run: &Run::default(),
     };
-    let lowest =
-        FloorSearch::default().lowest(&Uncovered::of(problem), &discs, &CancelToken::default());
-    let fields = Fields::new(problem.clone(), indentation, Vec::new(), 0, 0);
+    let lowest = lowest_floor(scene, 0.0, &discs);
+    let fields = Fields::new(scene.clone(), indentation, Vec::new(), 0, 0);
     ContactState {
         fields: Some(Arc::new(fields)),
         ..floor_gap(
-            problem,
-            ContactState::untouched(system, method.into(), indentation * problem.length),
+            scene,
+            ContactState::untouched(system, method.into(), indentation * scene.length),
             indentation,
             lowest,
         )
     }
 }
 
-/// The contact as a circle inside the pillar top under the lens axis, if it is one.
-fn find_patch(problem: &Problem, target: Control) -> Option<Patch> {
-    let lattice = &problem.lattice;
-    let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
-    let [x, y] = lattice.centre(i, j);
-    let largest = 1.0 - x.hypot(y);
+/// The lowest point of the floor, with pillars touched within a distance of the lens axis.
+fn lowest_floor(scene: &Scene, reach: f64, discs: &LoadedDiscs<'_>) -> Option<FloorPoint> {
+    let spacing = scene.field.spacing();
+    let sites;
+    let around = match &scene.field {
+        PillarField::Hexagonal { lattice, .. } => Surroundings::Lattice(lattice),
+        PillarField::Lattice(_) | PillarField::Listed(_) => {
+            sites = Sites::within(&scene.field, reach + SEARCHED * spacing);
+            Surroundings::of_sites(&sites, spacing, reach)
+        }
+    };
+    if reach == 0.0 && around.clearance([0.0; 2]) > 0.0 {
+        return Some(FloorPoint {
+            position: [0.0; 2],
+            indentation: scene.height,
+        });
+    }
+    let uncovered = Uncovered {
+        lens: &scene.lens,
+        height: scene.height,
+        around,
+    };
+    FloorSearch::default().lowest(&uncovered, discs, &CancelToken::default())
+}
+
+/// How far around the lens axis pillars are seen by the search for the lowest point of the floor where none or one is touched, in their spacing.
+const SEARCHED: f64 = 4.0;
+
+/// The contact as a circle inside the pillar top under the lens axis, if it is one, with that pillar.
+fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPillar, Patch)> {
+    let pillar = scene.field.under([0.0, 0.0])?;
+    let (index, ListedPillar { centre, body }) = pillar;
+    // In units of the radius of its top, and down from its own height.
+    let unit = body.radius;
+    let [x, y] = centre;
+    let largest = 1.0 - x.hypot(y) / unit;
     if largest <= 0.0 {
         return None;
     }
-    let solver = PatchSolver::new(problem.column_compliance_ratio);
-    let sag = |r: f64| problem.lens.sag(r);
-    let patch = match target {
-        Control::Indentation(value) => solver.find(largest, sag, |patch| patch.indentation, value),
-        Control::Force(value) => solver.find(largest, sag, |patch| patch.force, value),
+    let solver = PatchSolver::new(body.column_compliance_ratio);
+    let sag = |r: f64| scene.lens.sag(r * unit) / unit;
+    let height = (scene.height + body.raised) / unit;
+    let own = match target {
+        Control::Indentation(value) => {
+            let value = (value + body.raised) / unit;
+            solver.find(largest, sag, |patch| patch.indentation, value)
+        }
+        Control::Force(value) => {
+            solver.find(largest, sag, |patch| patch.force, value / (unit * unit))
+        }
         Control::FloorContact => {
             // The pressure moves the floor away from the lens, which has to come down by its height at least.
-            if solver.with_radius(largest, sag).indentation < problem.height {
+            if solver.with_radius(largest, sag).indentation < height {
                 return None;
             }
             let exterior = Exterior::new(patch_degree());
             let reached = |patch: &Patch| {
-                patch_floor(problem, &exterior, patch).map_or(f64::NEG_INFINITY, |point| {
-                    patch.indentation - (point.indentation - problem.height)
+                let floor = patch_floor(scene, &exterior, &patch.scaled(unit));
+                floor.map_or(f64::NEG_INFINITY, |point| {
+                    patch.indentation - (point.indentation - scene.height) / unit
                 })
             };
-            solver.find(largest, sag, reached, problem.height)
+            solver.find(largest, sag, reached, height)
         }
     }?;
+    let mut patch = own.scaled(unit);
+    patch.indentation -= body.raised;
     // No other pillar may be touched: the nearest edge of the next one stays below the lens.
-    let next = next_nearest(problem, (i, j));
-    (problem.lens.sag((next - 1.0).max(0.0)) > patch.indentation).then_some(patch)
+    let touched = scene.reaches_another(index, patch.indentation);
+    (!touched).then_some((pillar, patch))
 }
 
 fn patch_degree() -> usize {
     degree_with(PatchSolver::new(0.0).count())
 }
 
-/// Distance from the lens axis of the nearest pillar other than `index`.
-fn next_nearest(problem: &Problem, (i, j): (i64, i64)) -> f64 {
-    [(1, 0), (0, 1), (-1, 0), (0, -1), (1, -1), (-1, 1)]
-        .into_iter()
-        .map(|(di, dj)| {
-            let [x, y] = problem.lattice.centre(i + di, j + dj);
-            x.hypot(y)
-        })
-        .fold(f64::INFINITY, f64::min)
-}
-
 /// Lowest point of the floor under a patch: its gap plus the indentation.
-fn patch_floor(problem: &Problem, exterior: &Exterior, patch: &Patch) -> Option<FloorPoint> {
+fn patch_floor(scene: &Scene, exterior: &Exterior, patch: &Patch) -> Option<FloorPoint> {
     let zeros = vec![0.0; patch.coefficients.len()];
     let discs = LoadedDiscs {
         exterior,
@@ -346,18 +414,18 @@ fn patch_floor(problem: &Problem, exterior: &Exterior, patch: &Patch) -> Option<
         coefficients: [&zeros, &patch.coefficients],
         run: &Run::default(),
     };
-    FloorSearch::default().lowest(&Uncovered::of(problem), &discs, &CancelToken::default())
+    lowest_floor(scene, patch.radius, &discs)
 }
 
 fn patch_state(
     system: &System,
-    problem: &Problem,
+    scene: &Scene,
     method: PillarMethod,
+    (index, pillar): IndexedPillar,
     patch: &Patch,
 ) -> ContactState {
-    let index = problem.lattice.nearest_pillar([0.0, 0.0]);
     let degree = patch_degree();
-    let lowest = patch_floor(problem, &Exterior::new(degree), patch);
+    let lowest = patch_floor(scene, &Exterior::new(degree), patch);
     let disc = Disc {
         index,
         centre: [0.0, 0.0],
@@ -367,30 +435,27 @@ fn patch_state(
         held: None,
         sliver: None,
     };
-    let fields = Fields::new(
-        problem.clone(),
-        patch.indentation,
-        vec![disc],
-        degree,
-        degree,
-    );
-    let centre = system.lattice().centre(index.0, index.1);
-    let force = patch.force * problem.force();
+    let fields = Fields::new(scene.clone(), patch.indentation, vec![disc], degree, degree);
+    let centre = scene.metres(pillar.centre);
+    let force = patch.force * scene.force();
+    let body = pillar.body;
     let pillar = PillarState {
         index,
         centre,
+        diameter: 2.0 * body.radius * scene.length,
+        height: (scene.height + body.raised) * scene.length,
         status: PillarStatus::Partial,
         force,
         centre_pressure: fields.pressure(centre),
         edge_coefficient: Some([0.0; 2]),
     };
-    let indentation = patch.indentation * problem.length;
+    let indentation = patch.indentation * scene.length;
     floor_gap(
-        problem,
+        scene,
         ContactState {
             force,
-            contact_radius: patch.radius * problem.length,
-            contact_radius_error: PATCH_ERROR * patch.radius * problem.length,
+            contact_radius: patch.radius * scene.length,
+            contact_radius_error: PATCH_ERROR * patch.radius * scene.length,
             pillars_in_contact: 1,
             pillars_partially_in_contact: 1,
             pillars: vec![pillar],
@@ -425,8 +490,10 @@ fn elements(
     let mut pillars: Vec<PillarState> = touched
         .iter()
         .map(|pillar| PillarState {
+            diameter: system.pillar().diameter,
+            height: system.pillar().height,
             index: pillar.index,
-            centre: system.lattice().centre(pillar.index.0, pillar.index.1),
+            centre: problem.metres(problem.lattice.centre(pillar.index.0, pillar.index.1)),
             status: pillar.status,
             force: pillar.force * problem.force(),
             centre_pressure: pillar.centre_pressure * problem.pressure,
@@ -452,5 +519,5 @@ fn elements(
         warnings: contact_warnings(contact_radius / problem.lens.radius),
         ..ContactState::untouched(system, method.into(), indentation * problem.length)
     };
-    floor_gap(problem, state, indentation, solution.floor)
+    floor_gap(&problem.scene(), state, indentation, solution.floor)
 }

@@ -14,7 +14,6 @@ use super::reach::{Reach, contact_reach};
 use super::spectral::{degrees, solve_punch, solve_spectral};
 use super::touched::touched_pillars;
 use crate::halfspace::coupling::sites::Sites;
-use crate::numerics::convergence::smaller;
 use crate::problem::scaled::Scene;
 use crate::problem::{Accuracy, Control, Point, PunchForm};
 use crate::state::{ErrorEstimate, PillarState, Run, SolveError, Termination};
@@ -44,7 +43,7 @@ pub(crate) fn press(
     accuracy: Accuracy,
     run: &Run<'_>,
 ) -> Result<Arranged, SolveError> {
-    let first_touch = first_touch(scene);
+    let first_touch = scene.first_touch();
     let axis_on_floor =
         Sites::within(&scene.field, scene.field.spacing()).clearance([0.0; 2]) > 0.0;
     match target {
@@ -89,27 +88,6 @@ fn solve(
     })
 }
 
-/// The indentation at which the first top is touched.
-fn first_touch(scene: &Scene) -> f64 {
-    let [largest, highest] = scene.field.bounds();
-    let lens = scene.lens.radius;
-    let among = |sites: &Sites| {
-        let tops = sites.centres().iter().enumerate().map(|(pillar, [x, y])| {
-            let body = sites.body(pillar);
-            scene.lens.sag((x.hypot(*y) - body.radius).max(0.0)) - body.raised
-        });
-        tops.fold(f64::INFINITY, smaller)
-    };
-    let near = among(&Sites::within(&scene.field, scene.field.spacing()));
-    // One farther off is touched before these only if it is higher by what the lens rises.
-    let rise = near + highest;
-    if scene.lens.is_flat() || rise >= lens {
-        return near.min(-highest);
-    }
-    let radius = (rise.max(0.0) * (2.0 * lens - rise)).sqrt() + largest;
-    among(&Sites::within(&scene.field, radius)).min(near)
-}
-
 fn without_contact(indentation: f64) -> Arranged {
     Arranged {
         force: 0.0,
@@ -136,7 +114,6 @@ mod tests {
     use crate::problem::pillar_field::{
         ListedPillar, PillarBody, PillarField, PillarList, PlaneLattice,
     };
-    use crate::problem::scaled::Problem;
     use crate::problem::{HexagonalLattice, Lens, Material, PillarCompliance};
     use crate::solve::answers;
     use crate::solve::assembled::PillarMethod;
@@ -163,6 +140,7 @@ mod tests {
             height: height / unit,
             field,
             length: unit,
+            pressure: 1.0,
         }
     }
 
@@ -263,8 +241,12 @@ mod tests {
 
     #[test]
     fn a_missing_pillar() {
-        let lattice = rectangular(0.03, 1.0, 0.0).with_other([0.0; 2], None);
-        let scene = papers(on(lattice));
+        // Those far off are not touched.
+        let (mut pillars, _) = on(rectangular(0.03, 1.0, 0.0)).listed_within(200.0);
+        pillars.retain(|(index, _)| *index != (0, 0));
+        let scene = papers(listed(
+            pillars.into_iter().map(|(_, pillar)| pillar).collect(),
+        ));
         let state = assert_critical(&scene, 311.748533595, 3.99019394623);
         let (point, _) = state.lowest.unwrap();
         assert!(point[0].hypot(point[1]) < 1e-3, "{point:?}");
@@ -388,7 +370,7 @@ mod tests {
             let hexagonal = reference::lattice(phi).offset_by(offset);
             let (rubber, column) = (reference::INTERMEDIATE, PillarCompliance::Column);
             let system = reference::on_lattice(hexagonal, rubber, column);
-            let problem = Problem::new(&system);
+            let problem = Scene::new(&system).on_lattice().unwrap();
             let vectors = [(1, 0), (0, 1)]
                 .map(|(i, j)| HexagonalLattice::new(problem.lattice.pitch).lattice_vector(i, j));
             let body = PillarBody::of_column(problem.column_compliance_ratio);

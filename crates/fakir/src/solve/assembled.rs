@@ -7,7 +7,7 @@ use super::reach::{Reach, contact_reach, punch_reach};
 use super::spectral::{LARGEST_CONTACT, Solution};
 use super::touched::{TouchedPillar, touched_pillars};
 use crate::halfspace::disc::basis::degree_with;
-use crate::problem::scaled::Problem;
+use crate::problem::scaled::Scene;
 use crate::problem::{Accuracy, Control, ElementMesh, Method, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::{
@@ -55,7 +55,7 @@ pub(super) fn refined(
 
 /// The state with its smallest floor gap.
 pub(super) fn floor_gap(
-    problem: &Problem,
+    scene: &Scene,
     state: ContactState,
     indentation: f64,
     lowest: Option<FloorPoint>,
@@ -63,8 +63,8 @@ pub(super) fn floor_gap(
     match lowest {
         None => state,
         Some(point) => ContactState {
-            smallest_floor_gap: (point.indentation - indentation) * problem.length,
-            smallest_gap_position: problem.metres(point.position),
+            smallest_floor_gap: (point.indentation - indentation) * scene.length,
+            smallest_gap_position: scene.metres(point.position),
             ..state
         },
     }
@@ -81,7 +81,7 @@ pub(super) enum OfFloor {
 /// The answer from a solution of all pillars, and of the floor where that is in contact.
 pub(super) fn assemble(
     system: &System,
-    problem: &Problem,
+    scene: &Scene,
     target: Control,
     method: PillarMethod,
     solution: &Solution<'_>,
@@ -99,9 +99,9 @@ pub(super) fn assemble(
     } = solution;
     let indentation = outcome.indentation;
     newton.run.check_cancelled()?;
-    let mut touched = touched_pillars(newton, [problem.length, problem.pressure]);
+    let mut touched = touched_pillars(newton, [scene.length, scene.pressure]);
     let on_floor = floor.as_ref().map_or(0.0, |floor| floor.force);
-    let force = share_force(&mut touched, on_floor, target, problem);
+    let force = share_force(&mut touched, on_floor, target, scene);
     // Over the force that is told, to the last digit.
     let floor = floor.map(|floor| FloorContact {
         share: floor.force / force,
@@ -119,12 +119,12 @@ pub(super) fn assemble(
     } else {
         contact_radius
     };
-    let floor_radius = floor.as_ref().map_or(0.0, |floor| floor.radius) / problem.length;
+    let floor_radius = floor.as_ref().map_or(0.0, |floor| floor.radius) / scene.length;
     let farthest = contact_radius.max(floor_radius);
-    let ratio = farthest / problem.lens.radius;
+    let ratio = farthest / scene.lens.radius;
     if ratio > LARGEST_CONTACT {
         return Err(SolveError::ContactExceedsLens {
-            contact_radius: farthest * problem.length,
+            contact_radius: farthest * scene.length,
             lens_radius: system.lens().radius,
         });
     }
@@ -139,7 +139,7 @@ pub(super) fn assemble(
         .unwrap_or(0);
     let (pillars, discs): (Vec<_>, Vec<_>) = touched.into_iter().map(|p| (p.state, p.disc)).unzip();
     let fields = Fields::new(
-        problem.clone(),
+        scene.clone(),
         indentation,
         discs,
         newton.degree(),
@@ -152,8 +152,8 @@ pub(super) fn assemble(
     let state = ContactState {
         floor,
         force,
-        contact_radius: contact_radius * problem.length,
-        contact_radius_error: radius_error * problem.length,
+        contact_radius: contact_radius * scene.length,
+        contact_radius_error: radius_error * scene.length,
         pillars_in_contact: pillars.len(),
         pillars_partially_in_contact: partial,
         pillars,
@@ -162,9 +162,9 @@ pub(super) fn assemble(
         termination: outcome.termination,
         iterations: *steps,
         warnings: contact_warnings(ratio),
-        ..ContactState::untouched(system, method.into(), indentation * problem.length)
+        ..ContactState::untouched(system, method.into(), indentation * scene.length)
     };
-    Ok(floor_gap(problem, state, indentation, lowest))
+    Ok(floor_gap(scene, state, indentation, lowest))
 }
 
 /// Relative difference between the prescribed force and the sum over pillars that is rounding of the solver:
@@ -177,14 +177,14 @@ fn share_force(
     touched: &mut [TouchedPillar],
     on_floor: f64,
     target: Control,
-    problem: &Problem,
+    scene: &Scene,
 ) -> f64 {
     let on_tops: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
     let sum = on_tops + on_floor;
     let Control::Force(force) = target else {
         return sum;
     };
-    let prescribed = force * problem.force();
+    let prescribed = force * scene.force();
     let close = (prescribed - sum).abs() <= PILLARS_MISMATCH * prescribed;
     if !close {
         return sum;

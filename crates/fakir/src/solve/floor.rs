@@ -114,7 +114,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Distance from the edge of the nearest pillar; negative inside it.
-    fn clearance(&self, position: Point) -> f64 {
+    pub(crate) fn clearance(&self, position: Point) -> f64 {
         match self {
             Self::Lattice(lattice) => {
                 let (i, j) = lattice.nearest_pillar(position);

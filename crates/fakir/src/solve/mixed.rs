@@ -223,7 +223,7 @@ fn finish(
     let method = PillarMethod::Spectral(accuracy);
     let mut state = assemble(
         system,
-        problem,
+        &problem.scene(),
         target,
         method,
         &solution,

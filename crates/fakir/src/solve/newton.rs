@@ -738,7 +738,9 @@ pub(crate) mod tests {
         let lattice = reference::lattice(0.03).offset_by(0.2);
         let compliance = PillarCompliance::Column;
         let rubber = reference::INTERMEDIATE;
-        Problem::new(&reference::on_lattice(lattice, rubber, compliance))
+        Scene::new(&reference::on_lattice(lattice, rubber, compliance))
+            .on_lattice()
+            .unwrap()
     }
 
     fn newton<'a>(problem: &Problem, run: &'a Run<'a>) -> Newton<'a> {

@@ -743,7 +743,9 @@ mod tests {
     fn problem(surface_fraction: f64, offset: f64, compliance: PillarCompliance) -> Problem {
         let lattice = reference::lattice(surface_fraction).offset_by(offset);
         let system = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance);
-        Problem::new(&system)
+        crate::problem::scaled::Scene::new(&system)
+            .on_lattice()
+            .unwrap()
     }
 
     /// Fronts for a work of adhesion (J/m^2).

@@ -82,7 +82,10 @@ pub(super) fn touched_pillars(
             held: None,
             sliver,
         };
+        let raised = newton.tops.sites.body(pillar).raised;
         let state = PillarState {
+            diameter: 2.0 * radius * length,
+            height: (newton.scene.height + raised) * length,
             index: disc.index,
             centre: centre.map(|x| x * length),
             status,

@@ -89,10 +89,7 @@ impl Fields {
         run: &Run<'_>,
     ) -> Result<Vec<f64>, SolveError> {
         let scaled = |coordinates: &[f64]| -> Vec<f64> {
-            coordinates
-                .iter()
-                .map(|x| x / self.problem.length)
-                .collect()
+            coordinates.iter().map(|x| x / self.scene.length).collect()
         };
         let (x, y) = (scaled(x), scaled(y));
         let narrowest = |a, b| Cells::narrowest(a).or_else(|| Cells::narrowest(b));
@@ -121,7 +118,7 @@ impl Fields {
         }
         for (means, [bottom, top]) in means.chunks_exact_mut(width.max(1)).zip(&rows.bounds) {
             for (mean, [left, right]) in means.iter_mut().zip(&columns.bounds) {
-                *mean *= self.problem.pressure / ((top - bottom) * (right - left));
+                *mean *= self.scene.pressure / ((top - bottom) * (right - left));
             }
         }
         let values = rows.place.iter().flat_map(|row| {

@@ -126,6 +126,8 @@ mod tests {
         let mut state = ContactState::untouched(&system, Method::default(), 1e-6);
         state.pillars = vec![PillarState {
             index: (0, 0),
+            diameter: 1.0,
+            height: 1.0,
             centre: [0.0, 0.0],
             status: PillarStatus::Full,
             force: 1e-6,

@@ -32,10 +32,15 @@ impl PillarStatus {
 /// One pillar of a contact state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PillarState {
-    /// Lattice indices `(i, j)` of [`HexagonalLattice::centre`](crate::problem::lattice::HexagonalLattice::centre).
+    /// Lattice indices `(i, j)` of [`HexagonalLattice::centre`](crate::problem::lattice::HexagonalLattice::centre) or
+    /// [`PlaneLattice`](crate::problem::arrangement::PlaneLattice); of a list, the place in it from 0, and 0.
     pub index: (i64, i64),
     /// Centre, m from the lens axis.
     pub centre: Point,
+    /// Diameter of its top, m.
+    pub diameter: f64,
+    /// Height over the floor, m.
+    pub height: f64,
     /// Whether the lens touches it.
     pub status: PillarStatus,
     /// Normal force on it, N.
@@ -78,6 +83,11 @@ pub enum Warning {
         /// The longer side of a cell, m.
         cell: f64,
     },
+    /// The lens is below the floor, which bears its part on the hexagonal lattice only.
+    FloorLeftOut {
+        /// How far below, m.
+        depth: f64,
+    },
     /// At pull-off the tensile stress on a lone pillar is a large part of its modulus, beyond what linear elasticity is good for.
     AdhesiveStretch {
         /// Stress over the Young's modulus of the substrate.
@@ -110,6 +120,11 @@ impl std::fmt::Display for Warning {
                 "the floor is in contact {distance:.2e} m from the rim of a pillar, less than two \
                  of its cells of {cell:.2e} m: what it bears may be less exact than estimated; \
                  take accuracy = \"accurate\", whose cells are smaller"
+            ),
+            Self::FloorLeftOut { depth } => write!(
+                f,
+                "the lens has passed the transition, by {depth:.2e} m at the lowest point of the floor: what \
+                 the floor bears is known for equal pillars on an endless hexagonal lattice only, so that the force here is too low"
             ),
             Self::AdhesiveStretch { ratio } => write!(
                 f,
@@ -181,7 +196,7 @@ impl ContactState {
     /// The state at an indentation (m) at which nothing is touched.
     pub(crate) fn untouched(system: &System, method: Method, indentation: f64) -> Self {
         Self {
-            system: *system,
+            system: system.clone(),
             method,
             indentation,
             force: 0.0,

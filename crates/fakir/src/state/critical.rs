@@ -57,7 +57,9 @@ impl CriticalState {
             floor_contact: if round {
                 [x.hypot(y), 0.0]
             } else {
-                system.lattice().symmetry().fold([x, y])
+                system
+                    .hexagonal_lattice()
+                    .map_or([x, y], |lattice| lattice.symmetry().fold([x, y]))
             },
             contact,
         }
@@ -103,7 +105,7 @@ impl CriticalState {
             Method::Homogenised => 1.0,
         };
         match self.regime {
-            Regime::TopFirst => part * self.contact.system.lattice().pitch,
+            Regime::TopFirst => part * self.contact.system.pitch(),
             Regime::BottomFirst => 0.0,
         }
     }
@@ -144,7 +146,7 @@ impl Normalized {
         let pillar = system.pillar();
         Self {
             force: force * system.internal_compliance() / (pillar.height * pillar.diameter),
-            contact_radius: contact_radius / system.lattice().pitch,
+            contact_radius: contact_radius / system.pitch(),
             indentation: indentation / pillar.height,
         }
     }

@@ -118,6 +118,17 @@ pub enum SolveError {
         /// Width of a grid around the lens axis that would do, m.
         needed: f64,
     },
+    /// What is made for the paper's lattice, asked of another arrangement.
+    #[error(
+        "{what} is made for equal pillars on an endless hexagonal lattice that is not turned, not \
+         for this arrangement ({arrangement}): use the spectral method, without adhesion"
+    )]
+    NotOnArrangement {
+        /// `"adhesion"`, `"the punch lattice"` and others.
+        what: &'static str,
+        /// Name of the arrangement.
+        arrangement: &'static str,
+    },
     /// A method that knows no adhesion.
     #[error(
         "the {method} method has no adhesion: use the spectral method, which has, or a work of \

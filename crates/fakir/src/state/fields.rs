@@ -4,8 +4,9 @@ use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, compliances, deg
 use crate::halfspace::disc::covered::{CoverFinder, CoveredPart};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
-use crate::problem::scaled::Problem;
-use crate::problem::{HexagonalLattice, Point};
+use crate::problem::Point;
+use crate::problem::pillar_field::IndexedPillar;
+use crate::problem::scaled::Scene;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -102,7 +103,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// many points [`sample`](Self::sample) is much faster.
 #[derive(Clone)]
 pub struct Fields {
-    pub(super) problem: Problem,
+    pub(super) scene: Scene,
     /// Scaled.
     indentation: f64,
     pub(super) discs: Vec<Disc>,
@@ -130,7 +131,7 @@ impl std::fmt::Debug for Fields {
 impl Fields {
     /// `degree` is that of the leading modes, `close_degree` the highest of all.
     pub(crate) fn new(
-        problem: Problem,
+        scene: Scene,
         indentation: f64,
         discs: Vec<Disc>,
         degree: usize,
@@ -147,7 +148,7 @@ impl Fields {
             compliance: compliances(close_degree, 0.0),
             covered: OnceLock::new(),
             floor: None,
-            problem,
+            scene,
             indentation,
             discs,
         }
@@ -169,17 +170,14 @@ impl Fields {
 
     pub(super) fn scaled(&self, position: Point) -> Point {
         [
-            position[0] / self.problem.length,
-            position[1] / self.problem.length,
+            position[0] / self.scene.length,
+            position[1] / self.scene.length,
         ]
     }
 
-    /// The pillar whose top holds a scaled position, and the distance from its centre.
-    fn pillar_under(&self, position: Point) -> Option<(i64, i64)> {
-        let lattice: &HexagonalLattice = &self.problem.lattice;
-        let (i, j) = lattice.nearest_pillar(position);
-        let [x, y] = lattice.centre(i, j);
-        ((x - position[0]).hypot(y - position[1]) <= 1.0).then_some((i, j))
+    /// The pillar whose top holds a scaled position.
+    fn pillar_under(&self, position: Point) -> Option<IndexedPillar> {
+        self.scene.field.under(position)
     }
 
     /// Whether a position is on a pillar top rather than above the floor.
@@ -192,7 +190,7 @@ impl Fields {
     /// without the shortening of the pillars.
     #[must_use]
     pub fn displacement(&self, position: Point) -> f64 {
-        self.scaled_displacement(self.scaled(position)) * self.problem.length
+        self.scaled_displacement(self.scaled(position)) * self.scene.length
     }
 
     /// As [`displacement`](Self::displacement), scaled.
@@ -252,20 +250,23 @@ impl Fields {
 
     /// The gap, m, at a scaled position with a scaled displacement.
     pub(super) fn gap_with(&self, at: Point, displacement: f64) -> f64 {
-        let above_floor =
-            self.problem.height + self.problem.sag(at) + displacement - self.indentation;
+        let above_common = self.scene.sag(at) + displacement - self.indentation;
         let gap = match self.pillar_under(at) {
-            None => above_floor,
-            Some(index) => above_floor - self.problem.height + self.column_sink(index),
+            None => above_common + self.scene.height,
+            Some((index, pillar)) => {
+                let body = pillar.body;
+                let sink = self.column_sink(index, body.column_compliance_ratio / body.radius);
+                above_common - body.raised + sink
+            }
         };
-        gap * self.problem.length
+        gap * self.scene.length
     }
 
-    /// Shortening of a pillar: `kappa F/2` in scaled units, from `lambda_00 = pi (1 + kappa)`.
-    fn column_sink(&self, index: (i64, i64)) -> f64 {
-        self.disc_of.get(&index).map_or(0.0, |&k| {
-            0.5 * self.problem.column_compliance_ratio * self.discs[k].force()
-        })
+    /// Shortening of a pillar: `kappa F/(2 a)` in scaled units, from `lambda_00 = pi (1 + kappa)`.
+    fn column_sink(&self, index: (i64, i64), compliance_ratio: f64) -> f64 {
+        self.disc_of
+            .get(&index)
+            .map_or(0.0, |&k| 0.5 * compliance_ratio * self.discs[k].force())
     }
 
     /// Contact pressure, Pa: zero out of contact, infinite at the very edge of a covered pillar
@@ -282,9 +283,9 @@ impl Fields {
 
     /// The pressure, Pa, at a scaled position.
     pub(super) fn pressure_at(&self, at: Point) -> f64 {
-        let Some(index) = self.pillar_under(at) else {
+        let Some((index, _)) = self.pillar_under(at) else {
             let floor = self.floor.as_ref();
-            return floor.map_or(0.0, |floor| floor.pressure(at) * self.problem.pressure);
+            return floor.map_or(0.0, |floor| floor.pressure(at) * self.scene.pressure);
         };
         let Some(&k) = self.disc_of.get(&index) else {
             return 0.0;
@@ -302,7 +303,7 @@ impl Fields {
         if density == 0.0 {
             return 0.0;
         }
-        density / (1.0 - rho_squared).sqrt() * self.problem.pressure
+        density / (1.0 - rho_squared).sqrt() * self.scene.pressure
     }
 
     /// `q` on a disc.
@@ -351,7 +352,7 @@ impl Fields {
         };
         let place = |[x, y]: Point| {
             let [centre_x, centre_y] = disc.centre;
-            self.problem
+            self.scene
                 .metres([centre_x + disc.radius * x, centre_y + disc.radius * y])
         };
         outline.into_iter().map(place).collect()

@@ -12,6 +12,7 @@ use super::error::SolveError;
 use super::fields::{Disc, Fields};
 use super::run::Run;
 use crate::numerics::fft::{ComplexPlans, smooth_size, transpose};
+use crate::problem::pillar_field::PillarField;
 use crate::problem::{HexagonalLattice, Point};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
@@ -103,7 +104,7 @@ impl Fields {
                 None => self.scaled_displacement(*point),
             };
             [
-                displacement * self.problem.length,
+                displacement * self.scene.length,
                 self.gap_with(*point, displacement),
             ]
         };
@@ -213,7 +214,9 @@ impl FarField {
         if discs.len() < 20 || discs.iter().any(|disc| disc.radius < 1.0) {
             return Ok(None);
         }
-        let lattice = fields.problem.lattice;
+        let PillarField::Hexagonal { lattice, .. } = fields.scene.field else {
+            return Ok(None);
+        };
         let inside = points.iter().all(|p| p[0].is_finite() && p[1].is_finite());
         if !inside {
             return Ok(None);

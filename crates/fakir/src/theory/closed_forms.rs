@@ -57,7 +57,7 @@ pub fn central_gap(
 ) -> f64 {
     let (gamma_int, gamma_ext) = compliances(system);
     let (h, d) = (system.pillar().height, system.pillar().diameter);
-    let e = system.lattice().pitch;
+    let e = system.pitch();
     let own = match form {
         Form::AsPrinted => gamma_int,
         Form::Corrected => 2.0 * gamma_int / d,
@@ -87,7 +87,7 @@ pub fn from_gap_expansion(
 ) -> TransitionEstimate {
     let (gamma_int, gamma_ext) = compliances(system);
     let (h, d) = (system.pillar().height, system.pillar().diameter);
-    let (radius, e) = (system.lens().radius, system.lattice().pitch);
+    let (radius, e) = (system.lens().radius, system.pitch());
     let cubic = 2.0 * gamma_int / (gamma_ext * d) + h * radius * sums.curvature / e.powi(3);
     let r_c = positive_root(h * radius, 1.5, cubic);
     let g = sums.curvature * (r_c / e).powi(3);
@@ -159,7 +159,7 @@ pub fn large_contact(system: &System, form: Form) -> TransitionEstimate {
     let (gamma_int, gamma_ext) = compliances(system);
     let root_phi = system.texture().surface_fraction().sqrt();
     let contact_radius = large_contact_radius(system, Form::Corrected);
-    let ratio = contact_radius / system.lattice().pitch;
+    let ratio = contact_radius / system.pitch();
     let spread = match form {
         Form::AsPrinted => 0.5 * (ratio * ratio - 1.0),
         Form::Corrected => ratio - 1.0,
@@ -181,7 +181,7 @@ pub fn large_contact(system: &System, form: Form) -> TransitionEstimate {
 pub fn large_contact_radius(system: &System, form: Form) -> f64 {
     let phi = system.texture().surface_fraction();
     let (radius, h) = (system.lens().radius, system.pillar().height);
-    let e = system.lattice().pitch;
+    let e = system.pitch();
     match form {
         Form::AsPrinted => (e * e + phi * radius * h).sqrt(),
         Form::Corrected => {
@@ -196,7 +196,7 @@ pub fn large_contact_radius(system: &System, form: Form) -> f64 {
 /// `F gamma_int/(h d) = (1 + 3 mu_c)(1 + C1 ((a/e)^2 - 1))`; below one pitch, that of one pillar.
 #[must_use]
 pub fn transition_force(system: &System, contact_radius: f64) -> f64 {
-    let sums = SumCoefficients::PAPER.sums(contact_radius / system.lattice().pitch);
+    let sums = SumCoefficients::PAPER.sums(contact_radius / system.pitch());
     small_contact(system).force * (1.0 + sums.force)
 }
 
@@ -207,7 +207,7 @@ pub fn transition_force(system: &System, contact_radius: f64) -> f64 {
 /// (m) over the pitch.
 #[must_use]
 pub fn transition_from_exact_sums(system: &System, contact_radius: f64) -> TransitionEstimate {
-    let sums = LatticeSums::exact(contact_radius / system.lattice().pitch);
+    let sums = LatticeSums::exact(contact_radius / system.pitch());
     from_gap_expansion(system, contact_radius, &sums)
 }
 
@@ -248,7 +248,7 @@ pub fn phase(system: &System, force: f64, contact_radius: f64) -> Phase {
         } else {
             Region::Mixed
         },
-        deterministic: contact_radius <= system.lattice().pitch,
+        deterministic: contact_radius <= system.pitch(),
     }
 }
 
@@ -300,10 +300,10 @@ mod tests {
             ..*system.lens()
         };
         let lattice = HexagonalLattice {
-            pitch: system.lattice().pitch * factor,
-            ..*system.lattice()
+            pitch: system.pitch() * factor,
+            ..*system.hexagonal_lattice().unwrap()
         };
-        System::new(lens, *system.substrate(), Texture { pillar, lattice }).unwrap()
+        System::new(lens, *system.substrate(), Texture::new(pillar, lattice)).unwrap()
     }
 
     #[test]
@@ -311,7 +311,7 @@ mod tests {
         for (phi, ratio) in [(0.0005, 0.5), (0.01, 2.0), (0.1, 11.3), (0.29, 30.0)] {
             let system = intermediate(phi);
             let sums = LatticeSums::exact(ratio);
-            let state = from_gap_expansion(&system, ratio * system.lattice().pitch, &sums);
+            let state = from_gap_expansion(&system, ratio * system.pitch(), &sums);
             let central_force = state.force / (1.0 + sums.force);
             let r_c = state.floor_contact_distance;
             let gap = |r: f64| central_gap(&system, central_force, r, &sums, Form::Corrected);
@@ -330,7 +330,7 @@ mod tests {
         pillar.diameter *= 1e-5;
         let texture = Texture {
             pillar,
-            ..*system.texture()
+            ..system.texture().clone()
         };
         let narrow = System::new(*system.lens(), *system.substrate(), texture).unwrap();
         let mu_c = (small_contact_factor(&narrow) - 1.0) / 3.0;
@@ -446,7 +446,7 @@ mod tests {
     #[test]
     fn transition_curve_starts_with_one_pillar_and_rises() {
         let system = intermediate(0.05);
-        let e = system.lattice().pitch;
+        let e = system.pitch();
         let lone = small_contact(&system).force;
         for ratio in [0.0, 0.5, 1.0] {
             assert!((transition_force(&system, ratio * e) / lone - 1.0).abs() < 1e-12);
@@ -462,7 +462,7 @@ mod tests {
     #[test]
     fn phase_diagram_is_split_by_the_curve() {
         let system = intermediate(0.05);
-        let e = system.lattice().pitch;
+        let e = system.pitch();
         for ratio in [0.5, 3.0] {
             let curve = transition_force(&system, ratio * e);
             let region = |force| phase(&system, force, ratio * e).region;

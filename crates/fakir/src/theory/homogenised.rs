@@ -38,11 +38,17 @@ impl HomogenisedLattice {
     ///
     /// # Errors
     /// [`SolveError::TextureTooDense`] where `beta` is not positive: at and above the
-    /// [`largest_surface_fraction`].
+    /// [`largest_surface_fraction`]. [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice.
     pub fn new(system: &System) -> Result<Self, SolveError> {
+        if system.hexagonal_lattice().is_none() {
+            return Err(SolveError::NotOnArrangement {
+                what: "the homogenised lattice",
+                arrangement: system.arrangement().name(),
+            });
+        }
         let neighbours = neighbour_compliance(system);
         let own = system.internal_compliance() / system.pillar().diameter;
-        let cell = system.lattice().cell_area();
+        let cell = system.arrangement().cell_area();
         let layer_compliance = cell * (own + neighbours * site_potential());
         if layer_compliance <= 0.0 {
             return Err(SolveError::TextureTooDense {
@@ -70,7 +76,7 @@ impl HomogenisedLattice {
 
 /// `gamma_ext/(2e)`: what a force on a pillar does one pitch away, m/N.
 fn neighbour_compliance(system: &System) -> f64 {
-    system.external_compliance() / (2.0 * system.lattice().pitch)
+    system.external_compliance() / (2.0 * system.pitch())
 }
 
 /// Surface fraction from which the model does not apply: neighbours help a pillar down by more
@@ -104,7 +110,7 @@ pub fn dense_limit(system: &System) -> TransitionEstimate {
         force: 4.0 * contact_radius.powi(3) / (3.0 * radius * c),
         indentation: contact_radius * contact_radius / radius,
         top_contact_radius: contact_radius,
-        floor_contact_distance: system.lattice().pitch / 3f64.sqrt(),
+        floor_contact_distance: system.pitch() / 3f64.sqrt(),
     }
 }
 
@@ -241,7 +247,7 @@ fn solve(
         force: relative_difference(coarse.force, contact.force),
         indentation: relative_difference(coarse.indentation, contact.indentation),
     };
-    let cell = system.lattice().cell_area();
+    let cell = system.arrangement().cell_area();
     let central_force = contact.central_pressure * cell;
     let gap = 1.0 - central_force / lattice.critical_central_force;
     let pillars = PI * contact.radius * contact.radius / cell;
@@ -250,7 +256,7 @@ fn solve(
         force: contact.force,
         contact_radius: contact.radius,
         // The lattice, with its pillars, is left out: nothing is told within a pitch.
-        contact_radius_error: system.lattice().pitch,
+        contact_radius_error: system.pitch(),
         pillars_in_contact: (pillars.round() as usize).max(1),
         smallest_floor_gap: system.pillar().height * gap,
         smallest_gap_position: nearest_hollow(system),
@@ -273,7 +279,9 @@ fn relative_difference(coarse: f64, fine: f64) -> f64 {
 /// The hollow site nearest to the lens axis: one of the six around the nearest pillar, at
 /// `e/sqrt3` in the directions of multiples of 60 degrees from x. Folded.
 fn nearest_hollow(system: &System) -> Point {
-    let lattice = system.lattice();
+    let Some(lattice) = system.hexagonal_lattice() else {
+        return [0.0; 2];
+    };
     let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
     let [x, y] = lattice.centre(i, j);
     let distance = lattice.pitch / 3f64.sqrt();
@@ -317,13 +325,13 @@ mod tests {
 
     fn offset_by(system: &System, offset: f64) -> System {
         system
-            .with_lattice(system.lattice().offset_by(offset))
+            .with_arrangement(system.hexagonal_lattice().unwrap().offset_by(offset))
             .unwrap()
     }
 
     /// The system with its pillars `factor` times as high.
     fn with_height(system: &System, factor: f64) -> System {
-        let mut texture = *system.texture();
+        let mut texture = system.texture().clone();
         texture.pillar.height *= factor;
         System::new(*system.lens(), *system.substrate(), texture).unwrap()
     }
@@ -419,7 +427,7 @@ mod tests {
             radius: length * system.lens().radius,
             material,
         };
-        let scaled = System::new(lens, material, Texture { pillar, lattice }).unwrap();
+        let scaled = System::new(lens, material, Texture::new(pillar, lattice)).unwrap();
         let (one, other) = (critical(&system).contact, critical(&scaled).contact);
         let force = modulus * length * length;
         assert!((other.force / (force * one.force) - 1.0).abs() < 1e-11);
@@ -473,7 +481,7 @@ mod tests {
 
     #[test]
     fn floor_contact_is_the_nearest_hollow_site() {
-        let e = intermediate(0.1).lattice().pitch;
+        let e = intermediate(0.1).pitch();
         let root = 3f64.sqrt();
         for (offset, distance) in [
             (0.0, 1.0 / root),
@@ -535,7 +543,7 @@ mod tests {
     #[test]
     fn pillars_are_counted_by_cells() {
         let state = critical(&intermediate(0.1)).contact;
-        let cell = intermediate(0.1).lattice().cell_area();
+        let cell = intermediate(0.1).arrangement().cell_area();
         let cells = PI * state.contact_radius.powi(2) / cell;
         assert!((state.pillars_in_contact as f64 - cells).abs() <= 0.5);
         assert_eq!(state.pillars_partially_in_contact, 0);

@@ -41,7 +41,7 @@ pub(crate) fn on_lattice(
             material: Material::new(2e6, 0.5),
         },
         Material::new(substrate_modulus, 0.5),
-        Texture { pillar, lattice },
+        Texture::new(pillar, lattice),
     )
     .unwrap()
 }
@@ -75,7 +75,7 @@ pub(super) fn reference(system: &System) -> Reference {
             let number = |column: usize| record[column].parse::<f64>().unwrap();
             let near = |value: f64, wanted: f64| (value - wanted).abs() <= 1e-9 * wanted;
             let wanted = near(number(0), system.texture().surface_fraction())
-                && near(number(1), system.lattice().offset)
+                && near(number(1), system.hexagonal_lattice().unwrap().offset)
                 && near(number(2), system.substrate().young_modulus)
                 && &record[3] == compliance;
             wanted.then(|| Reference {

@@ -32,7 +32,7 @@ pub(crate) fn paper_system(
     System::new(
         paper_lens(),
         Material::new(substrate_modulus, 0.5),
-        Texture { pillar, lattice },
+        Texture::new(pillar, lattice),
     )
     .expect("a system of the paper is valid")
 }

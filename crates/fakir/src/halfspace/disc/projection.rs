@@ -64,7 +64,7 @@ impl LensProjector {
 mod tests {
     use super::*;
     use crate::halfspace::disc::basis::UNIT_FORCE;
-    use crate::problem::scaled::Problem;
+    use crate::problem::scaled::Scene;
     use crate::problem::{HexagonalLattice, System};
 
     #[test]
@@ -80,13 +80,10 @@ mod tests {
         let system = System::new(
             Lens { radius, material },
             material,
-            crate::problem::system::Texture {
-                pillar,
-                lattice: HexagonalLattice::new(5.0),
-            },
+            crate::problem::system::Texture::new(pillar, HexagonalLattice::new(5.0)),
         )
         .unwrap();
-        let problem = Problem::new(&system);
+        let problem = Scene::new(&system);
         let projector = LensProjector::new(&problem.lens, 2);
         let mut load = vec![0.0; projector.count()];
         projector.project(&problem.lens, [30.0, 40.0], 1.0, &mut load);

@@ -5,8 +5,8 @@
 use super::surface_level::check_fields;
 use crate::problem::pattern::{Arrangement, InvalidPattern, Pattern, PillarShape};
 use crate::problem::{
-    Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, Indenter, InvalidGrid,
-    MeshLayout, Method, SurfaceSystem, System,
+    Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
+    InvalidGrid, MeshLayout, Method, SurfaceSystem, System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
@@ -26,15 +26,27 @@ pub(crate) fn press_with_floor(
     reach: f64,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
+    let lattice = system
+        .hexagonal_lattice()
+        .ok_or(SolveError::NotOnArrangement {
+            what: "the method of elements with a floor",
+            arrangement: system.arrangement().name(),
+        })?;
     let impossible = SolveError::NotFinite {
         what: "cell of the surface",
     };
     let grid = grid(system, cells_per_diameter, reach).map_err(|_| impossible.clone())?;
     // Better known before the surface is drawn.
     check_fields(&grid, run)?;
-    let surface = surface_system(system, &grid).map_err(|_| impossible)?;
+    let surface = surface_system(system, lattice, &grid).map_err(|_| impossible)?;
     let contact = surface.press(control, run)?;
-    Ok(state(system, &surface, &contact, cells_per_diameter))
+    Ok(state(
+        system,
+        lattice,
+        &surface,
+        &contact,
+        cells_per_diameter,
+    ))
 }
 
 /// Cells that hold all within `reach` (m) of the lens axis.
@@ -48,6 +60,7 @@ fn grid(system: &System, cells_per_diameter: usize, reach: f64) -> Result<Grid, 
 /// The texture on cells.
 fn surface_system(
     system: &System,
+    lattice: &HexagonalLattice,
     grid: &Grid,
 ) -> Result<SurfaceSystem, Box<dyn std::error::Error>> {
     let pillar = system.pillar();
@@ -55,7 +68,7 @@ fn surface_system(
         compliance: pillar.compliance,
         ..PillarShape::cylinder(pillar.diameter, pillar.height)
     };
-    let pattern = Pattern::new(shape, Arrangement::Hexagonal(*system.lattice()));
+    let pattern = Pattern::new(shape, Arrangement::Hexagonal(*lattice));
     let heights: Result<HeightMap, InvalidPattern> = pattern.height_map(grid, system.substrate());
     let lens = Indenter::Lens(*system.lens());
     let surface = SurfaceSystem::new(lens, *system.substrate(), heights?, Boundary::FreeSpace)?;
@@ -66,6 +79,7 @@ fn surface_system(
 /// A contact on cells as one of pillars and floor.
 fn state(
     system: &System,
+    lattice: &HexagonalLattice,
     surface: &SurfaceSystem,
     contact: &SurfaceContact,
     cells_per_diameter: usize,
@@ -102,7 +116,6 @@ fn state(
     });
     let share = contact.shares.unwrap_or_default().floor;
     let distance_to_rim = |[x, y]: [f64; 2]| {
-        let lattice = system.lattice();
         let (i, j) = lattice.nearest_pillar([x, y]);
         let [centre_x, centre_y] = lattice.centre(i, j);
         (x - centre_x).hypot(y - centre_y) - 0.5 * system.pillar().diameter

@@ -30,6 +30,18 @@ pub(crate) struct Patch {
     pub(crate) force: f64,
 }
 
+impl Patch {
+    /// The same with lengths in another unit, given in the old one.
+    pub(crate) fn scaled(&self, unit: f64) -> Self {
+        Self {
+            radius: self.radius * unit,
+            coefficients: self.coefficients.clone(),
+            indentation: self.indentation * unit,
+            force: self.force * unit * unit,
+        }
+    }
+}
+
 /// What does not depend on the radius of contact.
 pub(crate) struct PatchSolver {
     rule: Vec<([f64; 2], f64)>,

@@ -1,0 +1,738 @@
+//! Where the pillars of a texture stand, and how they differ.
+
+use super::lattice::{HALF_SQRT_3, HexagonalLattice};
+use super::point::Point;
+use super::quantity::{InvalidQuantity, Quantity, Requirement};
+use super::system::Pillar;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Where the pillars of a texture stand, seen from the lens axis, and how they differ from the common pillar.
+///
+/// ```
+/// use fakir::problem::{Arrangement, Disorder, LatticeForm, PlaneLattice};
+///
+/// // A square lattice on which one pillar in twenty is missing and heights scatter by 3 %.
+/// let square = PlaneLattice::new(LatticeForm::Square { pitch: 20e-6 });
+/// let disorder = Disorder { height_spread: 0.03, missing: 0.05, seed: 1 };
+/// let arrangement = Arrangement::from(PlaneLattice { disorder, ..square });
+/// assert_eq!(arrangement.pitch(), 20e-6);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Arrangement {
+    /// The endless hexagonal lattice of equal pillars: the paper's, for which everything is available.
+    Hexagonal(HexagonalLattice),
+    /// Any plane lattice, whole or cut, whose pillars may scatter and be missing.
+    Lattice(PlaneLattice),
+    /// Those of a list and no others.
+    Listed(Arc<PillarList>),
+}
+
+impl From<HexagonalLattice> for Arrangement {
+    fn from(lattice: HexagonalLattice) -> Self {
+        Self::Hexagonal(lattice)
+    }
+}
+
+impl From<PlaneLattice> for Arrangement {
+    /// One that is endless, hexagonal, of equal pillars and not turned is the [hexagonal](Self::Hexagonal) one.
+    fn from(lattice: PlaneLattice) -> Self {
+        match lattice.form {
+            LatticeForm::Hexagonal { pitch } if lattice == lattice.plain() => {
+                Self::Hexagonal(HexagonalLattice {
+                    pitch,
+                    offset: lattice.offset,
+                    offset_angle: lattice.offset_angle,
+                })
+            }
+            _ => Self::Lattice(lattice),
+        }
+    }
+}
+
+impl From<PillarList> for Arrangement {
+    fn from(list: PillarList) -> Self {
+        Self::Listed(Arc::new(list))
+    }
+}
+
+impl Arrangement {
+    /// What it is called: `"hexagonal"`, `"square"`, `"rectangular"`, `"oblique"` or `"listed"`.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Hexagonal(_) => "hexagonal",
+            Self::Lattice(lattice) => lattice.form.name(),
+            Self::Listed(_) => "listed",
+        }
+    }
+
+    /// How far apart neighbours stand, m: the pitch of a lattice, the [mean distance](PillarList::mean_distance) of nearest neighbours of a list.
+    #[must_use]
+    pub fn pitch(&self) -> f64 {
+        match self {
+            Self::Hexagonal(lattice) => lattice.pitch,
+            Self::Lattice(lattice) => lattice.form.pitch(),
+            Self::Listed(list) => list.mean_distance,
+        }
+    }
+
+    /// Area of the surface for each pillar, m^2; of a list, of the rectangle as for the [surface fraction](Self::surface_fraction).
+    #[must_use]
+    pub fn cell_area(&self) -> f64 {
+        match self {
+            Self::Hexagonal(lattice) => lattice.cell_area(),
+            Self::Lattice(lattice) => lattice.form.cell_area() / (1.0 - lattice.disorder.missing),
+            Self::Listed(list) => list.rectangle_area() / list.pillars.len() as f64,
+        }
+    }
+
+    /// The fraction of the surface that is pillar top, for a common pillar diameter (m). Of a list, within the rectangle along x and y that holds all
+    /// centres and half their mean distance around them.
+    #[must_use]
+    pub fn surface_fraction(&self, diameter: f64) -> f64 {
+        let top = 0.25 * PI * diameter * diameter;
+        match self {
+            Self::Hexagonal(lattice) => {
+                let ratio = diameter / lattice.pitch;
+                super::lattice::MAXIMUM_SURFACE_FRACTION * ratio * ratio
+            }
+            Self::Lattice(lattice) => {
+                (1.0 - lattice.disorder.missing) * top / lattice.form.cell_area()
+            }
+            Self::Listed(list) => list.surface_fraction(),
+        }
+    }
+
+    /// Whether the pillars differ in anything but their place.
+    #[must_use]
+    pub fn has_equal_pillars(&self) -> bool {
+        match self {
+            Self::Hexagonal(_) => true,
+            Self::Lattice(lattice) => lattice.disorder.height_spread == 0.0,
+            Self::Listed(list) => {
+                let first = &list.pillars[0];
+                let alike = |pillar: &ListedPillar| {
+                    (pillar.height, pillar.diameter) == (first.height, first.diameter)
+                };
+                list.pillars.iter().all(alike)
+            }
+        }
+    }
+
+    pub(super) fn check(&self, pillar: &Pillar, lens_radius: f64) -> Result<(), InvalidQuantity> {
+        match self {
+            Self::Hexagonal(lattice) => {
+                check_pitch(Quantity::Pitch, lattice.pitch, pillar.diameter)?;
+                Requirement::Pitches.check(Quantity::Offset, lattice.offset)?;
+                Requirement::Finite.check(Quantity::OffsetAngle, lattice.offset_angle)?;
+            }
+            Self::Lattice(lattice) => lattice.check(pillar)?,
+            Self::Listed(list) => {
+                let highest = list.pillars.iter().map(|p| p.height).fold(0.0, f64::max);
+                Requirement::BelowLensRadius(lens_radius).check(Quantity::PillarHeight, highest)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A pitch at which pillars of a diameter do not overlap.
+fn check_pitch(quantity: Quantity, pitch: f64, diameter: f64) -> Result<(), InvalidQuantity> {
+    Requirement::Positive.check(quantity, pitch)?;
+    // A surface fraction of exactly the maximum may round to a pitch just below the diameter.
+    let overlap_tolerance = 1.0 - 4.0 * f64::EPSILON;
+    if pitch < diameter * overlap_tolerance {
+        Requirement::AtLeastDiameter(diameter).check(quantity, pitch)?;
+    }
+    Ok(())
+}
+
+/// The vectors of a plane lattice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LatticeForm {
+    /// As [`HexagonalLattice`].
+    Hexagonal {
+        /// Distance between the centres of neighbouring pillars, m.
+        pitch: f64,
+    },
+    /// With rows along x and y.
+    Square {
+        /// Distance between the centres of neighbouring pillars, m.
+        pitch: f64,
+    },
+    /// With rows along x and y.
+    Rectangular {
+        /// Distance of neighbours along x, m.
+        pitch: f64,
+        /// Distance of neighbours along y, m.
+        pitch_y: f64,
+    },
+    /// With rows along x, and others at an angle to them.
+    Oblique {
+        /// Distance of neighbours along x, m.
+        pitch: f64,
+        /// Distance of neighbours along the other rows, m.
+        pitch_y: f64,
+        /// Between the two, rad.
+        angle: f64,
+    },
+}
+
+impl LatticeForm {
+    /// `"hexagonal"`, `"square"`, `"rectangular"` or `"oblique"`.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Hexagonal { .. } => "hexagonal",
+            Self::Square { .. } => "square",
+            Self::Rectangular { .. } => "rectangular",
+            Self::Oblique { .. } => "oblique",
+        }
+    }
+
+    /// Distance of neighbours along the first rows, m.
+    #[must_use]
+    pub fn pitch(&self) -> f64 {
+        match self {
+            Self::Hexagonal { pitch }
+            | Self::Square { pitch }
+            | Self::Rectangular { pitch, .. }
+            | Self::Oblique { pitch, .. } => *pitch,
+        }
+    }
+
+    /// The lattice vectors, m.
+    #[must_use]
+    pub fn vectors(&self) -> [Point; 2] {
+        match *self {
+            Self::Hexagonal { pitch } => {
+                let (along, across) = (HALF_SQRT_3 * pitch, 0.5 * pitch);
+                [[along, across], [along, -across]]
+            }
+            Self::Square { pitch } => [[pitch, 0.0], [0.0, pitch]],
+            Self::Rectangular { pitch, pitch_y } => [[pitch, 0.0], [0.0, pitch_y]],
+            Self::Oblique {
+                pitch,
+                pitch_y,
+                angle,
+            } => {
+                let (sin, cos) = angle.sin_cos();
+                [[pitch, 0.0], [pitch_y * cos, pitch_y * sin]]
+            }
+        }
+    }
+
+    /// Area for each pillar, m^2.
+    #[must_use]
+    pub fn cell_area(&self) -> f64 {
+        let [[a, b], [c, d]] = self.vectors();
+        (a * d - b * c).abs()
+    }
+}
+
+/// How the pillars of a lattice scatter: every one by itself, the same for the same seed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Disorder {
+    /// Standard deviation of the heights over the common height. They are normally distributed, within four deviations.
+    pub height_spread: f64,
+    /// Probability that a pillar is missing.
+    pub missing: f64,
+    /// What the scatter is drawn from.
+    pub seed: u64,
+}
+
+impl Disorder {
+    /// Deviations beyond which no height lies.
+    pub(crate) const DEVIATIONS: f64 = 4.0;
+
+    /// Height of the pillar of an index over the common height; none of one that is missing.
+    #[must_use]
+    pub fn height_ratio(&self, (i, j): (i64, i64)) -> Option<f64> {
+        // Two streams, so that a height does not change with the share of missing pillars.
+        let stream = |number: u64| {
+            let mut state = mixed(self.seed ^ mixed(number));
+            for index in [i, j] {
+                state = mixed(state ^ index as u64);
+            }
+            state
+        };
+        if self.missing > 0.0 && uniform(stream(1)) < self.missing {
+            return None;
+        }
+        if self.height_spread == 0.0 {
+            return Some(1.0);
+        }
+        let mut state = stream(2);
+        loop {
+            // G. E. P. Box, M. E. Muller, Ann. Math. Stat. 29, 610 (1958).
+            let (one, other) = (uniform(mixed(state)), uniform(mixed(state ^ 1)));
+            let deviation = (-2.0 * (1.0 - one).ln()).sqrt() * (2.0 * PI * other).cos();
+            if deviation.abs() <= Self::DEVIATIONS {
+                return Some(1.0 + self.height_spread * deviation);
+            }
+            state = mixed(state);
+        }
+    }
+}
+
+/// The mixer of splitmix64 (G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014): neighbouring numbers become unlike.
+fn mixed(state: u64) -> u64 {
+    let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// From 0 to below 1.
+fn uniform(bits: u64) -> f64 {
+    (bits >> 11) as f64 * 2f64.powi(-53)
+}
+
+/// A plane lattice of pillars, whole or cut.
+///
+/// Pillar `(i, j)` stands at `a1 i + a2 j - o`, turned about the lens axis, where `a1` and `a2` are the [vectors](LatticeForm::vectors) and `o`
+/// points from a pillar centre to the lens axis, which is the origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneLattice {
+    /// Its vectors.
+    pub form: LatticeForm,
+    /// By how much it is turned about the lens axis, counter-clockwise, rad.
+    pub rotation: f64,
+    /// Distance of the lens axis from the centre of pillar (0, 0), in pitches.
+    pub offset: f64,
+    /// Direction of the offset from x before the lattice is turned, rad.
+    pub offset_angle: f64,
+    /// If it is cut: how many pillars there are along each of the vectors, pillar (0, 0) in the middle. An even number has one more on the
+    /// negative side.
+    pub columns: Option<u32>,
+    /// How its pillars scatter.
+    pub disorder: Disorder,
+}
+
+/// Spread of heights, relative, up to which no pillar is lower than a fifth of the common height.
+const LARGEST_SPREAD: f64 = 0.2;
+
+/// Share of missing pillars up to which there is a texture.
+const MOST_MISSING: f64 = 0.9;
+
+impl PlaneLattice {
+    /// The endless lattice of equal pillars with the lens axis on one of them.
+    #[must_use]
+    pub fn new(form: LatticeForm) -> Self {
+        Self {
+            form,
+            rotation: 0.0,
+            offset: 0.0,
+            offset_angle: 0.0,
+            columns: None,
+            disorder: Disorder::default(),
+        }
+    }
+
+    /// The same, endless, of equal pillars and not turned.
+    fn plain(&self) -> Self {
+        Self {
+            offset: self.offset,
+            offset_angle: self.offset_angle,
+            ..Self::new(self.form)
+        }
+    }
+
+    /// The lattice vectors, turned, m.
+    #[must_use]
+    pub fn vectors(&self) -> [Point; 2] {
+        self.form.vectors().map(|vector| self.turned(vector))
+    }
+
+    /// Centre of pillar (0, 0), m from the lens axis.
+    #[must_use]
+    pub fn origin(&self) -> Point {
+        let (sin, cos) = self.offset_angle.sin_cos();
+        let length = self.offset * self.form.pitch();
+        self.turned([-length * cos, -length * sin])
+    }
+
+    fn turned(&self, [x, y]: Point) -> Point {
+        let (sin, cos) = self.rotation.sin_cos();
+        [cos * x - sin * y, sin * x + cos * y]
+    }
+
+    fn check(&self, pillar: &Pillar) -> Result<(), InvalidQuantity> {
+        use Quantity as Q;
+        use Requirement as R;
+        check_pitch(Q::Pitch, self.form.pitch(), pillar.diameter)?;
+        match self.form {
+            LatticeForm::Hexagonal { .. } | LatticeForm::Square { .. } => {}
+            LatticeForm::Rectangular { pitch_y, .. } => {
+                check_pitch(Q::PitchY, pitch_y, pillar.diameter)?;
+            }
+            LatticeForm::Oblique { pitch_y, angle, .. } => {
+                check_pitch(Q::PitchY, pitch_y, pillar.diameter)?;
+                R::BetweenRows.check(Q::LatticeAngle, angle)?;
+                let [shortest, _] = super::pillar_field::reduced(self.form.vectors());
+                let nearest = shortest[0].hypot(shortest[1]);
+                if nearest < pillar.diameter * (1.0 - 1e-12) {
+                    return Err(InvalidQuantity {
+                        quantity: Q::LatticeAngle,
+                        value: angle,
+                        requirement: R::NoOverlap {
+                            distance: nearest,
+                            diameter: pillar.diameter,
+                        },
+                    });
+                }
+            }
+        }
+        R::Pitches.check(Q::Offset, self.offset)?;
+        R::Finite.check(Q::OffsetAngle, self.offset_angle)?;
+        R::Finite.check(Q::Rotation, self.rotation)?;
+        R::UpTo(LARGEST_SPREAD).check(Q::HeightSpread, self.disorder.height_spread)?;
+        R::UpTo(MOST_MISSING).check(Q::Missing, self.disorder.missing)?;
+        if let Some(columns) = self.columns {
+            R::Positive.check(Q::Columns, f64::from(columns))?;
+            let [first, end] = Self::range(i64::from(columns));
+            let mut indices = (first..end).flat_map(|i| (first..end).map(move |j| (i, j)));
+            if !indices.any(|index| self.disorder.height_ratio(index).is_some()) {
+                return Err(InvalidQuantity {
+                    quantity: Q::Missing,
+                    value: self.disorder.missing,
+                    requirement: R::SomeLeft,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Of so many pillars along a vector, the first index and the end.
+    pub(super) fn range(columns: i64) -> [i64; 2] {
+        [-(columns / 2), columns - columns / 2]
+    }
+}
+
+/// A pillar of a [list](PillarList).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ListedPillar {
+    /// Its centre, m.
+    pub centre: Point,
+    /// Its height over the floor, m.
+    pub height: f64,
+    /// Its diameter, m.
+    pub diameter: f64,
+}
+
+/// A pillar of a [`System`](super::System).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlacedPillar {
+    /// Its indices on the lattice; of a list, the place in it from 0, and 0.
+    pub index: (i64, i64),
+    /// Its centre, m from the lens axis.
+    pub centre: Point,
+    /// Its height over the floor, m.
+    pub height: f64,
+    /// Its diameter, m.
+    pub diameter: f64,
+}
+
+/// Pillars wherever they stand, of any heights and diameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PillarList {
+    /// With centres from the lens axis.
+    pillars: Vec<ListedPillar>,
+    mean_distance: f64,
+}
+
+/// What is wrong with a list of pillars. Pillars are counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InvalidPillars {
+    /// There are none.
+    #[error("there are no pillars: at least one is needed")]
+    Empty,
+    /// A place that is no number.
+    #[error("pillar {pillar} stands nowhere: its {axis} is {value}, and has to be a finite number")]
+    NoPlace {
+        /// Which one.
+        pillar: usize,
+        /// `"x"` or `"y"`.
+        axis: &'static str,
+        /// What was given, m.
+        value: f64,
+    },
+    /// A height or diameter that cannot be.
+    #[error(
+        "the {what} of pillar {pillar} cannot be {value} m: it must be a finite number greater than 0"
+    )]
+    NoSize {
+        /// Which one.
+        pillar: usize,
+        /// `"height"` or `"diameter"`.
+        what: &'static str,
+        /// What was given, m.
+        value: f64,
+    },
+    /// Two that overlap.
+    #[error(
+        "pillars {} and {} overlap: their centres are {distance:.4e} m apart, and their radii add up to {radii:.4e} m",
+        .pillars[0], .pillars[1]
+    )]
+    Overlap {
+        /// Which ones.
+        pillars: [usize; 2],
+        /// Distance of their centres, m.
+        distance: f64,
+        /// Sum of their radii, m.
+        radii: f64,
+    },
+}
+
+impl PillarList {
+    /// Pillars with their centres (m) from the lens axis.
+    ///
+    /// # Errors
+    /// An empty list, places that are no numbers, sizes that are not positive, and pillars that overlap.
+    pub fn new(pillars: Vec<ListedPillar>) -> Result<Self, InvalidPillars> {
+        if pillars.is_empty() {
+            return Err(InvalidPillars::Empty);
+        }
+        for (number, pillar) in pillars.iter().enumerate() {
+            for (axis, value) in ["x", "y"].into_iter().zip(pillar.centre) {
+                if !value.is_finite() {
+                    return Err(InvalidPillars::NoPlace {
+                        pillar: number,
+                        axis,
+                        value,
+                    });
+                }
+            }
+            for (what, value) in [("height", pillar.height), ("diameter", pillar.diameter)] {
+                if !(value > 0.0 && value.is_finite()) {
+                    return Err(InvalidPillars::NoSize {
+                        pillar: number,
+                        what,
+                        value,
+                    });
+                }
+            }
+        }
+        let mut sum = 0.0;
+        for (number, one) in pillars.iter().enumerate() {
+            let mut nearest = f64::INFINITY;
+            for (other_number, other) in pillars.iter().enumerate() {
+                if other_number == number {
+                    continue;
+                }
+                let [x, y] = [0, 1].map(|k| one.centre[k] - other.centre[k]);
+                let distance = x.hypot(y);
+                let radii = 0.5 * (one.diameter + other.diameter);
+                if distance < radii * (1.0 - 1e-12) {
+                    return Err(InvalidPillars::Overlap {
+                        pillars: [number.min(other_number), number.max(other_number)],
+                        distance,
+                        radii,
+                    });
+                }
+                nearest = nearest.min(distance);
+            }
+            sum += nearest;
+        }
+        let mean_distance = if pillars.len() > 1 {
+            sum / pillars.len() as f64
+        } else {
+            2.0 * pillars[0].diameter
+        };
+        Ok(Self {
+            pillars,
+            mean_distance,
+        })
+    }
+
+    /// The same with the lens axis at a point (m) of its coordinates.
+    #[must_use]
+    pub fn seen_from(&self, [x, y]: Point) -> Self {
+        let pillars = self.pillars.iter().map(|pillar| ListedPillar {
+            centre: [pillar.centre[0] - x, pillar.centre[1] - y],
+            ..*pillar
+        });
+        Self {
+            pillars: pillars.collect(),
+            mean_distance: self.mean_distance,
+        }
+    }
+
+    /// The pillars, with centres from the lens axis.
+    #[must_use]
+    pub fn pillars(&self) -> &[ListedPillar] {
+        &self.pillars
+    }
+
+    /// Mean distance of a pillar from its nearest neighbour, m; of a single one, twice its diameter.
+    #[must_use]
+    pub fn mean_distance(&self) -> f64 {
+        self.mean_distance
+    }
+
+    fn surface_fraction(&self) -> f64 {
+        let tops = self.pillars.iter().map(|p| 0.25 * PI * p.diameter.powi(2));
+        tops.sum::<f64>() / self.rectangle_area()
+    }
+
+    /// Area of the rectangle that holds all centres and half their mean distance around them.
+    fn rectangle_area(&self) -> f64 {
+        let side = |axis: usize| {
+            let along = self.pillars.iter().map(|pillar| pillar.centre[axis]);
+            let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                (a.min(x), b.max(x))
+            });
+            most - least + self.mean_distance
+        };
+        side(0) * side(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Means and deviations of many draws, within four of their standard errors.
+    #[test]
+    fn heights_scatter_as_asked() {
+        let disorder = Disorder {
+            height_spread: 0.05,
+            missing: 0.1,
+            seed: 3,
+        };
+        let (mut missing, mut heights) = (0, Vec::new());
+        for i in -100..100 {
+            for j in -100..100 {
+                match disorder.height_ratio((i, j)) {
+                    None => missing += 1,
+                    Some(ratio) => heights.push(ratio),
+                }
+            }
+        }
+        let drawn = 40_000.0;
+        assert!((f64::from(missing) / drawn - 0.1).abs() < 4.0 * (0.09 / drawn).sqrt());
+        let count = heights.len() as f64;
+        let mean = heights.iter().sum::<f64>() / count;
+        let variance = heights.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / count;
+        assert!((mean - 1.0).abs() < 4.0 * 0.05 / count.sqrt());
+        assert!((variance.sqrt() / 0.05 - 1.0).abs() < 4.0 / (2.0 * count).sqrt() + 1e-3);
+        assert!(heights.iter().all(|h| (h - 1.0).abs() <= 0.2));
+        // Neighbours know nothing of each other.
+        let row: Vec<f64> = (0..10_000)
+            .filter_map(|i| {
+                Disorder {
+                    missing: 0.0,
+                    ..disorder
+                }
+                .height_ratio((i, 7))
+            })
+            .map(|ratio| (ratio - 1.0) / 0.05)
+            .collect();
+        let product: f64 = row.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        assert!((product / 1e4).abs() < 0.04);
+        // A height stays what it is when others go.
+        let whole = Disorder {
+            missing: 0.0,
+            ..disorder
+        };
+        let same = |index| {
+            disorder
+                .height_ratio(index)
+                .is_none_or(|ratio| Some(ratio) == whole.height_ratio(index))
+        };
+        assert!((0..100).all(|i| same((i, -i))));
+        let other = Disorder { seed: 4, ..whole };
+        assert_ne!(other.height_ratio((0, 0)), whole.height_ratio((0, 0)));
+    }
+
+    #[test]
+    fn forms_have_the_area_of_their_cells() {
+        let pitch = 2.0;
+        let pairs = [
+            (LatticeForm::Hexagonal { pitch }, 2.0 * 3f64.sqrt()),
+            (LatticeForm::Square { pitch }, 4.0),
+            (
+                LatticeForm::Rectangular {
+                    pitch,
+                    pitch_y: 3.0,
+                },
+                6.0,
+            ),
+            (
+                LatticeForm::Oblique {
+                    pitch,
+                    pitch_y: 3.0,
+                    angle: PI / 6.0,
+                },
+                3.0,
+            ),
+        ];
+        for (form, area) in pairs {
+            assert!((form.cell_area() / area - 1.0).abs() < 1e-14, "{form:?}");
+        }
+        let plain = PlaneLattice::new(LatticeForm::Hexagonal { pitch });
+        assert!(matches!(
+            Arrangement::from(plain),
+            Arrangement::Hexagonal(_)
+        ));
+        let turned = PlaneLattice {
+            rotation: 0.1,
+            ..plain
+        };
+        assert!(matches!(Arrangement::from(turned), Arrangement::Lattice(_)));
+    }
+
+    #[test]
+    fn a_square_array_as_a_list_covers_what_the_lattice_does() {
+        let pillar = |k: usize| ListedPillar {
+            centre: [20e-6 * (k % 7) as f64, 20e-6 * (k / 7) as f64],
+            height: 2e-6,
+            diameter: 6e-6,
+        };
+        let list = PillarList::new((0..49).map(pillar).collect()).unwrap();
+        assert!((list.mean_distance() / 20e-6 - 1.0).abs() < 1e-12);
+        let (listed, square) = (
+            Arrangement::from(list),
+            Arrangement::from(PlaneLattice::new(LatticeForm::Square { pitch: 20e-6 })),
+        );
+        let fractions = [&listed, &square].map(|a| a.surface_fraction(6e-6));
+        assert!((fractions[0] / fractions[1] - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_no_list_is_refused() {
+        let at = |x: f64, diameter: f64| ListedPillar {
+            centre: [x, 0.0],
+            height: 1.0,
+            diameter,
+        };
+        assert_eq!(PillarList::new(Vec::new()), Err(InvalidPillars::Empty));
+        let overlapping = PillarList::new(vec![at(0.0, 2.0), at(9.0, 2.0), at(1.5, 2.0)]);
+        let expected = InvalidPillars::Overlap {
+            pillars: [0, 2],
+            distance: 1.5,
+            radii: 2.0,
+        };
+        assert_eq!(overlapping, Err(expected));
+        let nowhere = PillarList::new(vec![at(f64::NAN, 1.0)]);
+        assert!(matches!(
+            nowhere,
+            Err(InvalidPillars::NoPlace {
+                pillar: 0,
+                axis: "x",
+                ..
+            })
+        ));
+        let flat = PillarList::new(vec![at(0.0, -1.0)]);
+        assert!(matches!(
+            flat,
+            Err(InvalidPillars::NoSize {
+                what: "diameter",
+                ..
+            })
+        ));
+    }
+}
