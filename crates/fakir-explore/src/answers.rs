@@ -6,7 +6,7 @@ use crate::floor::FloorCells;
 use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars};
-use fakir::problem::{Accuracy, Control, FloorModel, Method, Point, System};
+use fakir::problem::{Accuracy, Control, FloorModel, HexagonalLattice, Method, Point, System};
 use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
@@ -309,9 +309,9 @@ pub(crate) fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
             critical_contact_radius_m: critical.contact_radius,
             force_N: state.force,
             contact_radius_m: state.contact_radius,
-            pitch_m: system.lattice().pitch,
+            pitch_m: system.pitch(),
             diameter_m: system.pillar().diameter,
-            offset_m: system.lattice().offset_vector(),
+            offset_m: offset(system),
         },
     });
 }
@@ -325,9 +325,9 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
         fraction,
         summary: PressSummary::new(state, wall_time),
         normalized: [reduced.force, reduced.contact_radius, reduced.indentation],
-        pitch_m: system.lattice().pitch,
+        pitch_m: system.pitch(),
         diameter_m: system.pillar().diameter,
-        offset_m: system.lattice().offset_vector(),
+        offset_m: offset(system),
         pillars: indices(state),
         pillar_forces_N: state.pillars.iter().map(|pillar| pillar.force).collect(),
         pillar_statuses: state
@@ -355,11 +355,20 @@ pub(crate) fn indices(state: &ContactState) -> Vec<i64> {
         .collect()
 }
 
+/// From a pillar centre to the lens axis, m.
+pub(crate) fn offset(system: &System) -> Point {
+    let lattice = system.hexagonal_lattice();
+    lattice.map_or([0.0; 2], HexagonalLattice::offset_vector)
+}
+
 /// A point and its images under the symmetry of the lattice.
 pub(crate) fn copies(system: &System, point: Point) -> Vec<Point> {
-    let near = 1e-6 * system.lattice().pitch;
+    let near = 1e-6 * system.pitch();
     let mut copies: Vec<Point> = Vec::new();
-    for [x, y] in system.lattice().symmetry().images(point) {
+    let Some(lattice) = system.hexagonal_lattice() else {
+        return vec![point];
+    };
+    for [x, y] in lattice.symmetry().images(point) {
         if !copies.iter().any(|[a, b]| (a - x).hypot(b - y) < near) {
             copies.push([x, y]);
         }
@@ -568,7 +577,7 @@ fn reduced(system: &System, force: f64, radius: f64) -> [f64; 2] {
 /// The transition curve of the phase diagram.
 pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
     let curve = spaced([0.01, 1000.0], 200).into_iter().map(|ratio| {
-        let radius = ratio * system.lattice().pitch;
+        let radius = ratio * system.pitch();
         let force = closed_forms::transition_force(system, radius);
         reduced(system, force, radius)
     });
@@ -592,7 +601,7 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
     };
     // As the states that are shown, which only the spectral method knows with the floor.
     let system = &match bears(&case) {
-        true => *system,
+        true => system.clone(),
         false => system.with_floor(FloorModel::Ignored),
     };
     let pillars = expected_pillars(system);

@@ -198,7 +198,7 @@ impl Keeper {
 
 /// The same without adhesion.
 pub(crate) fn without_adhesion(case: &Case) -> Case {
-    let mut plain = *case;
+    let mut plain = case.clone();
     plain.system = case.system.without_adhesion();
     plain
 }
@@ -319,9 +319,9 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             states: solved.held.len(),
             largest_force_N: forces().fold(0.0, f64::max),
             largest_pull_N: forces().fold(0.0, f64::min),
-            pitch_m: system.lattice().pitch,
+            pitch_m: system.pitch(),
             diameter_m: system.pillar().diameter,
-            offset_m: system.lattice().offset_vector(),
+            offset_m: answers::offset(system),
         },
     });
     worker.send(&CaseLine {

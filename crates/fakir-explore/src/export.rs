@@ -217,7 +217,7 @@ fn phase(case: &Case, state: &ContactState) -> Figure {
     let fraction = case.system.texture().surface_fraction();
     let label = format!("*φ* = {fraction:.4}");
     phase_diagram(&PhaseDiagram {
-        system: case.system,
+        system: case.system.clone(),
         critical: vec![Series::new(
             Text::from(label),
             vec![phase_point(&case.system, state.force, state.contact_radius)],

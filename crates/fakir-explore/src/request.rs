@@ -120,6 +120,13 @@ pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
         .map(|(path, value)| Ok((known(path)?, short(path, value)?.clone())))
         .collect();
     let case = CaseFile::from_settings("the page", settings?).case()?;
+    if case.system.hexagonal_lattice().is_none() {
+        return Err(
+            Refusal::impossible("the page shows equal pillars on an endless hexagonal lattice")
+                .at(Key::Lattice.path())
+                .accepted("hexagonal, not turned and without scatter; fakir transition and fakir press answer all others"),
+        );
+    }
     check_size(&case)?;
     Ok(case)
 }
@@ -188,7 +195,7 @@ pub(crate) fn expected_pillars(system: &System) -> f64 {
     let radius = homogenised::dense_limit(system).contact_radius();
     // A contact cannot be wider than the lens.
     let radius = radius.min(system.lens().radius);
-    let pillars = PI * radius * radius / system.lattice().cell_area();
+    let pillars = PI * radius * radius / system.arrangement().cell_area();
     if pillars.is_finite() {
         pillars
     } else {
@@ -219,7 +226,7 @@ pub(crate) fn at_fraction(system: &System, fraction: f64) -> Option<System> {
     let lattice = HexagonalLattice::with_surface_fraction(fraction, system.pillar().diameter);
     let lattice = HexagonalLattice {
         pitch: lattice.pitch,
-        ..*system.lattice()
+        ..*system.hexagonal_lattice()?
     };
     system.with_arrangement(lattice).ok()
 }

@@ -148,7 +148,7 @@ fn spread() -> Result<Figure, Box<dyn Error>> {
         let share = (f64::from(k) + 0.5) / 2000.0;
         let normal = (share / (1.0 - share)).ln() / 1.702;
         let system = system(2e6, 0.02, 0.0)?;
-        let mut texture = *system.texture();
+        let mut texture = system.texture().clone();
         texture.pillar.height *= 1.0 + 0.05 * normal;
         let system = System::new(*system.lens(), *system.substrate(), texture)?;
         let critical = fakir::transition(&system, Method::Homogenised, &Run::default())?;

@@ -719,7 +719,7 @@ impl Search<'_> {
             // With that many pillars it knows the contact radius to a per cent.
             Err(Limit::Solver(SolveError::ContactExceedsLens { lens_radius, .. })) => {
                 let case = with(self.file, self.free, value)?;
-                let widest = 0.5 * lens_radius / case.system.lattice().pitch;
+                let widest = 0.5 * lens_radius / case.system.pitch();
                 widest * widest > MANY_PILLARS as f64
             }
             Err(_) => false,
@@ -1062,7 +1062,7 @@ mod tests {
             let by_pitch = {
                 let case = paper(surface_fraction).case().unwrap();
                 let mut file = paper(surface_fraction);
-                file.set_number(Key::Pitch, case.system.lattice().pitch);
+                file.set_number(Key::Pitch, case.system.pitch());
                 file
             };
             for free in free_keys() {

@@ -2,7 +2,7 @@
 //! sample, and a lens that lands anywhere on the lattice. Where pillar tops stick every sample is pulled off again, and so
 //! is told how far pull-off and hysteresis scatter.
 
-use fakir::problem::{CyclePlan, HexagonalLattice};
+use fakir::problem::{Arrangement, CyclePlan, LatticeForm, Point};
 use fakir::state::{CriticalState, Cycle, Run, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument, parse_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
@@ -151,6 +151,11 @@ pub enum SpreadError {
         /// What is wrong with the samples.
         problem: String,
     },
+    /// A landing anywhere among listed pillars.
+    #[error(
+        "listed pillars have no cell in which a lens lands anywhere: vary texture.axis_x and texture.axis_y in its place"
+    )]
+    NoCell,
     /// Fewer than two samples.
     #[error("a spread takes at least 2 samples")]
     TooFew,
@@ -177,6 +182,10 @@ pub fn spread(
     }
     let case = file.case()?;
     let varied = varied(file, &sampling.tolerances)?;
+    let cell = Cell::of(case.system.arrangement());
+    if cell.is_none() && sampling.landing == Landing::Anywhere {
+        return Err(SpreadError::NoCell);
+    }
     let count = AtomicUsize::new(0);
     // Threads share the samples, and every sample is computed by one thread.
     let single = Run {
@@ -187,7 +196,7 @@ pub fn spread(
     let draw_sample = |number: usize| -> Result<Sample, SpreadError> {
         let sample = Draw {
             file,
-            lattice: *case.system.lattice(),
+            cell,
             varied: &varied,
             landing: sampling.landing,
         }
@@ -233,7 +242,8 @@ fn varied(file: &CaseFile, tolerances: &[Tolerance]) -> Result<Vec<(Key, f64, f6
 
 struct Draw<'a> {
     file: &'a CaseFile,
-    lattice: HexagonalLattice,
+    /// Of the lattice, if it is one.
+    cell: Option<Cell>,
     varied: &'a [(Key, f64, f64)],
     landing: Landing,
 }
@@ -272,11 +282,11 @@ impl Draw<'_> {
                 Err(error) => Err(error.to_string()),
                 Ok(outcome) => outcome,
             };
-            let lattice = case.system.lattice();
+            let (offset, offset_angle) = landed(case.system.arrangement());
             return Ok(Sample {
                 values,
-                offset: lattice.offset,
-                offset_angle: lattice.offset_angle,
+                offset,
+                offset_angle,
                 outcome,
             });
         }
@@ -288,13 +298,54 @@ impl Draw<'_> {
     fn land(&self, random: &mut ChaCha12Rng) -> (f64, f64) {
         let [u, v]: [f64; 2] =
             std::array::from_fn(|_| Distribution::<f64>::sample(&StandardUniform, random));
-        let lattice = HexagonalLattice::new(self.lattice.pitch);
-        let [a, b] = [lattice.lattice_vector(1, 0), lattice.lattice_vector(0, 1)];
-        let point = [u * a[0] + v * b[0], u * a[1] + v * b[1]];
-        let (i, j) = lattice.nearest_pillar(point);
-        let [x, y] = lattice.centre(i, j);
-        let (x, y) = (point[0] - x, point[1] - y);
-        (x.hypot(y) / lattice.pitch, y.atan2(x))
+        let Some(Cell { vectors, pitch }) = self.cell else {
+            return (0.0, 0.0);
+        };
+        let at = |u: f64, v: f64| [0, 1].map(|k| u * vectors[0][k] + v * vectors[1][k]);
+        let point = at(u, v);
+        // Seen from the nearest corner of the cell, where pillars stand.
+        let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(i, j)| at(i, j));
+        let from = |corner: Point| [point[0] - corner[0], point[1] - corner[1]];
+        let away = |[x, y]: &Point| x.hypot(*y);
+        let nearest = corners.map(from).into_iter();
+        let nearest = nearest.min_by(|one, other| away(one).total_cmp(&away(other)));
+        let [x, y] = nearest.unwrap_or(point);
+        (x.hypot(y) / pitch, y.atan2(x))
+    }
+}
+
+/// A cell of a lattice.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    /// Its sides, m.
+    vectors: [Point; 2],
+    /// The pitch, m.
+    pitch: f64,
+}
+
+impl Cell {
+    /// None of listed pillars.
+    fn of(arrangement: &Arrangement) -> Option<Self> {
+        let form = match arrangement {
+            Arrangement::Hexagonal(lattice) => LatticeForm::Hexagonal {
+                pitch: lattice.pitch,
+            },
+            Arrangement::Lattice(lattice) => lattice.form,
+            _ => return None,
+        };
+        Some(Self {
+            vectors: form.vectors(),
+            pitch: form.pitch(),
+        })
+    }
+}
+
+/// Where the lens axis stands on a lattice: distance (pitches) and direction (rad) from a pillar.
+fn landed(arrangement: &Arrangement) -> (f64, f64) {
+    match arrangement {
+        Arrangement::Hexagonal(lattice) => (lattice.offset, lattice.offset_angle),
+        Arrangement::Lattice(lattice) => (lattice.offset, lattice.offset_angle),
+        _ => (0.0, 0.0),
     }
 }
 
@@ -535,7 +586,7 @@ mod tests {
         let case = file().case().unwrap();
         let draw = Draw {
             file: &file(),
-            lattice: *case.system.lattice(),
+            cell: Cell::of(case.system.arrangement()),
             varied: &[],
             landing: Landing::Anywhere,
         };

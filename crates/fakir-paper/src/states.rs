@@ -173,7 +173,7 @@ fn approach(substrate: Substrate, run: &Run<'_>) -> Result<Approach, StateError>
 
 fn loading(surface_fraction: f64, run: &Run<'_>) -> Result<Loading, StateError> {
     let critical = critical(Substrate::Intermediate, surface_fraction, run)?;
-    let system = critical.contact.system;
+    let system = critical.contact.system.clone();
     let mut states: Vec<ContactState> = (1..STEPS)
         .into_par_iter()
         .map(|step| {

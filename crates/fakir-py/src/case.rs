@@ -51,15 +51,16 @@ impl Case {
         }
         // One of both was given, and the other follows from it.
         let system = &self.case.system;
-        values.set_item(Key::Pitch.path(), system.lattice().pitch)?;
+        values.set_item(Key::Pitch.path(), system.pitch())?;
         let fraction = system.texture().surface_fraction();
         values.set_item(Key::SurfaceFraction.path(), fraction)?;
         Ok(values)
     }
 
     /// Centre of a pillar, m from the lens axis.
-    fn centre(&self, i: i64, j: i64) -> [f64; 2] {
-        self.case.system.lattice().centre(i, j)
+    fn centre(&self, i: i64, j: i64) -> PyResult<[f64; 2]> {
+        let centre = self.case.system.arrangement().centre((i, j));
+        centre.ok_or_else(|| value_error(format!("there is no pillar ({i}, {j})")))
     }
 }
 

@@ -122,13 +122,8 @@ impl State {
         x: PyReadonlyArray1<'py, f64>,
         y: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let lattice = self.state.system.lattice();
-        let radius = 0.5 * self.state.system.pillar().diameter;
-        let on_pillar = |(x, y): (&f64, &f64)| {
-            let (i, j) = lattice.nearest_pillar([*x, *y]);
-            let centre = lattice.centre(i, j);
-            (x - centre[0]).hypot(y - centre[1]) <= radius
-        };
+        let tops = self.state.system.tops();
+        let on_pillar = |(x, y): (&f64, &f64)| tops.holds([*x, *y]);
         let points = x.as_slice()?.iter().zip(y.as_slice()?);
         Ok(PyArray1::from_iter(py, points.map(on_pillar)))
     }

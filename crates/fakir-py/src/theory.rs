@@ -2,13 +2,14 @@
 
 use crate::case::Case;
 use crate::error::{solve_error, value_error};
+use fakir::problem::System;
 use fakir::theory::closed_forms as forms;
 use fakir::theory::closed_forms::{Region, TransitionEstimate};
 use fakir::theory::homogenised::HomogenisedLattice;
 use fakir::theory::lattice_potential as potential;
 use fakir::theory::lattice_sums;
 use fakir::theory::lattice_sums::{LatticeSums, SumCoefficients, SumFit};
-use fakir_study::closed_forms::Formula;
+use fakir_study::closed_forms::{Formula, check_arrangement};
 use fakir_study::result::{AdhesionObject, TheorySummary, json};
 use pyo3::prelude::*;
 
@@ -26,12 +27,20 @@ fn estimate(estimate: &TransitionEstimate) -> Estimate {
 
 /// Every formula for the critical state that gives numbers, by name.
 #[pyfunction]
-pub(crate) fn closed_forms(case: &Case) -> Vec<(&'static str, Estimate)> {
+pub(crate) fn closed_forms(case: &Case) -> PyResult<Vec<(&'static str, Estimate)>> {
     let forms = fakir_study::closed_forms::closed_forms(&case.case.system);
+    let forms = forms.map_err(|error| value_error(error.to_string()))?;
     let named = forms.iter();
-    named
+    Ok(named
         .map(|form| (form.formula.key(), estimate(&form.estimate)))
-        .collect()
+        .collect())
+}
+
+/// The system of a case, if the formulas are made for its arrangement.
+fn of_theory(case: &Case) -> PyResult<&System> {
+    let system = &case.case.system;
+    check_arrangement(system).map_err(|error| value_error(error.to_string()))?;
+    Ok(system)
 }
 
 /// One formula for the critical state, whether it applies or not.
@@ -39,14 +48,14 @@ pub(crate) fn closed_forms(case: &Case) -> Vec<(&'static str, Estimate)> {
 pub(crate) fn closed_form(case: &Case, name: &str) -> PyResult<Estimate> {
     let formula = Formula::named(name)
         .ok_or_else(|| value_error(format!("no formula is called \"{name}\"")))?;
-    Ok(estimate(&formula.estimate(&case.case.system)))
+    Ok(estimate(&formula.estimate(of_theory(case)?)))
 }
 
 /// The critical state from lattice sums over a contact of this radius (m).
 #[pyfunction]
-pub(crate) fn transition_from_exact_sums(case: &Case, contact_radius: f64) -> Estimate {
-    let system = &case.case.system;
-    estimate(&forms::transition_from_exact_sums(system, contact_radius))
+pub(crate) fn transition_from_exact_sums(case: &Case, contact_radius: f64) -> PyResult<Estimate> {
+    let state = forms::transition_from_exact_sums(of_theory(case)?, contact_radius);
+    Ok(estimate(&state))
 }
 
 /// The object that `fakir theory --json` prints. `range` is that of the attraction (m), if it is known.
@@ -67,8 +76,8 @@ pub(crate) fn adhesion(case: &Case, range: Option<f64>) -> PyResult<String> {
 
 /// The constants of the object that [`theory`] gives.
 #[pyfunction]
-pub(crate) fn constants(case: &Case) -> String {
-    json(&fakir_study::result::constants(&case.case.system))
+pub(crate) fn constants(case: &Case) -> PyResult<String> {
+    Ok(json(&fakir_study::result::constants(of_theory(case)?)))
 }
 
 /// Layer compliance (m/Pa), critical force (N) and pressure (Pa) of the central pillar.

@@ -181,7 +181,7 @@ impl From<&CriticalState> for Critical {
             method: state.method.name().to_owned(),
             regime: critical.regime,
             surface_fraction: state.system.texture().surface_fraction(),
-            pitch: state.system.lattice().pitch,
+            pitch: state.system.pitch(),
             force: state.force,
             indentation: state.indentation,
             contact_radius: critical.contact_radius(),

@@ -1,6 +1,7 @@
 //! The formulas for the critical state, by name, with where they apply.
 
 use fakir::problem::System;
+use fakir::state::SolveError;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
 use fakir::theory::{closed_forms, homogenised};
 
@@ -113,11 +114,28 @@ pub struct ClosedForm {
     pub applies: bool,
 }
 
+/// Refuses what the formulas are not made for.
+///
+/// # Errors
+/// [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice.
+pub fn check_arrangement(system: &System) -> Result<(), SolveError> {
+    match system.hexagonal_lattice() {
+        Some(_) => Ok(()),
+        None => Err(SolveError::NotOnArrangement {
+            what: "the theory",
+            arrangement: system.arrangement().name(),
+        }),
+    }
+}
+
 /// Every formula that gives numbers for this system.
-#[must_use]
-pub fn closed_forms(system: &System) -> Vec<ClosedForm> {
-    let can_be_summed = radius_of_sums(system) <= LARGEST_SUM * system.lattice().pitch;
-    Formula::ALL
+///
+/// # Errors
+/// As [`check_arrangement`].
+pub fn closed_forms(system: &System) -> Result<Vec<ClosedForm>, SolveError> {
+    check_arrangement(system)?;
+    let can_be_summed = radius_of_sums(system) <= LARGEST_SUM * system.pitch();
+    let forms = Formula::ALL
         .into_iter()
         .filter(|formula| can_be_summed || *formula != Formula::ExactLatticeSums)
         .map(|formula| ClosedForm {
@@ -125,8 +143,8 @@ pub fn closed_forms(system: &System) -> Vec<ClosedForm> {
             estimate: formula.estimate(system),
             applies: formula.applies(system),
         })
-        .filter(|form| form.estimate.force > 0.0 && form.estimate.force.is_finite())
-        .collect()
+        .filter(|form| form.estimate.force > 0.0 && form.estimate.force.is_finite());
+    Ok(forms.collect())
 }
 
 /// Whether the lens touches one pillar only at the transition, by the paper's criterion.
@@ -155,7 +173,7 @@ mod tests {
 
     #[test]
     fn the_list_has_what_gives_numbers_only() {
-        let forms = closed_forms(&Case::example().system);
+        let forms = closed_forms(&Case::example().system).unwrap();
         assert!(forms.iter().all(|form| form.estimate.force > 0.0));
         assert!(forms.iter().any(|form| form.applies));
     }

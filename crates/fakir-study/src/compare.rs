@@ -63,6 +63,7 @@ pub fn compare(
 ) -> Result<Comparison, SolveError> {
     let sticks = !system.adhesion().is_none();
     let mut rows: Vec<MethodRow> = closed_forms(system)
+        .unwrap_or_default()
         .iter()
         .map(|form| MethodRow::formula(form, sticks))
         .collect();
@@ -92,7 +93,7 @@ pub fn compare(
     Ok(Comparison {
         summary: CompareSummary {
             surface_fraction: system.texture().surface_fraction(),
-            pitch_m: system.lattice().pitch,
+            pitch_m: system.pitch(),
             reference,
             converged: rows.iter().all(|row| row.converged),
             methods: rows,

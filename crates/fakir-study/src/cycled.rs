@@ -142,7 +142,7 @@ impl From<&Cycle> for Cycled {
         Self {
             method: Method::Spectral(cycle.accuracy).name().to_owned(),
             surface_fraction: system.texture().surface_fraction(),
-            pitch: system.lattice().pitch,
+            pitch: system.pitch(),
             work: adhesion.work,
             work_receding: adhesion.receding(),
             drive: cycle.plan.drive.name().to_owned(),

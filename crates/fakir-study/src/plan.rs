@@ -186,7 +186,7 @@ fn cost(system: &System, method: Method) -> f64 {
     let pillar = system.pillar();
     let growth = 4.0 * system.lens().radius * pillar.height / pillar.diameter.powi(2);
     let radius = (growth * system.texture().surface_fraction()).hypot(1.0); // in pitches
-    let radius = radius.min(0.5 * system.lens().radius / system.lattice().pitch);
+    let radius = radius.min(0.5 * system.lens().radius / system.pitch());
     let pillars = radius * radius;
     match method {
         Method::Love(mesh) => OVERHEAD + pillars * (mesh.cells_per_diameter as f64).powi(2),

@@ -50,7 +50,7 @@ fn rows_are_those_of_single_cycles() {
     let of = |name: &str| numbers(&table, name);
     for index in [0, 5] {
         let case = study.case(index).case;
-        let system = case.texture().unwrap().system;
+        let system = case.texture().unwrap().system.clone();
         let method = case.texture().unwrap().method;
         let cycle = fakir::cycle(&system, CyclePlan::default(), method, &Run::default()).unwrap();
         let pull_off = cycle.pull_off.as_ref().unwrap();

@@ -24,7 +24,7 @@ pub(crate) fn run(
 ) -> Result<Report, Failure> {
     let next = |part: &str| session.part(part);
     let run = session.run();
-    let problem = (case.system, case.method);
+    let problem = (case.system.clone(), case.method);
     let found = approach(&problem, path, &run, &next, &mut |_, _| {})?;
     let rows = &found.rows;
     let provenance = Provenance::new(

@@ -18,7 +18,7 @@ use fakir_study::result::{
 
 pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
     let system = &case.system;
-    let summary = TheorySummary::new(system, range).map_err(SolveError::from)?;
+    let summary = TheorySummary::new(system, range)?;
     let adhesion = summary.adhesion.as_ref();
     let mut topics = vec![Topic::ClosedForms, Topic::Method(Method::Homogenised)];
     topics.extend(adhesion.map(|_| Topic::Adhesion));
@@ -70,7 +70,8 @@ fn warnings(system: &System, no_homogenised: Option<&SolveError>) -> Vec<String>
                 .to_owned(),
         );
     }
-    if system.lattice().offset != 0.0 {
+    let lattice = system.hexagonal_lattice();
+    if lattice.is_some_and(|lattice| lattice.offset != 0.0) {
         warnings.push(
             "the formulas are for a lens axis on a pillar; the offset is left out".to_owned(),
         );

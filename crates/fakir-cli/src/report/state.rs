@@ -3,9 +3,10 @@
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
 use fakir::Difference;
-use fakir::problem::{Method, System};
+use fakir::problem::{Arrangement, Disorder, Method, System};
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::Dimension;
+use std::fmt::Write;
 
 /// Most digits shown of contact radii.
 const RADIUS_DIGITS: usize = 5;
@@ -20,25 +21,71 @@ const MODEL_DIGITS: usize = 4;
 
 /// The texture in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
 pub(crate) fn texture_line(system: &System) -> String {
-    let lattice = system.lattice();
-    let axis = if lattice.offset == 0.0 {
-        "lens axis on a pillar".to_owned()
+    let fraction = plain(system.texture().surface_fraction());
+    let pitch = with_unit(system.pitch(), Dimension::Length, DIGITS);
+    match system.arrangement() {
+        Arrangement::Hexagonal(lattice) => format!(
+            "surface fraction {fraction}, pitch {pitch}, {}",
+            axis(lattice.offset, lattice.offset_angle)
+        ),
+        Arrangement::Lattice(lattice) => {
+            let mut line = format!(
+                "{} lattice, surface fraction {fraction}, pitch {pitch}, {}",
+                lattice.form.name(),
+                axis(lattice.offset, lattice.offset_angle)
+            );
+            if lattice.rotation != 0.0 {
+                let _ = write!(
+                    line,
+                    ", turned by {} deg",
+                    plain(lattice.rotation.to_degrees())
+                );
+            }
+            if let Some(columns) = lattice.columns {
+                let _ = write!(line, ", {columns} by {columns} pillars");
+            }
+            let Disorder {
+                height_spread,
+                missing,
+                seed,
+            } = lattice.disorder;
+            if height_spread > 0.0 {
+                let _ = write!(
+                    line,
+                    ", heights spread by {} %",
+                    plain(100.0 * height_spread)
+                );
+            }
+            if missing > 0.0 {
+                let _ = write!(line, ", {} % missing", plain(100.0 * missing));
+            }
+            if height_spread > 0.0 || missing > 0.0 {
+                let _ = write!(line, " (seed {seed})");
+            }
+            line
+        }
+        Arrangement::Listed(list) => format!(
+            "{} listed pillars, surface fraction {fraction}, mean distance {pitch}",
+            list.pillars().len()
+        ),
+        other => format!("{} pillars, surface fraction {fraction}", other.name()),
+    }
+}
+
+/// Where the lens axis stands, for an offset in pitches and its direction in rad.
+fn axis(offset: f64, angle: f64) -> String {
+    if offset == 0.0 {
+        return "lens axis on a pillar".to_owned();
+    }
+    let angle = angle.to_degrees();
+    let direction = if angle == 0.0 {
+        "along x".to_owned()
     } else {
-        let angle = lattice.offset_angle.to_degrees();
-        let direction = if angle == 0.0 {
-            "along x".to_owned()
-        } else {
-            format!("at {} deg from x", plain(angle))
-        };
-        format!(
-            "lens axis {} pitches from a pillar, {direction}",
-            plain(lattice.offset)
-        )
+        format!("at {} deg from x", plain(angle))
     };
     format!(
-        "surface fraction {}, pitch {}, {axis}",
-        plain(system.texture().surface_fraction()),
-        with_unit(lattice.pitch, Dimension::Length, DIGITS)
+        "lens axis {} pitches from a pillar, {direction}",
+        plain(offset)
     )
 }
 

@@ -700,7 +700,7 @@ impl<'a> Search<'a> {
 
     fn half_pitch(&self) -> Result<f64, FitError> {
         let settings = self.model.settings(&self.unknowns)?;
-        Ok(0.5 * settings.case.system.lattice().pitch)
+        Ok(0.5 * settings.case.system.pitch())
     }
 
     fn with_errors(&self) -> Result<Vec<f64>, FitError> {

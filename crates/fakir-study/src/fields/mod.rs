@@ -259,7 +259,7 @@ fn on_pillar_variable(flags: Vec<i8>) -> Variable {
 }
 
 fn axis_around(state: &ContactState, points: Option<usize>) -> Axis {
-    let pitch = state.system.lattice().pitch;
+    let pitch = state.system.pitch();
     let half_width = if state.pillars_in_contact > 0 {
         state.contact_radius + pitch
     } else {

@@ -128,7 +128,7 @@ fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
     // The top of a pillar gives way as a punch, and the pillar as a column besides.
     let column = (system.internal_compliance() - 1.0 / modulus) / diameter;
     let punch = sticky_sphere(modulus, lens, work, radius).indentation;
-    let pitch = system.lattice().pitch;
+    let pitch = system.pitch();
     let tilt = large_contact_radius(system, Form::Corrected).max(pitch) / lens;
     let mut rows = vec![
         PullOffRow {

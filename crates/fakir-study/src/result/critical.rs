@@ -42,7 +42,7 @@ impl TransitionSummary {
             method: state.method.name(),
             regime: critical.regime.name(),
             surface_fraction: state.system.texture().surface_fraction(),
-            pitch_m: state.system.lattice().pitch,
+            pitch_m: state.system.pitch(),
             critical_force_N: state.force,
             critical_indentation_m: state.indentation,
             critical_contact_radius_m: critical.contact_radius(),

@@ -3,7 +3,7 @@
 use super::AdhesionObject;
 use crate::VERSION;
 use crate::closed_forms::{ClosedForm, LARGEST_SUM, closed_forms, touches_one_pillar};
-use fakir::problem::{InvalidQuantity, Method, System};
+use fakir::problem::{Method, System};
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir::theory::closed_forms::{
     Form, TransitionEstimate, hertz_contact_radius, large_contact_radius, small_contact_limit,
@@ -152,16 +152,16 @@ impl TheorySummary {
     /// What is known of a system. `range` is that of the attraction of tops that stick (m), if it is known.
     ///
     /// # Errors
-    /// A range that is no positive number.
-    pub fn new(system: &System, range: Option<f64>) -> Result<Self, InvalidQuantity> {
+    /// A range that is no positive number, and [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice.
+    pub fn new(system: &System, range: Option<f64>) -> Result<Self, SolveError> {
         let adhesion = AdhesionObject::new(system, range)?;
         // The other formulas know no adhesion.
         let system = &system.without_adhesion();
-        let (critical_states, no_homogenised) = critical_rows(system);
+        let (critical_states, no_homogenised) = critical_rows(system)?;
         let radii = radii(system);
         Ok(Self {
             surface_fraction: system.texture().surface_fraction(),
-            pitch_m: system.lattice().pitch,
+            pitch_m: system.pitch(),
             constants: constants(system),
             adhesion,
             critical_states,
@@ -199,15 +199,16 @@ pub fn constants(system: &System) -> Constants {
 }
 
 /// All formulas, and the homogenised lattice itself, or why it gives no answer.
-fn critical_rows(system: &System) -> (Vec<FormulaRow>, Option<SolveError>) {
-    let mut rows: Vec<FormulaRow> = closed_forms(system).iter().map(formula_row).collect();
-    match fakir::transition(system, Method::Homogenised, &Run::default()) {
+fn critical_rows(system: &System) -> Result<(Vec<FormulaRow>, Option<SolveError>), SolveError> {
+    let mut rows: Vec<FormulaRow> = closed_forms(system)?.iter().map(formula_row).collect();
+    let found = match fakir::transition(system, Method::Homogenised, &Run::default()) {
         Ok(critical) => {
             rows.push(homogenised_row(&critical, !touches_one_pillar(system)));
             (rows, None)
         }
         Err(error) => (rows, Some(error)),
-    }
+    };
+    Ok(found)
 }
 
 fn formula_row(form: &ClosedForm) -> FormulaRow {
@@ -278,7 +279,7 @@ fn radii(system: &System) -> Vec<f64> {
 
 /// The contact radius of the large-contact formulas, in pitches.
 fn own_ratio(system: &System) -> f64 {
-    large_contact_radius(system, Form::Corrected) / system.lattice().pitch
+    large_contact_radius(system, Form::Corrected) / system.pitch()
 }
 
 fn sum_row(contact_radius: f64) -> SumRow {
@@ -296,7 +297,7 @@ fn sum_row(contact_radius: f64) -> SumRow {
 }
 
 fn curve_row(system: &System, ratio: f64) -> CurveRow {
-    let contact_radius = ratio * system.lattice().pitch;
+    let contact_radius = ratio * system.pitch();
     let force = transition_force(system, contact_radius);
     let unit = system.pillar().height * system.pillar().diameter / system.internal_compliance();
     CurveRow {

@@ -105,6 +105,19 @@ impl Arrangement {
         }
     }
 
+    /// Centre of the pillar of an index, m from the lens axis; none where there is no pillar.
+    #[must_use]
+    pub fn centre(&self, index: (i64, i64)) -> Option<Point> {
+        match self {
+            Self::Hexagonal(lattice) => Some(lattice.centre(index.0, index.1)),
+            Self::Lattice(lattice) => lattice.has(index).then(|| lattice.place(index)),
+            Self::Listed(list) => {
+                let number = usize::try_from(index.0).ok().filter(|_| index.1 == 0)?;
+                list.pillars.get(number).map(|pillar| pillar.centre)
+            }
+        }
+    }
+
     /// Whether the pillars differ in anything but their place.
     #[must_use]
     pub fn has_equal_pillars(&self) -> bool {
@@ -352,6 +365,21 @@ impl PlaneLattice {
         let (sin, cos) = self.offset_angle.sin_cos();
         let length = self.offset * self.form.pitch();
         self.turned([-length * cos, -length * sin])
+    }
+
+    /// Where the pillar of an index stands, if there is one, m from the lens axis.
+    fn place(&self, (i, j): (i64, i64)) -> Point {
+        let ([one, other], origin) = (self.vectors(), self.origin());
+        [0, 1].map(|k| origin[k] + one[k] * i as f64 + other[k] * j as f64)
+    }
+
+    /// Whether there is a pillar of that index.
+    fn has(&self, index: (i64, i64)) -> bool {
+        let inside = self.columns.is_none_or(|columns| {
+            let [first, end] = Self::range(i64::from(columns));
+            (first..end).contains(&index.0) && (first..end).contains(&index.1)
+        });
+        inside && self.disorder.height_ratio(index).is_some()
     }
 
     fn turned(&self, [x, y]: Point) -> Point {

@@ -45,4 +45,4 @@ pub use method::{Accuracy, ElementMesh, MeshLayout, Method, PunchForm};
 pub use point::Point;
 pub use quantity::{InvalidQuantity, Quantity, Requirement};
 pub use surface::{Boundary, Floor, Indenter, SurfaceSystem};
-pub use system::{FloorModel, Lens, Material, Pillar, PillarCompliance, System, Texture};
+pub use system::{FloorModel, Lens, Material, Pillar, PillarCompliance, System, Texture, Tops};

@@ -278,7 +278,7 @@ pub(crate) enum PillarField {
 }
 
 impl PillarField {
-    /// In units of a length (m).
+    /// In units of a length (m), the common pillar radius.
     pub(super) fn new(system: &System, length: f64) -> Self {
         let column_compliance_ratio = system.column_compliance_ratio();
         let common = PillarBody::of_column(column_compliance_ratio);

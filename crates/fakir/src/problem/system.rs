@@ -3,7 +3,6 @@
 use super::adhesion::Adhesion;
 use super::arrangement::{Arrangement, PlacedPillar};
 use super::lattice::HexagonalLattice;
-use super::pillar_field::PillarField;
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::scaled::Scene;
@@ -147,6 +146,19 @@ pub struct System {
     texture: Texture,
     floor: FloorModel,
     adhesion: Adhesion,
+}
+
+/// The pillar tops of a [`System`].
+#[derive(Debug, Clone)]
+pub struct Tops(Scene);
+
+impl Tops {
+    /// Whether a point (m from the lens axis) is on a pillar top.
+    #[must_use]
+    pub fn holds(&self, point: Point) -> bool {
+        let Scene { field, length, .. } = &self.0;
+        field.under(point.map(|x| x / length)).is_some()
+    }
 }
 
 /// What becomes of the floor between the pillars where the lens comes down to it.
@@ -293,14 +305,21 @@ impl System {
                 .filter(|pillar| pillar.centre[0].hypot(pillar.centre[1]) <= distance)
                 .collect();
         }
-        let (pillars, _) = PillarField::new(self, 1.0).listed_within(distance);
+        let scene = Scene::new(self);
+        let (pillars, _) = scene.field.listed_within(distance / scene.length);
         let placed = pillars.into_iter().map(|(index, pillar)| PlacedPillar {
             index,
-            centre: pillar.centre,
-            height: common.height + pillar.body.raised,
-            diameter: 2.0 * pillar.body.radius,
+            centre: scene.metres(pillar.centre),
+            height: common.height + pillar.body.raised * scene.length,
+            diameter: pillar.body.radius * common.diameter,
         });
         placed.collect()
+    }
+
+    /// The pillar tops, to ask which points they hold.
+    #[must_use]
+    pub fn tops(&self) -> Tops {
+        Tops(Scene::new(self))
     }
 
     /// Diameter of the widest pillar, m.
