@@ -90,7 +90,7 @@ impl Fitted {
     /// The case with the fitted values.
     #[getter]
     fn case(&self) -> Case {
-        self.case.into()
+        self.case.clone().into()
     }
 
     /// The column that is the load: `"displacement_m"`, `"indentation_m"` or `"force_N"`.

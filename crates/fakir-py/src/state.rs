@@ -46,7 +46,7 @@ impl State {
 
     #[getter]
     fn case(&self) -> Case {
-        fakir_case::Case::new(self.state.system, self.state.method).into()
+        fakir_case::Case::new(self.state.system.clone(), self.state.method).into()
     }
 
     #[getter]
@@ -192,7 +192,7 @@ impl Critical {
 /// The critical state.
 #[pyfunction]
 pub(crate) fn transition(py: Python<'_>, case: &Case, options: Options) -> PyResult<Critical> {
-    let (system, method) = (case.case.system, case.case.method);
+    let (system, method) = (case.case.system.clone(), case.case.method);
     let start = Instant::now();
     let critical = watched(py, &options, |run| fakir::transition(&system, method, run))?;
     Ok(Critical {
@@ -211,7 +211,7 @@ pub(crate) fn press(
     options: Options,
 ) -> PyResult<State> {
     let load = load(indentation, force)?;
-    let (system, method) = (case.case.system, case.case.method);
+    let (system, method) = (case.case.system.clone(), case.case.method);
     let start = Instant::now();
     let state = watched(py, &options, |run| fakir::press(&system, load, method, run))?;
     Ok(State {
@@ -264,7 +264,7 @@ pub(crate) fn approach(
     options: Options,
 ) -> PyResult<Loading> {
     let path = path(step, until, to, to_force)?;
-    let (system, method) = (case.case.system, case.case.method);
+    let (system, method) = (case.case.system.clone(), case.case.method);
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
         let mut keep = |state, wall_time| states.push(State { state, wall_time });
@@ -316,7 +316,7 @@ pub(crate) fn cycle<'py>(
         drive,
         retract,
     };
-    let (system, method) = (case.case.system, case.case.method);
+    let (system, method) = (case.case.system.clone(), case.case.method);
     let start = Instant::now();
     let found = watched(py, &options, |run| fakir::cycle(&system, plan, method, run))?;
     let cycle = found.map_err(|error| solve_error(&error))?;
@@ -343,7 +343,7 @@ type Compared = (String, Vec<(&'static str, Critical)>);
 /// The critical state by every method.
 #[pyfunction]
 pub(crate) fn compare(py: Python<'_>, case: &Case, options: Options) -> PyResult<Compared> {
-    let system = case.case.system;
+    let system = case.case.system.clone();
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
         let mut keep = |method, critical, wall_time| {
@@ -378,7 +378,7 @@ pub(crate) fn verify(
         cells_per_diameter,
         ..mesh
     };
-    let system = case.case.system;
+    let system = case.case.system.clone();
     let start = Instant::now();
     let answer = watched(py, &options, |run| {
         fakir::verify(&system, control, mesh, run)
