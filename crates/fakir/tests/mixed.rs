@@ -190,7 +190,10 @@ fn before_the_transition_it_is_the_contact_with_the_tops() {
                             .unwrap();
                     assert!(with.floor.is_none());
                     // All but what was asked.
-                    let without = ContactState { system, ..without };
+                    let without = ContactState {
+                        system: system.clone(),
+                        ..without
+                    };
                     assert_eq!(format!("{with:?}"), format!("{without:?}"));
                 }
             }

@@ -51,6 +51,7 @@ impl Row {
             fakir::transition(&system, Method::Spectral(accuracy), &Run::default())
                 .expect("a reference system can be solved")
         };
+        let computed = [Accuracy::Default, Accuracy::Accurate].map(solve);
         Self {
             system,
             force: number(4),
@@ -62,7 +63,7 @@ impl Row {
             force_error: number(11),
             indentation_error: number(12),
             top_contact_radius_error: number(13),
-            computed: [Accuracy::Default, Accuracy::Accurate].map(solve),
+            computed,
         }
     }
 

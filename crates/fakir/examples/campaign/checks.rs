@@ -2,8 +2,8 @@
 
 use crate::draw::{Asked, Drawn, control};
 use fakir::problem::{
-    Accuracy, Control, ElementMesh, HexagonalLattice, Lens, Material, Method, Pillar, PunchForm,
-    System, Texture,
+    Accuracy, Arrangement, Control, ElementMesh, HexagonalLattice, Lens, Material, Method, Pillar,
+    PunchForm, System, Texture,
 };
 use fakir::state::{ContactState, ErrorEstimate, Run, SolveError};
 use fakir::{Verdict, verify};
@@ -285,10 +285,10 @@ fn units(drawn: &Drawn, control: Control, state: &ContactState, findings: &mut F
                 height: pillar.height * LENGTH,
                 ..*pillar
             },
-            lattice: HexagonalLattice {
+            arrangement: Arrangement::from(HexagonalLattice {
                 pitch: system.pitch() * LENGTH,
                 ..*system.hexagonal_lattice().unwrap()
-            },
+            }),
         },
     )
     .expect("as valid as before");

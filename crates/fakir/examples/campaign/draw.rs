@@ -1,7 +1,8 @@
 //! Random systems and questions, over all that is allowed.
 
 use fakir::problem::{
-    Control, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point, System, Texture,
+    Arrangement, Control, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point,
+    System, Texture,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -24,7 +25,7 @@ pub(crate) enum Asked {
 }
 
 /// A system with its question.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Drawn {
     pub(crate) seed: u64,
     pub(crate) number: u64,
@@ -141,11 +142,11 @@ impl Random {
                 height: height.min(0.5 * radius),
                 compliance,
             },
-            lattice: HexagonalLattice {
+            arrangement: Arrangement::from(HexagonalLattice {
                 offset,
                 offset_angle,
                 ..HexagonalLattice::with_surface_fraction(surface_fraction, diameter)
-            },
+            }),
         };
         System::new(lens, substrate, texture).expect("drawn within what is allowed")
     }
