@@ -1,12 +1,9 @@
 //! Systems whose pillars stand otherwise than on the endless hexagonal lattice of equal ones.
 
-mod common;
-
-use common::paper_pillar;
 use fakir::problem::{
     Accuracy, Arrangement, Control, Disorder, HexagonalLattice, InvalidQuantity, LatticeForm, Lens,
-    ListedPillar, Material, Method, PillarCompliance, PillarList, PlaneLattice, Quantity, System,
-    Texture,
+    ListedPillar, Material, Method, Pillar, PillarCompliance, PillarList, PlaneLattice, Quantity,
+    System, Texture,
 };
 use fakir::state::{ContactState, CriticalState, Run, SolveError, Warning};
 use std::f64::consts::PI;
@@ -23,8 +20,12 @@ fn system(arrangement: impl Into<Arrangement>) -> System {
         radius: 2.2e-3,
         material: MATERIAL,
     };
-    let texture = Texture::new(paper_pillar(PillarCompliance::None), arrangement);
-    System::new(lens, MATERIAL, texture).unwrap()
+    let pillar = Pillar {
+        diameter: 6e-6,
+        height: 2.2e-6,
+        compliance: PillarCompliance::None,
+    };
+    System::new(lens, MATERIAL, Texture::new(pillar, arrangement)).unwrap()
 }
 
 fn form_of(phi: f64) -> LatticeForm {
@@ -136,7 +137,7 @@ fn the_hexagonal_lattice_is_the_same_however_it_is_given() {
         let (contact, expected) = (&found.contact, &expected.contact);
         let force = contact.force / expected.force - 1.0;
         let depth = contact.indentation / expected.indentation - 1.0;
-        println!("{name}: {force:e} {depth:e}");
+        println!("{name}: {force:e} {depth:e}, claimed {:?}", contact.error);
         assert!(force.abs() < 1e-7 && depth.abs() < 1e-7, "{name}");
         assert_eq!(contact.pillars.len(), expected.pillars.len());
         let radius = contact.contact_radius / expected.contact_radius - 1.0;
@@ -227,12 +228,12 @@ fn scattered_heights_are_met_by_the_lens() {
 fn a_contact_inside_one_wide_top() {
     let pillar = ListedPillar {
         centre: [3e-6, -2e-6],
-        height: 3e-6,
+        height: 2e-6,
         diameter: 400e-6,
     };
     let system = system(PillarList::new(vec![pillar]).unwrap());
     let depth = 0.5e-6;
-    let state = pressed(&system, Control::Indentation(depth - 0.8e-6));
+    let state = pressed(&system, Control::Indentation(depth + 0.2e-6));
     let hertz = 4.0 / 3.0 * 1e6 * 2.2e-3_f64.sqrt() * depth.powf(1.5);
     // The sphere differs from a paraboloid by about (a/R)^2.
     assert!(

@@ -1,7 +1,7 @@
 //! Where the pillars of a texture stand, and how they differ.
 
 use super::lattice::{HALF_SQRT_3, HexagonalLattice};
-use super::point::Point;
+use super::point::{Point, turned};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::system::Pillar;
 use std::f64::consts::PI;
@@ -382,9 +382,8 @@ impl PlaneLattice {
         inside && self.disorder.height_ratio(index).is_some()
     }
 
-    fn turned(&self, [x, y]: Point) -> Point {
-        let (sin, cos) = self.rotation.sin_cos();
-        [cos * x - sin * y, sin * x + cos * y]
+    fn turned(&self, point: Point) -> Point {
+        turned(point, self.rotation)
     }
 
     fn check(&self, pillar: &Pillar) -> Result<(), InvalidQuantity> {

@@ -2,8 +2,9 @@
 
 use super::arrangement::{self, Arrangement, Disorder};
 use super::lattice::HexagonalLattice;
-use super::point::Point;
+use super::point::{Point, turned};
 use super::system::System;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// A pillar without its place.
@@ -67,8 +68,26 @@ pub(crate) struct PlaneLattice {
     origin: Point,
     body: PillarBody,
     scatter: Option<Scatter>,
+    /// From how a lattice of its form is drawn: along its first vector, and a hexagonal one at 30 degrees from it, however it is given.
+    rotation: f64,
     /// How many pillars there are along each of the vectors.
     columns: Option<i64>,
+}
+
+/// By how much vectors of a hexagonal lattice are turned from those of the paper, rad; none of another lattice.
+fn from_hexagonal(vectors: [Point; 2]) -> f64 {
+    const ROUNDING: f64 = 1e-12;
+    let [a, b] = reduced(vectors);
+    let square = a[0] * a[0] + a[1] * a[1];
+    let longer = (b[0] * b[0] + b[1] * b[1]) / square - 1.0;
+    let product = (a[0] * b[0] + a[1] * b[1]).abs() / square - 0.5;
+    if longer.abs() > ROUNDING || product.abs() > ROUNDING {
+        return 0.0;
+    }
+    let sixth = PI / 3.0;
+    let from_paper = (a[1].atan2(a[0]) - 0.5 * sixth) / sixth;
+    let turned = (from_paper - from_paper.round()) * sixth;
+    if turned.abs() < ROUNDING { 0.0 } else { turned }
 }
 
 /// How the pillars of a lattice differ.
@@ -98,6 +117,7 @@ impl PlaneLattice {
             origin,
             body,
             scatter: None,
+            rotation: 0.0,
             columns: None,
         })
     }
@@ -113,7 +133,9 @@ impl PlaneLattice {
         let [one, other] = lattice.vectors();
         let disorder = lattice.disorder;
         let whole = Self::new([scaled(one), scaled(other)], scaled(lattice.origin()), body)?;
+        let rotation = lattice.rotation + from_hexagonal(lattice.form.vectors());
         Some(Self {
+            rotation,
             scatter: (disorder.height_spread > 0.0 || disorder.missing > 0.0)
                 .then_some(Scatter { disorder, height }),
             columns: lattice.columns.map(i64::from),
@@ -279,11 +301,12 @@ pub(crate) enum PillarField {
 
 impl PillarField {
     /// In units of a length (m), the common pillar radius.
-    pub(super) fn new(system: &System, length: f64) -> Self {
+    /// Besides, by how much it is to be turned about the lens axis to stand as it was asked for (rad).
+    pub(super) fn new(system: &System, length: f64) -> (Self, f64) {
         let column_compliance_ratio = system.column_compliance_ratio();
         let common = PillarBody::of_column(column_compliance_ratio);
         let height = system.pillar().height / length;
-        match system.arrangement() {
+        let field = match system.arrangement() {
             Arrangement::Hexagonal(lattice) => Self::Hexagonal {
                 lattice: HexagonalLattice {
                     pitch: lattice.pitch / length,
@@ -292,8 +315,11 @@ impl PillarField {
                 column_compliance_ratio,
             },
             Arrangement::Lattice(lattice) => {
-                let lattice = PlaneLattice::of(lattice, length, height, common);
-                Self::Lattice(Arc::new(lattice.expect("its angle was checked")))
+                let lattice = PlaneLattice::of(lattice, length, height, common)
+                    .expect("its angle was checked");
+                let rotation = lattice.rotation;
+                let field = Self::Lattice(Arc::new(lattice));
+                return (field.turned(-rotation), rotation);
             }
             Arrangement::Listed(list) => {
                 let pillar = |pillar: &arrangement::ListedPillar| {
@@ -313,6 +339,23 @@ impl PillarField {
                 let list = PillarList::new(pillars);
                 Self::Listed(Arc::new(list.expect("its pillars were checked")))
             }
+        };
+        (field, 0.0)
+    }
+
+    /// The same turned about the lens axis by an angle (rad). Only lattices turn.
+    pub(super) fn turned(&self, angle: f64) -> Self {
+        match self {
+            Self::Lattice(lattice) if angle != 0.0 => {
+                let around = |point: Point| turned(point, angle);
+                Self::Lattice(Arc::new(PlaneLattice {
+                    vectors: lattice.vectors.map(around),
+                    basis: lattice.basis.map(around),
+                    origin: around(lattice.origin),
+                    ..(**lattice).clone()
+                }))
+            }
+            other => other.clone(),
         }
     }
 
@@ -376,7 +419,7 @@ impl PillarField {
 
     /// About how many pillars stand within a radius of the lens axis.
     pub(crate) fn expected_len(&self, radius: f64) -> f64 {
-        let on_lattice = |area: f64| std::f64::consts::PI * radius * radius / area;
+        let on_lattice = |area: f64| PI * radius * radius / area;
         match self {
             Self::Hexagonal { lattice, .. } => on_lattice(lattice.cell_area()),
             Self::Lattice(lattice) => on_lattice(lattice.cell_area()),

@@ -3,7 +3,7 @@
 
 use super::lattice::HexagonalLattice;
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
-use super::point::Point;
+use super::point::{Point, turned};
 use super::system::{Lens, System};
 use crate::numerics::convergence::smaller;
 
@@ -39,20 +39,34 @@ pub(crate) struct Scene {
     pub(crate) length: f64,
     /// Unit of pressure, `E*`, Pa.
     pub(crate) pressure: f64,
+    /// By how much it is to be turned about the lens axis to stand as it was asked for, rad. It is solved as lattices are drawn, so that
+    /// one that is turned has the same answer to the last digits.
+    pub(crate) rotation: f64,
 }
 
 impl Scene {
     pub(crate) fn new(system: &System) -> Self {
         let length = 0.5 * system.pillar().diameter;
+        let (field, rotation) = PillarField::new(system, length);
         Self {
             lens: Lens {
                 radius: system.lens().radius / length,
                 ..*system.lens()
             },
             height: system.pillar().height / length,
-            field: PillarField::new(system, length),
+            field,
             length,
             pressure: system.reduced_modulus(),
+            rotation,
+        }
+    }
+
+    /// The same as it was asked for.
+    pub(crate) fn as_asked(&self) -> Self {
+        Self {
+            field: self.field.turned(self.rotation),
+            rotation: 0.0,
+            ..self.clone()
         }
     }
 
@@ -63,7 +77,7 @@ impl Scene {
 
     /// A point in metres.
     pub(crate) fn metres(&self, point: Point) -> Point {
-        [point[0] * self.length, point[1] * self.length]
+        turned(point, self.rotation).map(|x| x * self.length)
     }
 
     /// Height of the undeformed lens at a point, above its lowest point.
@@ -186,6 +200,7 @@ impl Problem {
             },
             length: self.length,
             pressure: self.pressure,
+            rotation: 0.0,
         }
     }
 

@@ -319,7 +319,7 @@ impl System {
     /// The pillar tops, to ask which points they hold.
     #[must_use]
     pub fn tops(&self) -> Tops {
-        Tops(Scene::new(self))
+        Tops(Scene::new(self).as_asked())
     }
 
     /// Diameter of the widest pillar, m.

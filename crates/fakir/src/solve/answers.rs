@@ -315,7 +315,7 @@ pub(super) fn without_contact(
         run: &Run::default(),
     };
     let lowest = lowest_floor(scene, 0.0, &discs);
-    let fields = Fields::new(scene.clone(), indentation, Vec::new(), 0, 0);
+    let fields = Fields::new(scene.as_asked(), indentation, Vec::new(), 0, 0);
     ContactState {
         fields: Some(Arc::new(fields)),
         ..floor_gap(

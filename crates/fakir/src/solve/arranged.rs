@@ -74,7 +74,7 @@ fn solve(
     };
     let error = refined(&mut solution, target, run)?;
     let (newton, outcome) = (&solution.newton, &solution.outcome);
-    let touched = touched_pillars(newton, [1.0; 2]);
+    let touched = touched_pillars(newton);
     let gap = |point: FloorPoint| (point.position, point.indentation - outcome.indentation);
     Ok(Arranged {
         force: newton.force(),
@@ -141,6 +141,7 @@ mod tests {
             field,
             length: unit,
             pressure: 1.0,
+            rotation: 0.0,
         }
     }
 

@@ -99,7 +99,7 @@ pub(super) fn assemble(
     } = solution;
     let indentation = outcome.indentation;
     newton.run.check_cancelled()?;
-    let mut touched = touched_pillars(newton, [scene.length, scene.pressure]);
+    let mut touched = touched_pillars(newton);
     let on_floor = floor.as_ref().map_or(0.0, |floor| floor.force);
     let force = share_force(&mut touched, on_floor, target, scene);
     // Over the force that is told, to the last digit.
@@ -137,9 +137,12 @@ pub(super) fn assemble(
         .map(|pillar| degree_with(pillar.disc.coefficients.len()))
         .max()
         .unwrap_or(0);
-    let (pillars, discs): (Vec<_>, Vec<_>) = touched.into_iter().map(|p| (p.state, p.disc)).unzip();
+    let (pillars, discs): (Vec<_>, Vec<_>) = touched
+        .into_iter()
+        .map(|p| (p.state, p.disc.turned(scene.rotation)))
+        .unzip();
     let fields = Fields::new(
-        scene.clone(),
+        scene.as_asked(),
         indentation,
         discs,
         newton.degree(),

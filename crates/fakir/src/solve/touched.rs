@@ -30,13 +30,10 @@ pub(super) struct TouchedPillar {
     pub(super) disc: Disc,
 }
 
-/// The touched pillars, nearest to the lens axis first.
-///
-/// Lengths are told in `length` (m), pressures in `pressure` (Pa).
-pub(super) fn touched_pillars(
-    newton: &Newton<'_>,
-    [length, pressure]: [f64; 2],
-) -> Vec<TouchedPillar> {
+/// The touched pillars, nearest to the lens axis first. The states are where they were asked for, the discs where they are solved.
+pub(super) fn touched_pillars(newton: &Newton<'_>) -> Vec<TouchedPillar> {
+    let scene = &newton.scene;
+    let (length, pressure) = (scene.length, scene.pressure);
     let unit_force = pressure * length * length;
     let modes = newton.contact.modes();
     let total = newton.contact.coefficients();
@@ -87,7 +84,7 @@ pub(super) fn touched_pillars(
             diameter: 2.0 * radius * length,
             height: (newton.scene.height + raised) * length,
             index: disc.index,
-            centre: centre.map(|x| x * length),
+            centre: scene.metres(centre),
             status,
             force: disc.force() * unit_force,
             centre_pressure: samples.centre_density(&disc) * pressure,

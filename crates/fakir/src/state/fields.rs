@@ -1,11 +1,12 @@
 //! Displacement, gap and pressure at any point of a contact state.
 
-use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, compliances, degree_with};
+use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, compliances, degree_with, turn};
 use crate::halfspace::disc::covered::{CoverFinder, CoveredPart};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::problem::Point;
 use crate::problem::pillar_field::IndexedPillar;
+use crate::problem::point::turned;
 use crate::problem::scaled::Scene;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -87,6 +88,24 @@ impl Front {
 }
 
 impl Disc {
+    /// The same turned about the lens axis by an angle (rad). What adhesion holds does not turn.
+    pub(crate) fn turned(mut self, angle: f64) -> Self {
+        if angle == 0.0 {
+            return self;
+        }
+        self.centre = turned(self.centre, angle);
+        turn(&mut self.coefficients, angle);
+        if let Some(gap) = &mut self.gap {
+            turn(gap, angle);
+        }
+        if let Some(sliver) = &mut self.sliver {
+            for point in &mut sliver.points {
+                *point = turned(*point, angle);
+            }
+        }
+        self
+    }
+
     /// Force, in scaled units.
     pub(crate) fn force(&self) -> f64 {
         UNIT_FORCE * self.coefficients[0] * self.radius * self.radius

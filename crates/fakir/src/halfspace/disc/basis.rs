@@ -55,6 +55,20 @@ pub(crate) fn modes(degree: usize) -> Vec<Mode> {
     modes
 }
 
+/// The coefficients of what an expansion becomes when it is turned by an angle (rad).
+pub(crate) fn turn(coefficients: &mut [f64], angle: f64) {
+    let modes = modes(degree_with(coefficients.len()));
+    for (number, mode) in modes.iter().enumerate() {
+        // The sine of an order follows its cosine.
+        if mode.order > 0 && !mode.sine {
+            let (sin, cos) = (mode.order as f64 * angle).sin_cos();
+            let [of_cosine, of_sine] = [coefficients[number], coefficients[number + 1]];
+            coefficients[number] = cos * of_cosine - sin * of_sine;
+            coefficients[number + 1] = sin * of_cosine + cos * of_sine;
+        }
+    }
+}
+
 /// `lambda_lm = G((l+m+1)/2) G((l-m+1)/2) / (G((l+m+2)/2) G((l-m+2)/2))`: the displacement
 /// inside the disc is `lambda Y` under the pressure `Y/mu`.
 pub(crate) fn eigenvalue(degree: usize, order: usize) -> f64 {
@@ -208,6 +222,30 @@ pub(crate) fn gamma_degree(degree: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn turned_expansions_have_their_values_elsewhere() {
+        let mut coefficients: Vec<f64> =
+            (0..mode_count(5)).map(|k| (1.3 * k as f64).sin()).collect();
+        let before = coefficients.clone();
+        turn(&mut coefficients, 0.7);
+        let mut basis = BasisEvaluator::new(5);
+        let mut value = |coefficients: &[f64], [x, y]: [f64; 2]| {
+            let mut values = vec![0.0; coefficients.len()];
+            basis.evaluate([x, y], &mut values);
+            values
+                .iter()
+                .zip(coefficients)
+                .map(|(y, c)| y * c)
+                .sum::<f64>()
+        };
+        let (sin, cos) = 0.7_f64.sin_cos();
+        for [x, y] in [[0.3, -0.2], [0.9, 0.1], [-0.5, 0.6]] {
+            let there = [cos * x - sin * y, sin * x + cos * y];
+            let difference = value(&coefficients, there) - value(&before, [x, y]);
+            assert!(difference.abs() < 1e-14, "{difference:e}");
+        }
+    }
     use crate::numerics::quadrature::{gauss_legendre, hemisphere};
 
     #[test]
