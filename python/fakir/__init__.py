@@ -26,7 +26,17 @@ from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
 from ._state import ContactState, CriticalState, ErrorEstimate, Normalized
 from ._sweep import Sweep, sweep
-from ._system import HexagonalTexture, Lens, Substrate, System
+from ._system import (
+    HexagonalTexture,
+    LatticeOptions,
+    Lens,
+    ObliqueTexture,
+    Pillars,
+    RectangularTexture,
+    SquareTexture,
+    Substrate,
+    System,
+)
 from ._verification import Difference, Verification
 from .errors import (
     CaseError,
@@ -64,13 +74,18 @@ __all__ = [
     "FloorErrors",
     "HexagonalTexture",
     "HomogenisedLattice",
+    "LatticeOptions",
     "Lens",
     "Normalized",
     "NotConverged",
+    "ObliqueTexture",
     "OutOfReach",
+    "Pillars",
     "PullOff",
+    "RectangularTexture",
     "SolveError",
     "Spread",
+    "SquareTexture",
     "StudyError",
     "Substrate",
     "Sweep",

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict, Unpack
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _fakir
 from ._comparison import Comparison, compare
@@ -69,23 +71,8 @@ class Substrate:
 
 
 @dataclass(frozen=True, init=False)
-class HexagonalTexture:
-    """Cylindrical pillars on a hexagonal lattice.
-
-    Parameters
-    ----------
-    diameter, height
-        Of the pillars (m).
-    pitch, surface_fraction
-        Distance of neighbouring pillars (m), or the fraction of the surface that is pillar top:
-        exactly one of them.
-    offset
-        Distance of the lens axis from a pillar centre, in pitches ...
-    offset_angle
-        ... in this direction from x (rad, or a text such as ``"30 deg"``).
-    compliance
-        ``"column"`` if pillars shorten under load, ``"none"`` if not.
-    """
+class _LatticeTexture:
+    """What the textures on lattices have in common."""
 
     diameter: float
     height: float
@@ -93,21 +80,29 @@ class HexagonalTexture:
     surface_fraction: float | None
     offset: float
     offset_angle: float
+    rotation: float
+    columns: int | None
+    height_spread: float
+    missing: float
+    seed: int
     compliance: Literal["column", "none"]
 
-    def __init__(
+    _lattice: ClassVar[str]
+
+    def _common(
         self,
         diameter: Quantity,
         height: Quantity,
-        *,
-        pitch: Quantity | None = None,
-        surface_fraction: Quantity | None = None,
-        offset: Quantity = 0.0,
-        offset_angle: Quantity = 0.0,
-        compliance: Literal["column", "none"] = "column",
+        pitch: Quantity | None,
+        surface_fraction: Quantity | None,
+        options: LatticeOptions,
     ) -> None:
-        if (pitch is None) == (surface_fraction is None):
-            raise TypeError("give exactly one of pitch and surface_fraction")
+        known = LatticeOptions.__annotations__
+        for name in options:
+            if name not in known:
+                raise TypeError(
+                    f"{type(self).__name__} takes no {name}: besides its own, it takes {', '.join(known)}"
+                )
 
         def put(name: str, value: object) -> None:
             object.__setattr__(self, name, value)
@@ -120,9 +115,255 @@ class HexagonalTexture:
             "surface_fraction",
             None if fraction is None else si(fraction, "fraction", "texture.surface_fraction"),
         )
-        put("offset", si(offset, "number", "texture.offset"))
-        put("offset_angle", si(offset_angle, "angle", "texture.offset_angle"))
-        put("compliance", compliance)
+        put("offset", si(options.get("offset", 0.0), "number", "texture.offset"))
+        put("offset_angle", si(options.get("offset_angle", 0.0), "angle", "texture.offset_angle"))
+        put("rotation", si(options.get("rotation", 0.0), "angle", "texture.rotation"))
+        put("columns", options.get("columns"))
+        spread = options.get("height_spread", 0.0)
+        put("height_spread", si(spread, "fraction", "texture.height_spread"))
+        put("missing", si(options.get("missing", 0.0), "fraction", "texture.missing"))
+        put("seed", options.get("seed", 0))
+        put("compliance", options.get("compliance", "column"))
+
+    def _numbers(self) -> list[tuple[str, float | None]]:
+        return [
+            ("texture.pillar.diameter", self.diameter),
+            ("texture.pillar.height", self.height),
+            ("texture.pitch", self.pitch),
+            ("texture.surface_fraction", self.surface_fraction),
+            ("texture.offset", self.offset),
+            ("texture.offset_angle", self.offset_angle),
+            ("texture.rotation", self.rotation),
+            ("texture.columns", self.columns),
+            ("texture.height_spread", self.height_spread),
+            ("texture.missing", self.missing),
+            ("texture.seed", self.seed),
+        ]
+
+
+class LatticeOptions(TypedDict, total=False):
+    """What every texture on a lattice takes besides its pillars and its pitch."""
+
+    offset: Quantity
+    """Distance of the lens axis from a pillar centre, in pitches ..."""
+    offset_angle: Quantity
+    """... in this direction from x (rad, or a text such as ``"30 deg"``)."""
+    rotation: Quantity
+    """By which the lattice is turned about the lens axis, anticlockwise (rad)."""
+    columns: int | None
+    """Pillars along each side of a finite lattice; without it the lattice has no end."""
+    height_spread: Quantity
+    """Standard deviation of the heights over the height, up to 0.2: every pillar has its own."""
+    missing: Quantity
+    """Probability that a pillar is missing."""
+    seed: int
+    """Whole number that decides which heights and which pillars."""
+    compliance: Literal["column", "none"]
+    """``"column"`` if pillars shorten under load, ``"none"`` if not."""
+
+
+def _one_of(pitch: Quantity | None, surface_fraction: Quantity | None) -> None:
+    if (pitch is None) == (surface_fraction is None):
+        raise TypeError("give exactly one of pitch and surface_fraction")
+
+
+class HexagonalTexture(_LatticeTexture):
+    """Cylindrical pillars on a hexagonal lattice.
+
+    Parameters
+    ----------
+    diameter, height
+        Of the pillars (m).
+    pitch, surface_fraction
+        Distance of neighbouring pillars (m), or the fraction of the surface that is pillar top:
+        exactly one of them.
+    **options
+        `LatticeOptions`: ``offset``, ``offset_angle``, ``rotation``, ``columns``, ``height_spread``,
+        ``missing``, ``seed``, ``compliance``. The paper's texture has none of ``rotation`` to ``seed``; all methods,
+        floor contact and adhesion are for that one.
+    """
+
+    _lattice = "hexagonal"
+
+    def __init__(
+        self,
+        diameter: Quantity,
+        height: Quantity,
+        *,
+        pitch: Quantity | None = None,
+        surface_fraction: Quantity | None = None,
+        **options: Unpack[LatticeOptions],
+    ) -> None:
+        _one_of(pitch, surface_fraction)
+        self._common(diameter, height, pitch, surface_fraction, options)
+
+
+class SquareTexture(_LatticeTexture):
+    """Cylindrical pillars on a square lattice with its rows along x and y; parameters as `HexagonalTexture`.
+
+    >>> texture = SquareTexture("6 um", "2.2 um", surface_fraction=0.03)
+    >>> system = System(Lens("2.2 mm", "1.5 MPa", 0.5), Substrate("1.5 MPa", 0.5), texture)
+    >>> round(1e6 * system.transition().force)
+    428
+    """
+
+    _lattice = "square"
+
+    def __init__(
+        self,
+        diameter: Quantity,
+        height: Quantity,
+        *,
+        pitch: Quantity | None = None,
+        surface_fraction: Quantity | None = None,
+        **options: Unpack[LatticeOptions],
+    ) -> None:
+        _one_of(pitch, surface_fraction)
+        self._common(diameter, height, pitch, surface_fraction, options)
+
+
+@dataclass(frozen=True, init=False)
+class RectangularTexture(_LatticeTexture):
+    """Cylindrical pillars on a rectangular lattice: ``pitch`` along x, ``pitch_y`` along y (m)."""
+
+    pitch_y: float
+
+    _lattice = "rectangular"
+
+    def __init__(
+        self,
+        diameter: Quantity,
+        height: Quantity,
+        *,
+        pitch: Quantity,
+        pitch_y: Quantity,
+        **options: Unpack[LatticeOptions],
+    ) -> None:
+        self._common(diameter, height, pitch, None, options)
+        object.__setattr__(self, "pitch_y", si(pitch_y, "length", "texture.pitch_y"))
+
+    def _numbers(self) -> list[tuple[str, float | None]]:
+        return [*super()._numbers(), ("texture.pitch_y", self.pitch_y)]
+
+
+@dataclass(frozen=True, init=False)
+class ObliqueTexture(_LatticeTexture):
+    """Cylindrical pillars on an oblique lattice: ``pitch`` along x, ``pitch_y`` (m) along rows at ``angle`` (rad) to x."""
+
+    pitch_y: float
+    angle: float
+
+    _lattice = "oblique"
+
+    def __init__(
+        self,
+        diameter: Quantity,
+        height: Quantity,
+        *,
+        pitch: Quantity,
+        pitch_y: Quantity,
+        angle: Quantity,
+        **options: Unpack[LatticeOptions],
+    ) -> None:
+        self._common(diameter, height, pitch, None, options)
+        object.__setattr__(self, "pitch_y", si(pitch_y, "length", "texture.pitch_y"))
+        object.__setattr__(self, "angle", si(angle, "angle", "texture.lattice_angle"))
+
+    def _numbers(self) -> list[tuple[str, float | None]]:
+        own = [("texture.pitch_y", self.pitch_y), ("texture.lattice_angle", self.angle)]
+        return [*super()._numbers(), *own]
+
+
+class Pillars:
+    """Cylindrical pillars wherever they stand, and no others.
+
+    Parameters
+    ----------
+    x, y
+        Centres (m): one array each.
+    height, diameter
+        Of each pillar (m): an array, or one for all.
+    axis
+        Where the lens axis stands, in the same coordinates (m).
+    reference_height, reference_diameter
+        The pillar from whose top indentations are counted, and that results are reduced by; without them, the highest pillar and
+        the mean diameter.
+    compliance
+        ``"column"`` if pillars shorten under load, ``"none"`` if not.
+
+    Examples
+    --------
+    Three pillars, of which one is lower:
+
+    >>> pillars = Pillars([0.0, 20e-6, 0.0], [0.0, 0.0, 20e-6], [2.2e-6, 2.2e-6, 2e-6], 6e-6)
+    >>> system = System(Lens("2.2 mm", "2 MPa", 0.5), Substrate("2 MPa", 0.5), pillars)
+    >>> len(system.press(indentation="0.2 um").pillars)
+    2
+    """
+
+    __slots__ = ("axis", "compliance", "diameter", "height", "reference", "x", "y")
+
+    def __init__(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        height: ArrayLike,
+        diameter: ArrayLike,
+        *,
+        axis: tuple[Quantity, Quantity] = (0.0, 0.0),
+        reference_height: Quantity | None = None,
+        reference_diameter: Quantity | None = None,
+        compliance: Literal["column", "none"] = "column",
+    ) -> None:
+        columns = [np.asarray(values, dtype=float) for values in (x, y, height, diameter)]
+        try:
+            columns = [np.ravel(values) for values in np.broadcast_arrays(*columns)]
+        except ValueError as error:
+            raise ValueError(
+                f"x, y, height and diameter have to be arrays of one length, or single numbers: {error}"
+            ) from None
+        self.x, self.y, self.height, self.diameter = columns
+        self.axis = (
+            si(axis[0], "length", "texture.axis_x"),
+            si(axis[1], "length", "texture.axis_y"),
+        )
+        some = len(self.x) > 0
+        height_of_all = float(np.max(self.height)) if some else 1.0
+        diameter_of_all = float(np.mean(self.diameter)) if some else 1.0
+        self.reference = (
+            height_of_all
+            if reference_height is None
+            else si(reference_height, "length", "texture.pillar.height"),
+            diameter_of_all
+            if reference_diameter is None
+            else si(reference_diameter, "length", "texture.pillar.diameter"),
+        )
+        self.compliance = compliance
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def _rows(self) -> list[tuple[float, float, float, float]]:
+        return list(
+            zip(
+                self.x.tolist(),
+                self.y.tolist(),
+                self.height.tolist(),
+                self.diameter.tolist(),
+                strict=True,
+            )
+        )
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Writes the table that ``pillars = "..."`` of a case file reads."""
+        lines = ["x_m,y_m,height_m,diameter_m"]
+        lines += [",".join(repr(value) for value in row) for row in self._rows()]
+        unfinished = Path(f"{fspath(path)}.tmp")
+        unfinished.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        unfinished.replace(path)
+
+
+Texture = HexagonalTexture | SquareTexture | RectangularTexture | ObliqueTexture | Pillars
 
 
 class System:
@@ -170,7 +411,7 @@ class System:
         self,
         lens: Lens,
         substrate: Substrate,
-        texture: HexagonalTexture,
+        texture: Texture,
         *,
         floor_contact: bool = True,
         adhesion: Adhesion | Quantity | None = None,
@@ -179,28 +420,23 @@ class System:
             raise TypeError(
                 f"floor_contact is of type {type(floor_contact).__name__}: give True or False"
             )
-        for part, kind in [(lens, Lens), (substrate, Substrate), (texture, HexagonalTexture)]:
+        kinds = [
+            (lens, Lens, "Lens"),
+            (substrate, Substrate, "Substrate"),
+            (texture, (_LatticeTexture, Pillars), "HexagonalTexture"),
+        ]
+        for part, kind, name in kinds:
             if not isinstance(part, kind):
                 raise TypeError(
-                    f"a system takes a Lens, a Substrate and a HexagonalTexture, in this order: "
-                    f"found {type(part).__name__} for {kind.__name__}"
+                    f"a system takes a Lens, a Substrate and a HexagonalTexture or another texture, in this "
+                    f"order: found {type(part).__name__} for {name}"
                 )
-        spacing = (
-            ("texture.pitch", texture.pitch)
-            if texture.surface_fraction is None
-            else ("texture.surface_fraction", texture.surface_fraction)
-        )
         numbers: list[tuple[str, float | None]] = [
             ("lens.radius", lens.radius),
             ("lens.young_modulus", lens.young_modulus),
             ("lens.poisson_ratio", lens.poisson_ratio),
             ("substrate.young_modulus", substrate.young_modulus),
             ("substrate.poisson_ratio", substrate.poisson_ratio),
-            ("texture.pillar.diameter", texture.diameter),
-            ("texture.pillar.height", texture.height),
-            spacing,
-            ("texture.offset", texture.offset),
-            ("texture.offset_angle", texture.offset_angle),
         ]
         if adhesion is not None:
             sticks = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
@@ -210,8 +446,20 @@ class System:
             ("texture.pillar.compliance", texture.compliance),
             ("floor.contact", "true" if floor_contact else "false"),
         ]
-        given = [(key, number) for key, number in numbers if number is not None]
-        self._case = _fakir.Case.build(given, words)
+        pillars = None
+        if isinstance(texture, Pillars):
+            height, diameter = texture.reference
+            numbers.append(("texture.pillar.height", height))
+            numbers.append(("texture.pillar.diameter", diameter))
+            numbers.append(("texture.axis_x", texture.axis[0]))
+            numbers.append(("texture.axis_y", texture.axis[1]))
+            words.append(("texture.lattice", "listed"))
+            pillars = texture._rows()
+        else:
+            numbers += texture._numbers()
+            words.append(("texture.lattice", texture._lattice))
+        given = [(key, float(number)) for key, number in numbers if number is not None]
+        self._case = _fakir.Case.build(given, words, pillars)
 
     @classmethod
     def _of(cls, case: _fakir.Case) -> System:
@@ -267,21 +515,55 @@ class System:
         return Substrate(values["substrate.young_modulus"], values["substrate.poisson_ratio"])
 
     @property
-    def texture(self) -> HexagonalTexture:
+    def texture(self) -> Texture:
         """The texture, by its pitch."""
         values = self._case.values()
-        return HexagonalTexture(
-            values["texture.pillar.diameter"],
-            values["texture.pillar.height"],
-            pitch=values["texture.pitch"],
-            offset=values["texture.offset"],
-            offset_angle=values["texture.offset_angle"],
-            compliance=values["texture.pillar.compliance"],
-        )
+        rows = self._case.listed()
+        height, diameter = values["texture.pillar.height"], values["texture.pillar.diameter"]
+        compliance = values["texture.pillar.compliance"]
+        if rows is not None:
+            x, y, heights, diameters = np.array(rows).T
+            return Pillars(
+                x,
+                y,
+                heights,
+                diameters,
+                reference_height=height,
+                reference_diameter=diameter,
+                compliance=compliance,
+            )
+        columns = values.get("texture.columns")
+        options: LatticeOptions = {
+            "offset": values["texture.offset"],
+            "offset_angle": values["texture.offset_angle"],
+            "rotation": values.get("texture.rotation", 0.0),
+            "columns": None if columns is None else int(columns),
+            "height_spread": values.get("texture.height_spread", 0.0),
+            "missing": values.get("texture.missing", 0.0),
+            "seed": int(values.get("texture.seed", 0)),
+            "compliance": compliance,
+        }
+        pitch = values["texture.pitch"]
+        match values["texture.lattice"]:
+            case "square":
+                return SquareTexture(diameter, height, pitch=pitch, **options)
+            case "rectangular":
+                pitch_y = values["texture.pitch_y"]
+                return RectangularTexture(diameter, height, pitch=pitch, pitch_y=pitch_y, **options)
+            case "oblique":
+                return ObliqueTexture(
+                    diameter,
+                    height,
+                    pitch=pitch,
+                    pitch_y=values["texture.pitch_y"],
+                    angle=values["texture.lattice_angle"],
+                    **options,
+                )
+        return HexagonalTexture(diameter, height, pitch=pitch, **options)
 
     @property
     def pitch(self) -> float:
-        """Distance of neighbouring pillars, m."""
+        """Distance of neighbouring pillars, m; of listed ones the mean distance of nearest neighbours."""
         return float(self._case.values()["texture.pitch"])
 
     @property
@@ -543,13 +825,22 @@ class System:
         return html_table("System", self._rows())
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, System) and self.to_toml() == other.to_toml()
+        same = isinstance(other, System) and self.to_toml() == other.to_toml()
+        return same and self._case.listed() == other._case.listed()
 
     def __hash__(self) -> int:
         return hash(self.to_toml())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return System.from_toml, (self.to_toml(),)
+        rows = self._case.listed()
+        if rows is None:
+            return System.from_toml, (self.to_toml(),)
+        # Wherever it is made again, the file of the pillars need not be there.
+        return _with_listed, (self.to_toml(), rows)
+
+
+def _with_listed(text: str, rows: list[list[float]]) -> System:
+    return System._of(_fakir.Case.with_listed(text, rows))
 
 
 def load(

@@ -1,11 +1,13 @@
 //! What is to be solved and how, and its canonical text.
 
+use crate::error::CaseError;
+use crate::file::CaseFile;
 use crate::key::{Key, Setting};
 use crate::parts::{Parts, TextureArrangement};
 use crate::row::Range;
 use fakir::problem::{
-    Adhesion, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, Point, System,
-    Texture,
+    Adhesion, Arrangement, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance,
+    Point, System, Texture,
 };
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -28,8 +30,8 @@ pub struct Case {
 /// A table of pillars.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PillarsOrigin {
-    /// Its file.
-    pub(crate) path: PathBuf,
+    /// Its file, if it comes from one.
+    pub(crate) path: Option<PathBuf>,
     /// Where the lens axis stands in its coordinates, m.
     pub(crate) axis: Point,
 }
@@ -98,6 +100,23 @@ impl Case {
     #[must_use]
     pub fn to_toml(&self) -> String {
         write_toml(|key| self.value(key))
+    }
+
+    /// The case as a file that has been read, so that keys can be set; `name` is what errors call it. Listed pillars that come from no
+    /// file are those of the case.
+    ///
+    /// # Errors
+    /// None but of a case that was made of values which no file can have.
+    pub fn to_file(&self, name: &str) -> Result<CaseFile, CaseError> {
+        let file = CaseFile::parse(name, &self.to_toml())?;
+        let from_file = self.pillars.as_ref().is_some_and(|it| it.path.is_some());
+        match self.system.arrangement() {
+            Arrangement::Listed(list) if !from_file => {
+                let [x, y] = self.pillars.as_ref().map_or([0.0; 2], |origin| origin.axis);
+                Ok(file.with_pillars(list.seen_from([-x, -y])))
+            }
+            _ => Ok(file),
+        }
     }
 
     /// The value of a key; `None` if the case does without it.

@@ -31,9 +31,21 @@ pub struct CaseFile {
     pub(crate) entries: Entries,
     /// The folder in which files named in the case file are sought.
     pub(crate) folder: PathBuf,
+    /// Listed pillars that come from no file.
+    pub(crate) pillars: Option<PillarList>,
 }
 
 impl CaseFile {
+    /// The same with listed pillars in place of those of a file, if its arrangement is `"listed"`.
+    #[must_use]
+    pub fn with_pillars(mut self, pillars: PillarList) -> Self {
+        self.entries.keys.remove(&Key::Pillars);
+        Self {
+            pillars: Some(pillars),
+            ..self
+        }
+    }
+
     /// Reads a file.
     ///
     /// # Errors
@@ -80,6 +92,7 @@ impl CaseFile {
             source,
             entries,
             folder: PathBuf::new(),
+            pillars: None,
         })
     }
 
@@ -107,6 +120,7 @@ impl CaseFile {
             source: Source::new(name, ""),
             entries,
             folder: PathBuf::new(),
+            pillars: None,
         }
     }
 
@@ -243,10 +257,14 @@ impl CaseFile {
         &self,
         texture: &TextureParts,
     ) -> Result<(PillarList, PillarsOrigin), CaseError> {
+        let axis = texture.axis;
+        if let (Some(list), None) = (&self.pillars, self.entry(Key::Pillars)) {
+            return Ok((list.seen_from(axis), PillarsOrigin { path: None, axis }));
+        }
         let path = self.named_file(Key::Pillars, &texture.pillars);
         let list = read_pillars(&path, &texture.pillar)
             .map_err(|error| self.problem(Key::Pillars, error.to_string()))?;
-        let axis = texture.axis;
+        let path = Some(path);
         Ok((list.seen_from(axis), PillarsOrigin { path, axis }))
     }
 
@@ -426,6 +444,7 @@ impl CaseFile {
     /// Refuses that a key is missing where it must be given.
     fn check_absence(&self, key: Key, parts: &mut Parts) -> Result<(), CaseError> {
         match key.row().presence {
+            Presence::Required if key == Key::Pillars && self.pillars.is_some() => Ok(()),
             Presence::Required => Err(self.missing(key)),
             Presence::OneOf(other) if other.idle_with(parts).is_some() => Err(self.missing(key)),
             Presence::OneOf(other) if self.entry(other).is_none() => Err(self

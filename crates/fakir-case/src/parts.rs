@@ -253,7 +253,9 @@ impl TextureParts {
             _ => {
                 self.arrangement = TextureArrangement::Listed;
                 if let Some(origin) = &case.pillars {
-                    self.pillars = origin.path.to_string_lossy().into_owned();
+                    let path = origin.path.as_deref();
+                    self.pillars =
+                        path.map_or_else(String::new, |path| path.to_string_lossy().into_owned());
                     self.axis = origin.axis;
                 }
             }

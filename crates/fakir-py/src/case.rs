@@ -2,6 +2,7 @@
 
 use crate::error::{PYTHON, case_error, value_error};
 use crate::surface::Surface;
+use fakir::problem::{Arrangement, ListedPillar, PillarList};
 use fakir_case::unit::{Dimension, parse_argument};
 use fakir_case::{CaseFile, Key, Setting};
 use pyo3::prelude::*;
@@ -16,9 +17,14 @@ pub(crate) struct Case {
 
 #[pymethods]
 impl Case {
-    /// A case of numbers in SI units, and words, by their keys.
+    /// A case of numbers in SI units, and words, by their keys, and of listed pillars, if it has such: x, y, height and diameter of each, m.
     #[staticmethod]
-    fn build(numbers: Vec<(String, f64)>, words: Vec<(String, String)>) -> PyResult<Self> {
+    #[pyo3(signature = (numbers, words, pillars=None))]
+    fn build(
+        numbers: Vec<(String, f64)>,
+        words: Vec<(String, String)>,
+        pillars: Option<Vec<[f64; 4]>>,
+    ) -> PyResult<Self> {
         let numbers = numbers
             .into_iter()
             .map(|(path, number)| Ok((key(&path)?, Setting::Number(number))));
@@ -26,7 +32,33 @@ impl Case {
             .into_iter()
             .map(|(path, word)| Ok((key(&path)?, Setting::Word(word))));
         let settings: Vec<(Key, Setting)> = numbers.chain(words).collect::<PyResult<_>>()?;
-        Self::of(CaseFile::from_settings(PYTHON, settings), &[])
+        let file = CaseFile::from_settings(PYTHON, settings);
+        Self::of(with_pillars(file, pillars)?, &[])
+    }
+
+    /// The case of a text, with listed pillars that are in no file.
+    #[staticmethod]
+    fn with_listed(text: &str, pillars: Vec<[f64; 4]>) -> PyResult<Self> {
+        let file = CaseFile::parse(PYTHON, text).map_err(|error| case_error(&error))?;
+        let at = |key| file.given(key).map_err(|error| case_error(&error));
+        let axis = [at(Key::AxisX)?, at(Key::AxisY)?].map(|x| x.unwrap_or(0.0));
+        // In the coordinates of the list again.
+        let moved =
+            |[x, y, height, diameter]: [f64; 4]| [x + axis[0], y + axis[1], height, diameter];
+        let pillars = pillars.into_iter().map(moved).collect();
+        Self::of(with_pillars(file, Some(pillars))?, &[])
+    }
+
+    /// Listed pillars: x and y from the lens axis, height and diameter of each, m; none of a lattice.
+    fn listed(&self) -> Option<Vec<[f64; 4]>> {
+        let Arrangement::Listed(list) = self.case.system.arrangement() else {
+            return None;
+        };
+        let row = |pillar: &ListedPillar| {
+            let [x, y] = pillar.centre;
+            [x, y, pillar.height, pillar.diameter]
+        };
+        Some(list.pillars().iter().map(row).collect())
     }
 
     /// The case with other settings, such as `method.name=love`.
@@ -75,8 +107,25 @@ impl Case {
 
     /// The case as a file that has been read.
     pub(crate) fn file(&self) -> PyResult<CaseFile> {
-        CaseFile::parse(PYTHON, &self.case.to_toml()).map_err(|error| case_error(&error))
+        self.case
+            .to_file(PYTHON)
+            .map_err(|error| case_error(&error))
     }
+}
+
+/// A file with listed pillars, if there are any.
+fn with_pillars(file: CaseFile, pillars: Option<Vec<[f64; 4]>>) -> PyResult<CaseFile> {
+    let Some(rows) = pillars else {
+        return Ok(file);
+    };
+    let pillar = |[x, y, height, diameter]: [f64; 4]| ListedPillar {
+        centre: [x, y],
+        height,
+        diameter,
+    };
+    let list = PillarList::new(rows.into_iter().map(pillar).collect());
+    let list = list.map_err(|error| value_error(error.to_string()))?;
+    Ok(file.with_pillars(list))
 }
 
 impl From<fakir_case::Case> for Case {

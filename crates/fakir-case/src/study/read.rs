@@ -46,6 +46,7 @@ pub(super) fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseErro
             source: source.clone(),
             entries,
             folder: folder.to_owned(),
+            pillars: None,
         },
         Some((name, place)) => {
             if let Some((name, _)) = beside(document) {
