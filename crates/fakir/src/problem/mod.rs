@@ -16,6 +16,7 @@
 #![doc = include_str!("../../doc/rendered/problem.md")]
 
 pub(crate) mod adhesion;
+pub(crate) mod cap_field;
 pub(crate) mod control;
 pub(crate) mod cycle_plan;
 pub(crate) mod grid;
@@ -31,6 +32,7 @@ pub(crate) mod surface;
 pub(crate) mod system;
 
 pub use adhesion::Adhesion;
+pub use cap_field::{Cap, CapField, InvalidCaps};
 pub use control::Control;
 pub use cycle_plan::{CyclePlan, Drive, Turn};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};
