@@ -18,6 +18,8 @@ pub struct CapState {
     pub radius: f64,
     /// Normal force on it, N.
     pub force: f64,
+    /// Gap above a cap that is not touched, m; nothing of others.
+    pub gap: f64,
 }
 
 /// How force and area change. Those with a height are at the same indentation: contacts that begin or end at this very load have other

@@ -32,6 +32,8 @@ pub(crate) struct Contacts {
     pub(crate) moments: Vec<f64>,
     /// Of every cap, the point where it is next to be touched.
     pub(crate) nearest: Vec<Point>,
+    /// Of every cap that is not touched, the gap there.
+    pub(crate) gaps: Vec<f64>,
 }
 
 impl Contacts {

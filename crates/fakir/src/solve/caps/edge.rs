@@ -6,14 +6,19 @@
 //! on the edge, the second to begin with, are left: a true contact is an oval. The force is stationary in the shape, J. R. Barber, J. Appl. Mech. 41, 816 (1974), and so in error by the square
 //! of that.)
 //!
-//! A contact does not grow beyond the rim of its pillar. If it leans on the rim from inside at an angle `phi` its centre and
-//! radius are one number, and the pressure may be infinite at that point: `q` on the edge is `q0 (1 + cos(theta - phi))`, which is no less than zero and free
-//! on the other side. If it fills the top, `q0` is no less than `hypot(q1, q2)`, and nothing else is asked for. The one goes over
-//! into the other where the contact just reaches the rim or fills the top.
+//! A contact does not grow beyond the rim of its pillar. Of all discs within the rim the best is that of the largest force at the same
+//! indentation, as the true contact has the largest of all shapes (Barber again). A disc that grows by `dr` and moves by `(dx, dy)` bears
+//! more in proportion to `q0 dr + (q1 dx + q2 dy)/2`. So on one that leans on the rim from inside at an angle `phi`, `q1 = 2 q0 cos(phi)` and
+//! `q2 = 2 q0 sin(phi)` with `q0` no less than zero; and on one that fills the top `hypot(q1, q2)` is no more than `2 q0`. The one goes over into the
+//! other where the contact just reaches the rim or fills the top. A contact that leans is a disc without the sliver beyond the rim, and a
+//! little more on the other side, where its edge is drawn: what it bears is in error by the square of that.
 
 use crate::halfspace::disc::basis::{Mode, equator_value};
 use crate::state::discs::{Disc, Hold};
 use std::f64::consts::SQRT_2;
+
+/// `hypot(q1, q2)` over `q0` where a contact leans on the rim.
+pub(crate) const LEANING: f64 = 2.0;
 
 /// The conditions on the edge, and how steps that keep them are described.
 ///
@@ -72,7 +77,10 @@ impl Edge {
     pub(crate) fn enforce(&self, hold: Hold, moments: &mut [f64]) {
         let wanted = match hold {
             Hold::Free => [0.0; 3],
-            Hold::Leaning { angle, edge } => [edge, edge * angle.cos(), edge * angle.sin()],
+            Hold::Leaning { angle, edge } => {
+                let uneven = LEANING * edge;
+                [edge, uneven * angle.cos(), uneven * angle.sin()]
+            },
             Hold::Whole => return,
         };
         let found = self.values(moments);
@@ -112,8 +120,9 @@ impl Edge {
                     let [mean, first, second] = [0, 1, 2].map(|k| moment(k, row));
                     let away = rim_radius - disc.radius;
                     [
-                        mean + cos * first + sin * second,
-                        away * (cos * y - sin * x) + edge * (cos * second - sin * first),
+                        mean + LEANING * (cos * first + sin * second),
+                        away * (cos * y - sin * x) 
+                            + LEANING * edge * (cos * second - sin * first),
                         radius - cos * x - sin * y,
                     ]
                 }

@@ -5,6 +5,7 @@
 //! each other. What does not settle like this is followed from the first touch on, in [`climb`](super::climb).
 
 use super::Target;
+use super::edge::LEANING;
 use super::equations::Equations;
 use super::load::{Layout, to_summit};
 use super::start::{PointForces, pressed_with_column};
@@ -88,6 +89,7 @@ impl Equations<'_> {
             discs: Vec::new(),
             moments: Vec::new(),
             nearest: layout.summits.iter().map(|summit| summit.place).collect(),
+            gaps: layout.gaps(start.indentation),
         };
         let most = start.pressed.iter().fold(0.0_f64, |a, b| a.max(*b));
         for (cap, pressed) in start.pressed.iter().enumerate() {
@@ -361,7 +363,7 @@ impl Equations<'_> {
         let [mean, x, y] = self.edge.values(moments);
         let uneven = x.hypot(y);
         let scale = moments[0].abs();
-        if mean - uneven >= -1e-12 * scale {
+        if LEANING * mean - uneven >= -1e-12 * scale {
             return false;
         }
         disc.radius *= LOOSENED;
@@ -425,6 +427,7 @@ impl Equations<'_> {
                 return Some([other, cap]);
             }
             contacts.nearest[cap] = feeling.place;
+            contacts.gaps[cap] = -feeling.overlap;
             let curvature = self.layout.summits[cap].curvature;
             if feeling.overlap * curvature.recip() > NOTHING * largest * largest
                 && feeling.overlap > 0.0
@@ -526,6 +529,13 @@ impl Layout {
             discs: Vec::new(),
             moments: Vec::new(),
             nearest: self.summits.iter().map(|summit| summit.place).collect(),
+            gaps: self.gaps(indentation),
         }
+    }
+
+    /// By how much caps are away that nothing presses down.
+    fn gaps(&self, indentation: f64) -> Vec<f64> {
+        let summits = self.summits.iter();
+        summits.map(|summit| -summit.height - indentation).collect()
     }
 }
