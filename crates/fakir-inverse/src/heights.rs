@@ -7,12 +7,12 @@
 //! not touched under the largest load are lifted until they are. The loads are fewer than the caps as a rule: of all changes that do the same
 //! the smallest is made.
 
+use faer::Mat;
+use faer::linalg::solvers::Solve;
 use fakir::problem::{Accuracy, Cap, CapField, Control, Indenter, InvalidCaps};
 use fakir::state::{CapContact, Run, SolveError};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use faer::Mat;
-use faer::linalg::solvers::Solve;
 use std::f64::consts::PI;
 
 /// Steps of least squares, for independent caps and for all, and trials of a damping.
@@ -176,7 +176,8 @@ pub fn design_heights(
     let (start, overlap) = independent.start(wanted, seed);
     let by_itself = |heights: &[f64]| Ok(Some(independent.rows(wanted, heights)));
     let rows = independent.rows(wanted, &start);
-    let alone = Fitted::new(wanted, start, rows).least_squares(INDEPENDENT_STEPS, overlap, by_itself)?;
+    let alone =
+        Fitted::new(wanted, start, rows).least_squares(INDEPENDENT_STEPS, overlap, by_itself)?;
     let mut solver = Interacting {
         field,
         curve,
@@ -188,7 +189,8 @@ pub fn design_heights(
     let rows = rows.map_err(HeightDesignError::Start)?;
     let of_independent_design: Vec<f64> = rows.iter().map(|row| row.value).collect();
     let designed = Fitted::new(wanted, alone.heights.clone(), rows);
-    let designed = designed.least_squares(STEPS, overlap, |heights| Ok(solver.rows(heights)?.ok()))?;
+    let designed =
+        designed.least_squares(STEPS, overlap, |heights| Ok(solver.rows(heights)?.ok()))?;
     let points = (0..wanted.len()).map(|k| DesignedPoint {
         wanted: wanted[k],
         value: designed.rows[k].value,
@@ -251,7 +253,9 @@ impl<'a> Fitted<'a> {
 
     fn residuals(wanted: &[WantedPoint], rows: &[Row]) -> Vec<f64> {
         let pairs = rows.iter().zip(wanted);
-        pairs.map(|(row, wanted)| row.value / wanted.value - 1.0).collect()
+        pairs
+            .map(|(row, wanted)| row.value / wanted.value - 1.0)
+            .collect()
     }
 
     /// Makes the residuals as small as they get: the method of Levenberg and Marquardt. `rows` are those of other heights, if these have any.
@@ -282,7 +286,9 @@ impl<'a> Fitted<'a> {
             let mut after = before;
             for _ in 0..TRIALS {
                 let mut step = self.step(&residuals, damping);
-                let largest = step.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+                let largest = step
+                    .iter()
+                    .fold(0.0_f64, |most, value| most.max(value.abs()));
                 let part = (LARGEST_STEP * overlap / largest).min(1.0);
                 step.iter_mut().for_each(|value| *value *= part);
                 let next: Vec<f64> = self.heights.iter().zip(&step).map(|(h, d)| h + d).collect();
@@ -331,7 +337,13 @@ impl<'a> Fitted<'a> {
         last.gaps.iter().any(away).then(|| {
             let pairs = self.heights.iter().zip(&last.gaps);
             pairs
-                .map(|(height, gap)| if away(gap) { height + gap + LIFTED * overlap } else { *height })
+                .map(|(height, gap)| {
+                    if away(gap) {
+                        height + gap + LIFTED * overlap
+                    } else {
+                        *height
+                    }
+                })
                 .collect()
         })
     }
@@ -381,7 +393,8 @@ impl Interacting<'_> {
         let (value, slopes) = match self.curve {
             Curve::AreaOfForce => (
                 contact.area,
-                caps.map(|cap| slopes.area_with_height_at_force(cap)).collect(),
+                caps.map(|cap| slopes.area_with_height_at_force(cap))
+                    .collect(),
             ),
             Curve::ForceOfIndentation => (contact.force, slopes.force_with_height.clone()),
             Curve::AreaOfIndentation => (contact.area, slopes.area_with_height.clone()),
@@ -438,7 +451,8 @@ impl Lone {
         let mut depth = overlap;
         for _ in 0..60 {
             let [force, stiffness] = hertz(depth);
-            let step = (depth + self.compliance * force - overlap) / (1.0 + self.compliance * stiffness);
+            let step =
+                (depth + self.compliance * force - overlap) / (1.0 + self.compliance * stiffness);
             depth -= step;
             if step <= 1e-15 * depth {
                 break;
@@ -447,7 +461,10 @@ impl Lone {
         let [force, stiffness] = hertz(depth);
         let of_overlap = (1.0 + self.compliance * stiffness).recip();
         let area = PI / self.curvature;
-        [[force, stiffness * of_overlap], [area * depth, area * of_overlap]]
+        [
+            [force, stiffness * of_overlap],
+            [area * depth, area * of_overlap],
+        ]
     }
 }
 
@@ -460,7 +477,11 @@ impl Independent {
         Self {
             curve,
             modulus: field.reduced_modulus(),
-            caps: field.caps().iter().map(|cap| Lone::new(cap, radius)).collect(),
+            caps: field
+                .caps()
+                .iter()
+                .map(|cap| Lone::new(cap, radius))
+                .collect(),
         }
     }
 

@@ -11,13 +11,21 @@ const FORCE: f64 = 1e-12;
 fn field(pitch: f64) -> CapField {
     let place = |k: usize| pitch * UM * (k as f64 - 3.5);
     let caps = (0..64).map(|k| Cap::new([place(k % 8), place(k / 8)], 526.0 * UM));
-    CapField::new(Indenter::Flat(None), Material::new(1.0, 0.0), caps.collect()).expect("a field")
+    CapField::new(
+        Indenter::Flat(None),
+        Material::new(1.0, 0.0),
+        caps.collect(),
+    )
+    .expect("a field")
 }
 
 fn design(pitch: f64, curve: Curve, wanted: &[WantedPoint]) -> HeightDesign {
     let design = design_heights(&field(pitch), curve, wanted, 1, &Run::default());
     let design = design.expect("heights");
-    let ignored = design.points.iter().map(|point| point.of_independent_design / point.wanted.value - 1.0);
+    let ignored = design
+        .points
+        .iter()
+        .map(|point| point.of_independent_design / point.wanted.value - 1.0);
     let ignored = ignored.fold(0.0, |most: f64, residual| most.max(residual.abs()));
     println!(
         "{} rounds: {} (interactions ignored: {ignored:.2e})",
@@ -40,7 +48,9 @@ fn of_force(area: impl Fn(f64) -> f64) -> Vec<WantedPoint> {
 
 /// Solved again with a higher degree of the pressure.
 fn check_accurately(design: &HeightDesign, tolerance: f64) {
-    let field = field(1500.0).with_heights(&design.heights).expect("a field");
+    let field = field(1500.0)
+        .with_heights(&design.heights)
+        .expect("a field");
     for point in design.points.iter().step_by(6) {
         let load = Control::Force(point.wanted.load);
         let contact = field.press(load, Accuracy::Accurate, &Run::default());
@@ -99,10 +109,20 @@ fn what_is_out_of_reach_is_said() {
 fn curves_that_cannot_be_are_refused() {
     let at = |load: f64, value: f64| WantedPoint { load, value };
     let refused = |wanted: &[WantedPoint]| {
-        design_heights(&field(1500.0), Curve::AreaOfForce, wanted, 1, &Run::default()).unwrap_err()
+        design_heights(
+            &field(1500.0),
+            Curve::AreaOfForce,
+            wanted,
+            1,
+            &Run::default(),
+        )
+        .unwrap_err()
     };
     assert_eq!(refused(&[]), HeightDesignError::NoPoints);
-    for wanted in [[at(1.0, 1.0), at(1.0, 2.0)], [at(1.0, 1.0), at(2.0, f64::NAN)]] {
+    for wanted in [
+        [at(1.0, 1.0), at(1.0, 2.0)],
+        [at(1.0, 1.0), at(2.0, f64::NAN)],
+    ] {
         let told = refused(&wanted).to_string();
         assert!(told.contains("point 1 (counted from 0)"), "{told}");
     }

@@ -50,7 +50,9 @@ fn seven(pitch: f64) -> Vec<(Point, f64, f64)> {
         let angle = PI / 3.0 * f64::from(k);
         ([pitch * angle.cos(), pitch * angle.sin()], 100.0, 0.0)
     });
-    std::iter::once(([0.0, 0.0], 100.0, 0.0)).chain(around).collect()
+    std::iter::once(([0.0, 0.0], 100.0, 0.0))
+        .chain(around)
+        .collect()
 }
 
 fn random_seven() -> Vec<(Point, f64, f64)> {
@@ -122,8 +124,18 @@ fn a_sphere_on_a_cap_off_its_axis() {
 fn seven_caps_are_those_of_the_reference() {
     let plate = || indenter(f64::INFINITY);
     for (caps, force, force_error, area) in [
-        (seven(50.0), 59.3662790748, 1.2e-4, Some((1621.29531523, 1.6e-1))),
-        (seven(30.0), 48.6109060015, 9.7e-4, Some((1406.94749079, 1.4))),
+        (
+            seven(50.0),
+            59.3662790748,
+            1.2e-4,
+            Some((1621.29531523, 1.6e-1)),
+        ),
+        (
+            seven(30.0),
+            48.6109060015,
+            9.7e-4,
+            Some((1406.94749079, 1.4)),
+        ),
         (random_seven(), 39.4573710025, 1.2e-3, None),
     ] {
         let field = field(plate(), &caps);
@@ -131,14 +143,23 @@ fn seven_caps_are_those_of_the_reference() {
             let contact = press(&field, Control::Indentation(UM), accuracy);
             let found = contact.force / FORCE;
             let error = contact.error.expect("an estimate");
-            println!("{accuracy:?} F {found} {:.2e} A {} steps {} {error:?}", found / force - 1.0, contact.area / UM / UM, contact.iterations);
+            println!(
+                "{accuracy:?} F {found} {:.2e} A {} steps {} {error:?}",
+                found / force - 1.0,
+                contact.area / UM / UM,
+                contact.iterations
+            );
             assert!((found - force).abs() < force_error, "{found} {force}");
             assert!((found / force - 1.0).abs() < error.force + 1e-7);
             if let Some((area, area_error)) = area {
                 let found = contact.area / UM / UM;
                 let relative = (found / area - 1.0).abs();
                 assert!(relative < error.area, "{found} {area}");
-                let bar = if accuracy == Accuracy::Default { 3e-4 * area } else { area_error };
+                let bar = if accuracy == Accuracy::Default {
+                    3e-4 * area
+                } else {
+                    area_error
+                };
                 assert!((found - area).abs() < bar, "{found} {area}");
             }
         }
@@ -168,7 +189,11 @@ fn random_fields_are_solved_or_refused() {
     for number in 0..80 {
         let count = draws.between(2.0, 30.0) as usize;
         let side = draws.between(6.0, 14.0) * (count as f64).sqrt();
-        let radius = if number % 2 == 0 { f64::INFINITY } else { draws.between(500.0, 5000.0) };
+        let radius = if number % 2 == 0 {
+            f64::INFINITY
+        } else {
+            draws.between(500.0, 5000.0)
+        };
         let field = field(indenter(radius), &random_caps(&mut draws, count, side));
         let zeta = draws.between(-0.4, 1.0) * UM;
         let run = Run::default();
@@ -181,11 +206,20 @@ fn random_fields_are_solved_or_refused() {
                     continue;
                 }
                 let error = contact.error;
-                assert!(error.is_some_and(|error| error.force < 1e-2), "{number}: {error:?}");
+                assert!(
+                    error.is_some_and(|error| error.force < 1e-2),
+                    "{number}: {error:?}"
+                );
                 let back = press(&field, Control::Force(contact.force), Accuracy::Default);
                 assert!((back.indentation - zeta).abs() < 1e-9 * UM, "{number}");
                 assert!((back.area / contact.area - 1.0).abs() < 1e-9, "{number}");
-                println!("{number}: {count} caps, {} touched, R {radius:.0}, {} steps, {:.1e} {:.1e}", contact.touched(), contact.iterations, error.unwrap().force, error.unwrap().area);
+                println!(
+                    "{number}: {count} caps, {} touched, R {radius:.0}, {} steps, {:.1e} {:.1e}",
+                    contact.touched(),
+                    contact.iterations,
+                    error.unwrap().force,
+                    error.unwrap().area
+                );
             }
             Err(SolveError::ContactsMerge { indentation, .. }) => {
                 println!("{number}: merges");
@@ -202,12 +236,44 @@ fn random_fields_are_solved_or_refused() {
     assert!(solved > 50, "{solved} {merged}");
 }
 
+/// Small spheres on flat caps, which are tilted by more than their contacts are wide.
+#[test]
+fn steep_spheres_are_solved_or_refused() {
+    let mut draws = Draws::new(29);
+    let (mut solved, mut merged, mut steps) = (0, 0, 0);
+    for number in 0..40 {
+        let count = draws.between(3.0, 40.0) as usize;
+        let side = draws.between(12.0, 20.0) * (count as f64).sqrt();
+        let radius = draws.between(200.0, 600.0);
+        let field = field(indenter(radius), &random_caps(&mut draws, count, side));
+        let control = Control::Force(draws.between(0.1, 40.0) * FORCE);
+        match field.press(control, Accuracy::Default, &Run::default()) {
+            Ok(contact) => {
+                assert!(contact.converged(), "{number}: {:?}", contact.termination);
+                solved += 1;
+                steps = steps.max(contact.iterations);
+                let back = Control::Indentation(contact.indentation);
+                let back = press(&field, back, Accuracy::Default);
+                assert!((back.force / contact.force - 1.0).abs() < 1e-9, "{number}");
+            }
+            Err(SolveError::ContactsMerge { .. }) => merged += 1,
+            Err(other) => panic!("{number}: {other}"),
+        }
+    }
+    println!("{solved} solved, {merged} merged, at most {steps} steps");
+    assert!(solved > 20, "{solved} {merged}");
+}
+
 /// The adjoint against central differences, in fields of plates and spheres, with columns and rims.
 #[test]
 fn slopes_are_those_of_central_differences() {
     let mut draws = Draws::new(11);
     for number in 0..8 {
-        let radius = if number % 2 == 0 { f64::INFINITY } else { 6000.0 };
+        let radius = if number % 2 == 0 {
+            f64::INFINITY
+        } else {
+            6000.0
+        };
         let mut caps: Vec<Cap> = field(indenter(radius), &random_caps(&mut draws, 9, 40.0))
             .caps()
             .to_vec();
@@ -223,7 +289,12 @@ fn slopes_are_those_of_central_differences() {
         let run = Run::default();
         let totals = |field: &CapField, zeta: f64| {
             let near = field
-                .press_quickly(Control::Indentation(zeta), contact.accuracy, Some(&contact), &run)
+                .press_quickly(
+                    Control::Indentation(zeta),
+                    contact.accuracy,
+                    Some(&contact),
+                    &run,
+                )
                 .expect("a contact");
             assert!(near.converged());
             [near.force, near.area]
@@ -281,16 +352,31 @@ fn scaled_and_turned_fields() {
 /// Two caps of equal height merge where their radii fill the distance: found by the load, and refused beyond it.
 #[test]
 fn contacts_that_merge_are_refused_with_the_load() {
-    let field = field(indenter(f64::INFINITY), &[([-8.0, 0.0], 100.0, 0.0), ([8.0, 0.0], 100.0, 0.0)]);
+    let field = field(
+        indenter(f64::INFINITY),
+        &[([-8.0, 0.0], 100.0, 0.0), ([8.0, 0.0], 100.0, 0.0)],
+    );
     let run = Run::default();
     let mut loads = Vec::new();
-    for control in [Control::Indentation(3.0 * UM), Control::Force(100.0 * FORCE)] {
+    for control in [
+        Control::Indentation(3.0 * UM),
+        Control::Force(100.0 * FORCE),
+    ] {
         let refused = field.press(control, Accuracy::Default, &run);
-        let Err(SolveError::ContactsMerge { caps, indentation, force }) = refused else {
+        let Err(SolveError::ContactsMerge {
+            caps,
+            indentation,
+            force,
+        }) = refused
+        else {
             panic!("{refused:?}");
         };
         assert_eq!(caps, [0, 1]);
-        let last = press(&field, Control::Indentation(0.998 * indentation), Accuracy::Default);
+        let last = press(
+            &field,
+            Control::Indentation(0.998 * indentation),
+            Accuracy::Default,
+        );
         let centres = [0, 1].map(|cap| last.caps[cap].centre[0]);
         let filled = 2.0 * last.caps[0].radius / (centres[1] - centres[0]);
         assert!((0.945..0.951).contains(&filled), "{filled}");
@@ -314,7 +400,9 @@ fn by_elements(radius: f64, surface: HeightMap, zeta: f64) -> f64 {
     let from_highest = zeta * UM + surface.highest();
     // A lens counts from its lowest point over the highest cell, wherever that is.
     let system = SurfaceSystem::new(indenter(radius), substrate(), surface, Boundary::FreeSpace);
-    let contact = system.expect("a system").press(Control::Indentation(from_highest), &Run::default());
+    let contact = system
+        .expect("a system")
+        .press(Control::Indentation(from_highest), &Run::default());
     let contact = contact.expect("a contact");
     assert_eq!(contact.termination, Termination::Converged);
     contact.force / FORCE
@@ -332,19 +420,26 @@ fn heights_of(caps: &[(Point, f64, f64)], [x, y]: Point) -> f64 {
 fn caps_are_those_of_elements() {
     let on_cells = |caps: Vec<(Point, f64, f64)>| -> Vec<(Point, f64, f64)> {
         let round = |x: f64| (4.0 * x).round() / 4.0;
-        caps.into_iter().map(|(place, radius, raised)| (place.map(round), radius, raised)).collect()
+        caps.into_iter()
+            .map(|(place, radius, raised)| (place.map(round), radius, raised))
+            .collect()
     };
     for (caps, radius, half, cell, tolerance) in [
         (on_cells(seven(30.0)), f64::INFINITY, 42.0, 0.125, 1e-5),
         (on_cells(random_seven()), f64::INFINITY, 46.0, 0.125, 6e-5),
-        (on_cells(seven(30.0)), 1500.0, 60.0, 0.25, 6e-5),
+        // Ovals: another program differs from elements by 4.1e-4 too.
+        (on_cells(seven(24.0)), 400.0, 50.0, 0.125, 5e-4),
     ] {
         let field = field(indenter(radius), &caps);
         let contact = press(&field, Control::Indentation(UM), Accuracy::Accurate);
         let force = contact.force / FORCE;
         let found = by_elements(radius, cells(half, cell, |at| heights_of(&caps, at)), 1.0);
         let mut bias = 0.0;
-        for (cap, state) in caps.iter().zip(&contact.caps).filter(|(_, state)| state.force > 0.0) {
+        for (cap, state) in caps
+            .iter()
+            .zip(&contact.caps)
+            .filter(|(_, state)| state.force > 0.0)
+        {
             let radius = state.radius / UM;
             let overlap = radius * radius / cap.1;
             let alone = [([0.0, 0.0], cap.1, 0.0)];
@@ -354,15 +449,23 @@ fn caps_are_those_of_elements() {
             bias += (by_cells / hertz - 1.0) * state.force / contact.force;
         }
         let error = found / (1.0 + bias) / force - 1.0;
-        println!("elements {error:.2e}, alone {bias:.2e}, estimated {:?}", contact.error);
+        println!(
+            "elements {error:.2e}, alone {bias:.2e}, estimated {:?}",
+            contact.error
+        );
         assert!(error.abs() < tolerance, "{error}");
+        let estimate = contact.error.expect("an estimate").force;
+        assert!(error.abs() < estimate + 3e-5, "{error} {estimate}");
     }
 }
 
 /// A cap on which the contact has grown to the rim: `F = 2 a zeta - 2 a^3/(3 rho)`, as the displacement of a flat punch under the paraboloid.
 #[test]
 fn a_contact_that_fills_its_top() {
-    let cap = Cap { rim_radius: Some(6.0 * UM), ..Cap::new([0.0, 0.0], 100.0 * UM) };
+    let cap = Cap {
+        rim_radius: Some(6.0 * UM),
+        ..Cap::new([0.0, 0.0], 100.0 * UM)
+    };
     let field = CapField::new(indenter(f64::INFINITY), substrate(), vec![cap]).expect("a field");
     for zeta in [0.3, 0.36, 0.37, 1.0, 3.0_f64] {
         let contact = press(&field, Control::Indentation(zeta * UM), Accuracy::Default);
@@ -371,7 +474,10 @@ fn a_contact_that_fills_its_top() {
         } else {
             (12.0 * zeta - 144.0 / 100.0, PillarStatus::Full)
         };
-        assert!((contact.force / FORCE / force - 1.0).abs() < 1e-12, "{zeta}");
+        assert!(
+            (contact.force / FORCE / force - 1.0).abs() < 1e-12,
+            "{zeta}"
+        );
         assert!(zeta == 0.36 || contact.caps[0].status == status);
     }
 }
@@ -385,23 +491,35 @@ fn a_contact_that_leans_on_its_rim() {
     let disc = |height: &dyn Fn(Point) -> f64| {
         cells(place + 14.0, cell, |[x, y]| {
             let at = [x - place, y];
-            if at[0].hypot(at[1]) < rim { height(at) } else { -50.0 }
+            if at[0].hypot(at[1]) < rim {
+                height(at)
+            } else {
+                -50.0
+            }
         })
     };
     let effective = 0.5 * by_elements(f64::INFINITY, disc(&|_| 0.0), 1.0);
-    let cap = Cap { rim_radius: Some(effective * UM), ..Cap::new([place * UM, 0.0], cap_radius * UM) };
+    let cap = Cap {
+        rim_radius: Some(effective * UM),
+        ..Cap::new([place * UM, 0.0], cap_radius * UM)
+    };
     let field = CapField::new(indenter(lens), substrate(), vec![cap]).expect("a field");
     for overlap in [0.05, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 1.0, 2.0] {
         let zeta = overlap + place * place / (2.0 * (lens + cap_radius));
         let contact = press(&field, Control::Indentation(zeta * UM), Accuracy::Accurate);
         let surface = disc(&|[x, y]| -(x * x + y * y) / (2.0 * cap_radius));
         let found = by_elements(lens, surface, zeta);
-        let state = contact.caps[0];
         let error = found / (contact.force / FORCE) - 1.0;
         let estimate = contact.error.expect("an estimate").force;
-        println!("{overlap}: {:?} {error:.2e} {estimate:.2e}", contact.caps[0].status);
+        println!(
+            "{overlap}: {:?} {error:.2e} {estimate:.2e}",
+            contact.caps[0].status
+        );
         // What the cells at a free edge differ by besides.
-        assert!(error.abs() < estimate + 4e-4, "{overlap}: {error} {estimate}");
+        assert!(
+            error.abs() < estimate + 4e-4,
+            "{overlap}: {error} {estimate}"
+        );
         let full = contact.caps[0].status == PillarStatus::Full;
         assert_eq!(full, overlap > 0.5);
     }

@@ -1,8 +1,8 @@
 //! The contact with rounded tops.
 
 use super::checked::check_number;
-use super::discs::Contacts;
 use super::contact::{PillarStatus, Termination};
+use super::discs::Contacts;
 use super::error::SolveError;
 use crate::problem::{Accuracy, Point};
 use std::sync::Arc;

@@ -38,7 +38,10 @@ pub(crate) struct Contacts {
 
 impl Contacts {
     pub(crate) fn largest_radius(&self) -> f64 {
-        self.discs.iter().map(|disc| disc.radius).fold(0.0, f64::max)
+        self.discs
+            .iter()
+            .map(|disc| disc.radius)
+            .fold(0.0, f64::max)
     }
 
     /// The two discs that fill most of the distance between their centres, and which part of it.

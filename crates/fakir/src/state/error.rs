@@ -146,7 +146,7 @@ pub enum SolveError {
         force: f64,
     },
     /// There is no floor to be reached.
-    #[error("no cell of the surface under the lens is floor")]
+    #[error("there is no floor under the lens to be reached")]
     NoFloor,
     /// The cells of a surface do not fit the memory allowed.
     #[error(

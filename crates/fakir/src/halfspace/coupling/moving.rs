@@ -247,8 +247,7 @@ impl MovingPair {
         let count = self.series.len();
         for (number, series) in self.series.iter().enumerate() {
             let [l, k] = series.degrees;
-            let factor =
-                series.factor * alpha.powi(l as i32) * beta.powi(k as i32) / distance;
+            let factor = series.factor * alpha.powi(l as i32) * beta.powi(k as i32) / distance;
             let [a, b] = series.upper;
             let value = factor * sums[number];
             let of_first = factor * a * b / (l as f64 + 1.5) * sums[count + number];
@@ -276,7 +275,11 @@ fn recurrence([a, b, p, q]: [f64; 4], s: f64) -> [f64; 3] {
 /// Cosine and sine of a multiple of the angle, which may be negative.
 fn multiple(angles: &[[f64; 2]], multiple: isize) -> [f64; 2] {
     let [cos, sin] = angles[multiple.unsigned_abs()];
-    if multiple < 0 { [cos, -sin] } else { [cos, sin] }
+    if multiple < 0 {
+        [cos, -sin]
+    } else {
+        [cos, sin]
+    }
 }
 
 #[cfg(test)]
@@ -310,10 +313,7 @@ mod tests {
 
     #[test]
     fn slopes_are_those_of_central_differences() {
-        for (degree, offset, radii) in [
-            (2, [1.9, 0.6], [1.0, 0.7]),
-            (5, [-1.6, 1.4], [0.5, 1.1]),
-        ] {
+        for (degree, offset, radii) in [(2, [1.9, 0.6], [1.0, 0.7]), (5, [-1.6, 1.4], [0.5, 1.1])] {
             let mut moving = MovingPair::new(degree);
             moving.prepare(0.95);
             let mut block = moving.room();

@@ -1,9 +1,8 @@
 //! What is asked for, from the quick start if that does, and else from the first touch on, step by step.
 
-use super::Target;
 use super::equations::Equations;
 use super::newton::{Settled, Trouble};
-use super::start::point_forces;
+use super::start::{Target, point_forces};
 use crate::state::discs::Contacts;
 use crate::state::{Run, SolveError};
 

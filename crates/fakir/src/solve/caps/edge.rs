@@ -80,7 +80,7 @@ impl Edge {
             Hold::Leaning { angle, edge } => {
                 let uneven = LEANING * edge;
                 [edge, uneven * angle.cos(), uneven * angle.sin()]
-            },
+            }
             Hold::Whole => return,
         };
         let found = self.values(moments);
@@ -107,7 +107,9 @@ impl Edge {
             if let Some((partner, part)) = self.partner(mode) {
                 let from = &columns[partner * size..(partner + 1) * size];
                 let to = &mut reduced[mode * size..(mode + 1) * size];
-                to.iter_mut().zip(from).for_each(|(to, from)| *to -= part * from);
+                to.iter_mut()
+                    .zip(from)
+                    .for_each(|(to, from)| *to -= part * from);
             }
         }
         let moment = |k: usize, row: usize| columns[k * size + row] / self.first(k);
@@ -121,8 +123,7 @@ impl Edge {
                     let away = rim_radius - disc.radius;
                     [
                         mean + LEANING * (cos * first + sin * second),
-                        away * (cos * y - sin * x) 
-                            + LEANING * edge * (cos * second - sin * first),
+                        away * (cos * y - sin * x) + LEANING * edge * (cos * second - sin * first),
                         radius - cos * x - sin * y,
                     ]
                 }

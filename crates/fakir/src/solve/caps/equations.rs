@@ -228,7 +228,9 @@ impl<'a> Equations<'a> {
             }
         }
         let mut unit = vec![0.0; total];
-        unit.iter_mut().step_by(size).for_each(|mean| *mean = UNIT_FORCE);
+        unit.iter_mut()
+            .step_by(size)
+            .for_each(|mean| *mean = UNIT_FORCE);
         if !cholesky::factorise(&mut matrix, total) {
             return None;
         }

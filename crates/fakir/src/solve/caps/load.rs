@@ -93,10 +93,7 @@ fn overlap(cap: &Cap, shape: Shape, point: Point) -> Jet {
     let curvature = cap.top_radius.recip();
     Jet {
         value: cap.raised - sag.value - 0.5 * curvature * (x * x + y * y),
-        slope: [
-            -sag.slope[0] - curvature * x,
-            -sag.slope[1] - curvature * y,
-        ],
+        slope: [-sag.slope[0] - curvature * x, -sag.slope[1] - curvature * y],
         bend: [
             -sag.bend[0] - curvature,
             -sag.bend[1],
@@ -186,7 +183,11 @@ impl LoadRule {
         load.slopes.iter_mut().for_each(|slope| slope.fill(0.0));
         // The overlap in the middle is taken apart: what is left is of the size of the contact.
         let middle = layout.overlap(cap, centre).value;
-        for (point, row) in self.points.iter().zip(self.weights.chunks_exact(self.modes)) {
+        for (point, row) in self
+            .points
+            .iter()
+            .zip(self.weights.chunks_exact(self.modes))
+        {
             let at = [0, 1].map(|k| centre[k] + radius * point[k]);
             let jet = layout.overlap(cap, at);
             let [x, y] = jet.slope;

@@ -4,11 +4,11 @@
 //! the radius of Hertz's solution. Steps are cut where a radius would change by much, and where discs would come close to
 //! each other. What does not settle like this is followed from the first touch on, in [`climb`](super::climb).
 
-use super::Target;
 use super::edge::LEANING;
 use super::equations::Equations;
 use super::load::{Layout, to_summit};
-use super::start::{PointForces, pressed_with_column};
+use super::start::{PointForces, Target, pressed_with_column};
+use crate::halfspace::coupling::moving::PairBlock;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::problem::Point;
 use crate::state::discs::{Contacts, Disc, Hold};
@@ -235,7 +235,8 @@ impl Equations<'_> {
             let of_area = 2.0 * std::f64::consts::PI * disc.radius;
             self.edge
                 .reduce_row(disc, UNIT_FORCE, 0.0, &mut rows[0][place.clone()]);
-            self.edge.reduce_row(disc, 0.0, of_area, &mut rows[1][place]);
+            self.edge
+                .reduce_row(disc, 0.0, of_area, &mut rows[1][place]);
         }
         rows
     }
@@ -456,13 +457,7 @@ impl Equations<'_> {
     }
 
     /// Overlap of a cap that is not touched, at its highest point.
-    fn feel(
-        &self,
-        contacts: &Contacts,
-        cap: usize,
-        feeler: f64,
-        block: &mut crate::halfspace::coupling::moving::PairBlock,
-    ) -> Feeling {
+    fn feel(&self, contacts: &Contacts, cap: usize, feeler: f64, block: &mut PairBlock) -> Feeling {
         let size = self.modes();
         let place = contacts.nearest[cap];
         let mut jet = self.layout.overlap(cap, place);
@@ -504,6 +499,9 @@ impl Equations<'_> {
         let outside: Vec<usize> = waiting
             .filter(|cap| !self.is_inside(*cap, contacts.nearest[*cap]))
             .collect();
+        if outside.is_empty() {
+            return None;
+        }
         let feeler = FEELER * contacts.largest_radius();
         self.pair.prepare(0.98);
         let mut block = self.pair.room();

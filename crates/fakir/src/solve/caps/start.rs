@@ -1,10 +1,16 @@
 //! Caps that act on each other as point forces, each by itself a contact of Hertz's: the start of the search for discs.
 
-use super::Target;
 use super::load::Layout;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use std::f64::consts::PI;
+
+/// What contacts are asked for, in the units of the solver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Target {
+    Indentation(f64),
+    Force(f64),
+}
 
 /// Newton steps, halvings of one of them, and part of the largest overlap at which the steps end.
 const STEP_LIMIT: usize = 60;
