@@ -15,21 +15,29 @@ use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::f64::consts::PI;
 
-/// Steps of least squares, for independent caps and for all, and trials of a damping.
-const INDEPENDENT_STEPS: usize = 400;
-const STEPS: usize = 80;
-const TRIALS: usize = 8;
+/// Steps of least squares, for independent caps and for all.
+const INDEPENDENT_STEPS: usize = 200;
+const STEPS: usize = 60;
+
+/// Sums of squares that a step is compared with.
+const MEMORY: usize = 4;
+
+/// Damping of the smallest, relative to the largest square of a gradient.
+const LEAST_DAMPING: f64 = 1e-12;
 
 /// Largest relative difference that counts as none, and as reached.
 const EXACT: f64 = 1e-8;
 const REACHED: f64 = 1e-5;
 
-/// Part by which a step has to lower the sum of squares for another one, so many times.
-const WORTHWHILE: f64 = 1e-3;
-const PATIENCE: usize = 6;
+/// Part by which the sum of squares has to become less, within so many steps.
+const WORTHWHILE: f64 = 1e-2;
+const PATIENCE: usize = 8;
 
-/// Part of the largest overlap by which a step may change a height, and by which a cap is lifted beyond touching.
-const LARGEST_STEP: f64 = 0.2;
+/// How often caps are lifted that are not touched.
+const LIFTS: usize = 8;
+
+/// Part of the largest overlap by which the first step may change a height, and by which a cap is lifted beyond touching.
+const FIRST_STEP: f64 = 0.05;
 const LIFTED: f64 = 0.02;
 
 /// Part of the largest load at which the last cap of the start is touched.
@@ -258,76 +266,139 @@ impl<'a> Fitted<'a> {
             .collect()
     }
 
-    /// Makes the residuals as small as they get: the method of Levenberg and Marquardt. `rows` are those of other heights, if these have any.
+    fn sum(&self) -> f64 {
+        let residuals = Self::residuals(self.wanted, &self.rows);
+        residuals.iter().map(|residual| residual * residual).sum()
+    }
+
+    fn is_exact(&self) -> bool {
+        let residuals = Self::residuals(self.wanted, &self.rows);
+        residuals.iter().all(|residual| residual.abs() <= EXACT)
+    }
+
+    /// Makes the residuals as small as they get. Where they get no smaller, caps are lifted that are not touched, if there are any, and so on; the best that
+    /// was found counts. `rows` are those of other heights, if these have any.
     fn least_squares(
         mut self,
         steps: usize,
         overlap: f64,
         mut rows: impl FnMut(&[f64]) -> Result<Option<Vec<Row>>, HeightDesignError>,
     ) -> Result<Self, HeightDesignError> {
-        let sum = |residuals: &[f64]| residuals.iter().map(|r| r * r).sum::<f64>();
-        let mut damping = 1e-4;
-        let mut patience = PATIENCE;
-        let mut lifts = 2 * PATIENCE;
-        while self.rounds < steps && patience > 0 {
-            self.rounds += 1;
-            if lifts > 0
-                && let Some(lifted) = self.lifted(overlap)
-                && let Some(found) = rows(&lifted)?
-            {
-                lifts -= 1;
-                (self.heights, self.rows) = (lifted, found);
-            }
-            let residuals = Self::residuals(self.wanted, &self.rows);
-            if residuals.iter().all(|residual| residual.abs() <= EXACT) {
+        let mut rounds = 0;
+        self.descend(steps, overlap, &mut rows)?;
+        rounds += self.rounds;
+        let mut last = self.lifted(overlap);
+        for _ in 0..LIFTS {
+            let Some(heights) = last.take().filter(|_| !self.is_exact()) else {
                 break;
-            }
-            let before = sum(&residuals);
-            let mut after = before;
-            for _ in 0..TRIALS {
-                let mut step = self.step(&residuals, damping);
-                let largest = step
-                    .iter()
-                    .fold(0.0_f64, |most, value| most.max(value.abs()));
-                let part = (LARGEST_STEP * overlap / largest).min(1.0);
-                step.iter_mut().for_each(|value| *value *= part);
-                let next: Vec<f64> = self.heights.iter().zip(&step).map(|(h, d)| h + d).collect();
-                if let Some(found) = rows(&next)?
-                    && sum(&Self::residuals(self.wanted, &found)) < before
-                {
-                    after = sum(&Self::residuals(self.wanted, &found));
-                    (self.heights, self.rows) = (next, found);
-                    damping *= 0.1;
-                    break;
-                }
-                damping *= 10.0;
-            }
-            if after >= before {
+            };
+            let Some(found) = rows(&heights)? else {
                 break;
-            }
-            if after > (1.0 - WORTHWHILE) * before {
-                patience -= 1;
-            } else {
-                patience = PATIENCE;
+            };
+            let mut lifted = Self::new(self.wanted, heights, found);
+            lifted.descend(steps, overlap, &mut rows)?;
+            rounds += lifted.rounds;
+            last = lifted.lifted(overlap);
+            if lifted.sum() < self.sum() {
+                self = lifted;
             }
         }
+        self.rounds = rounds;
         Ok(self)
     }
 
-    /// The smallest changes that take the residuals away, as far as the damping lets them.
-    fn step(&self, residuals: &[f64], damping: f64) -> Vec<f64> {
+    /// The method of Gauss and Newton within a distance that is trusted. The area bends sharply where a cap is touched first, so that a step may have to go up to get to the
+    /// other side: it counts if it is below the sums a few steps before.
+    fn descend(
+        &mut self,
+        steps: usize,
+        overlap: f64,
+        rows: &mut impl FnMut(&[f64]) -> Result<Option<Vec<Row>>, HeightDesignError>,
+    ) -> Result<(), HeightDesignError> {
+        let mut trusted = FIRST_STEP * overlap;
+        let mut sums = [f64::INFINITY; MEMORY];
+        let mut here = Self::new(
+            self.wanted,
+            self.heights.clone(),
+            std::mem::take(&mut self.rows),
+        );
+        sums[0] = here.sum();
+        let mut since_best = 0;
+        let mut best: Option<Self> = None;
+        let mut number = 0;
+        while number < steps && since_best < PATIENCE && !here.is_exact() {
+            number += 1;
+            let before = here.sum();
+            let Some((step, predicted)) = here.step(trusted) else {
+                break;
+            };
+            let next = here.heights.iter().zip(&step).map(|(h, d)| h + d);
+            let next: Vec<f64> = next.collect();
+            let largest = step
+                .iter()
+                .fold(0.0_f64, |most, value| most.max(value.abs()));
+            since_best += 1;
+            let Some(found) = rows(&next)? else {
+                trusted = 0.25 * largest;
+                continue;
+            };
+            let next = Self::new(self.wanted, next, found);
+            let after = next.sum();
+            let gain = (before - after) / (before - predicted);
+            if gain < 0.25 {
+                trusted = 0.25 * largest;
+            } else if gain > 0.75 {
+                trusted = trusted.max(2.0 * largest);
+            }
+            let highest = sums.iter().copied().filter(|sum| sum.is_finite());
+            if after < highest.fold(before, f64::max) {
+                let left = std::mem::replace(&mut here, next);
+                if best.as_ref().is_none_or(|best| left.sum() < best.sum()) {
+                    best = Some(left);
+                }
+                if best
+                    .as_ref()
+                    .is_none_or(|best| after < (1.0 - WORTHWHILE) * best.sum())
+                {
+                    since_best = 0;
+                }
+                sums.rotate_right(1);
+                sums[0] = after;
+            }
+        }
+        let best = best.filter(|best| best.sum() < here.sum()).unwrap_or(here);
+        (self.heights, self.rows) = (best.heights, best.rows);
+        self.rounds += number;
+        Ok(())
+    }
+
+    /// The smallest changes that take the residuals away, as far as they are within the distance that is trusted; and the sum of squares
+    /// that is left of straight curves.
+    fn step(&self, trusted: f64) -> Option<(Vec<f64>, f64)> {
+        let residuals = Self::residuals(self.wanted, &self.rows);
         let slope = |k: usize, cap: usize| self.rows[k].slopes[cap] / self.wanted[k].value;
         let (count, caps) = (residuals.len(), self.heights.len());
         let slopes = Mat::from_fn(count, caps, slope);
-        let mut matrix = &slopes * slopes.transpose();
+        let matrix = &slopes * slopes.transpose();
         let most = (0..count).map(|k| matrix[(k, k)]).fold(0.0, f64::max);
-        for k in 0..count {
-            matrix[(k, k)] += damping.max(1e-15) * most;
+        let mut damping = LEAST_DAMPING;
+        while damping < 1e9 {
+            let mut damped = matrix.clone();
+            for k in 0..count {
+                damped[(k, k)] += damping * most;
+            }
+            let mut weights = Mat::from_fn(count, 1, |k, _| -residuals[k]);
+            damped.partial_piv_lu().solve_in_place(&mut weights);
+            let step = slopes.transpose() * &weights;
+            if (0..caps).all(|cap| step[(cap, 0)].abs() <= trusted) {
+                let changes = &slopes * &step;
+                let left = (0..count).map(|k| (residuals[k] + changes[(k, 0)]).powi(2));
+                let left = left.sum();
+                return Some(((0..caps).map(|cap| step[(cap, 0)]).collect(), left));
+            }
+            damping *= 3.0;
         }
-        let mut weights = Mat::from_fn(count, 1, |k, _| -residuals[k]);
-        matrix.partial_piv_lu().solve_in_place(&mut weights);
-        let step = slopes.transpose() * &weights;
-        (0..caps).map(|cap| step[(cap, 0)]).collect()
+        None
     }
 
     /// The heights with those caps lifted that are not touched under the largest load, if there are any.
