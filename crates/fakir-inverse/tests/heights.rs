@@ -46,17 +46,16 @@ fn of_force(area: impl Fn(f64) -> f64) -> Vec<WantedPoint> {
         .collect()
 }
 
-/// Solved again with a higher degree of the pressure.
+/// Solved again with a pressure of degree 4.
 fn check_accurately(design: &HeightDesign, tolerance: f64) {
     let field = field(1500.0)
         .with_heights(&design.heights)
         .expect("a field");
-    for point in design.points.iter().step_by(6) {
-        let load = Control::Force(point.wanted.load);
-        let contact = field.press(load, Accuracy::Accurate, &Run::default());
-        let contact = contact.expect("a contact");
-        assert!((contact.area / point.wanted.value - 1.0).abs() < tolerance);
-    }
+    let point = design.points[8];
+    let load = Control::Force(point.wanted.load);
+    let contact = field.press_quickly(load, Accuracy::Accurate, None, &Run::default());
+    let area = contact.expect("a contact").area;
+    assert!((area / point.wanted.value - 1.0).abs() < tolerance);
 }
 
 #[test]
