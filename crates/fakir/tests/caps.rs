@@ -104,6 +104,30 @@ fn a_plate_on_one_cap() {
     assert!(lifted.force == 0.0 && lifted.touched() == 0);
 }
 
+/// The column gives way besides: `zeta = delta + K F`.
+#[test]
+fn a_plate_on_one_cap_with_a_column() {
+    let compliance = 0.02;
+    let cap = Cap {
+        column_compliance: compliance / UM,
+        ..Cap::new([0.0, 0.0], 100.0 * UM)
+    };
+    let field = CapField::new(indenter(f64::INFINITY), substrate(), vec![cap]).expect("a field");
+    for pressed in [0.2, 1.0_f64] {
+        let force = 40.0 / 3.0 * pressed.powf(1.5);
+        let zeta = pressed + compliance * force;
+        for control in [
+            Control::Indentation(zeta * UM),
+            Control::Force(force * FORCE),
+        ] {
+            let contact = press(&field, control, Accuracy::Default);
+            assert!((contact.force / (force * FORCE) - 1.0).abs() < 1e-12);
+            assert!((contact.indentation / (zeta * UM) - 1.0).abs() < 1e-12);
+            assert!((contact.area / (PI * 100.0 * pressed * FORCE) - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
 /// Two paraboloids: `1/R` is the sum of both curvatures, and the summit lies `X^2/(2(R + rho))` under the lowest point. The sphere is one to 1e-13.
 #[test]
 fn a_sphere_on_a_cap_off_its_axis() {
@@ -320,6 +344,20 @@ fn slopes_are_those_of_central_differences() {
             let found = [slopes.force_with_height[cap], slopes.area_with_height[cap]];
             let scale = [0, 1].map(|k| of_all[k] / field.caps().len() as f64);
             compare(found, [with(step), with(-step)], scale);
+            let at_force = |step: f64| {
+                let mut heights: Vec<f64> = field.caps().iter().map(|cap| cap.raised).collect();
+                heights[cap] += step;
+                let field = field.with_heights(&heights).expect("a field");
+                let control = Control::Force(contact.force);
+                let near = field.press_quickly(control, contact.accuracy, Some(&contact), &run);
+                let near = near.expect("a contact");
+                [near.indentation, near.area]
+            };
+            let found = [
+                slopes.indentation_with_height(cap),
+                slopes.area_with_height_at_force(cap),
+            ];
+            compare(found, [at_force(step), at_force(-step)], [1.0, scale[1]]);
         }
     }
 }
@@ -395,8 +433,8 @@ fn cells(half: f64, cell: f64, height: impl Fn(Point) -> f64) -> HeightMap {
     HeightMap::from_height(grid, |[x, y]| UM * height([x / UM, y / UM])).expect("a surface")
 }
 
-/// Force by elements, in um^2, of what is that far below the common level.
-fn by_elements(radius: f64, surface: HeightMap, zeta: f64) -> f64 {
+/// Force and area by elements, in um^2, of what is that far below the common level.
+fn by_elements(radius: f64, surface: HeightMap, zeta: f64) -> [f64; 2] {
     let from_highest = zeta * UM + surface.highest();
     // A lens counts from its lowest point over the highest cell, wherever that is.
     let system = SurfaceSystem::new(indenter(radius), substrate(), surface, Boundary::FreeSpace);
@@ -405,7 +443,7 @@ fn by_elements(radius: f64, surface: HeightMap, zeta: f64) -> f64 {
         .press(Control::Indentation(from_highest), &Run::default());
     let contact = contact.expect("a contact");
     assert_eq!(contact.termination, Termination::Converged);
-    contact.force / FORCE
+    [contact.force / FORCE, contact.contact_area / FORCE]
 }
 
 fn heights_of(caps: &[(Point, f64, f64)], [x, y]: Point) -> f64 {
@@ -432,30 +470,32 @@ fn caps_are_those_of_elements() {
     ] {
         let field = field(indenter(radius), &caps);
         let contact = press(&field, Control::Indentation(UM), Accuracy::Accurate);
-        let force = contact.force / FORCE;
-        let found = by_elements(radius, cells(half, cell, |at| heights_of(&caps, at)), 1.0);
-        let mut bias = 0.0;
-        for (cap, state) in caps
-            .iter()
-            .zip(&contact.caps)
-            .filter(|(_, state)| state.force > 0.0)
-        {
+        let surface = cells(half, cell, |at| heights_of(&caps, at));
+        let found = by_elements(radius, surface, 1.0);
+        let mut bias = [0.0; 2];
+        let touched = caps.iter().zip(&contact.caps);
+        for (cap, state) in touched.filter(|(_, state)| state.force > 0.0) {
             let radius = state.radius / UM;
             let overlap = radius * radius / cap.1;
             let alone = [([0.0, 0.0], cap.1, 0.0)];
             let surface = cells(radius + 2.0, cell, |at| heights_of(&alone, at));
-            let by_cells = by_elements(f64::INFINITY, surface, overlap);
+            let [force, area] = by_elements(f64::INFINITY, surface, overlap);
             let hertz = 4.0 / 3.0 * cap.1.sqrt() * overlap.powf(1.5);
-            bias += (by_cells / hertz - 1.0) * state.force / contact.force;
+            bias[0] += (force / hertz - 1.0) * state.force / contact.force;
+            let part = PI * state.radius * state.radius / contact.area;
+            bias[1] += (area / (PI * radius * radius) - 1.0) * part;
         }
-        let error = found / (1.0 + bias) / force - 1.0;
-        println!(
-            "elements {error:.2e}, alone {bias:.2e}, estimated {:?}",
-            contact.error
-        );
+        let estimate = contact.error.expect("an estimate");
+        let error = found[0] / (1.0 + bias[0]) / (contact.force / FORCE) - 1.0;
+        let of_area = found[1] / (1.0 + bias[1]) / (contact.area / FORCE) - 1.0;
+        println!("by elements {error:.2e} {of_area:.2e}, alone {bias:?}, {estimate:?}");
         assert!(error.abs() < tolerance, "{error}");
-        let estimate = contact.error.expect("an estimate").force;
-        assert!(error.abs() < estimate + 3e-5, "{error} {estimate}");
+        assert!(error.abs() < estimate.force + 3e-5, "{error} {estimate:?}");
+        // Whole cells are in contact or not.
+        assert!(
+            of_area.abs() < estimate.area + 2e-3,
+            "{of_area} {estimate:?}"
+        );
     }
 }
 
@@ -498,7 +538,7 @@ fn a_contact_that_leans_on_its_rim() {
             }
         })
     };
-    let effective = 0.5 * by_elements(f64::INFINITY, disc(&|_| 0.0), 1.0);
+    let effective = 0.5 * by_elements(f64::INFINITY, disc(&|_| 0.0), 1.0)[0];
     let cap = Cap {
         rim_radius: Some(effective * UM),
         ..Cap::new([place * UM, 0.0], cap_radius * UM)
@@ -508,7 +548,7 @@ fn a_contact_that_leans_on_its_rim() {
         let zeta = overlap + place * place / (2.0 * (lens + cap_radius));
         let contact = press(&field, Control::Indentation(zeta * UM), Accuracy::Accurate);
         let surface = disc(&|[x, y]| -(x * x + y * y) / (2.0 * cap_radius));
-        let found = by_elements(lens, surface, zeta);
+        let found = by_elements(lens, surface, zeta)[0];
         let error = found / (contact.force / FORCE) - 1.0;
         let estimate = contact.error.expect("an estimate").force;
         println!(

@@ -15,7 +15,8 @@ use faer::linalg::solvers::{PartialPivLu, Solve};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// By how much more than the force the area is in error by the ovalness of contacts: measured, on seven caps against degree 6 and elements.
+/// By how much more than the force the area is in error by the ovalness of contacts: that is what the gradient of the area with contacts at rest differs by
+/// from the true one, over what that of the force does.
 const AREA_OVALNESS: f64 = 20.0;
 
 /// What the force on a contact that leans on the rim, or fills the top with its edge drawn, is in error by, over the square of the most that
