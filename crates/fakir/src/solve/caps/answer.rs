@@ -5,7 +5,7 @@ use super::equations::Equations;
 use super::load::{Layout, Shape};
 use super::newton::{self, Settled, Trouble};
 use super::start::Target;
-use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
+use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
 use crate::problem::{Accuracy, Cap, CapField, Control, Quantity, Requirement};
 use crate::state::cap_contact::{CapContact, CapErrors, CapSlopes, CapState};
 use crate::state::discs::{Contacts, Hold};
@@ -15,9 +15,13 @@ use faer::linalg::solvers::{PartialPivLu, Solve};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// By how much more than the force the area is in error by the ovalness of contacts: that is what the gradient of the area with contacts at rest differs by
-/// from the true one, over what that of the force does.
-const AREA_OVALNESS: f64 = 20.0;
+/// A contact whose curvatures along its axes are `k (1 + e)` and `k (1 - e)` bears more by `e^2/3`, and has more area by `4 e^2/9`, than the disc of the
+/// curvature `k` that is pressed in as deep: by Hertz's solution for ellipses (K. L. Johnson, Contact Mechanics, section 4.2), of which these are the first terms. By elements
+/// contacts next to each other lack half of that or less.
+const OVAL: [f64; 2] = [1.0 / 3.0, 4.0 / 9.0];
+
+/// What a pressure of a lower degree is in error by, over what one higher by two differs by: that has an error too, of a fiftieth or so.
+const DEGREES: f64 = 1.5;
 
 /// What the force on a contact that leans on the rim, or fills the top with its edge drawn, is in error by, over the square of the most that
 /// its edge is drawn by: a quarter to a third by elements.
@@ -203,24 +207,40 @@ fn reach(contacts: &Contacts) -> f64 {
 }
 
 impl Equations<'_> {
-    /// How much of the force is in doubt as edges are drawn on contacts that lean on the rim or fill the top.
-    fn drawn(&self, contacts: &Contacts) -> f64 {
+    /// How much of force and area are in doubt as contacts are discs and not ovals, and as edges are drawn on those that lean on the rim or fill the
+    /// top.
+    fn shape_errors(&self, contacts: &Contacts) -> [f64; 2] {
         let size = self.modes();
-        let (mut doubt, mut total) = (0.0, 0.0);
+        // The coefficient of `rho^2 cos(2 theta)` for its mode.
+        let oval = 4.0 / 15.0 * 15f64.sqrt() * PI / UNIT_FORCE;
+        let second = eigenvalue(2, 2);
+        let (mut doubts, mut totals) = ([0.0; 2], [0.0; 2]);
         for (disc, moments) in contacts
             .discs
             .iter()
             .zip(contacts.moments.chunks_exact(size))
         {
-            total += moments[0];
-            if disc.hold == Hold::Free {
-                continue;
+            let area = disc.radius * disc.radius;
+            totals[0] += moments[0];
+            totals[1] += area;
+            let curvature = self.layout.summits[disc.cap].curvature;
+            let uneven = moments[4].hypot(moments[5]) * second / (oval * disc.radius);
+            let uneven = uneven / (0.5 * curvature * area);
+            let mut doubt = OVAL.map(|part| part * uneven * uneven);
+            if disc.hold != Hold::Free {
+                let [mean, x, y] = self.edge.values(moments);
+                let drawn = (x.hypot(y) - mean).max(0.0) / (moments[0] / UNIT_FORCE);
+                doubt = match disc.hold {
+                    Hold::Whole => [0.0; 2],
+                    _ => doubt,
+                };
+                doubt[0] += DRAWN * drawn * drawn;
+                doubt[1] += drawn;
             }
-            let [mean, x, y] = self.edge.values(moments);
-            let drawn = (x.hypot(y) - mean).max(0.0) / (moments[0] / UNIT_FORCE);
-            doubt += DRAWN * moments[0] * drawn * drawn;
+            doubts[0] += moments[0] * doubt[0];
+            doubts[1] += area * doubt[1];
         }
-        doubt / total
+        [doubts[0] / totals[0], doubts[1] / totals[1]]
     }
 
     /// The changes of force and area with the height of every cap, at the same indentation.
@@ -262,7 +282,7 @@ impl CapField {
     /// The contact under what is prescribed, with an error estimate.
     ///
     /// The pressure on a contact has degree 2 under [`Accuracy::Default`] and 4 under [`Accuracy::Accurate`]; the estimate has what degrees higher by
-    /// two differ by, and the error that contacts are discs and not ovals, by what the stiffness of the contacts at rest differs from that of those that move and grow.
+    /// two differ by, and what contacts lack that are ovals and not discs, from how much their curvature along one axis differs from that along the other.
     ///
     /// # Errors
     /// A load that cannot be, contacts that merge ([`SolveError::ContactsMerge`]), a cap touched at its rim
@@ -339,19 +359,15 @@ impl Bench {
             return Ok(None);
         }
         let fine = self.contact(&fine, settled, termination, contact.accuracy);
-        let mut coarse = Equations::new(&self.layout, low);
-        let Some(frozen) = coarse.frozen_stiffness(&contact.contacts) else {
-            return Ok(None);
-        };
-        let frozen = frozen * self.units.pressure * self.units.length;
+        let coarse = Equations::new(&self.layout, low);
+        let [force, area] = coarse.shape_errors(&contact.contacts);
         let stiffness = contact.slopes.force_with_indentation;
-        let ovalness = (frozen / stiffness - 1.0).abs() + coarse.drawn(&contact.contacts);
         let relative = |a: f64, b: f64| (a / b - 1.0).abs();
         let mut errors = CapErrors {
-            force: relative(fine.force, contact.force) + ovalness,
-            area: relative(fine.area, contact.area) + AREA_OVALNESS * ovalness,
-            indentation: (fine.indentation - contact.indentation).abs()
-                + ovalness * contact.force / stiffness,
+            force: DEGREES * relative(fine.force, contact.force) + force,
+            area: DEGREES * relative(fine.area, contact.area) + area,
+            indentation: DEGREES * (fine.indentation - contact.indentation).abs()
+                + force * contact.force / stiffness,
         };
         match target {
             Target::Indentation(_) => errors.indentation = 0.0,

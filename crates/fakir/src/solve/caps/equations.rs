@@ -7,7 +7,6 @@ use super::edge::Edge;
 use super::load::{DiscLoad, Layout, LoadRule};
 use crate::halfspace::coupling::moving::{MovingPair, PairBlock};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue};
-use crate::numerics::cholesky;
 use crate::state::discs::Contacts;
 use faer::Mat;
 use std::f64::consts::PI;
@@ -51,9 +50,9 @@ impl<'a> Equations<'a> {
 
     /// Bytes that the equations of that many discs take.
     pub(crate) fn memory(&self, discs: usize) -> usize {
-        // The matrix, its factors, and the symmetric part of it for the error estimate.
+        // The matrix, and its factors.
         let size = (discs * self.modes()) as f64;
-        (4.0 * 8.0 * size * size) as usize
+        (3.0 * 8.0 * size * size) as usize
     }
 
     /// Radius of the top that a disc is on.
@@ -205,36 +204,5 @@ impl<'a> Equations<'a> {
                 matrix[(receiver * size + row, source * size + k)] = *value;
             }
         }
-    }
-
-    /// The change of the force with the indentation where the discs neither move nor grow. It is that of true contacts but for their ovalness.
-    pub(crate) fn frozen_stiffness(&mut self, contacts: &Contacts) -> Option<f64> {
-        self.prepare(contacts);
-        let size = self.modes();
-        let total = contacts.discs.len() * size;
-        let mut matrix = vec![0.0; total * total];
-        let mut block = self.pair.room();
-        for one in 0..contacts.discs.len() {
-            for mode in 0..size {
-                let place = one * size + mode;
-                matrix[place * total + place] = self.own_compliance(contacts, one, mode);
-            }
-            for two in one + 1..contacts.discs.len() {
-                self.fill_pair(contacts, [one, two], &mut block);
-                for (at, value) in block.value.iter().enumerate() {
-                    let (row, column) = (one * size + at / size, two * size + at % size);
-                    matrix[row * total + column] = *value;
-                }
-            }
-        }
-        let mut unit = vec![0.0; total];
-        unit.iter_mut()
-            .step_by(size)
-            .for_each(|mean| *mean = UNIT_FORCE);
-        if !cholesky::factorise(&mut matrix, total) {
-            return None;
-        }
-        cholesky::solve_lower(&matrix, total, &mut unit);
-        Some(unit.iter().map(|value| value * value).sum())
     }
 }
