@@ -564,3 +564,54 @@ fn a_contact_that_leans_on_its_rim() {
         assert_eq!(full, overlap > 0.5);
     }
 }
+
+#[test]
+fn what_cannot_be_answered_says_why() {
+    let run = Run::default();
+    let ask = |field: &CapField, control: Control, run: &Run<'_>| {
+        field.press(control, Accuracy::Default, run).unwrap_err()
+    };
+    let seven = field(indenter(f64::INFINITY), &seven(50.0));
+    assert_eq!(
+        ask(&seven, Control::FloorContact, &run),
+        SolveError::NoFloor
+    );
+    for control in [Control::Force(-1.0), Control::Indentation(f64::NAN)] {
+        let refused = ask(&seven, control, &run);
+        assert!(
+            matches!(refused, SolveError::InvalidQuantity(_)),
+            "{refused}"
+        );
+    }
+    let load = Control::Indentation(UM);
+    let small = Run {
+        memory_limit: Some(1000),
+        ..Run::default()
+    };
+    let refused = ask(&seven, load, &small);
+    assert!(
+        matches!(refused, SolveError::TooLarge { pillars: 7, .. }),
+        "{refused}"
+    );
+    let stopped = Run::default();
+    stopped.cancel.cancel();
+    assert_eq!(ask(&seven, load, &stopped), SolveError::Interrupted);
+    // The summit of a cap so far from the axis is beyond its rim.
+    let tilted = Cap {
+        rim_radius: Some(2.0 * UM),
+        ..Cap::new([20.0 * UM, 0.0], 100.0 * UM)
+    };
+    let tilted = CapField::new(indenter(400.0), substrate(), vec![tilted]).expect("a field");
+    let refused = ask(&tilted, load, &run);
+    assert!(
+        matches!(refused, SolveError::TouchedAtRim { cap: 0, .. }),
+        "{refused}"
+    );
+    assert!(refused.to_string().contains("2.000e-6 m"));
+    let far = field(indenter(30.0), &[([0.0, 0.0], 1e4, 0.0)]);
+    let refused = ask(&far, Control::Indentation(10.0 * UM), &run);
+    assert!(
+        matches!(refused, SolveError::ContactExceedsLens { .. }),
+        "{refused}"
+    );
+}
