@@ -31,7 +31,7 @@ const REACHED: f64 = 1e-5;
 
 /// Part by which the sum of squares has to become less, within so many steps.
 const WORTHWHILE: f64 = 1e-2;
-const PATIENCE: usize = 8;
+const PATIENCE: usize = 4;
 
 /// How often caps are lifted that are not touched.
 const LIFTS: usize = 8;
