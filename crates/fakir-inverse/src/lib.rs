@@ -1,6 +1,7 @@
 //! The inverse questions: what must be made, how far it scatters, and what was measured.
 //!
 //! * [`design`](mod@design) turns the question round: which value gives a wanted critical force, or floor share.
+//! * [`heights`] finds heights of rounded tops for a wanted curve.
 //! * [`spread`](mod@spread) draws samples about a case, and says how far their critical states scatter.
 //! * [`fit`](mod@fit) finds moduli, sizes and instrument parameters from measured loading curves.
 //! * [`DesignSummary`] and [`fit::FitSummary`] are the answers as JSON objects, as
@@ -9,6 +10,7 @@
 
 pub mod design;
 pub mod fit;
+pub mod heights;
 mod result;
 pub mod spread;
 

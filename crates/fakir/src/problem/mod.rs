@@ -17,6 +17,7 @@
 
 pub(crate) mod adhesion;
 pub(crate) mod arrangement;
+pub(crate) mod cap_field;
 pub(crate) mod control;
 pub(crate) mod cycle_plan;
 pub(crate) mod grid;
@@ -36,6 +37,7 @@ pub use arrangement::{
     Arrangement, Disorder, InvalidPillars, LatticeForm, ListedPillar, PillarList, PlacedPillar,
     PlaneLattice,
 };
+pub use cap_field::{Cap, CapField, InvalidCaps};
 pub use control::Control;
 pub use cycle_plan::{CyclePlan, Drive, Turn};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};

@@ -58,6 +58,16 @@ pub enum Quantity {
     MachineStiffness,
     /// Range of the attraction, m.
     AttractionRange,
+    /// Coordinate of the highest point of a cap, m.
+    CapPlace,
+    /// Height of a cap over the common level, m.
+    CapHeight,
+    /// Radius of curvature of a rounded top, m.
+    TopRadius,
+    /// Radius of the pillar under a rounded top, m.
+    RimRadius,
+    /// Shortening of a pillar by a unit force, m/N.
+    ColumnCompliance,
 }
 
 impl fmt::Display for Quantity {
@@ -87,6 +97,11 @@ impl fmt::Display for Quantity {
             Self::CriticalPart => "part of the critical indentation",
             Self::MachineStiffness => "stiffness of the machine",
             Self::AttractionRange => "range of the attraction",
+            Self::CapPlace => "place of a cap",
+            Self::CapHeight => "height of a cap",
+            Self::TopRadius => "top radius",
+            Self::RimRadius => "radius of a rim",
+            Self::ColumnCompliance => "compliance of a column",
         })
     }
 }

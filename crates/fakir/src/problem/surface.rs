@@ -15,7 +15,7 @@ pub enum Indenter {
 }
 
 impl Indenter {
-    fn check(&self) -> Result<(), InvalidQuantity> {
+    pub(super) fn check(&self) -> Result<(), InvalidQuantity> {
         if let Self::Lens(lens) = self {
             Requirement::Positive.check(Quantity::LensRadius, lens.radius)?;
         }
@@ -27,7 +27,7 @@ impl Indenter {
         Ok(())
     }
 
-    fn material(&self) -> Option<Material> {
+    pub(super) fn material(&self) -> Option<Material> {
         match self {
             Self::Lens(lens) => Some(lens.material),
             Self::Flat(material) => *material,

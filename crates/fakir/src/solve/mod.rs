@@ -9,6 +9,7 @@ pub(crate) mod adhesive;
 pub(crate) mod answers;
 mod arranged;
 pub(crate) mod assembled;
+pub(crate) mod caps;
 pub(crate) mod control;
 pub mod elements;
 mod estimate;

@@ -157,7 +157,7 @@ pub enum SolveError {
         force: f64,
     },
     /// There is no floor to be reached.
-    #[error("no cell of the surface under the lens is floor")]
+    #[error("there is no floor under the lens to be reached")]
     NoFloor,
     /// The cells of a surface do not fit the memory allowed.
     #[error(
@@ -176,6 +176,30 @@ pub enum SolveError {
         cell: f64,
         /// Longer side of a cell with which it would fit, m.
         suggested_cell: f64,
+    },
+    /// Contacts on rounded tops that grow into each other.
+    #[error(
+        "the contacts of caps {0} and {1} (counted from 0) merge at an indentation of about {indentation:.4e} m and a force of \
+         {force:.4e} N, beyond which they are no discs: lower the load, or move the caps apart", .caps[0], .caps[1]
+    )]
+    ContactsMerge {
+        /// Which ones.
+        caps: [usize; 2],
+        /// The indentation up to which they are apart, m.
+        indentation: f64,
+        /// The force up to which they are apart, N.
+        force: f64,
+    },
+    /// A rounded top so tilted against the lens that it is touched at its rim.
+    #[error(
+        "cap {cap} (counted from 0) would be touched at the rim of its pillar, {rim_radius:.3e} m from its highest point, where it is \
+         no cap: give it a smaller radius of curvature, or a wider pillar"
+    )]
+    TouchedAtRim {
+        /// Which one.
+        cap: usize,
+        /// Radius of its pillar, m.
+        rim_radius: f64,
     },
     /// A number of the solution is infinite or undefined, so that there is none.
     #[error(

@@ -7,11 +7,13 @@
 //! pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
 //! indentation at which it vanishes somewhere.
 
+pub(crate) mod cap_contact;
 mod cell_means;
 pub(crate) mod checked;
 pub(crate) mod contact;
 pub(crate) mod critical;
 pub(crate) mod cycle;
+pub(crate) mod discs;
 pub(crate) mod error;
 pub(crate) mod fields;
 pub(crate) mod floor_contact;
@@ -22,6 +24,7 @@ mod shared;
 pub(crate) mod surface;
 
 pub use crate::numerics::workers::{CancelToken, Threads};
+pub use cap_contact::{CapContact, CapErrors, CapSlopes, CapState};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{

@@ -7,6 +7,7 @@
 pub(crate) mod convolution;
 mod direct;
 pub(crate) mod lattice;
+pub(crate) mod moving;
 pub(crate) mod on_grid;
 pub(crate) mod operator;
 pub(crate) mod pair;

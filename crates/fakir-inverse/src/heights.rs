@@ -1,0 +1,675 @@
+//! Heights of rounded tops for a wanted curve: area of the force, force of the indentation, or area of the indentation.
+//!
+//! The start are heights for caps that do not act on each other: as many at every depth as rough surfaces with exponential heights have, for which the area
+//! is proportional to the force (J. A. Greenwood and J. B. P. Williamson, Proc. R. Soc. Lond. A 295, 300 (1966)), cut so that every cap is touched under the largest load,
+//! as a cap that is not touched says nothing of its height. They go to the places at random. Least squares on the relative differences at all loads
+//! make them those of the wanted curve, in closed form; and again with all that the caps do to each other, with the exact derivatives of every contact. Caps that are
+//! not touched under the largest load are lifted until they are. The loads are fewer than the caps as a rule: of all changes that do the same
+//! the smallest is made.
+
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+use fakir::problem::{Accuracy, Cap, CapField, Control, Indenter, InvalidCaps};
+use fakir::state::{CapContact, Run, SolveError};
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::f64::consts::PI;
+
+/// Steps of least squares, for independent caps and for all.
+const INDEPENDENT_STEPS: usize = 200;
+const STEPS: usize = 60;
+
+/// Sums of squares that a step is compared with.
+const MEMORY: usize = 4;
+
+/// Damping of the smallest, relative to the largest square of a gradient.
+const LEAST_DAMPING: f64 = 1e-12;
+
+/// Largest relative difference that counts as none, and as reached.
+const EXACT: f64 = 1e-8;
+const REACHED: f64 = 1e-5;
+
+/// Part by which the sum of squares has to become less, within so many steps.
+const WORTHWHILE: f64 = 1e-2;
+const PATIENCE: usize = 4;
+
+/// How often caps are lifted that are not touched.
+const LIFTS: usize = 8;
+
+/// Part of the largest overlap by which the first step may change a height, and by which a cap is lifted beyond touching.
+const FIRST_STEP: f64 = 0.05;
+const LIFTED: f64 = 0.02;
+
+/// Part of the largest load at which the last cap of the start is touched.
+const TOUCHED_AT: f64 = 0.9;
+
+/// `sqrt(pi rho/s)` is the area over the force, times the reduced modulus, of exponential heights of scale `s`.
+const EXPONENTIAL: f64 = PI;
+
+/// Which curve is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Curve {
+    /// Area (m^2) of the force (N).
+    AreaOfForce,
+    /// Force (N) of the indentation (m), which counts from the common level.
+    ForceOfIndentation,
+    /// Area (m^2) of the indentation (m).
+    AreaOfIndentation,
+}
+
+/// A load with the value that is wanted there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WantedPoint {
+    /// Force (N) or indentation (m).
+    pub load: f64,
+    /// Area (m^2) or force (N).
+    pub value: f64,
+}
+
+/// What heights come to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeightDesign {
+    /// Of every cap, above the common level, m.
+    pub heights: Vec<f64>,
+    /// What they come to at every load.
+    pub points: Vec<DesignedPoint>,
+    /// Rounds of least squares with interactions.
+    pub rounds: usize,
+}
+
+/// A load of a design.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DesignedPoint {
+    /// What was wanted.
+    pub wanted: WantedPoint,
+    /// Value that the heights have.
+    pub value: f64,
+    /// Value that heights have which are designed as if caps did not act on each other.
+    pub of_independent_design: f64,
+    /// Value of these by the model that they were designed by.
+    pub independent: f64,
+    /// Caps that are touched.
+    pub touched: usize,
+}
+
+impl DesignedPoint {
+    /// Relative difference of the value from what was wanted.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        self.value / self.wanted.value - 1.0
+    }
+}
+
+impl HeightDesign {
+    /// The largest relative difference from what was wanted.
+    #[must_use]
+    pub fn largest_residual(&self) -> f64 {
+        let residuals = self.points.iter().map(|point| point.residual().abs());
+        residuals.fold(0.0, f64::max)
+    }
+
+    /// Root of the mean square of the relative differences.
+    #[must_use]
+    pub fn rms_residual(&self) -> f64 {
+        let squares = self.points.iter().map(|point| point.residual().powi(2));
+        (squares.sum::<f64>() / self.points.len() as f64).sqrt()
+    }
+
+    /// Whether the curve is met at all loads, to 1e-5. If it is not these are the heights that come nearest, as far as was found: the curve is out of reach
+    /// of these caps.
+    #[must_use]
+    pub fn is_reached(&self) -> bool {
+        self.largest_residual() <= REACHED
+    }
+
+    /// What was reached in words.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let largest = 100.0 * self.largest_residual();
+        if self.is_reached() {
+            return format!("the curve is met to {largest:.1e} % at every load");
+        }
+        let rms = 100.0 * self.rms_residual();
+        format!(
+            "the curve is out of reach of these caps: the nearest found is off by {rms:.2} % (root of the mean square) and {largest:.2} % at most"
+        )
+    }
+}
+
+/// Why there are no heights.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum HeightDesignError {
+    /// No loads, or loads or values that are not above zero, or not finite, or in no rising order.
+    #[error(
+        "point {number} (counted from 0) of the wanted curve is a load of {load} and a value of {value}: loads and values must be finite and above 0, and \
+         loads rise"
+    )]
+    WantedPoint {
+        /// Which one.
+        number: usize,
+        /// Its load, N or m.
+        load: f64,
+        /// Its value, m^2 or N.
+        value: f64,
+    },
+    /// Nothing is wanted.
+    #[error("the wanted curve has no points: give one at least")]
+    NoPoints,
+    /// Heights that are no numbers.
+    #[error(transparent)]
+    Caps(#[from] InvalidCaps),
+    /// The start cannot be solved.
+    #[error("the heights that independent caps would need cannot be solved: {0}")]
+    Start(#[source] SolveError),
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// Finds heights of the caps of a field for a wanted curve. Their own heights do not matter; which height goes to which place does by a per cent or so, and is drawn
+/// with a seed.
+///
+/// # Errors
+/// See [`HeightDesignError`]. A curve that is out of reach is none: see [`HeightDesign::is_reached`].
+pub fn design_heights(
+    field: &CapField,
+    curve: Curve,
+    wanted: &[WantedPoint],
+    seed: u64,
+    run: &Run<'_>,
+) -> Result<HeightDesign, HeightDesignError> {
+    check(wanted)?;
+    let independent = Independent::new(field, curve);
+    let (start, overlap) = independent.start(wanted, seed);
+    let by_itself = |heights: &[f64]| Ok(Some(independent.rows(wanted, heights)));
+    let rows = independent.rows(wanted, &start);
+    let alone =
+        Fitted::new(wanted, start, rows).least_squares(INDEPENDENT_STEPS, overlap, by_itself)?;
+    let mut solver = Interacting {
+        field,
+        curve,
+        wanted,
+        last: Vec::new(),
+        run,
+    };
+    let rows = solver.rows(&alone.heights)?;
+    let rows = rows.map_err(HeightDesignError::Start)?;
+    let of_independent_design: Vec<f64> = rows.iter().map(|row| row.value).collect();
+    let designed = Fitted::new(wanted, alone.heights.clone(), rows);
+    let designed =
+        designed.least_squares(STEPS, overlap, |heights| Ok(solver.rows(heights)?.ok()))?;
+    let points = (0..wanted.len()).map(|k| DesignedPoint {
+        wanted: wanted[k],
+        value: designed.rows[k].value,
+        of_independent_design: of_independent_design[k],
+        independent: alone.rows[k].value,
+        touched: designed.rows[k].touched,
+    });
+    Ok(HeightDesign {
+        points: points.collect(),
+        heights: designed.heights,
+        rounds: designed.rounds,
+    })
+}
+
+fn check(wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
+    if wanted.is_empty() {
+        return Err(HeightDesignError::NoPoints);
+    }
+    let mut before = 0.0;
+    for (number, WantedPoint { load, value }) in wanted.iter().copied().enumerate() {
+        let possible = load > before && load.is_finite() && value > 0.0 && value.is_finite();
+        if !possible {
+            return Err(HeightDesignError::WantedPoint {
+                number,
+                load,
+                value,
+            });
+        }
+        before = load;
+    }
+    Ok(())
+}
+
+/// Value at a load, with its derivatives.
+struct Row {
+    value: f64,
+    slopes: Vec<f64>,
+    touched: usize,
+    /// Gaps of the caps that are not touched, m.
+    gaps: Vec<f64>,
+}
+
+/// Heights, with what they come to.
+struct Fitted<'a> {
+    wanted: &'a [WantedPoint],
+    heights: Vec<f64>,
+    rows: Vec<Row>,
+    rounds: usize,
+}
+
+impl<'a> Fitted<'a> {
+    fn new(wanted: &'a [WantedPoint], heights: Vec<f64>, rows: Vec<Row>) -> Self {
+        Self {
+            wanted,
+            heights,
+            rows,
+            rounds: 0,
+        }
+    }
+
+    fn residuals(wanted: &[WantedPoint], rows: &[Row]) -> Vec<f64> {
+        let pairs = rows.iter().zip(wanted);
+        pairs
+            .map(|(row, wanted)| row.value / wanted.value - 1.0)
+            .collect()
+    }
+
+    fn sum(&self) -> f64 {
+        let residuals = Self::residuals(self.wanted, &self.rows);
+        residuals.iter().map(|residual| residual * residual).sum()
+    }
+
+    fn is_exact(&self) -> bool {
+        let residuals = Self::residuals(self.wanted, &self.rows);
+        residuals.iter().all(|residual| residual.abs() <= EXACT)
+    }
+
+    /// Makes the residuals as small as they get. Where they get no smaller, caps are lifted that are not touched, if there are any, and so on; the best that
+    /// was found counts. `rows` are those of other heights, if these have any.
+    fn least_squares(
+        mut self,
+        steps: usize,
+        overlap: f64,
+        mut rows: impl FnMut(&[f64]) -> Result<Option<Vec<Row>>, HeightDesignError>,
+    ) -> Result<Self, HeightDesignError> {
+        let mut rounds = 0;
+        self.descend(steps, overlap, &mut rows)?;
+        rounds += self.rounds;
+        let mut last = self.lifted(overlap);
+        for _ in 0..LIFTS {
+            let Some(heights) = last.take().filter(|_| !self.is_exact()) else {
+                break;
+            };
+            let Some(found) = rows(&heights)? else {
+                break;
+            };
+            let mut lifted = Self::new(self.wanted, heights, found);
+            lifted.descend(steps, overlap, &mut rows)?;
+            rounds += lifted.rounds;
+            last = lifted.lifted(overlap);
+            if lifted.sum() < self.sum() {
+                self = lifted;
+            }
+        }
+        self.rounds = rounds;
+        Ok(self)
+    }
+
+    /// The method of Gauss and Newton within a distance that is trusted. The area bends sharply where a cap is touched first, so that a step may have to go up to get to the
+    /// other side: it counts if it is below the sums a few steps before.
+    fn descend(
+        &mut self,
+        steps: usize,
+        overlap: f64,
+        rows: &mut impl FnMut(&[f64]) -> Result<Option<Vec<Row>>, HeightDesignError>,
+    ) -> Result<(), HeightDesignError> {
+        let mut trusted = FIRST_STEP * overlap;
+        let mut sums = [f64::INFINITY; MEMORY];
+        let mut here = Self::new(
+            self.wanted,
+            self.heights.clone(),
+            std::mem::take(&mut self.rows),
+        );
+        sums[0] = here.sum();
+        let mut since_best = 0;
+        let mut best: Option<Self> = None;
+        let mut number = 0;
+        while number < steps && since_best < PATIENCE && !here.is_exact() {
+            number += 1;
+            let before = here.sum();
+            let Some((step, predicted)) = here.step(trusted) else {
+                break;
+            };
+            let next = here.heights.iter().zip(&step).map(|(h, d)| h + d);
+            let next: Vec<f64> = next.collect();
+            let largest = step
+                .iter()
+                .fold(0.0_f64, |most, value| most.max(value.abs()));
+            since_best += 1;
+            let Some(found) = rows(&next)? else {
+                trusted = 0.25 * largest;
+                continue;
+            };
+            let next = Self::new(self.wanted, next, found);
+            let after = next.sum();
+            let gain = (before - after) / (before - predicted);
+            if gain < 0.25 {
+                trusted = 0.25 * largest;
+            } else if gain > 0.75 {
+                trusted = trusted.max(2.0 * largest);
+            }
+            let highest = sums.iter().copied().filter(|sum| sum.is_finite());
+            if after < highest.fold(before, f64::max) {
+                let left = std::mem::replace(&mut here, next);
+                if best.as_ref().is_none_or(|best| left.sum() < best.sum()) {
+                    best = Some(left);
+                }
+                if best
+                    .as_ref()
+                    .is_none_or(|best| after < (1.0 - WORTHWHILE) * best.sum())
+                {
+                    since_best = 0;
+                }
+                sums.rotate_right(1);
+                sums[0] = after;
+            }
+        }
+        let best = best.filter(|best| best.sum() < here.sum()).unwrap_or(here);
+        (self.heights, self.rows) = (best.heights, best.rows);
+        self.rounds += number;
+        Ok(())
+    }
+
+    /// The smallest changes that take the residuals away, as far as they are within the distance that is trusted; and the sum of squares
+    /// that is left of straight curves.
+    fn step(&self, trusted: f64) -> Option<(Vec<f64>, f64)> {
+        let residuals = Self::residuals(self.wanted, &self.rows);
+        let slope = |k: usize, cap: usize| self.rows[k].slopes[cap] / self.wanted[k].value;
+        let (count, caps) = (residuals.len(), self.heights.len());
+        let slopes = Mat::from_fn(count, caps, slope);
+        let matrix = &slopes * slopes.transpose();
+        let most = (0..count).map(|k| matrix[(k, k)]).fold(0.0, f64::max);
+        let mut damping = LEAST_DAMPING;
+        while damping < 1e9 {
+            let mut damped = matrix.clone();
+            for k in 0..count {
+                damped[(k, k)] += damping * most;
+            }
+            let mut weights = Mat::from_fn(count, 1, |k, _| -residuals[k]);
+            damped.partial_piv_lu().solve_in_place(&mut weights);
+            let step = slopes.transpose() * &weights;
+            if (0..caps).all(|cap| step[(cap, 0)].abs() <= trusted) {
+                let changes = &slopes * &step;
+                let left = (0..count).map(|k| (residuals[k] + changes[(k, 0)]).powi(2));
+                let left = left.sum();
+                return Some(((0..caps).map(|cap| step[(cap, 0)]).collect(), left));
+            }
+            damping *= 3.0;
+        }
+        None
+    }
+
+    /// The heights with those caps lifted that are not touched under the largest load, if there are any.
+    fn lifted(&self, overlap: f64) -> Option<Vec<f64>> {
+        let last = self.rows.last()?;
+        let away = |gap: &f64| *gap > 0.0;
+        last.gaps.iter().any(away).then(|| {
+            let pairs = self.heights.iter().zip(&last.gaps);
+            pairs
+                .map(|(height, gap)| {
+                    if away(gap) {
+                        height + gap + LIFTED * overlap
+                    } else {
+                        *height
+                    }
+                })
+                .collect()
+        })
+    }
+}
+
+/// Caps that act on each other.
+struct Interacting<'a> {
+    field: &'a CapField,
+    curve: Curve,
+    wanted: &'a [WantedPoint],
+    /// The last contact at every load.
+    last: Vec<CapContact>,
+    run: &'a Run<'a>,
+}
+
+impl Interacting<'_> {
+    fn rows(&mut self, heights: &[f64]) -> Result<Result<Vec<Row>, SolveError>, HeightDesignError> {
+        let field = self.field.with_heights(heights)?;
+        let mut contacts: Vec<CapContact> = Vec::with_capacity(self.wanted.len());
+        for (number, wanted) in self.wanted.iter().enumerate() {
+            let control = match self.curve {
+                Curve::AreaOfForce => Control::Force(wanted.load),
+                Curve::ForceOfIndentation | Curve::AreaOfIndentation => {
+                    Control::Indentation(wanted.load)
+                }
+            };
+            let near = self.last.get(number).or(contacts.last());
+            let contact = field.press_quickly(control, Accuracy::Default, near, self.run);
+            match contact {
+                // What did not converge is no value.
+                Ok(contact) if !contact.converged() => {
+                    return Ok(Err(SolveError::NotFinite { what: "contact" }));
+                }
+                Ok(contact) => contacts.push(contact),
+                Err(SolveError::Interrupted) => return Err(HeightDesignError::Interrupted),
+                Err(other) => return Ok(Err(other)),
+            }
+        }
+        let rows = contacts.iter().map(|contact| self.row(contact)).collect();
+        self.last = contacts;
+        Ok(Ok(rows))
+    }
+
+    fn row(&self, contact: &CapContact) -> Row {
+        let slopes = &contact.slopes;
+        let caps = 0..contact.caps.len();
+        let (value, slopes) = match self.curve {
+            Curve::AreaOfForce => (
+                contact.area,
+                caps.map(|cap| slopes.area_with_height_at_force(cap))
+                    .collect(),
+            ),
+            Curve::ForceOfIndentation => (contact.force, slopes.force_with_height.clone()),
+            Curve::AreaOfIndentation => (contact.area, slopes.area_with_height.clone()),
+        };
+        Row {
+            value,
+            slopes,
+            touched: contact.touched(),
+            gaps: contact.caps.iter().map(|cap| cap.gap).collect(),
+        }
+    }
+}
+
+/// Caps that do not act on each other: each is a contact of Hertz's.
+struct Independent {
+    curve: Curve,
+    modulus: f64,
+    caps: Vec<Lone>,
+}
+
+/// A cap by itself.
+struct Lone {
+    /// By how much the lens is higher over it than on its axis, m.
+    sunk: f64,
+    /// Its curvature and that of the lens together, 1/m.
+    curvature: f64,
+    /// m/N
+    compliance: f64,
+}
+
+/// Force and area of a cap with their derivatives.
+type Pressed = [[f64; 2]; 2];
+
+impl Lone {
+    fn new(cap: &Cap, lens_radius: f64) -> Self {
+        let square = cap.apex[0].powi(2) + cap.apex[1].powi(2);
+        Self {
+            sunk: 0.5 * square / (lens_radius + cap.top_radius),
+            curvature: cap.top_radius.recip() + lens_radius.recip(),
+            compliance: cap.column_compliance,
+        }
+    }
+
+    /// At an overlap with the undeformed lens.
+    fn pressed(&self, overlap: f64, modulus: f64) -> Pressed {
+        if overlap <= 0.0 {
+            return [[0.0; 2]; 2];
+        }
+        let hertz = |depth: f64| {
+            let root = (depth / self.curvature).sqrt();
+            [4.0 / 3.0 * modulus * depth * root, 2.0 * modulus * root]
+        };
+        // Newton's method from above, on a function that bends upwards.
+        let mut depth = overlap;
+        for _ in 0..60 {
+            let [force, stiffness] = hertz(depth);
+            let step =
+                (depth + self.compliance * force - overlap) / (1.0 + self.compliance * stiffness);
+            depth -= step;
+            if step <= 1e-15 * depth {
+                break;
+            }
+        }
+        let [force, stiffness] = hertz(depth);
+        let of_overlap = (1.0 + self.compliance * stiffness).recip();
+        let area = PI / self.curvature;
+        [
+            [force, stiffness * of_overlap],
+            [area * depth, area * of_overlap],
+        ]
+    }
+}
+
+impl Independent {
+    fn new(field: &CapField, curve: Curve) -> Self {
+        let radius = match field.indenter() {
+            Indenter::Lens(lens) => lens.radius,
+            Indenter::Flat(_) => f64::INFINITY,
+        };
+        Self {
+            curve,
+            modulus: field.reduced_modulus(),
+            caps: field
+                .caps()
+                .iter()
+                .map(|cap| Lone::new(cap, radius))
+                .collect(),
+        }
+    }
+
+    fn total(&self, overlaps: impl Iterator<Item = f64>) -> Pressed {
+        let mut total = [[0.0; 2]; 2];
+        for (cap, overlap) in self.caps.iter().zip(overlaps) {
+            let pressed = cap.pressed(overlap, self.modulus);
+            for (total, pressed) in total.iter_mut().flatten().zip(pressed.iter().flatten()) {
+                *total += pressed;
+            }
+        }
+        total
+    }
+
+    /// Heights to start from, and the largest overlap under the largest load, m.
+    fn start(&self, wanted: &[WantedPoint], seed: u64) -> (Vec<f64>, f64) {
+        let count = self.caps.len();
+        let places = (0..count).map(|k| (k as f64 + 0.5) / count as f64);
+        let last = wanted[wanted.len() - 1];
+        let (depths, overlap): (Vec<f64>, f64) = match self.curve {
+            Curve::AreaOfForce => {
+                let ratios = wanted.iter().map(|point| point.value / point.load);
+                let ratio = self.modulus * ratios.sum::<f64>() / wanted.len() as f64;
+                let radii = self.caps.iter().map(|cap| cap.curvature.recip());
+                let radius = radii.sum::<f64>() / count as f64;
+                let scale = EXPONENTIAL * radius / (ratio * ratio);
+                let depths = |most: f64| -> Vec<f64> {
+                    let all = (most / scale).exp_m1();
+                    places.clone().map(|u| scale * (u * all).ln_1p()).collect()
+                };
+                // As deep as the load presses them.
+                let force = |most: f64| {
+                    let overlaps = depths(most).into_iter().map(|depth| most - depth);
+                    self.total(overlaps)[0][0]
+                };
+                let (mut low, mut high) = (0.0, scale);
+                while force(high) < TOUCHED_AT * last.load && high < 500.0 * scale {
+                    high *= 2.0;
+                }
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if force(middle) < TOUCHED_AT * last.load {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                (depths(high), high)
+            }
+            Curve::ForceOfIndentation | Curve::AreaOfIndentation => {
+                let deepest = TOUCHED_AT * last.load;
+                (places.map(|u| deepest * u * u).collect(), last.load)
+            }
+        };
+        let mut order: Vec<usize> = (0..count).collect();
+        let mut random = ChaCha12Rng::seed_from_u64(seed);
+        for k in (1..count).rev() {
+            order.swap(k, (random.next_u64() % (k as u64 + 1)) as usize);
+        }
+        let heights = self.caps.iter().zip(order);
+        let heights = heights.map(|(cap, place)| cap.sunk - depths[place]);
+        (heights.collect(), overlap)
+    }
+
+    fn rows(&self, wanted: &[WantedPoint], heights: &[f64]) -> Vec<Row> {
+        let mut indentation = f64::NEG_INFINITY;
+        let tops = self.caps.iter().zip(heights);
+        let tops: Vec<f64> = tops.map(|(cap, height)| height - cap.sunk).collect();
+        let highest = tops.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let rows = wanted.iter().map(|point| {
+            indentation = match self.curve {
+                Curve::AreaOfForce => self.lowered(&tops, point.load, indentation.max(-highest)),
+                Curve::ForceOfIndentation | Curve::AreaOfIndentation => point.load,
+            };
+            let overlaps = tops.iter().map(|top| indentation + top);
+            let [force, area] = self.total(overlaps.clone());
+            let pressed = self.caps.iter().zip(overlaps.clone());
+            let slopes = pressed.map(|(cap, overlap)| {
+                let [of_force, of_area] = cap.pressed(overlap, self.modulus).map(|part| part[1]);
+                match self.curve {
+                    Curve::AreaOfForce if force[1] > 0.0 => of_area - area[1] / force[1] * of_force,
+                    Curve::AreaOfForce => 0.0,
+                    Curve::ForceOfIndentation => of_force,
+                    Curve::AreaOfIndentation => of_area,
+                }
+            });
+            Row {
+                value: match self.curve {
+                    Curve::ForceOfIndentation => force[0],
+                    Curve::AreaOfForce | Curve::AreaOfIndentation => area[0],
+                },
+                slopes: slopes.collect(),
+                touched: overlaps.clone().filter(|overlap| *overlap > 0.0).count(),
+                gaps: overlaps.map(|overlap| (-overlap).max(0.0)).collect(),
+            }
+        });
+        rows.collect()
+    }
+
+    /// The indentation under a force, from a smaller one.
+    fn lowered(&self, tops: &[f64], load: f64, from: f64) -> f64 {
+        let force = |indentation: f64| self.total(tops.iter().map(|top| indentation + top))[0];
+        let (mut low, mut step) = (from, self.caps[0].curvature.recip() * 1e-6);
+        while force(low + step)[0] < load {
+            low += step;
+            step *= 2.0;
+        }
+        // Newton's method comes down from above.
+        let mut indentation = low + step;
+        for _ in 0..100 {
+            let [value, slope] = force(indentation);
+            let change = (value - load) / slope;
+            indentation -= change;
+            if change.abs() <= 1e-15 * step || value <= load {
+                break;
+            }
+        }
+        indentation
+    }
+}

@@ -1,0 +1,344 @@
+//! The coupling of two discs with its derivatives, for discs that move and grow.
+//!
+//! The series are those of [`pair`](super::pair). The derivatives of Appell's function are such functions again:
+//! `dF4/dx = (A B/c) F4(A + 1, B + 1; c + 1, c')` (NIST Digital Library of Mathematical Functions, 16.14). The coefficients of the
+//! recurrences depend on the modes alone and are kept, so that all series of a pair are summed side by side.
+
+use crate::halfspace::disc::basis::{Mode, equator_value, gamma_degree, modes};
+use crate::numerics::special::gamma_half;
+use crate::numerics::vector::widest;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+/// Relative size of the terms at which the series are cut.
+const SERIES_TOLERANCE: f64 = 1e-17;
+
+/// Terms between two looks at their size.
+const LOOK: usize = 3;
+
+/// One series: complex modes `(l, m)` of the receiver and `(l', m')` of the source with one `M`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Series {
+    factor: f64,
+    /// `l` and `l'`.
+    degrees: [usize; 2],
+    /// `(1 + L - M)/2` and `(1 + L + M)/2`.
+    upper: [f64; 2],
+}
+
+impl Series {
+    fn new(receiver: Mode, source: Mode, azimuthal: usize) -> Self {
+        let (l, k) = (receiver.degree, source.degree);
+        let sum = l + k;
+        let sign = if l % 2 == 0 { PI } else { -PI };
+        let equator = equator_value(l, receiver.order) * equator_value(k, source.order);
+        let gammas = gamma_half(1 + sum + azimuthal) * gamma_half(1 + sum - azimuthal);
+        Self {
+            factor: sign * equator * gammas / (gamma_degree(l) * gamma_degree(k)),
+            degrees: [l, k],
+            upper: [sum - azimuthal, sum + azimuthal].map(|n| 0.5 * (1 + n) as f64),
+        }
+    }
+
+    /// `A`, `B` and `p = c - 1`, `q = c' - 1` of its function and of the two derivatives of that.
+    fn parameters(&self, derivative: usize) -> [f64; 4] {
+        let [a, b] = self.upper;
+        let [p, q] = self.degrees.map(|degree| degree as f64 + 0.5);
+        match derivative {
+            0 => [a, b, p, q],
+            1 => [a + 1.0, b + 1.0, p + 1.0, q],
+            _ => [a + 1.0, b + 1.0, p, q + 1.0],
+        }
+    }
+}
+
+/// An entry of a block.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    receiver: Mode,
+    source: Mode,
+    /// The series with `M = |m - m'|` and with `M = m + m'`.
+    series: [usize; 2],
+    weight: f64,
+}
+
+/// Blocks between two discs, row by row: a row is a mode of the receiver.
+#[derive(Debug, Clone)]
+pub(crate) struct PairBlock {
+    /// What moments of the source are to the load coefficients of the receiver.
+    pub(crate) value: Vec<f64>,
+    /// Its derivatives with the place of the receiver along x and y (those with the place of the source are the opposite), with the radius of
+    /// the receiver, and with that of the source.
+    pub(crate) slopes: [Vec<f64>; 4],
+    /// Terms of the series, the ones before them, and their sums.
+    work: [Vec<f64>; 3],
+    /// Every series with its derivatives by `a d/da`, `a' d/da'` and `delta d/d(delta)`.
+    radial: Vec<[f64; 4]>,
+    /// `cos(k Phi)` and `sin(k Phi)`.
+    angles: Vec<[f64; 2]>,
+}
+
+/// The modes up to a degree of two discs of any radii.
+#[derive(Debug, Clone)]
+pub(crate) struct MovingPair {
+    degree: usize,
+    modes: Vec<Mode>,
+    series: Vec<Series>,
+    entries: Vec<Entry>,
+    /// For every term, the factors of `x + y`, `y - x` and `(y - x)^2` in its recurrence: of all series, then of the first derivatives of
+    /// all, then of the second ones.
+    terms: Vec<Vec<[f64; 3]>>,
+}
+
+impl MovingPair {
+    pub(crate) fn new(degree: usize) -> Self {
+        let modes = modes(degree);
+        let mut series: Vec<Series> = Vec::new();
+        let mut entries = Vec::with_capacity(modes.len() * modes.len());
+        let axial = |mode: Mode| if mode.order == 0 { FRAC_1_SQRT_2 } else { 1.0 };
+        for &receiver in &modes {
+            for &source in &modes {
+                let (m, n) = (receiver.order, source.order);
+                let numbers = [m.abs_diff(n), m + n].map(|azimuthal| {
+                    let wanted = Series::new(receiver, source, azimuthal);
+                    series
+                        .iter()
+                        .position(|known| *known == wanted)
+                        .unwrap_or_else(|| {
+                            series.push(wanted);
+                            series.len() - 1
+                        })
+                });
+                entries.push(Entry {
+                    receiver,
+                    source,
+                    series: numbers,
+                    weight: axial(receiver) * axial(source),
+                });
+            }
+        }
+        Self {
+            degree,
+            modes,
+            series,
+            entries,
+            terms: Vec::new(),
+        }
+    }
+
+    pub(crate) fn modes(&self) -> &[Mode] {
+        &self.modes
+    }
+
+    /// Makes ready for pairs whose radii add up to no more than that part of their distance, below 1.
+    pub(crate) fn prepare(&mut self, reach: f64) {
+        let decay = 2.0 * reach.clamp(0.05, 0.999).ln();
+        // The terms are a power of their number, up to the degree, times a geometric sequence.
+        let enough = (SERIES_TOLERANCE.ln() / decay).ceil() as usize;
+        let enough = enough + enough / 8 + 4 * self.degree + 12;
+        for number in self.terms.len()..enough {
+            let s = (number + 1) as f64;
+            let mut row = Vec::with_capacity(3 * self.series.len());
+            for derivative in 0..3 {
+                row.extend(
+                    self.series
+                        .iter()
+                        .map(|series| recurrence(series.parameters(derivative), s)),
+                );
+            }
+            self.terms.push(row);
+        }
+    }
+
+    /// Room for the blocks of a pair.
+    pub(crate) fn room(&self) -> PairBlock {
+        let size = self.modes.len() * self.modes.len();
+        let work = || vec![0.0; 3 * self.series.len()];
+        PairBlock {
+            value: vec![0.0; size],
+            slopes: std::array::from_fn(|_| vec![0.0; size]),
+            work: [work(), work(), work()],
+            radial: vec![[0.0; 4]; self.series.len()],
+            angles: vec![[1.0, 0.0]; 2 * self.degree + 1],
+        }
+    }
+
+    /// The block for receiver minus source, and the radii of receiver and source, which do not overlap. It is [prepared](Self::prepare) for
+    /// them.
+    pub(crate) fn fill(
+        &self,
+        [x, y]: [f64; 2],
+        [receiver, source]: [f64; 2],
+        block: &mut PairBlock,
+    ) {
+        let distance = x.hypot(y);
+        let [cos, sin] = [x / distance, y / distance];
+        for k in 1..block.angles.len() {
+            let [c, s] = block.angles[k - 1];
+            block.angles[k] = [c * cos - s * sin, s * cos + c * sin];
+        }
+        self.sum([receiver / distance, source / distance], distance, block);
+        for (place, entry) in self.entries.iter().enumerate() {
+            let [minus, plus] = entry.series.map(|number| block.radial[number]);
+            let (m, n) = (entry.receiver.order, entry.source.order);
+            let difference = multiple(&block.angles, n as isize - m as isize);
+            let sum = block.angles[n + m];
+            let k = n as f64 - m as f64;
+            let total = (n + m) as f64;
+            // The parts that depend on the angle, and their derivatives.
+            let ([a, b], [da, db]) = match (entry.receiver.sine, entry.source.sine) {
+                (false, false) => (
+                    [difference[0], sum[0]],
+                    [-k * difference[1], -total * sum[1]],
+                ),
+                (true, true) => (
+                    [difference[0], -sum[0]],
+                    [-k * difference[1], total * sum[1]],
+                ),
+                (false, true) => ([difference[1], sum[1]], [k * difference[0], total * sum[0]]),
+                (true, false) => (
+                    [-difference[1], sum[1]],
+                    [-k * difference[0], total * sum[0]],
+                ),
+            };
+            let jet: [f64; 4] =
+                std::array::from_fn(|part| entry.weight * (minus[part] * a + plus[part] * b));
+            let turned = entry.weight * (minus[0] * da + plus[0] * db) / distance;
+            let outwards = jet[3] / distance;
+            block.value[place] = jet[0];
+            block.slopes[0][place] = cos * outwards - sin * turned;
+            block.slopes[1][place] = sin * outwards + cos * turned;
+            block.slopes[2][place] = jet[1] / receiver;
+            block.slopes[3][place] = jet[2] / source;
+        }
+    }
+
+    /// The series with their derivatives, for radii over the distance.
+    fn sum(&self, [alpha, beta]: [f64; 2], distance: f64, block: &mut PairBlock) {
+        let (x, y) = (alpha * alpha, beta * beta);
+        let (along, across) = (x + y, y - x);
+        let square = across * across;
+        let [terms, before, sums] = &mut block.work;
+        terms.fill(1.0);
+        before.fill(0.0);
+        sums.fill(1.0);
+        for rows in self.terms.chunks(LOOK) {
+            widest(
+                #[inline(always)]
+                || {
+                    for row in rows {
+                        let places = terms.iter_mut().zip(before.iter_mut());
+                        for ((factors, (term, before)), sum) in
+                            row.iter().zip(places).zip(sums.iter_mut())
+                        {
+                            let next = (factors[0] * along + factors[1] * across) * *term
+                                - factors[2] * square * *before;
+                            *before = *term;
+                            *term = next;
+                            *sum += next;
+                        }
+                    }
+                },
+            );
+            let mut pairs = terms.iter().zip(sums.iter());
+            if pairs.all(|(term, sum)| *term < SERIES_TOLERANCE * sum) {
+                break;
+            }
+        }
+        let count = self.series.len();
+        for (number, series) in self.series.iter().enumerate() {
+            let [l, k] = series.degrees;
+            let factor = series.factor * alpha.powi(l as i32) * beta.powi(k as i32) / distance;
+            let [a, b] = series.upper;
+            let value = factor * sums[number];
+            let of_first = factor * a * b / (l as f64 + 1.5) * sums[count + number];
+            let of_second = factor * a * b / (k as f64 + 1.5) * sums[2 * count + number];
+            let receiver = l as f64 * value + 2.0 * x * of_first;
+            let source = k as f64 * value + 2.0 * y * of_second;
+            block.radial[number] = [value, receiver, source, -value - receiver - source];
+        }
+    }
+}
+
+/// The factors of the recurrence of [`pair`](super::pair) for the term of degree `s`.
+fn recurrence([a, b, p, q]: [f64; 4], s: f64) -> [f64; 3] {
+    let w = p + q;
+    let ratio = |s: f64| (a + s - 1.0) * (b + s - 1.0) / ((p + s) * (q + s));
+    let twice = 2.0 * s + w;
+    let scale = ratio(s) / (2.0 * s * (s + w));
+    [
+        scale * (twice - 1.0) * twice,
+        scale * (twice - 1.0) * (p * p - q * q) / (twice - 2.0),
+        2.0 * scale * ratio(s - 1.0) * (s + p - 1.0) * (s + q - 1.0) * twice / (twice - 2.0),
+    ]
+}
+
+/// Cosine and sine of a multiple of the angle, which may be negative.
+fn multiple(angles: &[[f64; 2]], multiple: isize) -> [f64; 2] {
+    let [cos, sin] = angles[multiple.unsigned_abs()];
+    if multiple < 0 {
+        [cos, -sin]
+    } else {
+        [cos, sin]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::coupling::pair::PairCoupling;
+
+    /// The blocks that do not move, by the other program, which are checked by quadrature.
+    #[test]
+    fn the_blocks_of_discs_at_rest() {
+        for (degree, offset, radii) in [
+            (2, [1.3, 0.0], [1.0, 0.28]),
+            (3, [-2.0, 3.1], [0.4, 1.1]),
+            (6, [0.7, -2.4], [1.1, 1.1]),
+            (4, [0.9, 0.1], [0.01, 0.7]),
+        ] {
+            let mut moving = MovingPair::new(degree);
+            moving.prepare((radii[0] + radii[1]) / f64::hypot(offset[0], offset[1]));
+            let mut found = moving.room();
+            moving.fill(offset, radii, &mut found);
+            let mut expected = vec![0.0; found.value.len()];
+            PairCoupling::new(degree, 4.0).block_of(offset, radii, &mut expected);
+            for (found, expected) in found.value.iter().zip(&expected) {
+                assert!(
+                    (found - expected).abs() < 1e-14 * expected.abs().max(1.0),
+                    "{degree}: {found} {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_central_differences() {
+        for (degree, offset, radii) in [(2, [1.9, 0.6], [1.0, 0.7]), (5, [-1.6, 1.4], [0.5, 1.1])] {
+            let mut moving = MovingPair::new(degree);
+            moving.prepare(0.95);
+            let mut block = moving.room();
+            moving.fill(offset, radii, &mut block);
+            let step = 1e-5;
+            for slope in 0..4 {
+                let at = |step: f64| {
+                    let (mut offset, mut radii) = (offset, radii);
+                    match slope {
+                        0 | 1 => offset[slope] += step,
+                        k => radii[k - 2] += step,
+                    }
+                    let mut block = moving.room();
+                    moving.fill(offset, radii, &mut block);
+                    block.value
+                };
+                let (above, below) = (at(step), at(-step));
+                for (place, slope) in block.slopes[slope].iter().enumerate() {
+                    let expected = (above[place] - below[place]) / (2.0 * step);
+                    assert!(
+                        (slope - expected).abs() < 2e-8,
+                        "entry {place}: {slope} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,378 @@
+//! Questions in SI units and their answers: contacts with gradients and error estimates.
+
+use super::climb::Found;
+use super::equations::Equations;
+use super::load::{Layout, Shape};
+use super::newton::{self, Settled, Trouble};
+use super::start::Target;
+use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
+use crate::problem::{Accuracy, Cap, CapField, Control, Quantity, Requirement};
+use crate::state::cap_contact::{CapContact, CapErrors, CapSlopes, CapState};
+use crate::state::discs::{Contacts, Hold};
+use crate::state::{PillarStatus, Run, SolveError, Termination};
+use faer::Mat;
+use faer::linalg::solvers::{PartialPivLu, Solve};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// A contact whose curvatures along its axes are `k (1 + e)` and `k (1 - e)` bears more by `e^2/3`, and has more area by `4 e^2/9`, than the disc of the
+/// curvature `k` that is pressed in as deep: by Hertz's solution for ellipses (K. L. Johnson, Contact Mechanics, section 4.2), of which these are the first terms. By elements
+/// contacts next to each other lack half of that or less.
+const OVAL: [f64; 2] = [1.0 / 3.0, 4.0 / 9.0];
+
+/// What a pressure of a lower degree is in error by, over what one higher by two differs by: that has an error too, of a fiftieth or so.
+const DEGREES: f64 = 1.5;
+
+/// What the force on a contact that leans on the rim, or fills the top with its edge drawn, is in error by, over the square of the most that
+/// its edge is drawn by: a quarter to a third by elements.
+const DRAWN: f64 = 0.5;
+
+/// Part of the lens radius up to which contact is allowed.
+const LARGEST_CONTACT: f64 = 0.5;
+
+/// Degree of the pressure on a contact. The error is estimated with two more.
+fn degree(accuracy: Accuracy) -> usize {
+    match accuracy {
+        Accuracy::Default => 2,
+        Accuracy::Accurate => 4,
+    }
+}
+
+/// Units of a field: length (m) and pressure (Pa).
+#[derive(Debug, Clone, Copy)]
+struct Units {
+    length: f64,
+    pressure: f64,
+}
+
+impl Units {
+    fn force(self) -> f64 {
+        self.pressure * self.length * self.length
+    }
+}
+
+/// What is solved once for all contacts of a field.
+struct Bench {
+    layout: Layout,
+    units: Units,
+}
+
+impl Bench {
+    fn new(field: &CapField) -> Self {
+        let radii = field.caps().iter().map(|cap| cap.top_radius);
+        let units = Units {
+            length: radii.fold(0.0, f64::max),
+            pressure: field.reduced_modulus(),
+        };
+        let scaled = |cap: &Cap| Cap {
+            apex: cap.apex.map(|x| x / units.length),
+            raised: cap.raised / units.length,
+            top_radius: cap.top_radius / units.length,
+            rim_radius: cap.rim_radius.map(|radius| radius / units.length),
+            column_compliance: cap.column_compliance * units.pressure * units.length,
+        };
+        let shape = Shape {
+            radius: field.lens_radius() / units.length,
+        };
+        Self {
+            layout: Layout::new(field.caps().iter().map(scaled).collect(), shape),
+            units,
+        }
+    }
+
+    fn target(&self, control: Control) -> Result<Target, SolveError> {
+        Ok(match control {
+            Control::Indentation(value) => {
+                let value = Requirement::Finite.check(Quantity::Indentation, value)?;
+                Target::Indentation(value / self.units.length)
+            }
+            Control::Force(_) => match control.checked(self.units.length, self.units.pressure)? {
+                Control::Force(force) => Target::Force(force / self.units.force()),
+                _ => return Err(SolveError::NoFloor),
+            },
+            Control::FloorContact => return Err(SolveError::NoFloor),
+        })
+    }
+
+    /// The contact, and how it ended.
+    fn found(
+        &self,
+        equations: &mut Equations<'_>,
+        found: Found,
+    ) -> Result<(Settled, Termination), SolveError> {
+        let (settled, termination) = match found {
+            Found::Settled(settled) => (settled, Termination::Converged),
+            Found::Merging(caps, contacts) => {
+                return Err(SolveError::ContactsMerge {
+                    caps,
+                    indentation: contacts.indentation * self.units.length,
+                    force: equations.force(&contacts) * self.units.force(),
+                });
+            }
+            Found::Lost(trouble, contacts) => {
+                let termination = match trouble {
+                    Trouble::NotFinite => Termination::NotFinite,
+                    Trouble::Unsettled | Trouble::Crowded(_) => Termination::Stagnated,
+                };
+                let settled = Settled {
+                    contacts,
+                    factors: None,
+                    steps: newton::STEP_LIMIT,
+                };
+                (settled, termination)
+            }
+        };
+        let reach = reach(&settled.contacts);
+        let lens_radius = self.layout.shape.radius;
+        if reach > LARGEST_CONTACT * lens_radius {
+            return Err(SolveError::ContactExceedsLens {
+                contact_radius: reach * self.units.length,
+                lens_radius: lens_radius * self.units.length,
+            });
+        }
+        if let Some(cap) = equations.touched_at_rim(&settled.contacts) {
+            return Err(SolveError::TouchedAtRim {
+                cap,
+                rim_radius: equations.rim(cap) * self.units.length,
+            });
+        }
+        Ok((settled, termination))
+    }
+
+    /// What is handed out, without an error estimate.
+    fn contact(
+        &self,
+        equations: &Equations<'_>,
+        settled: Settled,
+        termination: Termination,
+        accuracy: Accuracy,
+    ) -> CapContact {
+        let Units { length, .. } = self.units;
+        let size = equations.modes();
+        let contacts = settled.contacts;
+        let slopes = equations.slopes(&contacts, settled.factors.as_ref());
+        let mut caps: Vec<CapState> = contacts
+            .nearest
+            .iter()
+            .zip(&contacts.gaps)
+            .map(|(place, gap)| CapState {
+                status: PillarStatus::Untouched,
+                centre: place.map(|x| x * length),
+                radius: 0.0,
+                force: 0.0,
+                gap: gap * length,
+            })
+            .collect();
+        for (number, disc) in contacts.discs.iter().enumerate() {
+            caps[disc.cap] = CapState {
+                status: match disc.hold {
+                    Hold::Whole => PillarStatus::Full,
+                    Hold::Free | Hold::Leaning { .. } => PillarStatus::Partial,
+                },
+                centre: disc.centre.map(|x| x * length),
+                radius: disc.radius * length,
+                force: UNIT_FORCE * contacts.moments[number * size] * self.units.force(),
+                gap: 0.0,
+            };
+        }
+        let area: f64 = contacts.discs.iter().map(|disc| disc.radius.powi(2)).sum();
+        let lens = self.layout.shape.radius.is_finite();
+        let stiffness = self.units.pressure * length;
+        CapContact {
+            accuracy,
+            indentation: contacts.indentation * length,
+            force: equations.force(&contacts) * self.units.force(),
+            area: PI * area * length * length,
+            contact_radius: lens.then(|| reach(&contacts) * length),
+            caps,
+            slopes: CapSlopes {
+                force_with_indentation: slopes[0].iter().sum::<f64>() * stiffness,
+                area_with_indentation: slopes[1].iter().sum::<f64>() * length,
+                force_with_height: slopes[0].iter().map(|slope| slope * stiffness).collect(),
+                area_with_height: slopes[1].iter().map(|slope| slope * length).collect(),
+            },
+            error: None,
+            termination,
+            iterations: settled.steps,
+            contacts: Arc::new(contacts),
+        }
+    }
+}
+
+/// Distance of the farthest point in contact from the lens axis.
+fn reach(contacts: &Contacts) -> f64 {
+    let reaches = contacts.discs.iter();
+    let reaches = reaches.map(|disc| disc.centre[0].hypot(disc.centre[1]) + disc.radius);
+    reaches.fold(0.0, f64::max)
+}
+
+impl Equations<'_> {
+    /// How much of force and area are in doubt as contacts are discs and not ovals, and as edges are drawn on those that lean on the rim or fill the
+    /// top.
+    fn shape_errors(&self, contacts: &Contacts) -> [f64; 2] {
+        let size = self.modes();
+        // The coefficient of `rho^2 cos(2 theta)` for its mode.
+        let oval = 4.0 / 15.0 * 15f64.sqrt() * PI / UNIT_FORCE;
+        let second = eigenvalue(2, 2);
+        let (mut doubts, mut totals) = ([0.0; 2], [0.0; 2]);
+        for (disc, moments) in contacts
+            .discs
+            .iter()
+            .zip(contacts.moments.chunks_exact(size))
+        {
+            let area = disc.radius * disc.radius;
+            totals[0] += moments[0];
+            totals[1] += area;
+            let curvature = self.layout.summits[disc.cap].curvature;
+            let uneven = moments[4].hypot(moments[5]) * second / (oval * disc.radius);
+            let uneven = uneven / (0.5 * curvature * area);
+            let mut doubt = OVAL.map(|part| part * uneven * uneven);
+            if disc.hold != Hold::Free {
+                let [mean, x, y] = self.edge.values(moments);
+                let drawn = (x.hypot(y) - mean).max(0.0) / (moments[0] / UNIT_FORCE);
+                doubt = match disc.hold {
+                    Hold::Whole => [0.0; 2],
+                    _ => doubt,
+                };
+                doubt[0] += DRAWN * drawn * drawn;
+                doubt[1] += drawn;
+            }
+            doubts[0] += moments[0] * doubt[0];
+            doubts[1] += area * doubt[1];
+        }
+        [doubts[0] / totals[0], doubts[1] / totals[1]]
+    }
+
+    /// The changes of force and area with the height of every cap, at the same indentation.
+    pub(crate) fn slopes(
+        &self,
+        contacts: &Contacts,
+        factors: Option<&PartialPivLu<f64>>,
+    ) -> [Vec<f64>; 2] {
+        let mut slopes = [0, 1].map(|_| vec![0.0; self.layout.caps.len()]);
+        let Some(factors) = factors else {
+            return slopes;
+        };
+        let size = self.modes();
+        let rows = self.rows_of_totals(contacts);
+        let mut adjoint = Mat::from_fn(contacts.moments.len(), 2, |place, k| rows[k][place]);
+        factors.solve_transpose_in_place(&mut adjoint);
+        for (number, disc) in contacts.discs.iter().enumerate() {
+            for (k, slopes) in slopes.iter_mut().enumerate() {
+                slopes[disc.cap] = UNIT_FORCE * adjoint[(number * size, k)];
+            }
+        }
+        slopes
+    }
+}
+
+/// The same contacts with a pressure of another number of modes.
+fn with_modes(contacts: &Contacts, from: usize, to: usize) -> Contacts {
+    let pad = |moments: &[f64]| -> Vec<f64> {
+        let rest = std::iter::repeat_n(0.0, to - from);
+        moments.iter().copied().chain(rest).collect()
+    };
+    Contacts {
+        moments: contacts.moments.chunks_exact(from).flat_map(pad).collect(),
+        ..contacts.clone()
+    }
+}
+
+impl CapField {
+    /// The contact under what is prescribed, with an error estimate.
+    ///
+    /// The pressure on a contact has degree 2 under [`Accuracy::Default`] and 4 under [`Accuracy::Accurate`]; the estimate has what degrees higher by
+    /// two differ by, and what contacts lack that are ovals and not discs, from how much their curvature along one axis differs from that along the other.
+    ///
+    /// # Errors
+    /// A load that cannot be, contacts that merge ([`SolveError::ContactsMerge`]), a cap touched at its rim
+    /// ([`SolveError::TouchedAtRim`]), contact too large for the lens or the memory allowed, or interruption. [`Control::FloorContact`] is
+    /// [`SolveError::NoFloor`]: there is none under the caps. A solution that did not converge is not an error: it says so in
+    /// [`CapContact::termination`].
+    pub fn press(
+        &self,
+        control: Control,
+        accuracy: Accuracy,
+        run: &Run<'_>,
+    ) -> Result<CapContact, SolveError> {
+        let bench = Bench::new(self);
+        let target = bench.target(control)?;
+        let mut contact = self.solve(&bench, target, (accuracy, None), run)?;
+        if contact.converged() {
+            contact.error = bench.estimate(&contact, target, run)?;
+        }
+        contact.checked()
+    }
+
+    /// The contact under what is prescribed without an error estimate, from one that is `near` if there is any: of a field with caps in the same places,
+    /// and of the same accuracy, such as under a load that differs little.
+    ///
+    /// # Errors
+    /// As [`press`](Self::press).
+    pub fn press_quickly(
+        &self,
+        control: Control,
+        accuracy: Accuracy,
+        near: Option<&CapContact>,
+        run: &Run<'_>,
+    ) -> Result<CapContact, SolveError> {
+        let bench = Bench::new(self);
+        let target = bench.target(control)?;
+        let is_alike = |near: &&CapContact| {
+            near.accuracy == accuracy && near.contacts.nearest.len() == self.caps().len()
+        };
+        let near = near.filter(is_alike).map(|near| &*near.contacts);
+        self.solve(&bench, target, (accuracy, near), run)?.checked()
+    }
+
+    fn solve(
+        &self,
+        bench: &Bench,
+        target: Target,
+        (accuracy, near): (Accuracy, Option<&Contacts>),
+        run: &Run<'_>,
+    ) -> Result<CapContact, SolveError> {
+        let mut equations = Equations::new(&bench.layout, degree(accuracy));
+        let found = equations.find(target, near, run)?;
+        let (settled, termination) = bench.found(&mut equations, found)?;
+        Ok(bench.contact(&equations, settled, termination, accuracy))
+    }
+}
+
+impl Bench {
+    /// The error estimate of a contact; none if the contact of a higher degree is not found.
+    fn estimate(
+        &self,
+        contact: &CapContact,
+        target: Target,
+        run: &Run<'_>,
+    ) -> Result<Option<CapErrors>, SolveError> {
+        if contact.contacts.discs.is_empty() {
+            return Ok(Some(CapErrors::default()));
+        }
+        let low = degree(contact.accuracy);
+        let mut fine = Equations::new(&self.layout, low + 2);
+        let start = with_modes(&contact.contacts, mode_count(low), fine.modes());
+        let found = fine.find(target, Some(&start), run)?;
+        let (settled, termination) = self.found(&mut fine, found)?;
+        if termination != Termination::Converged {
+            return Ok(None);
+        }
+        let fine = self.contact(&fine, settled, termination, contact.accuracy);
+        let coarse = Equations::new(&self.layout, low);
+        let [force, area] = coarse.shape_errors(&contact.contacts);
+        let stiffness = contact.slopes.force_with_indentation;
+        let relative = |a: f64, b: f64| (a / b - 1.0).abs();
+        let mut errors = CapErrors {
+            force: DEGREES * relative(fine.force, contact.force) + force,
+            area: DEGREES * relative(fine.area, contact.area) + area,
+            indentation: DEGREES * (fine.indentation - contact.indentation).abs()
+                + force * contact.force / stiffness,
+        };
+        match target {
+            Target::Indentation(_) => errors.indentation = 0.0,
+            Target::Force(_) => errors.force = 0.0,
+        }
+        Ok(Some(errors))
+    }
+}

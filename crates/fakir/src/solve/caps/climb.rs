@@ -1,0 +1,119 @@
+//! What is asked for, from the quick start if that does, and else from the first touch on, step by step.
+
+use super::equations::Equations;
+use super::newton::{Settled, Trouble};
+use super::start::{Target, point_forces};
+use crate::state::discs::Contacts;
+use crate::state::{Run, SolveError};
+
+/// Steps at the most, the first of them over the whole way, and by how much one is longer than the last one.
+const STEP_LIMIT: usize = 400;
+const FIRST_STEP: f64 = 0.125;
+const LONGER: f64 = 1.6;
+
+/// Part of the way so far that a step is, if all longer ones have failed, with which the search ends.
+const SHORTEST: f64 = 1e-3;
+
+/// What became of a search.
+pub(crate) enum Found {
+    Settled(Settled),
+    /// The contacts of two caps merge before. The last contacts before they do.
+    Merging([usize; 2], Contacts),
+    /// It did not end. The last contacts that did.
+    Lost(Trouble, Contacts),
+}
+
+impl Equations<'_> {
+    /// The contacts that are asked for, from some that are near, if there are any.
+    pub(crate) fn find(
+        &mut self,
+        target: Target,
+        near: Option<&Contacts>,
+        run: &Run<'_>,
+    ) -> Result<Found, SolveError> {
+        let first = self.layout.first_touch();
+        let nothing = match target {
+            Target::Indentation(indentation) => (indentation <= first).then_some(indentation),
+            Target::Force(force) => (force <= 0.0).then_some(first),
+        };
+        if let Some(indentation) = nothing {
+            return Ok(Found::Settled(Settled {
+                contacts: self.layout.untouched(indentation),
+                factors: None,
+                steps: 0,
+            }));
+        }
+        if let Some(near) = near.filter(|near| !near.discs.is_empty())
+            && let Ok(settled) = self.settle(near.clone(), target, run)?
+        {
+            return Ok(Found::Settled(settled));
+        }
+        let start = self.contacts_of(&point_forces(self.layout, target));
+        if !start.discs.is_empty()
+            && let Ok(settled) = self.settle(start, target, run)?
+        {
+            return Ok(Found::Settled(settled));
+        }
+        self.climb(target, run)
+    }
+
+    /// The contacts that are asked for, from the first touch on.
+    pub(crate) fn climb(&mut self, target: Target, run: &Run<'_>) -> Result<Found, SolveError> {
+        let first = self.layout.first_touch();
+        let end = match target {
+            Target::Indentation(indentation) => indentation,
+            Target::Force(_) => point_forces(self.layout, target).indentation,
+        };
+        let mut step = FIRST_STEP * (end - first);
+        let mut good = self.layout.untouched(first);
+        for _ in 0..STEP_LIMIT {
+            let reached = good.indentation;
+            let next = match target {
+                Target::Indentation(end) => end.min(reached + step),
+                Target::Force(_) => reached + step,
+            };
+            let trouble = match self.climb_to(next, &good, run)? {
+                Ok(settled) => match target {
+                    Target::Indentation(end) if next >= end => {
+                        return Ok(Found::Settled(settled));
+                    }
+                    Target::Force(force) if self.force(&settled.contacts) >= force => {
+                        match self.settle(settled.contacts, target, run)? {
+                            Ok(settled) => return Ok(Found::Settled(settled)),
+                            Err(trouble) => trouble,
+                        }
+                    }
+                    _ => {
+                        good = settled.contacts;
+                        step *= LONGER;
+                        continue;
+                    }
+                },
+                Err(trouble) => trouble,
+            };
+            step *= 0.5;
+            if step <= SHORTEST * (good.indentation - first) || reached + step <= reached {
+                return Ok(match trouble {
+                    Trouble::Crowded(caps) => Found::Merging(caps, good),
+                    other => Found::Lost(other, good),
+                });
+            }
+        }
+        Ok(Found::Lost(Trouble::Unsettled, good))
+    }
+
+    fn climb_to(
+        &mut self,
+        next: f64,
+        good: &Contacts,
+        run: &Run<'_>,
+    ) -> Result<Result<Settled, Trouble>, SolveError> {
+        let target = Target::Indentation(next);
+        let start = if good.discs.is_empty() {
+            self.contacts_of(&point_forces(self.layout, target))
+        } else {
+            good.clone()
+        };
+        self.settle(start, target, run)
+    }
+}

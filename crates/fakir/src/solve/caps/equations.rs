@@ -1,0 +1,208 @@
+//! The equations of contacts that move and grow, and their derivatives.
+//!
+//! On disc `n` with load coefficients `b_n` of the undeformed overlap, `S_n m_n + sum_k C_nk m_k = b_n + zeta b1`, with the conditions on the
+//! [edges](super::edge). `S = lambda/r` but for the column, which adds `2 pi K` to the mean.
+
+use super::edge::Edge;
+use super::load::{DiscLoad, Layout, LoadRule};
+use crate::halfspace::coupling::moving::{MovingPair, PairBlock};
+use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue};
+use crate::state::discs::Contacts;
+use faer::Mat;
+use std::f64::consts::PI;
+
+/// What equations are made from, for one degree of the pressure.
+pub(crate) struct Equations<'a> {
+    pub(crate) layout: &'a Layout,
+    pub(crate) edge: Edge,
+    pub(crate) pair: MovingPair,
+    pub(crate) rule: LoadRule,
+    /// `lambda` of every mode.
+    pub(crate) eigenvalues: Vec<f64>,
+}
+
+/// The equations at some contacts.
+pub(crate) struct Linearised {
+    /// By how much the discs lack displacement, disc by disc.
+    pub(crate) missing: Vec<f64>,
+    /// Its derivatives with the steps of all discs.
+    pub(crate) matrix: Mat<f64>,
+}
+
+impl<'a> Equations<'a> {
+    pub(crate) fn new(layout: &'a Layout, degree: usize) -> Self {
+        let pair = MovingPair::new(degree);
+        let eigenvalues = pair.modes().iter();
+        let eigenvalues = eigenvalues.map(|mode| eigenvalue(mode.degree, mode.order));
+        Self {
+            layout,
+            edge: Edge::new(pair.modes()),
+            eigenvalues: eigenvalues.collect(),
+            rule: LoadRule::new(degree),
+            pair,
+        }
+    }
+
+    /// Modes of a disc.
+    pub(crate) fn modes(&self) -> usize {
+        self.eigenvalues.len()
+    }
+
+    /// Bytes that the equations of that many discs take.
+    pub(crate) fn memory(&self, discs: usize) -> usize {
+        // The matrix, and its factors.
+        let size = (discs * self.modes()) as f64;
+        (3.0 * 8.0 * size * size) as usize
+    }
+
+    /// Radius of the top that a disc is on.
+    pub(crate) fn rim(&self, cap: usize) -> f64 {
+        self.layout.caps[cap].rim_radius.unwrap_or(f64::INFINITY)
+    }
+
+    fn own_compliance(&self, contacts: &Contacts, disc: usize, mode: usize) -> f64 {
+        let disc = &contacts.discs[disc];
+        let column = if mode == 0 {
+            2.0 * PI * self.layout.caps[disc.cap].column_compliance
+        } else {
+            0.0
+        };
+        self.eigenvalues[mode] / disc.radius + column
+    }
+
+    pub(crate) fn prepare(&mut self, contacts: &Contacts) {
+        let closest = contacts.closest().map_or(0.0, |(_, part)| part);
+        self.pair.prepare(closest);
+    }
+
+    fn fill_pair(&self, contacts: &Contacts, [one, two]: [usize; 2], block: &mut PairBlock) {
+        let [one, two] = [one, two].map(|k| &contacts.discs[k]);
+        let offset = [0, 1].map(|k| one.centre[k] - two.centre[k]);
+        self.pair.fill(offset, [one.radius, two.radius], block);
+    }
+
+    /// The equations at contacts that do not overlap.
+    pub(crate) fn linearised(&mut self, contacts: &Contacts) -> Linearised {
+        self.prepare(contacts);
+        let size = self.modes();
+        let count = contacts.discs.len();
+        let moments = |disc: usize| &contacts.moments[disc * size..(disc + 1) * size];
+        let mut missing = vec![0.0; count * size];
+        let mut matrix = Mat::zeros(count * size, count * size);
+        // Derivatives with the place and radius of the own disc.
+        let mut own = vec![[0.0; 3]; count * size];
+        let mut load = self.rule.room();
+        for (number, disc) in contacts.discs.iter().enumerate() {
+            self.rule
+                .fill(self.layout, disc.cap, (disc.centre, disc.radius), &mut load);
+            self.add_own(contacts, number, &load, &mut missing, &mut own);
+        }
+        let mut block = self.pair.room();
+        let mut columns = vec![0.0; size * size];
+        let mut reduced = vec![0.0; size * size];
+        let mut geometry: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; size]);
+        for one in 0..count {
+            for two in one + 1..count {
+                self.fill_pair(contacts, [one, two], &mut block);
+                for forward in [true, false] {
+                    let (receiver, source) = if forward { (one, two) } else { (two, one) };
+                    // Derivatives of the block with the receiver's and with the source's place and radius; for the other direction it is transposed.
+                    let sign = if forward { 1.0 } else { -1.0 };
+                    let [of_receiver, of_source] = if forward { [2, 3] } else { [3, 2] };
+                    let acting = moments(source);
+                    geometry.iter_mut().for_each(|slope| slope.fill(0.0));
+                    for row in 0..size {
+                        let place = receiver * size + row;
+                        for (column, moment) in acting.iter().enumerate() {
+                            let at = if forward {
+                                row * size + column
+                            } else {
+                                column * size + row
+                            };
+                            let value = block.value[at];
+                            columns[column * size + row] = value;
+                            missing[place] += value * moment;
+                            let along = [0, 1].map(|k| sign * block.slopes[k][at] * moment);
+                            own[place][0] += along[0];
+                            own[place][1] += along[1];
+                            own[place][2] += block.slopes[of_receiver][at] * moment;
+                            geometry[0][row] -= along[0];
+                            geometry[1][row] -= along[1];
+                            geometry[2][row] += block.slopes[of_source][at] * moment;
+                        }
+                    }
+                    self.place(
+                        contacts,
+                        [receiver, source],
+                        &columns,
+                        &geometry,
+                        &mut reduced,
+                        &mut matrix,
+                    );
+                }
+            }
+        }
+        for number in 0..count {
+            columns.fill(0.0);
+            for row in 0..size {
+                columns[row * size + row] = self.own_compliance(contacts, number, row);
+                for (k, slope) in geometry.iter_mut().enumerate() {
+                    slope[row] = own[number * size + row][k];
+                }
+            }
+            self.place(
+                contacts,
+                [number, number],
+                &columns,
+                &geometry,
+                &mut reduced,
+                &mut matrix,
+            );
+        }
+        Linearised { missing, matrix }
+    }
+
+    fn add_own(
+        &self,
+        contacts: &Contacts,
+        number: usize,
+        load: &DiscLoad,
+        missing: &mut [f64],
+        own: &mut [[f64; 3]],
+    ) {
+        let size = self.modes();
+        let radius = contacts.discs[number].radius;
+        for mode in 0..size {
+            let place = number * size + mode;
+            let moment = contacts.moments[place];
+            missing[place] +=
+                self.own_compliance(contacts, number, mode) * moment - load.value[mode];
+            for k in 0..3 {
+                own[place][k] -= load.slopes[k][mode];
+            }
+            own[place][2] -= self.eigenvalues[mode] / (radius * radius) * moment;
+        }
+        missing[number * size] -= UNIT_FORCE * contacts.indentation;
+    }
+
+    fn place(
+        &self,
+        contacts: &Contacts,
+        [receiver, source]: [usize; 2],
+        columns: &[f64],
+        geometry: &[Vec<f64>; 3],
+        reduced: &mut [f64],
+        matrix: &mut Mat<f64>,
+    ) {
+        let size = self.modes();
+        let disc = &contacts.discs[source];
+        let geometry = [0, 1, 2].map(|k| geometry[k].as_slice());
+        self.edge
+            .reduce(disc, self.rim(disc.cap), columns, geometry, reduced);
+        for (k, column) in reduced.chunks_exact(size).enumerate() {
+            for (row, value) in column.iter().enumerate() {
+                matrix[(receiver * size + row, source * size + k)] = *value;
+            }
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! The undeformed gap over a cap: what is pressed above, the cap below.
+
+use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, mode_count};
+use crate::numerics::quadrature::hemisphere;
+use crate::problem::{Cap, Point};
+
+/// Part of the lens radius beyond which it is continued as it is there. No contact that is allowed comes near.
+const STEEPEST: f64 = 0.9;
+
+/// Steps of the search for a summit, and part of the radius of curvature at which it ends.
+const SUMMIT_STEPS: usize = 50;
+const SUMMIT_TOLERANCE: f64 = 1e-15;
+
+/// A height with its gradient and its second derivatives `[xx, xy, yy]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Jet {
+    pub(crate) value: f64,
+    pub(crate) slope: Point,
+    pub(crate) bend: [f64; 3],
+}
+
+/// The lower side of what is pressed: a sphere of this radius, or a plate where it is infinite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Shape {
+    pub(crate) radius: f64,
+}
+
+impl Shape {
+    /// Its height above its lowest point.
+    pub(crate) fn at(self, [x, y]: Point) -> Jet {
+        if self.radius.is_infinite() {
+            return Jet {
+                value: 0.0,
+                slope: [0.0; 2],
+                bend: [0.0; 3],
+            };
+        }
+        let square = (x * x + y * y).min((STEEPEST * self.radius).powi(2));
+        let root = (self.radius * self.radius - square).sqrt();
+        let (one, cube) = (root.recip(), root.recip().powi(3));
+        Jet {
+            value: square / (self.radius + root),
+            slope: [x * one, y * one],
+            bend: [one + x * x * cube, x * y * cube, one + y * y * cube],
+        }
+    }
+}
+
+/// The caps and what is pressed onto them. Lengths in any unit, pressures in that of the reduced modulus.
+#[derive(Debug, Clone)]
+pub(crate) struct Layout {
+    pub(crate) caps: Vec<Cap>,
+    pub(crate) shape: Shape,
+    /// Where each cap is touched first, if it is alone.
+    pub(crate) summits: Vec<Summit>,
+}
+
+/// The point of a cap that is nearest to what is pressed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Summit {
+    pub(crate) place: Point,
+    /// Height over the common level less that of what is pressed over its lowest point: the cap is touched at an indentation of minus that.
+    pub(crate) height: f64,
+    /// Mean curvature against what is pressed.
+    pub(crate) curvature: f64,
+}
+
+impl Layout {
+    pub(crate) fn new(caps: Vec<Cap>, shape: Shape) -> Self {
+        let summits = caps.iter().map(|cap| summit(cap, shape)).collect();
+        Self {
+            caps,
+            shape,
+            summits,
+        }
+    }
+
+    /// Overlap of a cap with what is pressed, at no indentation.
+    pub(crate) fn overlap(&self, cap: usize, point: Point) -> Jet {
+        overlap(&self.caps[cap], self.shape, point)
+    }
+
+    /// The indentation at which the first cap is touched.
+    pub(crate) fn first_touch(&self) -> f64 {
+        let heights = self.summits.iter().map(|summit| -summit.height);
+        heights.fold(f64::INFINITY, f64::min)
+    }
+}
+
+fn overlap(cap: &Cap, shape: Shape, point: Point) -> Jet {
+    let sag = shape.at(point);
+    let [x, y] = [0, 1].map(|k| point[k] - cap.apex[k]);
+    let curvature = cap.top_radius.recip();
+    Jet {
+        value: cap.raised - sag.value - 0.5 * curvature * (x * x + y * y),
+        slope: [-sag.slope[0] - curvature * x, -sag.slope[1] - curvature * y],
+        bend: [
+            -sag.bend[0] - curvature,
+            -sag.bend[1],
+            -sag.bend[2] - curvature,
+        ],
+    }
+}
+
+fn summit(cap: &Cap, shape: Shape) -> Summit {
+    let mut place = cap.apex;
+    for _ in 0..SUMMIT_STEPS {
+        let step = to_summit(&overlap(cap, shape, place));
+        place = [place[0] + step[0], place[1] + step[1]];
+        if step[0].hypot(step[1]) <= SUMMIT_TOLERANCE * cap.top_radius {
+            break;
+        }
+    }
+    let jet = overlap(cap, shape, place);
+    Summit {
+        place,
+        height: jet.value,
+        curvature: -0.5 * (jet.bend[0] + jet.bend[2]),
+    }
+}
+
+/// The step to the highest point of a surface of that slope and bend.
+pub(crate) fn to_summit(jet: &Jet) -> Point {
+    let [xx, xy, yy] = jet.bend;
+    let [x, y] = jet.slope;
+    let determinant = xx * yy - xy * xy;
+    [
+        (xy * y - yy * x) / determinant,
+        (xy * x - xx * y) / determinant,
+    ]
+}
+
+/// Projects the overlap over a disc on the modes of its pressure.
+#[derive(Debug, Clone)]
+pub(crate) struct LoadRule {
+    points: Vec<Point>,
+    /// Weight times mode, one row per point.
+    weights: Vec<f64>,
+    modes: usize,
+}
+
+/// Load coefficients of the overlap over a disc, and their derivatives with its place along x and y and with its radius.
+#[derive(Debug, Clone)]
+pub(crate) struct DiscLoad {
+    pub(crate) value: Vec<f64>,
+    pub(crate) slopes: [Vec<f64>; 3],
+}
+
+impl LoadRule {
+    pub(crate) fn new(degree: usize) -> Self {
+        let modes = mode_count(degree);
+        let mut basis = BasisEvaluator::new(degree);
+        // Exact for an overlap of degree 4 at the least.
+        let rule = hemisphere(degree / 2 + 3, 2 * degree + 7);
+        let mut weights = vec![0.0; rule.len() * modes];
+        for ((point, weight), row) in rule.iter().zip(weights.chunks_exact_mut(modes)) {
+            basis.evaluate(*point, row);
+            row.iter_mut().for_each(|value| *value *= weight);
+        }
+        Self {
+            points: rule.into_iter().map(|(point, _)| point).collect(),
+            weights,
+            modes,
+        }
+    }
+
+    pub(crate) fn room(&self) -> DiscLoad {
+        let row = || vec![0.0; self.modes];
+        DiscLoad {
+            value: row(),
+            slopes: [row(), row(), row()],
+        }
+    }
+
+    pub(crate) fn fill(
+        &self,
+        layout: &Layout,
+        cap: usize,
+        (centre, radius): (Point, f64),
+        load: &mut DiscLoad,
+    ) {
+        load.value.fill(0.0);
+        load.slopes.iter_mut().for_each(|slope| slope.fill(0.0));
+        // The overlap in the middle is taken apart: what is left is of the size of the contact.
+        let middle = layout.overlap(cap, centre).value;
+        for (point, row) in self
+            .points
+            .iter()
+            .zip(self.weights.chunks_exact(self.modes))
+        {
+            let at = [0, 1].map(|k| centre[k] + radius * point[k]);
+            let jet = layout.overlap(cap, at);
+            let [x, y] = jet.slope;
+            let parts = [jet.value - middle, x, y, x * point[0] + y * point[1]];
+            let [along_x, along_y, outwards] = &mut load.slopes;
+            for (place, weight) in row.iter().enumerate() {
+                load.value[place] += weight * parts[0];
+                along_x[place] += weight * parts[1];
+                along_y[place] += weight * parts[2];
+                outwards[place] += weight * parts[3];
+            }
+        }
+        load.value[0] += UNIT_FORCE * middle;
+    }
+}

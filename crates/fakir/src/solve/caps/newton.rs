@@ -1,0 +1,539 @@
+//! The search for discs that meet all conditions: Newton's method with all derivatives.
+//!
+//! Contacts come and go between the steps: one that would shrink to nothing is left, and one that is pressed in below all others is taken up with
+//! the radius of Hertz's solution. Steps are cut where a radius would change by much, and where discs would come close to
+//! each other. What does not settle like this is followed from the first touch on, in [`climb`](super::climb).
+
+use super::edge::LEANING;
+use super::equations::Equations;
+use super::load::{Layout, to_summit};
+use super::start::{PointForces, Target, pressed_with_column};
+use crate::halfspace::coupling::moving::PairBlock;
+use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::problem::Point;
+use crate::state::discs::{Contacts, Disc, Hold};
+use crate::state::{Progress, Run, SolveError, Stage};
+use faer::Mat;
+use faer::linalg::solvers::{PartialPivLu, Solve};
+
+/// Newton steps.
+pub(crate) const STEP_LIMIT: usize = 40;
+
+/// Part of the largest radius by which the last step changes radii and places, and of the largest moment. Newton's steps are exact to the square
+/// of that.
+const TOLERANCE: f64 = 1e-9;
+
+/// Part of the distance of their centres that the radii of two discs may fill: beyond it they are refused, and steps are cut a little behind it.
+pub(crate) const MERGING: f64 = 0.95;
+const CLIPPED: f64 = 0.96;
+
+/// Factors by which the square of a radius may change in a step.
+const SHRINKING: f64 = 0.15;
+const GROWING: f64 = 5.0;
+
+/// Part of the square of the largest radius below which a contact is none.
+const NOTHING: f64 = 1e-13;
+
+/// Part of the largest radius that the disc has on which the far field of a cap is felt that is not touched.
+const FEELER: f64 = 1e-3;
+
+/// Part of the radius of a top with which a contact starts that is found not to fill it.
+const LOOSENED: f64 = 0.97;
+
+/// Contacts that meet all conditions.
+pub(crate) struct Settled {
+    pub(crate) contacts: Contacts,
+    pub(crate) factors: Option<PartialPivLu<f64>>,
+    pub(crate) steps: usize,
+}
+
+/// Why contacts did not settle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Trouble {
+    /// Those of two caps would grow into each other.
+    Crowded([usize; 2]),
+    /// The limit on steps was reached.
+    Unsettled,
+    /// A number became infinite or undefined.
+    NotFinite,
+}
+
+/// What a step came to.
+#[derive(Default)]
+struct Stepped {
+    /// Whether it was cut, or a contact came, went, or was held otherwise.
+    changed: bool,
+    crowded: Option<[usize; 2]>,
+    /// The largest change over what is tolerated.
+    change: f64,
+}
+
+/// A cap that is not touched.
+struct Feeling {
+    place: Point,
+    overlap: f64,
+    swallowed: Option<usize>,
+}
+
+impl Equations<'_> {
+    pub(crate) fn force(&self, contacts: &Contacts) -> f64 {
+        let means = contacts.moments.iter().step_by(self.modes());
+        UNIT_FORCE * means.sum::<f64>()
+    }
+
+    /// Contacts of the radii that point forces give.
+    pub(crate) fn contacts_of(&self, start: &PointForces) -> Contacts {
+        let layout = self.layout;
+        let mut contacts = Contacts {
+            indentation: start.indentation,
+            discs: Vec::new(),
+            moments: Vec::new(),
+            nearest: layout.summits.iter().map(|summit| summit.place).collect(),
+            gaps: layout.gaps(start.indentation),
+        };
+        let most = start.pressed.iter().fold(0.0_f64, |a, b| a.max(*b));
+        for (cap, pressed) in start.pressed.iter().enumerate() {
+            let place = layout.summits[cap].place;
+            if *pressed > 1e-6 * most && self.is_inside(cap, place) {
+                let (disc, moments) = self.seed(cap, place, *pressed);
+                contacts.discs.push(disc);
+                contacts.moments.extend(moments);
+            }
+        }
+        self.part_discs(&mut contacts);
+        contacts
+    }
+
+    fn is_inside(&self, cap: usize, [x, y]: Point) -> bool {
+        let apex = self.layout.caps[cap].apex;
+        (x - apex[0]).hypot(y - apex[1]) < self.rim(cap)
+    }
+
+    /// A contact as if the cap were alone and pressed in by so much at a point.
+    fn seed(&self, cap: usize, place: Point, pressed: f64) -> (Disc, Vec<f64>) {
+        let curvature = self.layout.summits[cap].curvature;
+        let mut disc = Disc {
+            cap,
+            centre: place,
+            radius: (pressed / curvature).sqrt(),
+            hold: Hold::Free,
+        };
+        self.hold_at_rim(&mut disc);
+        let mut load = self.rule.room();
+        let geometry = (disc.centre, disc.radius);
+        self.rule.fill(self.layout, cap, geometry, &mut load);
+        load.value[0] += UNIT_FORCE * (pressed - self.layout.overlap(cap, place).value);
+        let mut moments: Vec<f64> = load
+            .value
+            .iter()
+            .zip(&self.eigenvalues)
+            .map(|(load, eigenvalue)| disc.radius * load / eigenvalue)
+            .collect();
+        self.edge.enforce(disc.hold, &mut moments);
+        (disc, moments)
+    }
+
+    /// Keeps a free contact within the rim. Whether it had to be.
+    fn hold_at_rim(&self, disc: &mut Disc) -> bool {
+        let rim = self.rim(disc.cap);
+        let apex = self.layout.caps[disc.cap].apex;
+        let [x, y] = [0, 1].map(|k| disc.centre[k] - apex[k]);
+        let away = x.hypot(y);
+        if away + disc.radius <= rim {
+            return false;
+        }
+        let radius = 0.5 * (rim + disc.radius - away);
+        if away < 1e-9 * rim || radius >= rim {
+            (disc.centre, disc.radius, disc.hold) = (apex, rim, Hold::Whole);
+        } else {
+            let angle = y.atan2(x);
+            disc.radius = radius.max(1e-3 * rim);
+            disc.hold = Hold::Leaning { angle, edge: 0.0 };
+            self.lean(disc, angle);
+        }
+        true
+    }
+
+    fn lean(&self, disc: &mut Disc, angle: f64) {
+        let apex = self.layout.caps[disc.cap].apex;
+        let away = self.rim(disc.cap) - disc.radius;
+        let (sin, cos) = angle.sin_cos();
+        disc.centre = [apex[0] + away * cos, apex[1] + away * sin];
+    }
+
+    /// Looks for contacts near these that meet all conditions.
+    pub(crate) fn settle(
+        &mut self,
+        mut contacts: Contacts,
+        target: Target,
+        run: &Run<'_>,
+    ) -> Result<Result<Settled, Trouble>, SolveError> {
+        if let Target::Indentation(indentation) = target {
+            contacts.indentation = indentation;
+        }
+        let mut crowded = None;
+        for steps in 0..STEP_LIMIT {
+            run.check_cancelled()?;
+            run.report(Progress {
+                stage: Stage::Spectral,
+                step: steps,
+                pillars: self.layout.caps.len(),
+                touched: contacts.discs.len(),
+            });
+            let (mut stepped, factors) = if contacts.discs.is_empty() {
+                (Stepped::default(), None)
+            } else {
+                self.check_memory(&contacts, run)?;
+                let (stepped, factors) = self.step(&mut contacts, target);
+                (stepped, Some(factors))
+            };
+            if !stepped.change.is_finite() || !contacts.indentation.is_finite() {
+                return Ok(Err(Trouble::NotFinite));
+            }
+            let swallowed = self.take_up(&mut contacts, &mut stepped);
+            crowded = stepped.crowded.or(swallowed);
+            if let Some(caps) = swallowed {
+                return Ok(Err(Trouble::Crowded(caps)));
+            }
+            if !stepped.changed && stepped.change <= 1.0 {
+                let closest = contacts.closest();
+                if let Some((pair, part)) = closest
+                    && part > MERGING
+                {
+                    return Ok(Err(Trouble::Crowded(
+                        pair.map(|disc| contacts.discs[disc].cap),
+                    )));
+                }
+                return Ok(Ok(Settled {
+                    contacts,
+                    factors,
+                    steps: steps + 1,
+                }));
+            }
+        }
+        Ok(Err(crowded.map_or(Trouble::Unsettled, Trouble::Crowded)))
+    }
+
+    fn check_memory(&self, contacts: &Contacts, run: &Run<'_>) -> Result<(), SolveError> {
+        let (bytes, limit) = (self.memory(contacts.discs.len()), run.memory_limit());
+        if bytes <= limit {
+            return Ok(());
+        }
+        Err(SolveError::TooLarge {
+            pillars: contacts.discs.len(),
+            bytes,
+            limit,
+        })
+    }
+
+    /// Of every step of a contact, what the force changes by, and what the area does.
+    pub(crate) fn rows_of_totals(&self, contacts: &Contacts) -> [Vec<f64>; 2] {
+        let size = self.modes();
+        let mut rows = [0, 1].map(|_| vec![0.0; contacts.moments.len()]);
+        for (number, disc) in contacts.discs.iter().enumerate() {
+            let place = number * size..(number + 1) * size;
+            let of_area = 2.0 * std::f64::consts::PI * disc.radius;
+            self.edge
+                .reduce_row(disc, UNIT_FORCE, 0.0, &mut rows[0][place.clone()]);
+            self.edge
+                .reduce_row(disc, 0.0, of_area, &mut rows[1][place]);
+        }
+        rows
+    }
+
+    /// One step of Newton's method.
+    fn step(&mut self, contacts: &mut Contacts, target: Target) -> (Stepped, PartialPivLu<f64>) {
+        let linearised = self.linearised(contacts);
+        let factors = linearised.matrix.partial_piv_lu();
+        let size = self.modes();
+        let total = contacts.moments.len();
+        let mut steps = Mat::zeros(total, 2);
+        for (place, missing) in linearised.missing.iter().enumerate() {
+            steps[(place, 0)] = -missing;
+            if place % size == 0 {
+                steps[(place, 1)] = UNIT_FORCE;
+            }
+        }
+        factors.solve_in_place(&mut steps);
+        let lower = match target {
+            Target::Indentation(_) => 0.0,
+            Target::Force(force) => {
+                let [row, _] = self.rows_of_totals(contacts);
+                let along = |column: usize| -> f64 {
+                    row.iter()
+                        .enumerate()
+                        .map(|(place, value)| value * steps[(place, column)])
+                        .sum()
+                };
+                (force - self.force(contacts) - along(0)) / along(1)
+            }
+        };
+        let step: Vec<f64> = (0..total)
+            .map(|place| steps[(place, 0)] + lower * steps[(place, 1)])
+            .collect();
+        contacts.indentation += lower;
+        (self.apply(contacts, &step), factors)
+    }
+
+    fn apply(&self, contacts: &mut Contacts, step: &[f64]) -> Stepped {
+        let size = self.modes();
+        let largest = contacts.largest_radius();
+        let square = largest * largest;
+        let most = contacts.moments.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let mut stepped = Stepped::default();
+        let mut kept = vec![true; contacts.discs.len()];
+        for (number, disc) in contacts.discs.iter_mut().enumerate() {
+            let place = number * size..(number + 1) * size;
+            let moments = &mut contacts.moments[place.clone()];
+            let step = &step[place];
+            for (moment, change) in moments.iter_mut().zip(step).skip(3) {
+                *moment += change;
+                stepped.change = stepped.change.max(change.abs() / (TOLERANCE * most));
+            }
+            if step.iter().any(|value| !value.is_finite()) {
+                stepped.change = f64::NAN;
+                return stepped;
+            }
+            if disc.hold == Hold::Whole {
+                for (moment, change) in moments.iter_mut().zip(step).take(3) {
+                    *moment += change;
+                    stepped.change = stepped.change.max(change.abs() / (TOLERANCE * most));
+                }
+                stepped.changed |= self.loosen(disc, moments);
+                continue;
+            }
+            let radius = disc.radius;
+            let wanted = radius * radius + 2.0 * radius * step[2];
+            let moved = match disc.hold {
+                Hold::Leaning { .. } => (self.rim(disc.cap) - radius) * step[1].abs(),
+                _ => step[0].hypot(step[1]),
+            };
+            let change = radius * step[2].abs().max(moved);
+            stepped.change = stepped.change.max(change / (TOLERANCE * square));
+            if wanted <= NOTHING * square {
+                kept[number] = false;
+                stepped.changed = true;
+                continue;
+            }
+            let taken = wanted.clamp(SHRINKING * radius * radius, GROWING * radius * radius);
+            stepped.changed |= taken.to_bits() != wanted.to_bits();
+            disc.radius = taken.sqrt();
+            match &mut disc.hold {
+                Hold::Leaning { angle, edge } => {
+                    *angle += step[1].clamp(-0.5, 0.5);
+                    *edge += step[0];
+                    let (angle, edge) = (*angle, *edge);
+                    if disc.radius >= self.rim(disc.cap) {
+                        disc.hold = Hold::Whole;
+                        disc.radius = self.rim(disc.cap);
+                        disc.centre = self.layout.caps[disc.cap].apex;
+                        stepped.changed = true;
+                        continue;
+                    }
+                    self.lean(disc, angle);
+                    if edge < 0.0 {
+                        disc.hold = Hold::Free;
+                        stepped.changed = true;
+                    }
+                }
+                _ => {
+                    let part = (0.7 * radius / moved).min(1.0);
+                    stepped.changed |= part < 1.0;
+                    disc.centre = [0, 1].map(|k| disc.centre[k] + part * step[k]);
+                    stepped.changed |= self.hold_at_rim(disc);
+                }
+            }
+            self.edge.enforce(disc.hold, moments);
+        }
+        if kept.contains(&false) {
+            let mut number = kept.iter();
+            contacts.discs.retain(|_| number.next() == Some(&true));
+            let mut place = 0;
+            contacts.moments.retain(|_| {
+                place += 1;
+                kept[(place - 1) / size]
+            });
+        }
+        stepped.crowded = self.part_discs(contacts);
+        stepped.changed |= stepped.crowded.is_some();
+        stepped
+    }
+
+    /// Lets a contact that fills its top go from the rim where its edge would be drawn. Whether it had to.
+    fn loosen(&self, disc: &mut Disc, moments: &mut [f64]) -> bool {
+        let [mean, x, y] = self.edge.values(moments);
+        let uneven = x.hypot(y);
+        let scale = moments[0].abs();
+        if LEANING * mean - uneven >= -1e-12 * scale {
+            return false;
+        }
+        disc.radius *= LOOSENED;
+        if mean <= 0.0 {
+            disc.hold = Hold::Free;
+        } else {
+            let angle = y.atan2(x);
+            disc.hold = Hold::Leaning { angle, edge: mean };
+            self.lean(disc, angle);
+        }
+        self.edge.enforce(disc.hold, moments);
+        true
+    }
+
+    /// Makes discs smaller that come too close to each other: the caps of two of them, if there are any.
+    fn part_discs(&self, contacts: &mut Contacts) -> Option<[usize; 2]> {
+        let mut crowded = None;
+        for one in 0..contacts.discs.len() {
+            for two in one + 1..contacts.discs.len() {
+                let [first, second] = [one, two].map(|k| contacts.discs[k]);
+                let filled = (first.radius + second.radius) / first.distance(second.centre);
+                if filled <= CLIPPED {
+                    continue;
+                }
+                crowded = Some([first.cap, second.cap]);
+                for number in [one, two] {
+                    let disc = &mut contacts.discs[number];
+                    disc.radius *= CLIPPED / filled;
+                    match disc.hold {
+                        Hold::Leaning { angle, .. } => self.lean(disc, angle),
+                        Hold::Whole => disc.hold = Hold::Free,
+                        Hold::Free => {}
+                    }
+                }
+            }
+        }
+        crowded
+    }
+
+    /// Takes up caps that are pressed in and not yet touched. Two caps, of which the contact of one has grown over the other, if there are any.
+    fn take_up(&mut self, contacts: &mut Contacts, stepped: &mut Stepped) -> Option<[usize; 2]> {
+        let touched: Vec<usize> = contacts.discs.iter().map(|disc| disc.cap).collect();
+        let waiting: Vec<usize> = (0..self.layout.caps.len())
+            .filter(|cap| touched.binary_search(cap).is_err())
+            .collect();
+        let largest = contacts.largest_radius();
+        let feeler = FEELER * largest;
+        let mut reach: f64 = 0.0;
+        for cap in &waiting {
+            for disc in &contacts.discs {
+                let part = (disc.radius + feeler) / disc.distance(contacts.nearest[*cap]);
+                reach = reach.max(part);
+            }
+        }
+        self.pair.prepare(reach.min(0.98));
+        let mut block = self.pair.room();
+        let mut fresh = Vec::new();
+        for cap in waiting {
+            let feeling = self.feel(contacts, cap, feeler, &mut block);
+            if let Some(other) = feeling.swallowed {
+                return Some([other, cap]);
+            }
+            contacts.nearest[cap] = feeling.place;
+            contacts.gaps[cap] = -feeling.overlap;
+            let curvature = self.layout.summits[cap].curvature;
+            if feeling.overlap * curvature.recip() > NOTHING * largest * largest
+                && feeling.overlap > 0.0
+                && self.is_inside(cap, feeling.place)
+            {
+                let compliance = self.layout.caps[cap].column_compliance;
+                let pressed = pressed_with_column(feeling.overlap, curvature, compliance);
+                fresh.push(self.seed(cap, feeling.place, pressed));
+            }
+        }
+        if fresh.is_empty() {
+            return None;
+        }
+        stepped.changed = true;
+        let size = self.modes();
+        let old = contacts.discs.iter().copied();
+        let mut all: Vec<(Disc, Vec<f64>)> = old
+            .zip(contacts.moments.chunks_exact(size).map(<[f64]>::to_vec))
+            .chain(fresh)
+            .collect();
+        all.sort_by_key(|(disc, _)| disc.cap);
+        contacts.discs = all.iter().map(|(disc, _)| *disc).collect();
+        contacts.moments = all.into_iter().flat_map(|(_, moments)| moments).collect();
+        stepped.crowded = stepped.crowded.or(self.part_discs(contacts));
+        None
+    }
+
+    /// Overlap of a cap that is not touched, at its highest point.
+    fn feel(&self, contacts: &Contacts, cap: usize, feeler: f64, block: &mut PairBlock) -> Feeling {
+        let size = self.modes();
+        let place = contacts.nearest[cap];
+        let mut jet = self.layout.overlap(cap, place);
+        jet.value += contacts.indentation;
+        let discs = contacts.discs.iter();
+        for (disc, moments) in discs.zip(contacts.moments.chunks_exact(size)) {
+            if disc.distance(place) * MERGING < disc.radius {
+                return Feeling {
+                    place,
+                    overlap: 0.0,
+                    swallowed: Some(disc.cap),
+                };
+            }
+            let offset = [0, 1].map(|k| place[k] - disc.centre[k]);
+            self.pair.fill(offset, [feeler, disc.radius], block);
+            let far = |row: usize| -> f64 {
+                let row = &block.value[row * size..(row + 1) * size];
+                row.iter().zip(moments).map(|(c, m)| c * m).sum()
+            };
+            // A mean and a slope have these coefficients.
+            jet.value -= far(0) / UNIT_FORCE;
+            let scale = 3f64.sqrt() / (UNIT_FORCE * feeler);
+            jet.slope[0] -= scale * far(1);
+            jet.slope[1] -= scale * far(2);
+        }
+        let step = to_summit(&jet);
+        let gained = 0.5 * (jet.slope[0] * step[0] + jet.slope[1] * step[1]);
+        Feeling {
+            place: [place[0] + step[0], place[1] + step[1]],
+            overlap: jet.value + gained,
+            swallowed: None,
+        }
+    }
+
+    /// A cap that is touched at its rim before its top, if there is one.
+    pub(crate) fn touched_at_rim(&mut self, contacts: &Contacts) -> Option<usize> {
+        let waiting = (0..self.layout.caps.len())
+            .filter(|cap| contacts.discs.iter().all(|disc| disc.cap != *cap));
+        let outside: Vec<usize> = waiting
+            .filter(|cap| !self.is_inside(*cap, contacts.nearest[*cap]))
+            .collect();
+        if outside.is_empty() {
+            return None;
+        }
+        let feeler = FEELER * contacts.largest_radius();
+        self.pair.prepare(0.98);
+        let mut block = self.pair.room();
+        let mut beside = contacts.clone();
+        outside.into_iter().find(|&cap| {
+            let apex = self.layout.caps[cap].apex;
+            let [x, y] = [0, 1].map(|k| beside.nearest[cap][k] - apex[k]);
+            let part = 0.999_999 * self.rim(cap) / x.hypot(y);
+            beside.nearest[cap] = [apex[0] + part * x, apex[1] + part * y];
+            let here = self.feel(&beside, cap, feeler, &mut block);
+            let [x, y] = [0, 1].map(|k| here.place[k] - beside.nearest[cap][k]);
+            let curvature = self.layout.summits[cap].curvature;
+            here.overlap > 0.5 * curvature * (x * x + y * y)
+        })
+    }
+}
+
+impl Layout {
+    /// Contacts of nothing.
+    pub(crate) fn untouched(&self, indentation: f64) -> Contacts {
+        Contacts {
+            indentation,
+            discs: Vec::new(),
+            moments: Vec::new(),
+            nearest: self.summits.iter().map(|summit| summit.place).collect(),
+            gaps: self.gaps(indentation),
+        }
+    }
+
+    /// By how much caps are away that nothing presses down.
+    fn gaps(&self, indentation: f64) -> Vec<f64> {
+        let summits = self.summits.iter();
+        summits.map(|summit| -summit.height - indentation).collect()
+    }
+}

@@ -1,0 +1,137 @@
+//! Caps that act on each other as point forces, each by itself a contact of Hertz's: the start of the search for discs.
+
+use super::load::Layout;
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+use std::f64::consts::PI;
+
+/// What contacts are asked for, in the units of the solver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Target {
+    Indentation(f64),
+    Force(f64),
+}
+
+/// Newton steps, halvings of one of them, and part of the largest overlap at which the steps end.
+const STEP_LIMIT: usize = 60;
+const HALVINGS: usize = 12;
+const TOLERANCE: f64 = 1e-10;
+
+/// Caps that act as point forces.
+pub(crate) struct PointForces {
+    pub(crate) indentation: f64,
+    /// By how much each cap is pressed in by its own force; of one that is not touched, less than nothing.
+    pub(crate) pressed: Vec<f64>,
+}
+
+/// Hertz: the force on a cap that is pressed in, and its derivative.
+fn hertz(pressed: f64, curvature: f64) -> [f64; 2] {
+    let root = (pressed.max(0.0) / curvature).sqrt();
+    [4.0 / 3.0 * pressed.max(0.0) * root, 2.0 * root]
+}
+
+/// By how much a cap is pressed in that comes down by so much with its column.
+pub(crate) fn pressed_with_column(overlap: f64, curvature: f64, compliance: f64) -> f64 {
+    // The sum rises and bends upwards, so that the steps come down to the root.
+    let mut pressed = overlap;
+    for _ in 0..STEP_LIMIT {
+        let [force, stiffness] = hertz(pressed, curvature);
+        let step = (pressed + compliance * force - overlap) / (1.0 + compliance * stiffness);
+        pressed -= step;
+        if step <= TOLERANCE * pressed {
+            break;
+        }
+    }
+    pressed.max(0.0)
+}
+
+/// Solves for the point forces: Newton's method with a look at the residual. What does not end is a start all the same.
+pub(crate) fn point_forces(layout: &Layout, target: Target) -> PointForces {
+    let summits = &layout.summits;
+    let count = summits.len();
+    let matrix = Mat::from_fn(count, count, |i, j| {
+        if i == j {
+            return layout.caps[i].column_compliance;
+        }
+        let [x, y] = [0, 1].map(|k| summits[i].place[k] - summits[j].place[k]);
+        (PI * x.hypot(y)).recip()
+    });
+    let first = layout.first_touch();
+    let mut indentation = match target {
+        Target::Indentation(value) => value,
+        Target::Force(force) => first + pressed_by(layout, force),
+    };
+    let mut pressed: Vec<f64> = summits
+        .iter()
+        .map(|summit| 0.3 * (indentation + summit.height))
+        .collect();
+    let residual = |pressed: &[f64], indentation: f64| {
+        let forces: Vec<f64> = (0..count)
+            .map(|k| hertz(pressed[k], summits[k].curvature)[0])
+            .collect();
+        let mut missing: Vec<f64> = (0..count)
+            .map(|i| {
+                let sunk: f64 = (0..count).map(|j| matrix[(i, j)] * forces[j]).sum();
+                indentation + summits[i].height - pressed[i] - sunk
+            })
+            .collect();
+        if let Target::Force(force) = target {
+            missing.push(force - forces.iter().sum::<f64>());
+        }
+        missing
+    };
+    let unknowns = count + usize::from(matches!(target, Target::Force(_)));
+    let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+    let mut missing = residual(&pressed, indentation);
+    for _ in 0..STEP_LIMIT {
+        let stiffness: Vec<f64> = (0..count)
+            .map(|k| hertz(pressed[k], summits[k].curvature)[1])
+            .collect();
+        let jacobian = Mat::from_fn(unknowns, unknowns, |i, j| match (i < count, j < count) {
+            (true, true) => matrix[(i, j)] * stiffness[j] + f64::from(u8::from(i == j)),
+            (true, false) => -1.0,
+            (false, true) => stiffness[j],
+            (false, false) => 0.0,
+        });
+        let mut step = Mat::from_fn(unknowns, 1, |i, _| missing[i]);
+        jacobian.partial_piv_lu().solve_in_place(&mut step);
+        let mut part = 1.0;
+        let before = norm(&missing);
+        let mut next = pressed.clone();
+        let mut lowered = indentation;
+        for _ in 0..HALVINGS {
+            for (k, value) in next.iter_mut().enumerate() {
+                *value = pressed[k] + part * step[(k, 0)];
+            }
+            if unknowns > count {
+                lowered = indentation + part * step[(count, 0)];
+            }
+            missing = residual(&next, lowered);
+            if norm(&missing) < before {
+                break;
+            }
+            part *= 0.5;
+        }
+        let largest = next.iter().fold(0.0_f64, |most, value| most.max(*value));
+        let moved = (0..count).map(|k| (next[k] - pressed[k]).abs());
+        let moved = moved.fold(0.0, f64::max);
+        (pressed, indentation) = (next, lowered);
+        if moved <= TOLERANCE * largest || !moved.is_finite() {
+            break;
+        }
+    }
+    PointForces {
+        indentation,
+        pressed,
+    }
+}
+
+/// How deep the highest cap would be pressed by all of a force.
+fn pressed_by(layout: &Layout, force: f64) -> f64 {
+    let highest = layout
+        .summits
+        .iter()
+        .max_by(|a, b| a.height.total_cmp(&b.height));
+    let curvature = highest.map_or(1.0, |summit| summit.curvature);
+    (0.75 * force * curvature.sqrt()).powf(2.0 / 3.0)
+}

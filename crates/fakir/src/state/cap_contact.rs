@@ -1,0 +1,133 @@
+//! The contact with rounded tops.
+
+use super::checked::check_number;
+use super::contact::{PillarStatus, Termination};
+use super::discs::Contacts;
+use super::error::SolveError;
+use crate::problem::{Accuracy, Point};
+use std::sync::Arc;
+
+/// One cap of a contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CapState {
+    /// Whether it is touched: in part, or all of its top up to the rim.
+    pub status: PillarStatus,
+    /// Centre of the contact, m; of a cap that is not touched, where it is nearest to be.
+    pub centre: Point,
+    /// Radius of the contact, m.
+    pub radius: f64,
+    /// Normal force on it, N.
+    pub force: f64,
+    /// Gap above a cap that is not touched, m; nothing of others.
+    pub gap: f64,
+}
+
+/// How force and area change. Those with a height are at the same indentation: contacts that begin or end at this very load have other
+/// changes upwards than downwards.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CapSlopes {
+    /// Change of the force with the indentation, N/m.
+    pub force_with_indentation: f64,
+    /// Change of the area with the indentation, m.
+    pub area_with_indentation: f64,
+    /// Change of the force with the height of every cap, N/m.
+    pub force_with_height: Vec<f64>,
+    /// Change of the area with the height of every cap, m.
+    pub area_with_height: Vec<f64>,
+}
+
+impl CapSlopes {
+    /// Change of the area with the height of a cap at the same force, m; where nothing is touched, nothing.
+    #[must_use]
+    pub fn area_with_height_at_force(&self, cap: usize) -> f64 {
+        self.area_with_height[cap] + self.area_with_indentation * self.indentation_with_height(cap)
+    }
+
+    /// Change of the indentation with the height of a cap at the same force; where nothing is touched, nothing.
+    #[must_use]
+    pub fn indentation_with_height(&self, cap: usize) -> f64 {
+        if self.force_with_indentation > 0.0 {
+            -self.force_with_height[cap] / self.force_with_indentation
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Estimated errors of a contact, from a pressure of a higher degree and from the ovalness of the contacts. They are errors of the solution, not of the model.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CapErrors {
+    /// Relative error of the force.
+    pub force: f64,
+    /// Relative error of the area.
+    pub area: f64,
+    /// Error of the indentation, m.
+    pub indentation: f64,
+}
+
+/// The contact of a [`CapField`](crate::problem::CapField).
+#[derive(Debug, Clone)]
+pub struct CapContact {
+    /// How well it was solved.
+    pub accuracy: Accuracy,
+    /// Indentation, m: how far the lens or the plate is below the common level.
+    pub indentation: f64,
+    /// Normal force, N.
+    pub force: f64,
+    /// Area in contact, m^2.
+    pub area: f64,
+    /// Distance from the lens axis of the farthest point in contact, m; none under a plate.
+    pub contact_radius: Option<f64>,
+    /// Every cap, in the order of the field.
+    pub caps: Vec<CapState>,
+    /// How force and area change with indentation and heights: exactly those of the discrete solution.
+    pub slopes: CapSlopes,
+    /// Estimated errors, if they were asked for and can be given.
+    pub error: Option<CapErrors>,
+    /// Why the solver stopped.
+    pub termination: Termination,
+    /// Newton steps taken.
+    pub iterations: usize,
+    pub(crate) contacts: Arc<Contacts>,
+}
+
+impl CapContact {
+    /// Whether the numbers are the solution.
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.termination == Termination::Converged
+    }
+
+    /// Number of caps that are touched.
+    #[must_use]
+    pub fn touched(&self) -> usize {
+        self.contacts.discs.len()
+    }
+
+    /// The contact as it is handed out: all of its numbers are numbers.
+    pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
+        check_number("force", &mut self.force)?;
+        check_number("indentation", &mut self.indentation)?;
+        check_number("contact area", &mut self.area)?;
+        if let Some(radius) = &mut self.contact_radius {
+            check_number("contact radius", radius)?;
+        }
+        for cap in &mut self.caps {
+            check_number("force of a cap", &mut cap.force)?;
+            check_number("radius of a contact", &mut cap.radius)?;
+        }
+        let slopes = &mut self.slopes;
+        check_number("stiffness", &mut slopes.force_with_indentation)?;
+        check_number("slope of the area", &mut slopes.area_with_indentation)?;
+        let with_height = slopes.force_with_height.iter_mut();
+        for slope in with_height.chain(&mut slopes.area_with_height) {
+            check_number("slope with a height", slope)?;
+        }
+        if let Some(error) = &mut self.error {
+            check_number("error estimate of the force", &mut error.force)?;
+            check_number("error estimate of the area", &mut error.area)?;
+            check_number("error estimate of the indentation", &mut error.indentation)?;
+        }
+        Ok(self)
+    }
+}
