@@ -235,7 +235,11 @@ const MANY_PILLARS: f64 = 40.0;
 const MANY_TO_WAIT_FOR: usize = 1000;
 
 /// Contact radius of the homogenised lattice, where it can be trusted.
-fn homogenised_radius(system: &System, problem: &Problem, target: Control) -> Option<f64> {
+pub(super) fn homogenised_radius(
+    system: &System,
+    problem: &Problem,
+    target: Control,
+) -> Option<f64> {
     let rough = rough_contact_radius(&problem.scene(), target);
     if Window::expected_len(&problem.lattice, rough) < MANY_PILLARS {
         return None;
@@ -250,7 +254,7 @@ fn homogenised_radius(system: &System, problem: &Problem, target: Control) -> Op
 }
 
 /// The lowest point of the floor, or that which decided the indentation.
-fn lowest_point(target: Control, solution: &mut Solution<'_>) -> Option<FloorPoint> {
+pub(super) fn lowest_point(target: Control, solution: &mut Solution<'_>) -> Option<FloorPoint> {
     match target {
         Control::FloorContact => solution.outcome.floor,
         Control::Force(_) | Control::Indentation(_) => solution.newton.lowest_gap(),
@@ -288,7 +292,7 @@ pub(super) fn without_contact(
 }
 
 /// The contact as a circle inside the pillar top under the lens axis, if it is one.
-fn find_patch(problem: &Problem, target: Control) -> Option<Patch> {
+pub(super) fn find_patch(problem: &Problem, target: Control) -> Option<Patch> {
     let lattice = &problem.lattice;
     let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
     let [x, y] = lattice.centre(i, j);

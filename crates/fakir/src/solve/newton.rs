@@ -28,7 +28,7 @@ use crate::problem::{Control, Point};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 
 /// Relative energy of the residual at which a linear solution counts as exact.
-const LINEAR_TOLERANCE: f64 = 1e-10;
+pub(super) const LINEAR_TOLERANCE: f64 = 1e-10;
 
 /// The same with the floor, and on a coarse grid of that.
 const FLOOR_LINEAR_TOLERANCE: f64 = 1e-9;
@@ -549,6 +549,16 @@ impl<'a> Newton<'a> {
     pub(crate) fn solve_unit(&mut self, tolerance: f64) -> Result<bool, SolveError> {
         let solved = self.solve_frozen(Source::Unit, tolerance)?;
         Ok(solved == Judgement::Good)
+    }
+
+    /// The force and the indentation at what is prescribed, to a tolerance, with the present states.
+    #[cfg(test)]
+    pub(crate) fn polished(&mut self, target: Control, tolerance: f64) -> Option<[f64; 2]> {
+        // Rounding may not let the residual become so small.
+        let _ = self.respond(target, tolerance, tolerance).ok()?;
+        let (indentation, _) = self.close(target)?;
+        self.contact.move_to(indentation);
+        Some([self.force(), indentation])
     }
 
     /// Response of all places to a given load, with their states frozen.

@@ -145,6 +145,12 @@ pub enum SolveError {
         /// Critical force, N.
         force: f64,
     },
+    /// A state whose derivatives are not known.
+    #[error("no gradient can be given: {why}")]
+    NoGradient {
+        /// What is in the way, and what to ask for instead.
+        why: &'static str,
+    },
     /// There is no floor to be reached.
     #[error("no cell of the surface under the lens is floor")]
     NoFloor,

@@ -294,6 +294,22 @@ impl RimSolver {
         active: &mut Vec<bool>,
     ) -> Pivoting {
         self.divide(sliver);
+        self.prepare(load);
+        if active.len() != self.cells.len() {
+            *active = self.pivot.constant.iter().map(|gap| *gap < 0.0).collect();
+        }
+        self.pivot.solve(&self.influence, active)
+    }
+
+    /// Coefficients under another load on the cells of the last solution, those in contact held.
+    pub(crate) fn respond_held(&mut self, load: &[f64], active: &[bool], coefficients: &mut [f64]) {
+        self.prepare(load);
+        self.pivot.solve_active(&self.influence, active);
+        self.coefficients(coefficients);
+    }
+
+    /// Gaps without forces, `-V b`.
+    fn prepare(&mut self, load: &[f64]) {
         let wanted = self.values.chunks_exact(self.count).map(|values| {
             let terms = values.iter().zip(load);
             terms.map(|(y, b)| y * b).sum::<f64>()
@@ -301,10 +317,6 @@ impl RimSolver {
         for (constant, wanted) in self.pivot.constant.iter_mut().zip(wanted) {
             *constant = -wanted;
         }
-        if active.len() != self.cells.len() {
-            *active = self.pivot.constant.iter().map(|gap| *gap < 0.0).collect();
-        }
-        self.pivot.solve(&self.influence, active)
     }
 
     /// `c = V' f`, as many as `coefficients` holds.

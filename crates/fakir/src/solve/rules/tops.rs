@@ -12,7 +12,7 @@ use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::convergence::larger;
 use crate::numerics::vector::{dot, subtract};
 use crate::numerics::workers::Workers;
-use crate::problem::Lens;
+use crate::problem::{Lens, Point};
 use crate::solve::frozen::Rule;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
@@ -199,6 +199,13 @@ impl Tops {
         load
     }
 
+    /// Of every pillar touched in part, its nodes without pressure, or its cells with it.
+    #[cfg(test)]
+    pub(crate) fn partial_states(&self) -> Vec<(usize, Vec<bool>)> {
+        let of = |partial: &Partial| (partial.pillar, partial.active.clone());
+        self.partial.iter().map(of).collect()
+    }
+
     /// All moments of a partially touched pillar under a load, starting from its state.
     pub(crate) fn partial_coefficients(
         &self,
@@ -206,7 +213,19 @@ impl Tops {
         load: &[f64],
         solver: &mut LocalSolver,
     ) -> Vec<f64> {
+        self.held_responses(pillar, load, &[], solver).0
+    }
+
+    /// The same, and by how much changes of the leading load change all moments with the state of the pillar held.
+    pub(crate) fn held_responses(
+        &self,
+        pillar: usize,
+        load: &[f64],
+        changes: &[&[f64]],
+        solver: &mut LocalSolver,
+    ) -> (Vec<f64>, Vec<Vec<f64>>) {
         let top = self.top_of(pillar);
+        let radius = self.sites.body(pillar).radius;
         let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
             Some(partial) => partial.active.clone(),
             None => solver.first_guess(&top, load),
@@ -214,8 +233,27 @@ impl Tops {
         solver.solve(&top, load, &mut active);
         let mut coefficients = vec![0.0; top.count()];
         solver.coefficients(&top, load, &mut coefficients);
-        scale(&mut coefficients, self.sites.body(pillar).radius);
-        coefficients
+        scale(&mut coefficients, radius);
+        let mut respond = |change: &&[f64]| {
+            let mut response = vec![0.0; top.count()];
+            solver.respond_held(&top, change, &active, &mut response);
+            scale(&mut response, radius);
+            response
+        };
+        (coefficients, changes.iter().map(&mut respond).collect())
+    }
+
+    /// `∫ Y_i g dOmega` over the top of a pillar, in as many modes as `load` holds, of a function of the places on it, from the lens axis and on
+    /// the unit disc.
+    pub(crate) fn project_function(
+        &self,
+        pillar: usize,
+        function: impl Fn(Point, Point) -> f64,
+        load: &mut [f64],
+    ) {
+        let (centre, radius) = (self.sites.centres()[pillar], self.sites.body(pillar).radius);
+        self.projector
+            .project_function(centre, radius, function, load);
     }
 
     /// Coefficients of the gap over a pillar top, `Lam m/a - b` with its moments `m`.

@@ -292,6 +292,24 @@ impl LocalSolver {
         }
     }
 
+    /// Coefficients under another load, of any sign, with the nodes or cells of the last solution held as they are.
+    pub(crate) fn respond_held(
+        &mut self,
+        top: &PillarTop,
+        load: &[f64],
+        active: &[bool],
+        coefficients: &mut [f64],
+    ) {
+        if self.on_cells
+            && let Some(cells) = &mut self.cells
+        {
+            return cells.respond_held(load, active, coefficients);
+        }
+        self.prepare(top, load);
+        self.pivot.solve_active(&top.response, active);
+        self.coefficients(top, load, coefficients);
+    }
+
     /// Derivative of the leading coefficients with respect to the leading load with the active
     /// nodes held, `Lam^-1 - Lam^-1 V_I' G_II^-1 V_I Lam^-1`, row by row into `derivative`.
     pub(crate) fn derivative(&mut self, top: &PillarTop, derivative: &mut [f64]) {
