@@ -16,14 +16,19 @@
 //!
 //! On tops touched in part `m` and `v` have all moments, not only those that act on other pillars: the lens shape works on them too.
 //! As `S` goes as the inverse radius `a`, and constraints do no work, `v·dS m = -v·l da/a` on each top with the load `l` that it feels.
+//!
+//! A sliver of contact along a rim is solved on cells that move with its load `l`. There `dm = (P + E) dl` with the [motion](Motion) `E`, which is not
+//! symmetric, and `v = (P + E')(w - C v)`. That is iterated: `E` is a hundredth of `P`.
 
 use crate::halfspace::coupling::derivative::CouplingChange;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::disc::basis::UNIT_FORCE;
-use crate::numerics::vector::dot;
+use crate::numerics::convergence::{larger, within};
+use crate::numerics::vector::{add_scaled, dot, subtract};
 use crate::problem::{Lens, Point};
 use crate::solve::floor::{FloorDisplacement, FloorPoint, LoadedDiscs};
 use crate::solve::newton::{LINEAR_TOLERANCE, Newton};
+use crate::solve::rules::rim::Motion;
 use crate::solve::rules::unilateral::LocalSolver;
 use crate::state::{PillarStatus, SolveError};
 use std::f64::consts::PI;
@@ -66,29 +71,34 @@ struct Adjoint {
     load: Vec<f64>,
 }
 
+/// Steps of the iteration for slivers before giving up; three to six are typical.
+const STEP_LIMIT: usize = 40;
+
+/// Change of the response by its last step, relative to its largest coefficient.
+const TOLERANCE: f64 = 1e-10;
+
+/// The pillars that are touched on a sliver, with how that moves.
+type Slivers = Vec<(usize, Vec<Motion>)>;
+
 /// The derivatives of a solution that converged.
 pub(crate) fn scene_derivatives(
     newton: &mut Newton<'_>,
     floor: Option<FloorPoint>,
 ) -> Result<SceneDerivatives, SolveError> {
-    newton.solve_unit(LINEAR_TOLERANCE)?;
-    let unit = &newton.contact.unit;
-    let mut adjoints = vec![Adjoint {
-        coefficients: unit.coefficients.clone(),
-        load: newton.contact.unit_sensitivity(),
-    }];
+    let slivers = slivers(newton)?;
+    let modes = newton.contact.modes();
+    let mut unit_load = vec![0.0; newton.contact.coefficients().len()];
+    for load in unit_load.iter_mut().step_by(modes) {
+        *load = UNIT_FORCE;
+    }
+    let mut adjoints = vec![Adjoint::new(newton, &slivers, &unit_load)?];
+    let stiffness = dot(&adjoints[0].coefficients, &unit_load);
     let mut amplification = 0.0;
     if let Some(point) = floor {
-        let mut load = newton.point_load(point.position);
-        amplification = (1.0 - dot(&load, &newton.contact.unit.coefficients)).recip();
-        let response = newton.respond_to(&load, LINEAR_TOLERANCE)?;
-        for (load, far) in load.iter_mut().zip(&response.far) {
-            *load -= far;
-        }
-        adjoints.push(Adjoint {
-            coefficients: response.coefficients,
-            load,
-        });
+        let load = newton.point_load(point.position);
+        let adjoint = Adjoint::new(newton, &slivers, &load)?;
+        amplification = (1.0 - dot(&adjoint.coefficients, &unit_load)).recip();
+        adjoints.push(adjoint);
     }
     let sites = &newton.tops.sites;
     let is_touched = |place: &usize| newton.tops.status[*place] != PillarStatus::Untouched;
@@ -102,8 +112,9 @@ pub(crate) fn scene_derivatives(
     );
     let change = CouplingChange::new(sites, &pair, &places, &moments, newton.run.workers());
     newton.run.check_cancelled()?;
-    let mut of_adjoints = by_load_and_operator(newton, &places, &adjoints, &change).into_iter();
+    let of_adjoints = by_load_and_operator(newton, &places, &adjoints, &slivers, &change);
     newton.run.check_cancelled()?;
+    let mut of_adjoints = of_adjoints.into_iter();
     let force = of_adjoints.next();
     let floor = of_adjoints.next().zip(floor).map(|(mut of_scene, point)| {
         add_floor(newton, &places, point.position, &mut of_scene);
@@ -111,11 +122,72 @@ pub(crate) fn scene_derivatives(
         of_scene
     });
     Ok(SceneDerivatives {
-        stiffness: newton.contact.stiffness(),
+        stiffness,
         force: force.unwrap_or_else(|| OfScene::none(places.len(), false)),
         floor,
         places,
     })
+}
+
+fn slivers(newton: &Newton<'_>) -> Result<Slivers, SolveError> {
+    let mut solver = LocalSolver::new(&newton.tops.top);
+    let one = |place: usize| {
+        let load = newton.full_load(place);
+        let motions = newton.tops.sliver_motions(place, &load, &mut solver);
+        motions
+            .map(|motions| (place, motions))
+            .ok_or(SolveError::NoGradient {
+                why: "a pillar is only just touched at its rim; change the load a little",
+            })
+    };
+    newton.tops.slivers().map(one).collect()
+}
+
+impl Adjoint {
+    fn new(newton: &mut Newton<'_>, slivers: &Slivers, source: &[f64]) -> Result<Self, SolveError> {
+        let modes = newton.contact.modes();
+        // `v = P (w - C v) + k` with `k = E' (w - C v)`: the response to `w - C k`, and `k`.
+        let mut moved = vec![0.0; source.len()];
+        for _ in 0..STEP_LIMIT {
+            let mut source_left = source.to_vec();
+            subtract(&mut source_left, &newton.contact.coupled(&moved));
+            let response = newton.respond_to(&source_left, LINEAR_TOLERANCE)?;
+            let (mut coefficients, mut load) = (response.coefficients, source_left);
+            add_scaled(&mut coefficients, 1.0, &moved);
+            subtract(&mut load, &response.far);
+            let largest = coefficients.iter().fold(0.0, |a, c| larger(a, c.abs()));
+            let mut change = 0.0;
+            for (place, motions) in slivers {
+                let own = place * modes..(place + 1) * modes;
+                let mut next = vec![0.0; modes];
+                add_motions(motions, &load[own.clone()], &mut next);
+                for (before, next) in moved[own].iter_mut().zip(next) {
+                    change = larger(change, (next - *before).abs());
+                    *before = next;
+                }
+            }
+            if within(change, TOLERANCE * largest) {
+                return Ok(Self { coefficients, load });
+            }
+        }
+        Err(SolveError::NoGradient {
+            why: "its equations did not converge",
+        })
+    }
+}
+
+/// Adds `E'` times a load, in as many modes as there is room for.
+fn add_motions(motions: &[Motion], load: &[f64], response: &mut [f64]) {
+    for Motion {
+        coefficients,
+        by_load,
+    } in motions
+    {
+        let factor = work(coefficients, load);
+        for (response, by_load) in response.iter_mut().zip(by_load) {
+            *response += factor * by_load;
+        }
+    }
 }
 
 impl OfScene {
@@ -151,6 +223,7 @@ fn by_load_and_operator(
     newton: &Newton<'_>,
     places: &[usize],
     adjoints: &[Adjoint],
+    slivers: &Slivers,
     change: &CouplingChange,
 ) -> Vec<OfScene> {
     let modes = newton.contact.modes();
@@ -194,13 +267,17 @@ fn by_load_and_operator(
             -body.radius * (u * on_disc[0] + v * on_disc[1])
         });
         let of_adjoint = |(number, adjoint): (usize, &Adjoint)| {
-            let response: &Vec<f64> = &responses[number];
+            let held: &Vec<f64> = &responses[number];
+            let mut response = held.clone();
+            if let Some((_, motions)) = slivers.iter().find(|(of, _)| *of == place) {
+                add_motions(motions, &adjoint.load[own.clone()], &mut response);
+            }
             let leading = &adjoint.coefficients[own.clone()];
             let by_coupling = dot(leading, &change.by_distance[own.clone()]);
             // The derivatives by the logarithms of all distances and of all radii add up to the negative coupling.
             let far = &newton.contact.present.far[own.clone()];
             let all_radii = dot(leading, far) + by_coupling;
-            let own_radius = work(response, &load) + work(response, &by_radius);
+            let own_radius = work(&response, &load) + work(&response, &by_radius);
             let radius = change.by_receiver.as_ref().map(|of_sets| {
                 // The first set is that of the present moments.
                 let feels = dot(leading, &of_sets[0][own.clone()]);
@@ -209,11 +286,12 @@ fn by_load_and_operator(
             });
             OfPillar {
                 raised: UNIT_FORCE * response[0],
-                column: -PI / body.radius * response[0] * moments[0],
+                // The column gives way under a sliver without moving that.
+                column: -PI / body.radius * held[0] * moments[0],
                 radius,
                 all_radii: own_radius + all_radii,
-                distance: work(response, &by_distance) - by_coupling,
-                lens_radius: work(response, &by_lens),
+                distance: work(&response, &by_distance) - by_coupling,
+                lens_radius: work(&response, &by_lens),
             }
         };
         adjoints.iter().enumerate().map(of_adjoint).collect()

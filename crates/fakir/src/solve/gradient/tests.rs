@@ -73,8 +73,8 @@ fn solve<'a>(scene: &Scene, target: Control, run: &'a Run<'a>) -> Solution<'a> {
 fn polished(scene: &Scene, target: Control) -> ([f64; 2], States) {
     let run = Run::default();
     let mut solution = solve(scene, target, &run);
-    let states = States::of(&solution.newton);
-    (solution.newton.polished(target, 1e-13).unwrap(), states)
+    let values = solution.newton.polished(target).unwrap();
+    (values, States::of(&solution.newton))
 }
 
 /// The central difference of force and indentation along a change of the scene; `None` if a state changes on the way.
@@ -321,6 +321,9 @@ fn any_arrangement() {
         }
         let results = [scale, solution.outcome.indentation];
         for (kind, error) in euler(&listed, &found, results) {
+            if error.abs() < 1e-8 {
+                continue;
+            }
             println!(
                 "{systems} {kind} {error:e} {target:?} {} of {} {}",
                 found.places.len(),

@@ -47,6 +47,49 @@ pub(crate) struct Sliver {
     depth: f64,
 }
 
+/// How the contact on a sliver changes with one of its measures, and that with the load.
+#[derive(Debug, Clone)]
+pub(crate) struct Motion {
+    /// Change of the leading coefficients with the measure, the load and the cells in contact kept.
+    pub(crate) coefficients: Vec<f64>,
+    /// Change of the measure with the load.
+    pub(crate) by_load: Vec<f64>,
+}
+
+impl Sliver {
+    fn measures(&self) -> [f64; 3] {
+        [self.direction, self.half_angle, self.depth]
+    }
+
+    /// The same with one of its measures another by a part of the half angle, or of the depth.
+    fn moved(&self, measure: usize, part: f64) -> (Self, f64) {
+        let mut moved = *self;
+        let (value, size) = match measure {
+            0 => (&mut moved.direction, self.half_angle),
+            1 => (&mut moved.half_angle, self.half_angle),
+            _ => (&mut moved.depth, self.depth),
+        };
+        *value += part * size;
+        (moved, size)
+    }
+}
+
+/// Step of differences, relative to what they are of: their error goes as its fourth power.
+const STEP: f64 = 1e-3;
+
+/// The derivative at zero from values at four places.
+fn derivative<E>(mut function: impl FnMut(f64) -> Result<Vec<f64>, E>) -> Result<Vec<f64>, E> {
+    let mut sum = Vec::new();
+    for (place, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
+        let values = function(place * STEP)?;
+        sum.resize(values.len(), 0.0);
+        for (sum, value) in sum.iter_mut().zip(values) {
+            *sum += weight / (12.0 * STEP) * value;
+        }
+    }
+    Ok(sum)
+}
+
 /// The modes along the rim.
 pub(crate) struct Rim {
     basis: BasisEvaluator,
@@ -171,6 +214,29 @@ impl Rim {
             half_angle: left?.max(right?),
             depth,
         })
+    }
+}
+
+impl Rim {
+    /// The sliver of a load, and how its measures change with that; `None` where it is only just there.
+    fn moving_sliver(&mut self, load: &[f64]) -> Option<(Sliver, [Vec<f64>; 3])> {
+        let sliver = self.sliver(load, true)?;
+        let (place, _) = self.highest_place(load);
+        let (_, height) = self.maximum_near(load, place);
+        let mut derivatives = [(); 3].map(|()| vec![0.0; load.len()]);
+        let mut moved = load.to_vec();
+        for mode in 0..load.len() {
+            let measures = derivative(|part| {
+                moved[mode] = load[mode] + part * height;
+                let sliver = self.sliver(&moved, true).ok_or(())?;
+                Ok::<_, ()>(sliver.measures().to_vec())
+            });
+            moved[mode] = load[mode];
+            for (derivative, value) in derivatives.iter_mut().zip(measures.ok()?) {
+                derivative[mode] = value / height;
+            }
+        }
+        Some((sliver, derivatives))
     }
 }
 
@@ -306,6 +372,32 @@ impl RimSolver {
         self.prepare(load);
         self.pivot.solve_active(&self.influence, active);
         self.coefficients(coefficients);
+    }
+
+    /// How the contact on the sliver of a load moves with the load, the cells in contact held; `None` where it is only just there. Afterwards the
+    /// cells are those of another sliver.
+    pub(crate) fn motions(
+        &mut self,
+        rim: &mut Rim,
+        load: &[f64],
+        active: &[bool],
+    ) -> Option<Vec<Motion>> {
+        let (sliver, by_load) = rim.moving_sliver(load)?;
+        let of_measure = |(measure, by_load): (usize, Vec<f64>)| {
+            let (_, size) = sliver.moved(measure, 0.0);
+            let change = derivative(|part| {
+                self.divide(&sliver.moved(measure, part).0);
+                let mut coefficients = vec![0.0; self.lead];
+                self.respond_held(load, active, &mut coefficients);
+                Ok::<_, Infallible>(coefficients)
+            });
+            let change = change.unwrap_or_else(|never| match never {});
+            Motion {
+                coefficients: change.into_iter().map(|c| c / size).collect(),
+                by_load,
+            }
+        };
+        Some(by_load.into_iter().enumerate().map(of_measure).collect())
     }
 
     /// Gaps without forces, `-V b`.

@@ -4,7 +4,7 @@
 //! pressure. With these frozen the top answers linearly to its load. [`update`](Tops::update) solves every top under its load as it is and
 //! takes over its state.
 
-use super::rim::Rim;
+use super::rim::{Motion, Rim};
 use super::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::{UNIT_FORCE, degree_with, mode_count};
@@ -224,13 +224,8 @@ impl Tops {
         changes: &[&[f64]],
         solver: &mut LocalSolver,
     ) -> (Vec<f64>, Vec<Vec<f64>>) {
-        let top = self.top_of(pillar);
+        let (top, active) = self.solve_again(pillar, load, solver);
         let radius = self.sites.body(pillar).radius;
-        let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
-            Some(partial) => partial.active.clone(),
-            None => solver.first_guess(&top, load),
-        };
-        solver.solve(&top, load, &mut active);
         let mut coefficients = vec![0.0; top.count()];
         solver.coefficients(&top, load, &mut coefficients);
         scale(&mut coefficients, radius);
@@ -241,6 +236,46 @@ impl Tops {
             response
         };
         (coefficients, changes.iter().map(&mut respond).collect())
+    }
+
+    /// The top of a partially touched pillar with its state, solved under a load from that on.
+    fn solve_again(
+        &self,
+        pillar: usize,
+        load: &[f64],
+        solver: &mut LocalSolver,
+    ) -> (Cow<'_, PillarTop>, Vec<bool>) {
+        let top = self.top_of(pillar);
+        let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
+            Some(partial) => partial.active.clone(),
+            None => solver.first_guess(&top, load),
+        };
+        solver.solve(&top, load, &mut active);
+        (top, active)
+    }
+
+    /// The pillars that are touched on a sliver of their rim.
+    pub(crate) fn slivers(&self) -> impl Iterator<Item = usize> {
+        let on_cells = |partial: &&Partial| partial.active.len() != self.top.count();
+        self.partial
+            .iter()
+            .filter(on_cells)
+            .map(|partial| partial.pillar)
+    }
+
+    /// How the moments of a pillar that is touched on a sliver change as that moves with its load; `None` of one that is only just there.
+    pub(crate) fn sliver_motions(
+        &self,
+        pillar: usize,
+        load: &[f64],
+        solver: &mut LocalSolver,
+    ) -> Option<Vec<Motion>> {
+        let (_, active) = self.solve_again(pillar, load, solver);
+        let mut motions = solver.motions(load, &active)?;
+        for motion in &mut motions {
+            scale(&mut motion.coefficients, self.sites.body(pillar).radius);
+        }
+        Some(motions)
     }
 
     /// `∫ Y_i g dOmega` over the top of a pillar, in as many modes as `load` holds, of a function of the places on it, from the lens axis and on
