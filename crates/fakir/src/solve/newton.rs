@@ -65,6 +65,11 @@ const FIRST_LINEAR_TOLERANCE: f64 = 1e-3;
 /// solution on any pillar.
 pub(crate) const MISMATCH_TOLERANCE: f64 = 1e-7;
 
+/// Tolerance of the linear solutions, and of the difference on any pillar, of a solution that is to be differentiated, and most steps to it. On
+/// slivers a step takes two digits off the difference.
+const SHARP_TOLERANCE: f64 = 1e-12;
+const SHARP_STEPS: usize = 6;
+
 /// Relative difference in the indentation of first contact between floor points that count as
 /// equally low.
 const FLOOR_TOLERANCE: f64 = 1e-10;
@@ -301,6 +306,32 @@ impl<'a> Newton<'a> {
             tolerances.follow(change.places(), self.touched() + self.pressed());
         }
         Ok(outcome)
+    }
+
+    /// Goes on from a solution until nothing is left but rounding. Whether no place changed its state in the last step.
+    pub(crate) fn sharpen(
+        &mut self,
+        target: Control,
+        outcome: &mut Outcome,
+    ) -> Result<bool, SolveError> {
+        let mut settled = false;
+        for _ in 0..SHARP_STEPS {
+            self.run.check_cancelled()?;
+            let solved = self.respond(target, SHARP_TOLERANCE, SHARP_TOLERANCE)?;
+            let closed = self.close(target);
+            let (Judgement::Good, Some((indentation, floor))) = (solved, closed) else {
+                return Ok(false);
+            };
+            self.contact.move_to(indentation);
+            (outcome.indentation, outcome.floor) = (indentation, floor);
+            let change = self.update();
+            outcome.mismatch = change.mismatch;
+            settled = change.places() == 0;
+            if settled && within(change.mismatch, SHARP_TOLERANCE) {
+                break;
+            }
+        }
+        Ok(settled)
     }
 
     /// Whether and how the iteration ends after a step.
@@ -549,20 +580,6 @@ impl<'a> Newton<'a> {
     pub(crate) fn solve_unit(&mut self, tolerance: f64) -> Result<bool, SolveError> {
         let solved = self.solve_frozen(Source::Unit, tolerance)?;
         Ok(solved == Judgement::Good)
-    }
-
-    /// The force and the indentation at what is prescribed, to rounding, some steps on.
-    #[cfg(test)]
-    pub(crate) fn polished(&mut self, target: Control) -> Option<[f64; 2]> {
-        let mut indentation = 0.0;
-        for _ in 0..6 {
-            // Rounding may not let the residual become so small.
-            let _ = self.respond(target, 1e-13, 1e-13).ok()?;
-            (indentation, _) = self.close(target)?;
-            self.contact.move_to(indentation);
-            self.update();
-        }
-        Some([self.force(), indentation])
     }
 
     /// Response of all places to a given load, with their states frozen.

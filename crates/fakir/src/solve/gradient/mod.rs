@@ -51,6 +51,11 @@ pub(crate) fn gradient(
     if solution.outcome.termination != Termination::Converged {
         return Err(refused("the contact did not converge"));
     }
+    if !solution.newton.sharpen(target, &mut solution.outcome)? {
+        return Err(refused(
+            "the states of the pillars do not settle; change the load a little",
+        ));
+    }
     let indentation = solution.outcome.indentation;
     let lowest = lowest_point(target, &mut solution);
     let enters = target != Control::FloorContact
