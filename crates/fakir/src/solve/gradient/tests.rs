@@ -66,18 +66,19 @@ impl States {
     }
 }
 
-fn solve<'a>(scene: &Scene, target: Control, run: &'a Run<'a>) -> Solution<'a> {
+/// `None` if the contact is too large for the lens.
+fn solve<'a>(scene: &Scene, target: Control, run: &'a Run<'a>) -> Option<Solution<'a>> {
     let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
-    let punch = solve_punch(scene, target, None, form, purpose, run).unwrap();
+    let punch = solve_punch(scene, target, None, form, purpose, run).ok()?;
     let degrees = degrees(Accuracy::Default, scene);
-    let solution = solve_spectral(scene, target, punch, degrees, run).unwrap();
+    let solution = solve_spectral(scene, target, punch, degrees, run).ok()?;
     assert_eq!(solution.outcome.termination, Termination::Converged);
-    solution
+    Some(solution)
 }
 
 /// A solution to rounding, and the states; `None` if they do not settle.
 fn sharp<'a>(scene: &Scene, target: Control, run: &'a Run<'a>) -> Option<(Solution<'a>, States)> {
-    let mut solution = solve(scene, target, run);
+    let mut solution = solve(scene, target, run)?;
     let settled = solution
         .newton
         .sharpen(target, &mut solution.outcome)
@@ -494,8 +495,8 @@ fn answer_difference(
     which: usize,
     control: Control,
     states: &States,
+    step: f64,
 ) -> Option<[f64; 2]> {
-    let step = 1e-4;
     let mut ends = [[0.0; 2]; 2];
     for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
         let (values, there) = answer(&hexagonal.scaled(which, sign * step), control)?;
@@ -533,7 +534,8 @@ fn hexagonal_lattices() {
         systems += 1;
         let values = [found.contact.force, found.contact.indentation];
         for (which, quantity) in QUANTITIES.into_iter().enumerate() {
-            let Some(expected) = answer_difference(&hexagonal, which, control, &states) else {
+            let Some(expected) = answer_difference(&hexagonal, which, control, &states, 1e-4)
+            else {
                 continue;
             };
             let parts = [("force", &found.force), ("indentation", &found.indentation)];
@@ -642,9 +644,12 @@ fn many_pillars() {
         let force = found.force.as_ref().unwrap();
         let mut compared = 0;
         for which in [0, 5, 6, 7] {
-            let Some([expected, _]) =
-                answer_difference(&hexagonal, which, Control::FloorContact, &states)
-            else {
+            // Of many nodes some soon change their states.
+            let steps = [1e-4, 1e-5, 1e-6];
+            let mut differences = steps.into_iter().filter_map(|step| {
+                answer_difference(&hexagonal, which, Control::FloorContact, &states, step)
+            });
+            let Some([expected, _]) = differences.next() else {
                 continue;
             };
             compared += 1;
@@ -657,7 +662,7 @@ fn many_pillars() {
             );
             assert!((by / expected - 1.0).abs() < TOLERANCE);
         }
-        println!("{phi}: {compared} compared");
+        assert!(compared > 1, "{phi}: {compared} compared");
         for (kind, error) in identities(&hexagonal, Control::FloorContact, &found) {
             println!("{kind} {error:e}");
             assert!(error.abs() < TOLERANCE, "{kind}: {error:e}");
@@ -680,7 +685,7 @@ fn a_single_flat_punch() {
         depth: 2.2,
     };
     let run = Run::default();
-    let mut solution = solve(&listed.scene(), Control::Indentation(0.4), &run);
+    let mut solution = solve(&listed.scene(), Control::Indentation(0.4), &run).unwrap();
     let found = scene_derivatives(&mut solution.newton, None).unwrap();
     let OfScene {
         raised,
