@@ -2,6 +2,7 @@
 
 use super::checked::check_number;
 use super::contact::ContactState;
+use super::critical::CriticalState;
 use super::error::SolveError;
 use crate::problem::Quantity;
 
@@ -14,8 +15,7 @@ use crate::problem::Quantity;
 /// Where several points of the floor are reached at once, as on symmetric lattices, derivatives of the critical state with respect to single pillars
 /// are those for one of these points; those with respect to what changes all of them alike hold as they are.
 ///
-/// A sliver of contact along the rim of a pillar is resolved on cells that move with it; they are held here. Their motion changes derivatives by
-/// less than the error of the contact.
+/// It is solved to rounding first, so that the contact differs from that of [`press`](crate::press) by less than its error.
 #[derive(Debug, Clone)]
 pub struct Gradient {
     /// The contact.
@@ -89,6 +89,14 @@ impl Derivatives {
 }
 
 impl Gradient {
+    /// The critical state, where the floor is just reached: of a gradient for [`Control::FloorContact`](crate::problem::Control).
+    ///
+    /// # Errors
+    /// A number that is infinite or undefined.
+    pub fn critical_state(&self) -> Result<CriticalState, SolveError> {
+        CriticalState::new(self.contact.clone()).checked()
+    }
+
     /// The gradient as it is handed out.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         self.contact = self.contact.checked()?;

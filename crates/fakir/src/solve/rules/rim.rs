@@ -270,6 +270,8 @@ pub(crate) struct RimSolver {
     lead: usize,
     room: Vec<f64>,
     cells: Vec<Cell>,
+    /// Whether cells of two rings some sectors apart count as far from each other.
+    far: Vec<bool>,
 }
 
 /// A cell, by its middle in polar coordinates of the pillar and its extents.
@@ -299,11 +301,12 @@ impl RimSolver {
             lead,
             room: vec![0.0; size * lead],
             cells: Vec::with_capacity(size),
+            far: vec![false; across_pairs(resolution.rings) * shape[0]],
         }
     }
 
-    /// Divides a sliver into cells, ring by ring.
-    fn divide(&mut self, sliver: &Sliver) {
+    /// Divides a sliver into cells, ring by ring. What is near and far may be as of the sliver before: influences change smoothly then.
+    fn divide(&mut self, sliver: &Sliver, as_before: bool) {
         let [along, across] = self.shape;
         let step = 2.0 * sliver.half_angle / along as f64;
         let depth = |ring: usize| sliver.depth * (ring as f64 / across as f64).powi(2);
@@ -334,11 +337,16 @@ impl RimSolver {
         // The same for all pairs of sectors equally far apart.
         let size = along * across;
         let column = 0.5 * self.column_compliance_ratio;
+        let mut pairs = self.far.iter_mut();
         for ring in 0..across {
             for other in ring..across {
                 let (a, b) = (self.cells[ring * along], self.cells[other * along]);
-                for apart in 0..along {
-                    let value = mean_influence(&a, &b, step * apart as f64) + column;
+                for (apart, far) in pairs.by_ref().take(along).enumerate() {
+                    let angle = step * apart as f64;
+                    if !as_before {
+                        *far = are_far(&a, &b, angle);
+                    }
+                    let value = mean_influence(&a, &b, angle, *far) + column;
                     for first in 0..along - apart {
                         for [i, j] in [[first, first + apart], [first + apart, first]] {
                             let (row, col) = (ring * along + i, other * along + j);
@@ -359,7 +367,7 @@ impl RimSolver {
         load: &[f64],
         active: &mut Vec<bool>,
     ) -> Pivoting {
-        self.divide(sliver);
+        self.divide(sliver, false);
         self.prepare(load);
         if active.len() != self.cells.len() {
             *active = self.pivot.constant.iter().map(|gap| *gap < 0.0).collect();
@@ -383,10 +391,11 @@ impl RimSolver {
         active: &[bool],
     ) -> Option<Vec<Motion>> {
         let (sliver, by_load) = rim.moving_sliver(load)?;
+        self.divide(&sliver, false);
         let of_measure = |(measure, by_load): (usize, Vec<f64>)| {
             let (_, size) = sliver.moved(measure, 0.0);
             let change = derivative(|part| {
-                self.divide(&sliver.moved(measure, part).0);
+                self.divide(&sliver.moved(measure, part).0, true);
                 let mut coefficients = vec![0.0; self.lead];
                 self.respond_held(load, active, &mut coefficients);
                 Ok::<_, Infallible>(coefficients)
@@ -485,18 +494,31 @@ impl Cell {
     }
 }
 
-/// Mean displacement of one cell per force on another whose sector is `angle` away: the mean of `1/(pi r)`.
-fn mean_influence(one: &Cell, other: &Cell, angle: f64) -> f64 {
-    /// Distance over the longest side from which the second moments of the cells are enough.
+/// Number of pairs of rings.
+fn across_pairs(rings: usize) -> usize {
+    rings * (rings + 1) / 2
+}
+
+/// How far apart the centres of two cells are, whose sectors are `angle` apart, along the rim and across.
+fn apart(one: &Cell, other: &Cell, angle: f64) -> Point {
+    let along = 2.0 * (one.radius * other.radius).sqrt() * (0.5 * angle).sin();
+    [along, one.radius - other.radius]
+}
+
+/// Whether the second moments of the cells are enough.
+fn are_far(one: &Cell, other: &Cell, angle: f64) -> bool {
+    /// Distance over the longest side from which they are.
     const FAR: f64 = 4.0;
-    let x = 2.0 * (one.radius * other.radius).sqrt() * (0.5 * angle).sin();
-    let y = one.radius - other.radius;
-    let distance = x.hypot(y);
-    let longest = [one, other]
-        .iter()
-        .flat_map(|cell| cell.sides)
-        .fold(0.0, f64::max);
-    let mean = if distance > FAR * longest {
+    let [x, y] = apart(one, other, angle);
+    let sides = [one, other].into_iter().flat_map(|cell| cell.sides);
+    x.hypot(y) > FAR * sides.fold(0.0, f64::max)
+}
+
+/// Mean displacement of one cell per force on another whose sector is `angle` away: the mean of `1/(pi r)`.
+fn mean_influence(one: &Cell, other: &Cell, angle: f64, far: bool) -> f64 {
+    let [x, y] = apart(one, other, angle);
+    let mean = if far {
+        let distance = x.hypot(y);
         // 1/r and its second derivatives times the variances of the differences of coordinates.
         let [x_variance, y_variance] =
             [0, 1].map(|axis| (one.sides[axis].powi(2) + other.sides[axis].powi(2)) / 12.0);
