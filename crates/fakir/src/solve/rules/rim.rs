@@ -75,7 +75,7 @@ impl Sliver {
 }
 
 /// Step of differences, relative to what they are of: their error goes as its fourth power.
-const STEP: f64 = 1e-4;
+const STEP: f64 = 1e-3;
 
 /// The derivative at zero from values at four places.
 fn derivative<E>(mut function: impl FnMut(f64) -> Result<Vec<f64>, E>) -> Result<Vec<f64>, E> {
