@@ -57,10 +57,6 @@ pub(crate) struct Motion {
 }
 
 impl Sliver {
-    fn measures(&self) -> [f64; 3] {
-        [self.direction, self.half_angle, self.depth]
-    }
-
     /// The same with one of its measures another by a part of the half angle, or of the depth.
     fn moved(&self, measure: usize, part: f64) -> (Self, f64) {
         let mut moved = *self;
@@ -192,6 +188,16 @@ impl Rim {
     /// The sliver along the rim that is asked to come down, if that is all that is. It may be a little larger
     /// where it was one `before`.
     pub(crate) fn sliver(&mut self, load: &[f64], before: bool) -> Option<Sliver> {
+        let [direction, left, right, depth] = self.ends(load, before)?;
+        Some(Sliver {
+            direction,
+            half_angle: left.max(right),
+            depth,
+        })
+    }
+
+    /// Its direction, how far it reaches from there to either side, and its depth.
+    fn ends(&mut self, load: &[f64], before: bool) -> Option<[f64; 4]> {
         let slack = if before { HYSTERESIS } else { 1.0 };
         let [largest_angle, largest_depth] = LARGEST.map(|largest| largest * slack);
         let (place, _) = self.highest_place(load);
@@ -209,11 +215,7 @@ impl Rim {
                 self.wanted(load, direction + side * angle, 0.0)
             })
         });
-        (depth > SHALLOWEST).then_some(Sliver {
-            direction,
-            half_angle: left?.max(right?),
-            depth,
-        })
+        (depth > SHALLOWEST).then_some([direction, left?, right?, depth])
     }
 }
 
@@ -221,6 +223,9 @@ impl Rim {
     /// The sliver of a load, and how its measures change with that; `None` where it is only just there.
     fn moving_sliver(&mut self, load: &[f64]) -> Option<(Sliver, [Vec<f64>; 3])> {
         let sliver = self.sliver(load, true)?;
+        // The same side decides, as far as steps go.
+        let [_, left, right, _] = self.ends(load, true)?;
+        let side = if left > right { 1 } else { 2 };
         let (place, _) = self.highest_place(load);
         let (_, height) = self.maximum_near(load, place);
         let mut derivatives = [(); 3].map(|()| vec![0.0; load.len()]);
@@ -228,8 +233,8 @@ impl Rim {
         for mode in 0..load.len() {
             let measures = derivative(|part| {
                 moved[mode] = load[mode] + part * height;
-                let sliver = self.sliver(&moved, true).ok_or(())?;
-                Ok::<_, ()>(sliver.measures().to_vec())
+                let ends = self.ends(&moved, true).ok_or(())?;
+                Ok::<_, ()>(vec![ends[0], ends[side], ends[3]])
             });
             moved[mode] = load[mode];
             for (derivative, value) in derivatives.iter_mut().zip(measures.ok()?) {
