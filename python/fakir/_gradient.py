@@ -53,17 +53,21 @@ class Gradient:
         With the height of the pillars the floor becomes deeper too; with the pitch, pillars and lens axis stay where they
         are in pitches.
         """
-        return copy.deepcopy(self._summary["force_N"])
+        return self._by_key("force_N")
 
     @property
     def indentation(self) -> dict[str, float] | None:
         """Derivatives of the indentation by the keys of the case; None where it is prescribed."""
-        return copy.deepcopy(self._summary["indentation_m"])
+        return self._by_key("indentation_m")
 
     @property
     def contact_area(self) -> dict[str, float] | None:
         """Derivatives of the area of contact, m^2; None where the edge of the contact crosses a pillar."""
-        return copy.deepcopy(self._summary["contact_area_m2"])
+        return self._by_key("contact_area_m2")
+
+    def _by_key(self, name: str) -> dict[str, float] | None:
+        derivatives: dict[str, float] | None = copy.deepcopy(self._summary[name])
+        return derivatives
 
     @property
     def pillars(self) -> npt.NDArray[np.void]:

@@ -7,7 +7,7 @@
 //! v·(db - dA m),      A v = w.
 //! ```
 //!
-//! The force is `b1·m`, and its `v` is the response `m1` to a unit indentation, which Newton's method has. The floor is reached where
+//! The force is `b1·m`, and its `v` is the response `m1` to a unit indentation. The floor is reached where
 //! `zeta = h + f(x) + W(x)·m`, and as `zeta` is smallest at that `x` its motion drops out:
 //!
 //! ```text
