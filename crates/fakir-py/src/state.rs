@@ -8,8 +8,8 @@ use fakir::problem::{Control, CyclePlan, Drive, ElementMesh, Method, Point, Turn
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::result::{
-    ApproachSummary, CycleSummary, GradientObject, PressSummary, TransitionSummary, VerifySummary, json, pillars,
-    pillars_of,
+    ApproachSummary, CycleSummary, GradientObject, PressSummary, TransitionSummary, VerifySummary,
+    json, pillars, pillars_of,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
