@@ -22,6 +22,7 @@ from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, desi
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
 from ._floor import FloorContact, FloorErrors
+from ._gradient import Gradient
 from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
 from ._state import ContactState, CriticalState, ErrorEstimate, Normalized
@@ -72,6 +73,7 @@ __all__ = [
     "FitError",
     "FloorContact",
     "FloorErrors",
+    "Gradient",
     "HexagonalTexture",
     "HomogenisedLattice",
     "LatticeOptions",

@@ -70,6 +70,9 @@ def transition(case: Case, options: Options) -> Critical: ...
 def press(
     case: Case, indentation: float | None, force: float | None, options: Options
 ) -> State: ...
+def gradient(
+    case: Case, indentation: float | None, force: float | None, options: Options
+) -> tuple[State, str]: ...
 def verify(
     case: Case,
     indentation: float | None,

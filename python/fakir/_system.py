@@ -15,6 +15,7 @@ from . import _fakir
 from ._comparison import Comparison, compare
 from ._cycle import Adhesion, Cycle, Drive, cycle
 from ._format import Row, engineering, html_table, text_table
+from ._gradient import Gradient, gradient
 from ._loading import Approach, approach, checked_path
 from ._quantity import Quantity, WithUnit, si
 from ._run import Progress, options
@@ -665,6 +666,30 @@ class System:
         case = self._with_method(method, accuracy, form, cells_per_diameter, mesh, cells)
         run = options(threads, progress, memory_limit)
         return contact_state(_fakir.press(case, *load(indentation, force), run))
+
+    def gradient(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        accuracy: Literal["default", "accurate"] | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> Gradient:
+        """The contact at an indentation (m) or under a force (N), or the critical state, with its exact derivatives.
+
+        They are with respect to the numbers of the system, and to the height of every pillar. Only the method
+        ``"spectral"`` has them, without adhesion, and as long as the floor bears nothing.
+
+        Raises
+        ------
+        SolveError
+            If there is no such contact, or it has no gradient; it says why.
+        """
+        case = self._with_method("spectral", accuracy, None, None, None, None)
+        question = (None, None) if indentation is None and force is None else load(indentation, force)
+        return gradient(case, question, options(threads, progress, memory_limit))
 
     def approach(
         self,

@@ -20,6 +20,8 @@ pub enum TextureOnly {
     Cycle,
     /// The range of the attraction.
     Adhesion,
+    /// Exact derivatives of a contact.
+    Gradient,
 }
 
 impl TextureOnly {
@@ -43,6 +45,10 @@ impl TextureOnly {
             }
             Self::Explore => {
                 "the sliders of the page need an answer in milliseconds, and a [surface] takes seconds"
+            }
+            Self::Gradient => {
+                "derivatives are those of a contact of the method spectral; on a [surface] it changes \
+                 by whole cells"
             }
             Self::Cycle | Self::Adhesion => {
                 "adhesion is that of the round tops of a [texture]; a [surface] has none"
@@ -68,6 +74,9 @@ impl TextureOnly {
             Self::Explore => "use fakir press or fakir approach with --output, which save figures",
             Self::Cycle => {
                 "ask for the loading alone: without adhesion the lens is withdrawn the way it came"
+            }
+            Self::Gradient => {
+                "use fakir sweep with a key as an axis, and take differences over several cells"
             }
             Self::Adhesion => "leave the range of the attraction out",
         }

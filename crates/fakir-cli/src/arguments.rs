@@ -229,6 +229,8 @@ pub(crate) struct Transition {
     #[command(flatten)]
     pub(crate) adhesion: RangeArguments,
     #[command(flatten)]
+    pub(crate) gradient: GradientArguments,
+    #[command(flatten)]
     fields: FieldArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
@@ -256,6 +258,8 @@ pub(crate) struct Press {
     pub(crate) adhesion: RangeArguments,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
+    #[command(flatten)]
+    pub(crate) gradient: GradientArguments,
     #[command(flatten)]
     fields: FieldArguments,
     #[command(flatten)]
@@ -886,6 +890,25 @@ impl FloorArguments {
             file.set(&format!("{}=false", Key::FloorContact))?;
         }
         Ok(())
+    }
+}
+
+/// Whether derivatives are asked for.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct GradientArguments {
+    /// Give the exact derivatives of force and indentation too, with respect to the numbers of the case and to the height of every
+    /// pillar: by the method spectral, without adhesion, as long as the floor bears nothing
+    #[arg(long)]
+    gradient: bool,
+}
+
+impl GradientArguments {
+    /// Whether they are, of a texture.
+    pub(crate) fn of(self, file: &CaseFile) -> Result<bool, CaseError> {
+        if self.gradient {
+            file.refuse_surface_for(TextureOnly::Gradient)?;
+        }
+        Ok(self.gradient)
     }
 }
 

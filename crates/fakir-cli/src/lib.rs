@@ -48,6 +48,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Transition(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
+            let gradient = options.gradient.of(&file)?;
             if file.is_surface() {
                 options.adhesion.refuse_surface(&file)?;
                 return deliver(command, &options.case, move || {
@@ -56,13 +57,14 @@ fn run(command: &Command) -> Result<Status, Failure> {
             }
             answer(command, &options.case, &file, move |case| {
                 let range = options.adhesion.of(case)?;
-                commands::transition::run(case, range, options.maps(), &session)
+                commands::transition::run(case, range, gradient, options.maps(), &session)
             })
         }
         Command::Press(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
+            let gradient = options.gradient.of(&file)?;
             if file.is_surface() {
                 options.adhesion.refuse_surface(&file)?;
                 return deliver(command, &options.case, move || {
@@ -71,7 +73,14 @@ fn run(command: &Command) -> Result<Status, Failure> {
             }
             answer(command, &options.case, &file, move |case| {
                 let range = options.adhesion.of(case)?;
-                commands::press::run(case, options.control(), range, options.maps(), &session)
+                commands::press::run(
+                    case,
+                    options.control(),
+                    range,
+                    gradient,
+                    options.maps(),
+                    &session,
+                )
             })
         }
         Command::Approach(options) => {

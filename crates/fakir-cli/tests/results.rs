@@ -570,3 +570,92 @@ fn threads_do_not_change_the_result() {
     let force = one["critical_force_N"].as_f64().unwrap();
     assert_close(&two["critical_force_N"], force, 1e-9);
 }
+
+/// Derivatives beside differences of the answers themselves: the critical state of a stiff lens on few pillars, whose numbers are good to nine
+/// digits and more.
+#[test]
+fn gradients_are_differences_of_answers() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let fraction = ["--set", "texture.surface_fraction=0.01"];
+    let height = |height: &str| {
+        let set = format!("texture.pillar.height={height}");
+        let arguments = [&["transition", &case, "--set", &set][..], &fraction].concat();
+        let result = bench.json(&arguments);
+        ["critical_force_N", "critical_indentation_m"].map(|key| result[key].as_f64().unwrap())
+    };
+    let (below, above) = (height("2.1998um"), height("2.2002um"));
+    let asked = [&["transition", &case, "--gradient"][..], &fraction].concat();
+    let result = bench.json(&asked);
+    let gradient = &result["gradient"];
+    for (k, what) in ["force_N", "indentation_m"].into_iter().enumerate() {
+        let expected = (above[k] - below[k]) / 0.4e-9;
+        assert_close(&gradient[what]["texture.pillar.height"], expected, 1e-5);
+    }
+    let pillars = gradient["pillars"].as_array().unwrap();
+    assert_eq!(
+        pillars.len() as u64,
+        result["pillars_in_contact"].as_u64().unwrap()
+    );
+    // All pillars higher on the same floor: the lens meets them so much earlier.
+    let sum: f64 = pillars
+        .iter()
+        .map(|pillar| pillar["force_N_per_m"].as_f64().unwrap())
+        .sum();
+    assert_close(&gradient["force_N"]["texture.pillar.height"], sum, 1e-6);
+}
+
+#[test]
+fn keys_of_gradients_are_the_contract() {
+    let press = ["press", &intermediate(), "--force", "20 uN", "--gradient"];
+    let result = Bench::new().json(&press);
+    let gradient = &result["gradient"];
+    let names: Vec<&String> = gradient.as_object().unwrap().keys().collect();
+    let contract = [
+        "contact_area_m2",
+        "force_N",
+        "indentation_m",
+        "pillars",
+        "stiffness_N_per_m",
+    ];
+    let mut names: Vec<&str> = names.into_iter().map(String::as_str).collect();
+    names.sort_unstable();
+    assert_eq!(names, contract);
+    assert!(gradient["force_N"].is_null());
+    let of_keys = gradient["indentation_m"].as_object().unwrap();
+    let mut of_keys: Vec<&str> = of_keys.keys().map(String::as_str).collect();
+    of_keys.sort_unstable();
+    let quantities = [
+        "lens.poisson_ratio",
+        "lens.radius",
+        "lens.young_modulus",
+        "substrate.poisson_ratio",
+        "substrate.young_modulus",
+        "texture.pillar.diameter",
+        "texture.pillar.height",
+        "texture.pitch",
+    ];
+    assert_eq!(of_keys, quantities);
+    let pillar = gradient["pillars"][0].as_object().unwrap();
+    let pillar: Vec<&str> = pillar.keys().map(String::as_str).collect();
+    assert!(
+        ["force_N_per_m", "i", "indentation_m_per_m", "j"]
+            .iter()
+            .all(|key| pillar.contains(key))
+    );
+}
+
+#[test]
+fn gradients_that_are_not_known_are_refused() {
+    let bench = Bench::new();
+    let case = intermediate();
+    for (arguments, told) in [
+        (&["--set", "method.name=punch"][..], "spectral"),
+        (&["--set", "adhesion.work=50mJ/m2"], "adhesion"),
+    ] {
+        let arguments = [&["transition", &case, "--gradient"], arguments].concat();
+        let outcome = bench.run(&arguments);
+        assert_ne!(outcome.status, Some(0));
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    }
+}

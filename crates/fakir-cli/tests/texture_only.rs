@@ -20,7 +20,8 @@ fn commands_without_an_answer_for_a_surface_say_what_to_use() {
     let free = "substrate.young_modulus";
     let design = ["design", case, "--free", "pitch", "--critical-force", "1mN"];
     let fit = ["fit", data, "--case", case, "--free", free];
-    let asked: [(&[&str], &str, &str); 6] = [
+    let gradient = ["transition", case, "--gradient"];
+    let asked: [(&[&str], &str, &str); 7] = [
         (&["compare", case], "only one: elements", "fakir verify"),
         (&["theory", case], "closed forms", "fakir transition"),
         (&design, "by whole cells", "fakir sweep"),
@@ -30,6 +31,7 @@ fn commands_without_an_answer_for_a_surface_say_what_to_use() {
             "fakir sweep",
         ),
         (&fit, "derivatives", "fakir approach"),
+        (&gradient, "by whole cells", "fakir sweep"),
         (
             &["explore", case, "--no-browser"],
             "milliseconds",

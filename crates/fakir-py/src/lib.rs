@@ -32,7 +32,8 @@ mod _fakir {
     use super::fit::{Data, Fitted, fit};
     #[pymodule_export]
     use super::state::{
-        Critical, State, approach, check_points, compare, cycle, press, transition, verify,
+        Critical, State, approach, check_points, compare, cycle, gradient, press, transition,
+        verify,
     };
     #[pymodule_export]
     use super::study::{Ledger, Study, solve_cases};

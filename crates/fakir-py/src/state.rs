@@ -8,8 +8,8 @@ use fakir::problem::{Control, CyclePlan, Drive, ElementMesh, Method, Point, Turn
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::result::{
-    ApproachSummary, CycleSummary, PressSummary, TransitionSummary, VerifySummary, json, pillars,
-    pillars_of,
+    ApproachSummary, CycleSummary, GradientObject, PressSummary, TransitionSummary, VerifySummary,
+    json, pillars, pillars_of,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -218,6 +218,28 @@ pub(crate) fn press(
         state: state.map_err(|error| solve_error(&error))?,
         wall_time: start.elapsed().as_secs_f64(),
     })
+}
+
+/// The contact at an indentation (m) or under a force (N), or the critical state if neither is given; and the object that `--gradient` adds to
+/// what the program prints.
+#[pyfunction]
+pub(crate) fn gradient(
+    py: Python<'_>,
+    case: &Case,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    options: Options,
+) -> PyResult<(State, String)> {
+    let control = control(indentation, force)?;
+    let (system, method) = (case.case.system, case.case.method);
+    let start = Instant::now();
+    let found = watched(py, &options, |run| {
+        fakir::gradient(&system, control, method, run)
+    })?;
+    let found = found.map_err(|error| solve_error(&error))?;
+    let summary = json(&GradientObject::from(&found));
+    let state = State::new(found.contact, start.elapsed().as_secs_f64());
+    Ok((state, summary))
 }
 
 /// The one of both that is given.

@@ -34,7 +34,7 @@
 //! [homogenised lattice](theory::homogenised), punch lattice, [Love elements](solve::elements), spectral.
 //! The spectral one goes on past the transition: the floor between the pillars bears its part, unless the system is
 //! [told](problem::System::with_floor) to ignore it. It also has [adhesion](problem::Adhesion) on the pillar tops: [`cycle`] takes a lens
-//! down and off again, with all that snaps into contact and out of it on the way. [`verify()`] asks two for the same. A lens or plate on any height map is a
+//! down and off again, with all that snaps into contact and out of it on the way. [`gradient()`] has the exact derivatives of a contact. [`verify()`] asks two for the same. A lens or plate on any height map is a
 //! [`SurfaceSystem`](problem::SurfaceSystem).
 //!
 //! # From a case to a force
@@ -66,5 +66,5 @@ pub mod state;
 pub mod theory;
 mod verify;
 
-pub use method::{cycle, follow_cycle, press, transition};
+pub use method::{cycle, follow_cycle, gradient, press, transition};
 pub use verify::{Difference, Doubt, Verdict, Verification, verify};

@@ -4,7 +4,8 @@ use crate::problem::{Accuracy, Control, CyclePlan, Method, System};
 use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
-use crate::state::{ContactState, CriticalState, Cycle, Passage, Run, SolveError};
+use crate::solve::gradient;
+use crate::state::{ContactState, CriticalState, Cycle, Gradient, Passage, Run, SolveError};
 use crate::theory;
 
 /// The contact under what is prescribed, by the given method.
@@ -39,6 +40,48 @@ pub fn press(
         Method::Homogenised => theory::homogenised::press(system, control, run),
     }?
     .checked()
+}
+
+/// The contact under what is prescribed with its exact derivatives with respect to the quantities of the system, by the spectral method without
+/// adhesion, as long as the floor bears nothing. It takes about as long as [`press`]; of a critical state, a linear solution more.
+///
+/// ```
+/// use fakir::problem::{Control, Method, Quantity};
+/// use fakir::state::Run;
+/// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+/// # let rubber = Material::new(2.0e6, 0.5);
+/// # let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
+/// # let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
+/// # let lens = Lens { radius: 2.2e-3, material: rubber };
+/// # let system = System::new(lens, rubber, Texture { pillar, lattice })?;
+/// let gradient = fakir::gradient(&system, Control::FloorContact, Method::default(), &Run::default())?;
+/// let force = gradient.force.ok_or("it is prescribed")?;
+/// let by_height = force.by(Quantity::PillarHeight).ok_or("it is not known")?; // N/m
+/// // The critical force grows faster than the height.
+/// assert!(by_height * system.pillar().height > gradient.contact.force);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`SolveError::NoGradient`] where nothing is touched, where the lens touches a part of one pillar top alone, where the floor bears a part of
+/// the load, where tops stick, of other methods, and of a contact that did not converge; and as [`press`].
+pub fn gradient(
+    system: &System,
+    control: Control,
+    method: Method,
+    run: &Run<'_>,
+) -> Result<Gradient, SolveError> {
+    let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
+    if !system.adhesion().is_none() {
+        let why =
+            "with adhesion the contact depends on the way there; leave out the works of adhesion";
+        return Err(SolveError::NoGradient { why });
+    }
+    let Method::Spectral(accuracy) = method else {
+        let why = "only the spectral method has one; use that";
+        return Err(SolveError::NoGradient { why });
+    };
+    gradient::gradient(system, control, accuracy, run)?.checked()
 }
 
 /// The critical state, in which the lens just reaches the floor, by the given method: [`press`] with

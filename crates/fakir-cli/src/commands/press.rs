@@ -5,7 +5,9 @@ use crate::numbers::{significant, with_unit};
 use crate::report::Report;
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{QuantityList, radius_digits, strained_range, texture_line};
+use crate::report::state::{
+    QuantityList, radius_digits, strained_range, texture_line, with_derivatives,
+};
 use crate::session::Session;
 use fakir::problem::{Control, FloorModel, Method};
 use fakir::state::{ContactState, CriticalState, Normalized, SolveError};
@@ -13,19 +15,27 @@ use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{PressSummary, control_words, json, pillars, warnings};
+use fakir_study::result::{GradientObject, PressSummary, control_words, json, pillars, warnings};
 use std::time::Instant;
 
 pub(crate) fn run(
     case: &Case,
     control: Control,
     range: Option<f64>,
+    with_gradient: bool,
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
     maps.check_memory(session)?;
     let start = Instant::now();
-    let state = fakir::press(&case.system, control, case.method, &session.run())?;
+    let (state, gradient) = if with_gradient {
+        let found = fakir::gradient(&case.system, control, case.method, &session.run())?;
+        let gradient = GradientObject::from(&found);
+        (found.contact, Some(gradient))
+    } else {
+        let state = fakir::press(&case.system, control, case.method, &session.run())?;
+        (state, None)
+    };
     let wall_time = start.elapsed().as_secs_f64();
     let mut warnings = warnings(&state);
     warnings.extend(strained_range(&state.limits(range)));
@@ -44,8 +54,12 @@ pub(crate) fn run(
     let figures = figures::files(&state, None, maps, &provenance, session)?;
     tables.extend(figures);
     Ok(Report {
-        json: json(&PressSummary::new(&state, wall_time).with_range(&state, range)),
-        text: text(&state, range, wall_time),
+        text: with_derivatives(text(&state, range, wall_time), gradient.as_ref()),
+        json: json(
+            &PressSummary::new(&state, wall_time)
+                .with_range(&state, range)
+                .with_gradient(gradient),
+        ),
         provenance,
         tables,
         warnings,

@@ -5,25 +5,36 @@ use crate::numbers::{significant, with_unit};
 use crate::report::Report;
 use crate::report::figures;
 use crate::report::maps::Maps;
-use crate::report::state::{QuantityList, radius_digits, strained_range, texture_line};
+use crate::report::state::{
+    QuantityList, radius_digits, strained_range, texture_line, with_derivatives,
+};
 use crate::session::Session;
+use fakir::problem::Control;
 use fakir::state::{CriticalState, Regime};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{TransitionSummary, json, pillars, warnings};
+use fakir_study::result::{GradientObject, TransitionSummary, json, pillars, warnings};
 use std::time::Instant;
 
 pub(crate) fn run(
     case: &Case,
     range: Option<f64>,
+    with_gradient: bool,
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
     maps.check_memory(session)?;
     let start = Instant::now();
-    let critical = fakir::transition(&case.system, case.method, &session.run())?;
+    let (critical, gradient) = if with_gradient {
+        let floor = Control::FloorContact;
+        let found = fakir::gradient(&case.system, floor, case.method, &session.run())?;
+        (found.critical_state()?, Some(GradientObject::from(&found)))
+    } else {
+        let critical = fakir::transition(&case.system, case.method, &session.run())?;
+        (critical, None)
+    };
     let wall_time = start.elapsed().as_secs_f64();
     let state = &critical.contact;
     let provenance = Provenance::new(
@@ -38,8 +49,12 @@ pub(crate) fn run(
     let figures = figures::files(state, floor_contact, maps, &provenance, session)?;
     tables.extend(figures);
     Ok(Report {
-        json: json(&TransitionSummary::new(&critical, wall_time).with_range(state, range)),
-        text: text(&critical, range, wall_time),
+        text: with_derivatives(text(&critical, range, wall_time), gradient.as_ref()),
+        json: json(
+            &TransitionSummary::new(&critical, wall_time)
+                .with_range(state, range)
+                .with_gradient(gradient),
+        ),
         provenance,
         tables,
         warnings: [warnings(state), strained_range(&state.limits(range))].concat(),

@@ -6,6 +6,7 @@ use fakir::Difference;
 use fakir::problem::{Arrangement, Disorder, Method, System};
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::Dimension;
+use fakir_study::result::GradientObject;
 use std::fmt::Write;
 
 /// Most digits shown of contact radii.
@@ -18,6 +19,14 @@ pub(crate) fn radius_digits(relative_error: f64) -> usize {
 
 /// Digits shown of the homogenised lattice: its error is that of the model, not of the numbers.
 const MODEL_DIGITS: usize = 4;
+
+/// A text with derivatives under it, if there are any.
+pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) -> String {
+    match gradient {
+        Some(gradient) => format!("{text}\n\n{}", gradient.text()),
+        None => text,
+    }
+}
 
 /// The texture in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
 pub(crate) fn texture_line(system: &System) -> String {

@@ -1,6 +1,6 @@
 //! The contact under a load.
 
-use super::{LimitObject, RelativeErrors};
+use super::{GradientObject, LimitObject, RelativeErrors};
 use crate::VERSION;
 use fakir::state::{ContactState, FloorContact};
 use serde::Serialize;
@@ -72,6 +72,9 @@ pub struct PressSummary {
     /// Of tops that stick.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     limits: Vec<LimitObject>,
+    /// Where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gradient: Option<GradientObject>,
     converged: bool,
     iterations: usize,
     wall_time_s: f64,
@@ -97,11 +100,18 @@ impl PressSummary {
                 Some(state.relative_contact_radius_error()),
             ),
             limits: LimitObject::all(state.limits(None)),
+            gradient: None,
             converged: state.converged(),
             iterations: state.iterations,
             wall_time_s: wall_time,
             fakir_version: VERSION,
         }
+    }
+
+    /// The same with derivatives, if there are any.
+    #[must_use]
+    pub fn with_gradient(self, gradient: Option<GradientObject>) -> Self {
+        Self { gradient, ..self }
     }
 
     /// The same where the range of the attraction (m) is known, or is not.

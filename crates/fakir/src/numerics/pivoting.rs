@@ -145,7 +145,7 @@ impl PivotSolver {
     }
 
     /// With `q` zero at the active indices: their multipliers, and `q` elsewhere.
-    fn solve_active(&mut self, matrix: &[f64], active: &[bool]) -> bool {
+    pub(crate) fn solve_active(&mut self, matrix: &[f64], active: &[bool]) -> bool {
         if !self.factorise(matrix, active) {
             return false;
         }

@@ -275,7 +275,7 @@ const MANY_PILLARS: f64 = 40.0;
 const MANY_TO_WAIT_FOR: usize = 1000;
 
 /// Contact radius of the homogenised lattice, where it can be trusted.
-fn homogenised_radius(system: &System, scene: &Scene, target: Control) -> Option<f64> {
+pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Control) -> Option<f64> {
     let problem = scene.on_lattice()?;
     let rough = rough_contact_radius(scene, target);
     if Window::expected_len(&problem.lattice, rough) < MANY_PILLARS {
@@ -291,7 +291,7 @@ fn homogenised_radius(system: &System, scene: &Scene, target: Control) -> Option
 }
 
 /// The lowest point of the floor, or that which decided the indentation.
-fn lowest_point(target: Control, solution: &mut Solution<'_>) -> Option<FloorPoint> {
+pub(super) fn lowest_point(target: Control, solution: &mut Solution<'_>) -> Option<FloorPoint> {
     match target {
         Control::FloorContact => solution.outcome.floor,
         Control::Force(_) | Control::Indentation(_) => solution.newton.lowest_gap(),
@@ -356,7 +356,7 @@ fn lowest_floor(scene: &Scene, reach: f64, discs: &LoadedDiscs<'_>) -> Option<Fl
 const SEARCHED: f64 = 4.0;
 
 /// The contact as a circle inside the pillar top under the lens axis, if it is one, with that pillar.
-fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPillar, Patch)> {
+pub(super) fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPillar, Patch)> {
     let pillar = scene.field.under([0.0, 0.0])?;
     let (index, ListedPillar { centre, body }) = pillar;
     // In units of the radius of its top, and down from its own height.

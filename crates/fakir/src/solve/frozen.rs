@@ -378,6 +378,14 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             .map(|_| response)
     }
 
+    /// `B c`
+    pub(crate) fn coupled(&mut self, coefficients: &[f64]) -> Vec<f64> {
+        let mut far = vec![0.0; coefficients.len()];
+        self.coupling
+            .apply(coefficients, &mut far, self.run.workers());
+        far
+    }
+
     /// `b1 - B c1`: what a unit change of the answer of a place does to the force.
     pub(crate) fn unit_sensitivity(&self) -> Vec<f64> {
         let mut load = vec![0.0; self.unit.far.len()];

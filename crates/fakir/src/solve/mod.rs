@@ -16,6 +16,7 @@ mod estimate;
 pub(crate) mod floor;
 mod floor_start;
 mod frozen;
+pub(crate) mod gradient;
 mod mixed;
 pub(crate) mod newton;
 pub(crate) mod path;

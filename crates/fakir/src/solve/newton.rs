@@ -28,7 +28,7 @@ use crate::problem::{Control, Point};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 
 /// Relative energy of the residual at which a linear solution counts as exact.
-const LINEAR_TOLERANCE: f64 = 1e-10;
+pub(super) const LINEAR_TOLERANCE: f64 = 1e-10;
 
 /// The same with the floor, and on a coarse grid of that.
 const FLOOR_LINEAR_TOLERANCE: f64 = 1e-9;
@@ -64,6 +64,11 @@ const FIRST_LINEAR_TOLERANCE: f64 = 1e-3;
 /// Largest difference, relative to the largest coefficient, between the local and the global
 /// solution on any pillar.
 pub(crate) const MISMATCH_TOLERANCE: f64 = 1e-7;
+
+/// Tolerance of the linear solutions, and of the difference on any pillar, of a solution that is to be differentiated, and most steps to it. On
+/// slivers a step takes two digits off the difference.
+const SHARP_TOLERANCE: f64 = 1e-12;
+const SHARP_STEPS: usize = 6;
 
 /// Relative difference in the indentation of first contact between floor points that count as
 /// equally low.
@@ -301,6 +306,32 @@ impl<'a> Newton<'a> {
             tolerances.follow(change.places(), self.touched() + self.pressed());
         }
         Ok(outcome)
+    }
+
+    /// Goes on from a solution until nothing is left but rounding. Whether no place changed its state in the last step.
+    pub(crate) fn sharpen(
+        &mut self,
+        target: Control,
+        outcome: &mut Outcome,
+    ) -> Result<bool, SolveError> {
+        let mut settled = false;
+        for _ in 0..SHARP_STEPS {
+            self.run.check_cancelled()?;
+            let solved = self.respond(target, SHARP_TOLERANCE, SHARP_TOLERANCE)?;
+            let closed = self.close(target);
+            let (Judgement::Good, Some((indentation, floor))) = (solved, closed) else {
+                return Ok(false);
+            };
+            self.contact.move_to(indentation);
+            (outcome.indentation, outcome.floor) = (indentation, floor);
+            let change = self.update();
+            outcome.mismatch = change.mismatch;
+            settled = change.places() == 0;
+            if settled && within(change.mismatch, SHARP_TOLERANCE) {
+                break;
+            }
+        }
+        Ok(settled)
     }
 
     /// Whether and how the iteration ends after a step.

@@ -156,6 +156,12 @@ pub enum SolveError {
         /// Critical force, N.
         force: f64,
     },
+    /// A state whose derivatives are not known.
+    #[error("no gradient can be given: {why}")]
+    NoGradient {
+        /// What is in the way, and what to ask for instead.
+        why: &'static str,
+    },
     /// There is no floor to be reached.
     #[error("there is no floor under the lens to be reached")]
     NoFloor,

@@ -17,6 +17,7 @@ pub(crate) mod discs;
 pub(crate) mod error;
 pub(crate) mod fields;
 pub(crate) mod floor_contact;
+pub(crate) mod gradient;
 pub(crate) mod limit;
 pub(crate) mod run;
 mod samples;
@@ -34,6 +35,7 @@ pub use cycle::{
 pub use error::SolveError;
 pub use fields::Fields;
 pub use floor_contact::{FloorContact, FloorErrors};
+pub use gradient::{Derivatives, Gradient};
 pub use limit::Limit;
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;

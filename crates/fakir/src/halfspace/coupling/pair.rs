@@ -20,6 +20,7 @@ use crate::halfspace::disc::basis::{
     Mode, UNIT_FORCE, equator_value, gamma_degree, mode_count, modes,
 };
 use crate::halfspace::disc::exterior::RadialFunction;
+use crate::numerics::dual::{Dual, Number};
 use crate::numerics::special::gamma_half;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -70,53 +71,69 @@ impl Series {
     }
 
     fn value(&self, discs: Discs) -> f64 {
-        let (alpha, beta) = (
-            discs.receiver / discs.distance,
-            discs.source / discs.distance,
-        );
-        let factor = self.factor * alpha.powi(self.degrees[0]) * beta.powi(self.degrees[1]);
-        factor / discs.distance * self.appell([alpha * alpha, beta * beta])
+        self.value_of([discs.receiver, discs.source, discs.distance])
+    }
+
+    /// Derivatives with respect to the logarithms of the distance, of the receiver's radius, and of the source's.
+    fn derivatives(&self, discs: Discs) -> [f64; 3] {
+        let values = [discs.receiver, discs.source, discs.distance];
+        let variables = std::array::from_fn(|k| Dual::variable(values[k], k));
+        let [receiver, source, distance] = self.value_of(variables).derivatives;
+        [
+            discs.distance * distance,
+            discs.receiver * receiver,
+            discs.source * source,
+        ]
+    }
+
+    fn value_of<N: Number>(&self, [receiver, source, distance]: [N; 3]) -> N {
+        let (alpha, beta) = (receiver / distance, source / distance);
+        let powers = alpha.powi(self.degrees[0]) * self.factor * beta.powi(self.degrees[1]);
+        powers / distance * self.appell([alpha * alpha, beta * beta])
     }
 
     /// `F4`, by the sums of its terms of one degree:
     /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the coefficients of the
     /// recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
-    fn appell(&self, [x, y]: [f64; 2]) -> f64 {
+    fn appell<N: Number>(&self, [x, y]: [N; 2]) -> N {
         let [p, q] = self.degrees.map(|degree| f64::from(degree) + 0.5);
         let [a, b] = self.upper;
         let w = p + q;
         let ratio = |s: f64| (a + s - 1.0) * (b + s - 1.0) / ((p + s) * (q + s));
-        let mut before = 1.0;
+        let mut before = N::constant(1.0);
         let mut last_ratio = ratio(1.0);
-        let mut term = last_ratio * ((p + 1.0) * y + (q + 1.0) * x);
+        let mut term = (y * (p + 1.0) + x * (q + 1.0)) * last_ratio;
         let mut sum = before + term;
+        let both = x + y;
         let difference = y - x;
-        let mixed = (p * p - q * q) * difference;
+        let mixed = difference * (p * p - q * q);
         let square = difference * difference;
         let mut s = 1.0;
-        let mut half_way = term;
+        let mut half_way = term.value();
         for number in 2..=SERIES_LIMIT {
-            if term < SERIES_TOLERANCE * sum {
+            if term.is_below(SERIES_TOLERANCE, sum) {
                 return sum;
             }
             s += 1.0;
             let twice = 2.0 * s + w;
             let scale = (2.0 * s * (s + w) * (twice - 2.0)).recip();
-            let first = (twice - 1.0) * (twice * (twice - 2.0) * (x + y) + mixed) * scale;
-            let second = 2.0 * (s + p - 1.0) * (s + q - 1.0) * twice * square * scale;
+            let first = (both * (twice * (twice - 2.0)) + mixed) * ((twice - 1.0) * scale);
+            let second = square * (2.0 * (s + p - 1.0) * (s + q - 1.0) * twice * scale);
             let ratio = ratio(s);
-            let next = ratio * (first * term - second * last_ratio * before);
+            let next = (first * term - second * before * last_ratio) * ratio;
             (before, term, last_ratio) = (term, next, ratio);
-            sum += term;
+            sum = sum + term;
             if number == SERIES_LIMIT / 2 {
-                half_way = term;
+                half_way = term.value();
             }
         }
         // Where discs touch the terms go as s^(-5/2) (1 + c/s), and the rest is as their integral from s + 1/2 on.
-        let c = s * (1.0 - 0.5_f64.powf(-2.5) * term / half_way);
+        // Their derivatives go as s^(-3/2).
+        let c = s * (1.0 - 0.5_f64.powf(-2.5) * term.value() / half_way);
         let from = s + 0.5;
         let rest = from.powf(-1.5) / 1.5 + c * from.powf(-2.5) / 2.5;
-        sum + term * s.powf(2.5) / (1.0 + c / s) * rest
+        let of_value = s.powf(2.5) / (1.0 + c / s) * rest;
+        sum + term.scaled_apart(of_value, 2.0 * s.powf(1.5) * from.powf(-0.5))
     }
 }
 
@@ -138,6 +155,8 @@ pub(crate) struct PairCoupling {
     series: Vec<Series>,
     /// Whether pillars act as flat punches on the centres of the others, without series.
     flat_punches: Option<RadialFunction>,
+    /// Whether it is the derivative with respect to the logarithm of the distance instead.
+    by_distance: bool,
     /// Entries with source index >= receiver index, row by row.
     entries: Vec<Entry>,
 }
@@ -176,6 +195,7 @@ impl PairCoupling {
             pitch,
             series,
             flat_punches: None,
+            by_distance: false,
             entries,
         }
     }
@@ -186,6 +206,14 @@ impl PairCoupling {
         Self {
             flat_punches: Some(RadialFunction::new(0, 0)),
             ..Self::new(0, pitch)
+        }
+    }
+
+    /// The derivative with respect to the logarithm of the distance in place of the coupling: what a pitch changes. It has the same symmetries.
+    pub(crate) fn by_distance(&self) -> Self {
+        Self {
+            by_distance: true,
+            ..self.clone()
         }
     }
 
@@ -225,7 +253,11 @@ impl PairCoupling {
             return;
         }
         for (value, series) in radial.iter_mut().zip(&self.series) {
-            *value = series.value(discs);
+            *value = if self.by_distance {
+                series.derivatives(discs)[0]
+            } else {
+                series.value(discs)
+            };
         }
     }
 
@@ -266,12 +298,46 @@ impl PairCoupling {
         let differ = receiver.to_bits() != source.to_bits();
         let exchanged = differ.then(|| radial_of(source, receiver));
         let exchanged = exchanged.as_ref().unwrap_or(&radial);
+        self.fill_block([&radial, exchanged], direction, block);
+    }
+
+    /// The derivatives of that block with respect to the logarithm of the distance, and to that of the receiver's radius.
+    pub(crate) fn block_derivatives(
+        &self,
+        [x, y]: [f64; 2],
+        [receiver, source]: [f64; 2],
+        [by_distance, by_receiver]: [&mut [f64]; 2],
+    ) {
+        let distance = x.hypot(y);
+        let direction = [x / distance, y / distance];
+        let radial_of = |receiver: f64, source: f64| -> Vec<[f64; 3]> {
+            let discs = Discs {
+                receiver,
+                source,
+                distance,
+            };
+            let of_series = |series: &Series| series.derivatives(discs);
+            self.series.iter().map(of_series).collect()
+        };
+        let radial = radial_of(receiver, source);
+        let exchanged = radial_of(source, receiver);
+        let part = |of: &[[f64; 3]], k: usize| -> Vec<f64> { of.iter().map(|d| d[k]).collect() };
+        let parts =
+            |k: usize, exchanged_k: usize| [part(&radial, k), part(&exchanged, exchanged_k)];
+        for (block, [radial, exchanged]) in [(by_distance, parts(0, 0)), (by_receiver, parts(1, 2))]
+        {
+            self.fill_block([&radial, &exchanged], direction, block);
+        }
+    }
+
+    /// A block from its radial parts, and from those with receiver and source exchanged.
+    fn fill_block(&self, [radial, exchanged]: [&[f64]; 2], direction: [f64; 2], block: &mut [f64]) {
         let count = self.modes.len();
         let mut entries = self.entries.iter();
         for row in 0..count {
             for column in row..count {
                 let Some(entry) = entries.next() else { return };
-                block[row * count + column] = entry.value(&radial, direction);
+                block[row * count + column] = entry.value(radial, direction);
                 if column > row {
                     // C_ji(D; a, a') = C_ij(-D; a', a) = (-1)^(l + l') C_ij(D; a', a)
                     let odd = (entry.receiver.degree + entry.source.degree) % 2 == 1;
@@ -463,6 +529,56 @@ mod tests {
             block[0]
         );
         assert!(block[6..].iter().all(|value| *value == 0.0));
+    }
+
+    /// Central differences of blocks, and `C(s D; s a, s a') = C/s` for the derivatives.
+    #[test]
+    fn derivatives_of_blocks() {
+        let degree = 4;
+        let count = mode_count(degree);
+        let pair = PairCoupling::new(degree, 4.0);
+        for (offset, [a, b]) in [([1.4, -0.6], [0.9, 0.4]), ([2.9, 2.5], [1.0, 1.0])] {
+            let at = |distance: f64, receiver: f64, source: f64| {
+                let mut block = vec![0.0; count * count];
+                let offset = offset.map(|x: f64| x * distance.exp());
+                pair.block_of(offset, [a * receiver.exp(), b * source.exp()], &mut block);
+                block
+            };
+            let difference = |step: &dyn Fn(f64) -> Vec<f64>| -> Vec<f64> {
+                let h = 1e-3;
+                let ends = [step(h), step(-h), step(2.0 * h), step(-2.0 * h)];
+                (0..count * count)
+                    .map(|k| {
+                        let [near, far] = [0, 2].map(|n| ends[n][k] - ends[n + 1][k]);
+                        (8.0 * near - far) / (12.0 * h)
+                    })
+                    .collect()
+            };
+            let (mut distance, mut receiver) = (at(0.0, 0.0, 0.0), at(0.0, 0.0, 0.0));
+            let block = distance.clone();
+            pair.block_derivatives(offset, [a, b], [&mut distance, &mut receiver]);
+            let mut alone = vec![0.0; count * count];
+            pair.by_distance().block_of(offset, [a, b], &mut alone);
+            assert!(
+                distance
+                    .iter()
+                    .zip(&alone)
+                    .all(|(x, y)| (x - y).abs() < 1e-14)
+            );
+            let source: Vec<f64> = (0..count * count)
+                .map(|k| -block[k] - distance[k] - receiver[k])
+                .collect();
+            for (found, expected) in [
+                (distance, difference(&|h| at(h, 0.0, 0.0))),
+                (receiver, difference(&|h| at(0.0, h, 0.0))),
+                (source, difference(&|h| at(0.0, 0.0, h))),
+            ] {
+                for (found, expected) in found.iter().zip(&expected) {
+                    let error = (found - expected).abs();
+                    assert!(error < 1e-9, "{found} {expected}");
+                }
+            }
+        }
     }
 
     #[test]

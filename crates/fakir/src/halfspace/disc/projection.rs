@@ -45,6 +45,17 @@ impl LensProjector {
 
     /// `- ∫ Y_i f dOmega` over the pillar top of that centre and radius, for as many modes as `load` holds.
     pub(crate) fn project(&self, lens: &Lens, centre: Point, radius: f64, load: &mut [f64]) {
+        self.project_function(centre, radius, |at, _| -lens.sag_with_brim(at), load);
+    }
+
+    /// `∫ Y_i g dOmega` of any function of the places on that top, from the lens axis and on the unit disc.
+    pub(crate) fn project_function(
+        &self,
+        centre: Point,
+        radius: f64,
+        function: impl Fn(Point, Point) -> f64,
+        load: &mut [f64],
+    ) {
         load.fill(0.0);
         for (point, row) in self
             .points
@@ -52,9 +63,9 @@ impl LensProjector {
             .zip(self.weights.chunks_exact(self.count))
         {
             let at = [0, 1].map(|k| centre[k] + radius * point[k]);
-            let sag = lens.sag_with_brim(at);
+            let wanted = function(at, *point);
             for (value, weight) in load.iter_mut().zip(row) {
-                *value -= weight * sag;
+                *value += weight * wanted;
             }
         }
     }

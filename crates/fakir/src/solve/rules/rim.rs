@@ -47,6 +47,45 @@ pub(crate) struct Sliver {
     depth: f64,
 }
 
+/// How the contact on a sliver changes with one of its measures, and that with the load.
+#[derive(Debug, Clone)]
+pub(crate) struct Motion {
+    /// Change of the leading coefficients with the measure, the load and the cells in contact kept.
+    pub(crate) coefficients: Vec<f64>,
+    /// Change of the measure with the load.
+    pub(crate) by_load: Vec<f64>,
+}
+
+impl Sliver {
+    /// The same with one of its measures another by a part of the half angle, or of the depth.
+    fn moved(&self, measure: usize, part: f64) -> (Self, f64) {
+        let mut moved = *self;
+        let (value, size) = match measure {
+            0 => (&mut moved.direction, self.half_angle),
+            1 => (&mut moved.half_angle, self.half_angle),
+            _ => (&mut moved.depth, self.depth),
+        };
+        *value += part * size;
+        (moved, size)
+    }
+}
+
+/// Step of differences, relative to what they are of: their error goes as its fourth power.
+const STEP: f64 = 1e-3;
+
+/// The derivative at zero from values at four places.
+fn derivative<E>(mut function: impl FnMut(f64) -> Result<Vec<f64>, E>) -> Result<Vec<f64>, E> {
+    let mut sum = Vec::new();
+    for (place, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
+        let values = function(place * STEP)?;
+        sum.resize(values.len(), 0.0);
+        for (sum, value) in sum.iter_mut().zip(values) {
+            *sum += weight / (12.0 * STEP) * value;
+        }
+    }
+    Ok(sum)
+}
+
 /// The modes along the rim.
 pub(crate) struct Rim {
     basis: BasisEvaluator,
@@ -149,6 +188,16 @@ impl Rim {
     /// The sliver along the rim that is asked to come down, if that is all that is. It may be a little larger
     /// where it was one `before`.
     pub(crate) fn sliver(&mut self, load: &[f64], before: bool) -> Option<Sliver> {
+        let [direction, left, right, depth] = self.ends(load, before)?;
+        Some(Sliver {
+            direction,
+            half_angle: left.max(right),
+            depth,
+        })
+    }
+
+    /// Its direction, how far it reaches from there to either side, and its depth.
+    fn ends(&mut self, load: &[f64], before: bool) -> Option<[f64; 4]> {
         let slack = if before { HYSTERESIS } else { 1.0 };
         let [largest_angle, largest_depth] = LARGEST.map(|largest| largest * slack);
         let (place, _) = self.highest_place(load);
@@ -166,11 +215,33 @@ impl Rim {
                 self.wanted(load, direction + side * angle, 0.0)
             })
         });
-        (depth > SHALLOWEST).then_some(Sliver {
-            direction,
-            half_angle: left?.max(right?),
-            depth,
-        })
+        (depth > SHALLOWEST).then_some([direction, left?, right?, depth])
+    }
+}
+
+impl Rim {
+    /// The sliver of a load, and how its measures change with that; `None` where it is only just there.
+    fn moving_sliver(&mut self, load: &[f64]) -> Option<(Sliver, [Vec<f64>; 3])> {
+        let sliver = self.sliver(load, true)?;
+        // The same side decides, as far as steps go.
+        let [_, left, right, _] = self.ends(load, true)?;
+        let side = if left > right { 1 } else { 2 };
+        let (place, _) = self.highest_place(load);
+        let (_, height) = self.maximum_near(load, place);
+        let mut derivatives = [(); 3].map(|()| vec![0.0; load.len()]);
+        let mut moved = load.to_vec();
+        for mode in 0..load.len() {
+            let measures = derivative(|part| {
+                moved[mode] = load[mode] + part * height;
+                let ends = self.ends(&moved, true).ok_or(())?;
+                Ok::<_, ()>(vec![ends[0], ends[side], ends[3]])
+            });
+            moved[mode] = load[mode];
+            for (derivative, value) in derivatives.iter_mut().zip(measures.ok()?) {
+                derivative[mode] = value / height;
+            }
+        }
+        Some((sliver, derivatives))
     }
 }
 
@@ -204,6 +275,8 @@ pub(crate) struct RimSolver {
     lead: usize,
     room: Vec<f64>,
     cells: Vec<Cell>,
+    /// Whether cells of two rings some sectors apart count as far from each other.
+    far: Vec<bool>,
 }
 
 /// A cell, by its middle in polar coordinates of the pillar and its extents.
@@ -233,11 +306,12 @@ impl RimSolver {
             lead,
             room: vec![0.0; size * lead],
             cells: Vec::with_capacity(size),
+            far: vec![false; across_pairs(resolution.rings) * shape[0]],
         }
     }
 
-    /// Divides a sliver into cells, ring by ring.
-    fn divide(&mut self, sliver: &Sliver) {
+    /// Divides a sliver into cells, ring by ring. What is near and far may be as of the sliver before: influences change smoothly then.
+    fn divide(&mut self, sliver: &Sliver, as_before: bool) {
         let [along, across] = self.shape;
         let step = 2.0 * sliver.half_angle / along as f64;
         let depth = |ring: usize| sliver.depth * (ring as f64 / across as f64).powi(2);
@@ -268,11 +342,16 @@ impl RimSolver {
         // The same for all pairs of sectors equally far apart.
         let size = along * across;
         let column = 0.5 * self.column_compliance_ratio;
+        let mut pairs = self.far.iter_mut();
         for ring in 0..across {
             for other in ring..across {
                 let (a, b) = (self.cells[ring * along], self.cells[other * along]);
-                for apart in 0..along {
-                    let value = mean_influence(&a, &b, step * apart as f64) + column;
+                for (apart, far) in pairs.by_ref().take(along).enumerate() {
+                    let angle = step * apart as f64;
+                    if !as_before {
+                        *far = are_far(&a, &b, angle);
+                    }
+                    let value = mean_influence(&a, &b, angle, *far) + column;
                     for first in 0..along - apart {
                         for [i, j] in [[first, first + apart], [first + apart, first]] {
                             let (row, col) = (ring * along + i, other * along + j);
@@ -293,7 +372,50 @@ impl RimSolver {
         load: &[f64],
         active: &mut Vec<bool>,
     ) -> Pivoting {
-        self.divide(sliver);
+        self.divide(sliver, false);
+        self.prepare(load);
+        if active.len() != self.cells.len() {
+            *active = self.pivot.constant.iter().map(|gap| *gap < 0.0).collect();
+        }
+        self.pivot.solve(&self.influence, active)
+    }
+
+    /// Coefficients under another load on the cells of the last solution, those in contact held.
+    pub(crate) fn respond_held(&mut self, load: &[f64], active: &[bool], coefficients: &mut [f64]) {
+        self.prepare(load);
+        self.pivot.solve_active(&self.influence, active);
+        self.coefficients(coefficients);
+    }
+
+    /// How the contact on the sliver of a load moves with the load, the cells in contact held; `None` where it is only just there. Afterwards the
+    /// cells are those of another sliver.
+    pub(crate) fn motions(
+        &mut self,
+        rim: &mut Rim,
+        load: &[f64],
+        active: &[bool],
+    ) -> Option<Vec<Motion>> {
+        let (sliver, by_load) = rim.moving_sliver(load)?;
+        self.divide(&sliver, false);
+        let of_measure = |(measure, by_load): (usize, Vec<f64>)| {
+            let (_, size) = sliver.moved(measure, 0.0);
+            let change = derivative(|part| {
+                self.divide(&sliver.moved(measure, part).0, true);
+                let mut coefficients = vec![0.0; self.lead];
+                self.respond_held(load, active, &mut coefficients);
+                Ok::<_, Infallible>(coefficients)
+            });
+            let change = change.unwrap_or_else(|never| match never {});
+            Motion {
+                coefficients: change.into_iter().map(|c| c / size).collect(),
+                by_load,
+            }
+        };
+        Some(by_load.into_iter().enumerate().map(of_measure).collect())
+    }
+
+    /// Gaps without forces, `-V b`.
+    fn prepare(&mut self, load: &[f64]) {
         let wanted = self.values.chunks_exact(self.count).map(|values| {
             let terms = values.iter().zip(load);
             terms.map(|(y, b)| y * b).sum::<f64>()
@@ -301,10 +423,6 @@ impl RimSolver {
         for (constant, wanted) in self.pivot.constant.iter_mut().zip(wanted) {
             *constant = -wanted;
         }
-        if active.len() != self.cells.len() {
-            *active = self.pivot.constant.iter().map(|gap| *gap < 0.0).collect();
-        }
-        self.pivot.solve(&self.influence, active)
     }
 
     /// `c = V' f`, as many as `coefficients` holds.
@@ -381,18 +499,31 @@ impl Cell {
     }
 }
 
-/// Mean displacement of one cell per force on another whose sector is `angle` away: the mean of `1/(pi r)`.
-fn mean_influence(one: &Cell, other: &Cell, angle: f64) -> f64 {
-    /// Distance over the longest side from which the second moments of the cells are enough.
+/// Number of pairs of rings.
+fn across_pairs(rings: usize) -> usize {
+    rings * (rings + 1) / 2
+}
+
+/// How far apart the centres of two cells are, whose sectors are `angle` apart, along the rim and across.
+fn apart(one: &Cell, other: &Cell, angle: f64) -> Point {
+    let along = 2.0 * (one.radius * other.radius).sqrt() * (0.5 * angle).sin();
+    [along, one.radius - other.radius]
+}
+
+/// Whether the second moments of the cells are enough.
+fn are_far(one: &Cell, other: &Cell, angle: f64) -> bool {
+    /// Distance over the longest side from which they are.
     const FAR: f64 = 4.0;
-    let x = 2.0 * (one.radius * other.radius).sqrt() * (0.5 * angle).sin();
-    let y = one.radius - other.radius;
-    let distance = x.hypot(y);
-    let longest = [one, other]
-        .iter()
-        .flat_map(|cell| cell.sides)
-        .fold(0.0, f64::max);
-    let mean = if distance > FAR * longest {
+    let [x, y] = apart(one, other, angle);
+    let sides = [one, other].into_iter().flat_map(|cell| cell.sides);
+    x.hypot(y) > FAR * sides.fold(0.0, f64::max)
+}
+
+/// Mean displacement of one cell per force on another whose sector is `angle` away: the mean of `1/(pi r)`.
+fn mean_influence(one: &Cell, other: &Cell, angle: f64, far: bool) -> f64 {
+    let [x, y] = apart(one, other, angle);
+    let mean = if far {
+        let distance = x.hypot(y);
         // 1/r and its second derivatives times the variances of the differences of coordinates.
         let [x_variance, y_variance] =
             [0, 1].map(|axis| (one.sides[axis].powi(2) + other.sides[axis].powi(2)) / 12.0);

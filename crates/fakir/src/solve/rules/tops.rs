@@ -4,7 +4,7 @@
 //! pressure. With these frozen the top answers linearly to its load. [`update`](Tops::update) solves every top under its load as it is and
 //! takes over its state.
 
-use super::rim::Rim;
+use super::rim::{Motion, Rim};
 use super::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::{UNIT_FORCE, degree_with, mode_count};
@@ -12,7 +12,7 @@ use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::convergence::larger;
 use crate::numerics::vector::{dot, subtract};
 use crate::numerics::workers::Workers;
-use crate::problem::Lens;
+use crate::problem::{Lens, Point};
 use crate::solve::frozen::Rule;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
@@ -199,6 +199,13 @@ impl Tops {
         load
     }
 
+    /// Of every pillar touched in part, its nodes without pressure, or its cells with it.
+    #[cfg(test)]
+    pub(crate) fn partial_states(&self) -> Vec<(usize, Vec<bool>)> {
+        let of = |partial: &Partial| (partial.pillar, partial.active.clone());
+        self.partial.iter().map(of).collect()
+    }
+
     /// All moments of a partially touched pillar under a load, starting from its state.
     pub(crate) fn partial_coefficients(
         &self,
@@ -206,16 +213,82 @@ impl Tops {
         load: &[f64],
         solver: &mut LocalSolver,
     ) -> Vec<f64> {
+        self.held_responses(pillar, load, &[], solver).0
+    }
+
+    /// The same, and by how much changes of the leading load change all moments with the state of the pillar held.
+    pub(crate) fn held_responses(
+        &self,
+        pillar: usize,
+        load: &[f64],
+        changes: &[&[f64]],
+        solver: &mut LocalSolver,
+    ) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let (top, active) = self.solve_again(pillar, load, solver);
+        let radius = self.sites.body(pillar).radius;
+        let mut coefficients = vec![0.0; top.count()];
+        solver.coefficients(&top, load, &mut coefficients);
+        scale(&mut coefficients, radius);
+        let mut respond = |change: &&[f64]| {
+            let mut response = vec![0.0; top.count()];
+            solver.respond_held(&top, change, &active, &mut response);
+            scale(&mut response, radius);
+            response
+        };
+        (coefficients, changes.iter().map(&mut respond).collect())
+    }
+
+    /// The top of a partially touched pillar with its state, solved under a load from that on.
+    fn solve_again(
+        &self,
+        pillar: usize,
+        load: &[f64],
+        solver: &mut LocalSolver,
+    ) -> (Cow<'_, PillarTop>, Vec<bool>) {
         let top = self.top_of(pillar);
         let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
             Some(partial) => partial.active.clone(),
             None => solver.first_guess(&top, load),
         };
         solver.solve(&top, load, &mut active);
-        let mut coefficients = vec![0.0; top.count()];
-        solver.coefficients(&top, load, &mut coefficients);
-        scale(&mut coefficients, self.sites.body(pillar).radius);
-        coefficients
+        (top, active)
+    }
+
+    /// The pillars that are touched on a sliver of their rim.
+    pub(crate) fn slivers(&self) -> impl Iterator<Item = usize> {
+        let on_cells = |partial: &&Partial| partial.active.len() != self.top.count();
+        self.partial
+            .iter()
+            .filter(on_cells)
+            .map(|partial| partial.pillar)
+    }
+
+    /// How the moments of a pillar that is touched on a sliver change as that moves with its load; `None` of one that is only just there.
+    pub(crate) fn sliver_motions(
+        &self,
+        pillar: usize,
+        load: &[f64],
+        solver: &mut LocalSolver,
+    ) -> Option<Vec<Motion>> {
+        let (_, active) = self.solve_again(pillar, load, solver);
+        let mut motions = solver.motions(load, &active)?;
+        for motion in &mut motions {
+            scale(&mut motion.coefficients, self.sites.body(pillar).radius);
+        }
+        Some(motions)
+    }
+
+    /// `∫ Y_i g dOmega` over the top of a pillar, in as many modes as `load` holds, of a function of the places on it, from the lens axis and on
+    /// the unit disc.
+    pub(crate) fn project_function(
+        &self,
+        pillar: usize,
+        function: impl Fn(Point, Point) -> f64,
+        load: &mut [f64],
+    ) {
+        let (centre, radius) = (self.sites.centres()[pillar], self.sites.body(pillar).radius);
+        self.projector
+            .project_function(centre, radius, function, load);
     }
 
     /// Coefficients of the gap over a pillar top, `Lam m/a - b` with its moments `m`.

@@ -9,7 +9,7 @@
 //!
 //! A sliver of contact along the rim lies between the nodes; it is solved on [cells](super::rim) instead.
 
-use super::rim::{Rim, RimSolver, Sliver};
+use super::rim::{Motion, Rim, RimSolver, Sliver};
 use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with, mode_count};
 use crate::halfspace::disc::nodes::{Resolution, bos_array};
 use crate::numerics::convergence::{larger, smaller, within};
@@ -289,6 +289,33 @@ impl LocalSolver {
         }
         for (c, lambda) in coefficients.iter_mut().zip(&top.compliance) {
             *c /= lambda;
+        }
+    }
+
+    /// Coefficients under another load, of any sign, with the nodes or cells of the last solution held as they are.
+    pub(crate) fn respond_held(
+        &mut self,
+        top: &PillarTop,
+        load: &[f64],
+        active: &[bool],
+        coefficients: &mut [f64],
+    ) {
+        if self.on_cells
+            && let Some(cells) = &mut self.cells
+        {
+            return cells.respond_held(load, active, coefficients);
+        }
+        self.prepare(top, load);
+        self.pivot.solve_active(&top.response, active);
+        self.coefficients(top, load, coefficients);
+    }
+
+    /// How the sliver that was solved last moves with its load: nothing does on nodes. `None` of one that is only just there. Solve again before
+    /// asking for anything else.
+    pub(crate) fn motions(&mut self, load: &[f64], active: &[bool]) -> Option<Vec<Motion>> {
+        match (&mut self.cells, &mut self.rim) {
+            (Some(cells), Some(rim)) if self.on_cells => cells.motions(rim, load, active),
+            _ => Some(Vec::new()),
         }
     }
 

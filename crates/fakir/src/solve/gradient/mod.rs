@@ -1,0 +1,242 @@
+//! Derivatives of a contact with respect to the quantities of its system: those of its [scene] by the chain rule.
+
+pub(crate) mod scene;
+#[cfg(test)]
+mod tests;
+
+use self::scene::{OfScene, SceneDerivatives, scene_derivatives};
+use super::answers::{find_patch, homogenised_radius, lowest_point};
+use super::assembled::{OfFloor, PillarMethod, assemble, refined};
+use super::newton::{Newton, Purpose};
+use super::spectral::{degrees, solve_punch, solve_spectral};
+use crate::problem::pillar_field::PillarBody;
+use crate::problem::scaled::Scene;
+use crate::problem::{
+    Accuracy, Arrangement, Control, FloorModel, LatticeForm, Material, PunchForm, Quantity, System,
+};
+use crate::state::{
+    ContactState, Derivatives, Gradient, PillarStatus, Run, SolveError, Termination,
+};
+use std::f64::consts::PI;
+
+/// The contact of the spectral method under what is prescribed, which has been checked, with its derivatives.
+pub(crate) fn gradient(
+    system: &System,
+    control: Control,
+    accuracy: Accuracy,
+    run: &Run<'_>,
+) -> Result<Gradient, SolveError> {
+    let scene = Scene::new(system);
+    let target = match control {
+        Control::Indentation(indentation) => Control::Indentation(indentation / scene.length),
+        Control::Force(force) => Control::Force(force / scene.force()),
+        Control::FloorContact => Control::FloorContact,
+    };
+    let first_touch = scene.first_touch();
+    let touches_nothing = match target {
+        Control::Indentation(indentation) => indentation <= first_touch,
+        Control::Force(force) => force <= 0.0,
+        Control::FloorContact => first_touch >= scene.height,
+    };
+    if touches_nothing {
+        return Err(refused("no pillar is touched; raise the load"));
+    }
+    if find_patch(&scene, target).is_some() {
+        return Err(refused(
+            "the lens touches a part of one pillar top and nothing else, and so does not see its texture; raise the load",
+        ));
+    }
+    let guess = homogenised_radius(system, &scene, target);
+    let form = PunchForm::Corrected;
+    let punch = solve_punch(&scene, target, guess, form, Purpose::Start, run)?;
+    let mut solution = solve_spectral(&scene, target, punch, degrees(accuracy, &scene), run)?;
+    if solution.outcome.termination != Termination::Converged {
+        return Err(refused("the contact did not converge"));
+    }
+    if !solution.newton.sharpen(target, &mut solution.outcome)? {
+        return Err(refused(
+            "the states of the pillars do not settle; change the load a little",
+        ));
+    }
+    let indentation = solution.outcome.indentation;
+    let lowest = lowest_point(target, &mut solution);
+    let enters = target != Control::FloorContact
+        && lowest.is_some_and(|point| point.indentation < indentation);
+    if enters && system.floor_model() == FloorModel::Contact {
+        return Err(refused(
+            "the floor between the pillars bears a part of the load; lower the load, or ignore the floor",
+        ));
+    }
+    let derivatives = scene_derivatives(&mut solution.newton, solution.outcome.floor)?;
+    let error = refined(&mut solution, target, run)?;
+    let method = PillarMethod::Spectral(accuracy);
+    let floor = OfFloor::Lowest(lowest);
+    let mut contact = assemble(system, &scene, target, method, &solution, floor, error)?;
+    if target == Control::FloorContact {
+        contact.smallest_floor_gap = 0.0; // but for rounding
+    }
+    let units = Units {
+        system,
+        scene: &scene,
+        newton: &solution.newton,
+        derivatives: &derivatives,
+        contact: &contact,
+    };
+    let stiffness = derivatives.stiffness * scene.force() / scene.length;
+    let at_depth = units.of_force();
+    let (force, indentation) = match (control, &derivatives.floor) {
+        (Control::Indentation(_), _) => (Some(at_depth), None),
+        (Control::Force(_), _) => (None, Some(at_depth.times(-1.0 / stiffness))),
+        (Control::FloorContact, Some(of_scene)) => {
+            let indentation = units.of_indentation(of_scene);
+            (
+                Some(at_depth.plus(stiffness, &indentation)),
+                Some(indentation),
+            )
+        }
+        (Control::FloorContact, None) => {
+            return Err(refused("the floor is not reached anywhere"));
+        }
+    };
+    let area = units.of_area();
+    Ok(Gradient {
+        stiffness,
+        force,
+        indentation,
+        area,
+        contact,
+    })
+}
+
+/// Whether all places are in proportion to the pitch.
+fn has_one_pitch(arrangement: &Arrangement) -> bool {
+    match arrangement {
+        Arrangement::Hexagonal(_) => true,
+        Arrangement::Lattice(lattice) => matches!(
+            lattice.form,
+            LatticeForm::Hexagonal { .. } | LatticeForm::Square { .. }
+        ),
+        Arrangement::Listed(_) => false,
+    }
+}
+
+fn refused(why: &'static str) -> SolveError {
+    SolveError::NoGradient { why }
+}
+
+/// What takes derivatives to SI units.
+struct Units<'u, 'n> {
+    system: &'u System,
+    scene: &'u Scene,
+    newton: &'u Newton<'n>,
+    derivatives: &'u SceneDerivatives,
+    contact: &'u ContactState,
+}
+
+impl Units<'_, '_> {
+    /// Of the force, the indentation kept.
+    fn of_force(&self) -> Derivatives {
+        // It is `E*` times a number that depends on moduli by the column compliance ratio alone.
+        self.converted(
+            &self.derivatives.force,
+            self.scene.force(),
+            self.contact.force,
+        )
+    }
+
+    /// Of the indentation at which the floor is reached.
+    fn of_indentation(&self, of_scene: &OfScene) -> Derivatives {
+        self.converted(of_scene, self.scene.length, 0.0)
+    }
+
+    /// `unit` is that of the result, `by_modulus` its derivative with the logarithm of `E*`, the column compliance ratio kept.
+    fn converted(&self, of_scene: &OfScene, unit: f64, by_modulus: f64) -> Derivatives {
+        let (system, length) = (self.system, self.scene.length);
+        let pillar = system.pillar();
+        let touched = || {
+            let each = self.derivatives.places.iter().zip(&of_scene.raised);
+            each.zip(&of_scene.column).map(|((place, raised), column)| {
+                (self.newton.tops.sites.body(*place), raised, column)
+            })
+        };
+        // By the logarithm of the compliance ratio of all columns.
+        let by_columns: f64 = touched()
+            .map(|(body, _, column)| body.column_compliance_ratio * column)
+            .sum();
+        let columns = unit * by_columns;
+        // The ratio goes as `E* h/(E_s d)`, and `1/E* = c` is the sum over both bodies.
+        let modulus = system.reduced_modulus();
+        let by_compliance = -(by_modulus + columns) * modulus;
+        let young = |material: &Material| {
+            -by_compliance * material.plane_strain_compliance() / material.young_modulus
+        };
+        let poisson = |material: &Material| {
+            -by_compliance * 2.0 * material.poisson_ratio / material.young_modulus
+        };
+        let (lens, substrate) = (&system.lens().material, system.substrate());
+        let mut quantities = vec![
+            (Quantity::LensRadius, unit * of_scene.lens_radius / length),
+            (Quantity::LensYoungModulus, young(lens)),
+            (Quantity::LensPoissonRatio, poisson(lens)),
+            (
+                Quantity::SubstrateYoungModulus,
+                young(substrate) - columns / substrate.young_modulus,
+            ),
+            (Quantity::SubstratePoissonRatio, poisson(substrate)),
+        ];
+        // Listed pillars have heights, diameters and places of their own.
+        if !matches!(system.arrangement(), Arrangement::Listed(_)) {
+            let by_diameter = (unit * of_scene.all_radii - columns) / pillar.diameter;
+            quantities.push((Quantity::PillarDiameter, by_diameter));
+            // Heights that scatter do so in proportion.
+            let above = |(body, raised, _): (&PillarBody, &f64, &f64)| raised * body.raised;
+            let above: f64 = touched().map(above).sum::<f64>() / self.scene.height;
+            let by_height = unit * (of_scene.depth + above) / length + columns / pillar.height;
+            quantities.push((Quantity::PillarHeight, by_height));
+        }
+        if has_one_pitch(system.arrangement()) {
+            let by_pitch = unit * of_scene.distances / system.pitch();
+            quantities.push((Quantity::Pitch, by_pitch));
+        }
+        let sites = &self.newton.tops.sites;
+        let of_index = |index: (i64, i64)| {
+            let place = sites.find(index)?;
+            let number = self.derivatives.places.binary_search(&place).ok()?;
+            let [raised, column] = [of_scene.raised[number], of_scene.column[number]];
+            let body = sites.body(place);
+            let height = (self.scene.height + body.raised) * length;
+            let value = unit * (raised / length + column * body.column_compliance_ratio / height);
+            Some((index, value))
+        };
+        let indices = self.contact.pillars.iter().map(|pillar| pillar.index);
+        Derivatives {
+            heights: indices.filter_map(of_index).collect(),
+            quantities,
+            column_compliance: {
+                let share = |(body, _, column): (&PillarBody, &f64, &f64)| {
+                    column * (1.0 + body.raised / self.scene.height) / body.radius
+                };
+                unit * touched().map(share).sum::<f64>() * pillar.diameter * modulus
+            },
+        }
+    }
+
+    /// Of the area of contact: no more than the area of every top, as long as all are touched in full.
+    fn of_area(&self) -> Option<Derivatives> {
+        let pillars = &self.contact.pillars;
+        let all_in_full = pillars
+            .iter()
+            .all(|pillar| pillar.status == PillarStatus::Full);
+        let none = self.of_force().times(0.0);
+        let diameter = self.system.pillar().diameter;
+        let by_diameter = 0.5 * PI * diameter * pillars.len() as f64;
+        let of_quantity = |(quantity, zero): (Quantity, f64)| {
+            let is_diameter = quantity == Quantity::PillarDiameter;
+            (quantity, if is_diameter { by_diameter } else { zero })
+        };
+        all_in_full.then(|| Derivatives {
+            quantities: none.quantities.into_iter().map(of_quantity).collect(),
+            ..none
+        })
+    }
+}

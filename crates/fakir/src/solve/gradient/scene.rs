@@ -1,0 +1,378 @@
+//! Derivatives of a solved state with respect to what its scene is made of, exact as long as no pillar changes its state.
+//!
+//! With the states frozen the moments obey `A m = b` with a symmetric `A = S + C`, on tops touched in part within the moments that leave their
+//! nodes without pressure at zero. So a change of the scene that changes the load by `db` and the operator by `dA` changes a result `w·m` by
+//!
+//! ```text
+//! v·(db - dA m),      A v = w.
+//! ```
+//!
+//! The force is `b1·m`, and its `v` is the response `m1` to a unit indentation. The floor is reached where
+//! `zeta = h + f(x) + W(x)·m`, and as `zeta` is smallest at that `x` its motion drops out:
+//!
+//! ```text
+//! d zeta_c = (dh + df + dW·m + v·(db - dA m))/(1 - W·m1),      A v = W.
+//! ```
+//!
+//! On tops touched in part `m` and `v` have all moments, not only those that act on other pillars: the lens shape works on them too.
+//! As `S` goes as the inverse radius `a`, and constraints do no work, `v·dS m = -v·l da/a` on each top with the load `l` that it feels.
+//!
+//! A sliver of contact along a rim is solved on cells that move with its load `l`. There `dm = (P + E) dl` with the [motion](Motion) `E`, which is not
+//! symmetric, and `v = (P + E')(w - C v)`. That is iterated: `E` is a hundredth of `P`.
+
+use crate::halfspace::coupling::derivative::CouplingChange;
+use crate::halfspace::coupling::pair::PairCoupling;
+use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::numerics::convergence::{larger, within};
+use crate::numerics::vector::{add_scaled, dot, subtract};
+use crate::problem::{Lens, Point};
+use crate::solve::floor::{FloorDisplacement, FloorPoint, LoadedDiscs};
+use crate::solve::newton::{LINEAR_TOLERANCE, Newton};
+use crate::solve::rules::rim::Motion;
+use crate::solve::rules::unilateral::LocalSolver;
+use crate::state::{PillarStatus, SolveError};
+use std::f64::consts::PI;
+
+/// Derivatives of one result, in the units of the solvers. Lists are of the touched pillars.
+#[derive(Debug, Clone)]
+pub(crate) struct OfScene {
+    /// By the height of every touched pillar, its column compliance kept.
+    pub(crate) raised: Vec<f64>,
+    /// By the column compliance ratio of every touched pillar.
+    pub(crate) column: Vec<f64>,
+    /// By the radius of every touched pillar, its column compliance ratio kept; not on a hexagonal lattice.
+    pub(crate) radii: Option<Vec<f64>>,
+    /// By the logarithm of all radii at once, the column compliance ratios kept.
+    pub(crate) all_radii: f64,
+    /// By the logarithm of all distances of the pillars from the lens axis.
+    pub(crate) distances: f64,
+    pub(crate) lens_radius: f64,
+    /// By the depth of the floor under the tops, these kept.
+    pub(crate) depth: f64,
+}
+
+/// Derivatives of a solved state.
+#[derive(Debug, Clone)]
+pub(crate) struct SceneDerivatives {
+    /// The touched pillars.
+    pub(crate) places: Vec<usize>,
+    /// By the indentation.
+    pub(crate) stiffness: f64,
+    /// Of the force, the indentation kept.
+    pub(crate) force: OfScene,
+    /// Of the indentation at which the floor is reached, if that is prescribed.
+    pub(crate) floor: Option<OfScene>,
+}
+
+/// A response `v` to a load `w`.
+struct Adjoint {
+    coefficients: Vec<f64>,
+    /// `w - C v`
+    load: Vec<f64>,
+}
+
+/// Steps of the iteration for slivers before giving up; three to six are typical.
+const STEP_LIMIT: usize = 40;
+
+/// Change of the response by its last step, relative to its largest coefficient.
+const TOLERANCE: f64 = 1e-10;
+
+/// The pillars that are touched on a sliver, with how that moves.
+type Slivers = Vec<(usize, Vec<Motion>)>;
+
+/// The derivatives of a solution that converged.
+pub(crate) fn scene_derivatives(
+    newton: &mut Newton<'_>,
+    floor: Option<FloorPoint>,
+) -> Result<SceneDerivatives, SolveError> {
+    let slivers = slivers(newton)?;
+    let modes = newton.contact.modes();
+    let mut unit_load = vec![0.0; newton.contact.coefficients().len()];
+    for load in unit_load.iter_mut().step_by(modes) {
+        *load = UNIT_FORCE;
+    }
+    let mut adjoints = vec![Adjoint::new(newton, &slivers, &unit_load)?];
+    let stiffness = dot(&adjoints[0].coefficients, &unit_load);
+    let mut amplification = 0.0;
+    if let Some(point) = floor {
+        let load = newton.point_load(point.position);
+        let adjoint = Adjoint::new(newton, &slivers, &load)?;
+        amplification = (1.0 - dot(&adjoint.coefficients, &unit_load)).recip();
+        adjoints.push(adjoint);
+    }
+    let sites = &newton.tops.sites;
+    let is_touched = |place: &usize| newton.tops.status[*place] != PillarStatus::Untouched;
+    let places: Vec<usize> = (0..sites.len()).filter(is_touched).collect();
+    let pair = PairCoupling::new(newton.degree(), newton.scene.field.spacing());
+    let mut moments = vec![newton.contact.coefficients()];
+    moments.extend(
+        adjoints
+            .iter()
+            .map(|adjoint| adjoint.coefficients.as_slice()),
+    );
+    let change = CouplingChange::new(sites, &pair, &places, &moments, newton.run.workers());
+    newton.run.check_cancelled()?;
+    let of_adjoints = by_load_and_operator(newton, &places, &adjoints, &slivers, &change);
+    newton.run.check_cancelled()?;
+    let mut of_adjoints = of_adjoints.into_iter();
+    let force = of_adjoints.next();
+    let floor = of_adjoints.next().zip(floor).map(|(mut of_scene, point)| {
+        add_floor(newton, &places, point.position, &mut of_scene);
+        of_scene.scale(amplification);
+        of_scene
+    });
+    Ok(SceneDerivatives {
+        stiffness,
+        force: force.unwrap_or_else(|| OfScene::none(places.len(), false)),
+        floor,
+        places,
+    })
+}
+
+fn slivers(newton: &Newton<'_>) -> Result<Slivers, SolveError> {
+    let mut solver = LocalSolver::new(&newton.tops.top);
+    let one = |place: usize| {
+        let load = newton.full_load(place);
+        let motions = newton.tops.sliver_motions(place, &load, &mut solver);
+        motions
+            .map(|motions| (place, motions))
+            .ok_or(SolveError::NoGradient {
+                why: "a pillar is only just touched at its rim; change the load a little",
+            })
+    };
+    newton.tops.slivers().map(one).collect()
+}
+
+impl Adjoint {
+    fn new(newton: &mut Newton<'_>, slivers: &Slivers, source: &[f64]) -> Result<Self, SolveError> {
+        let modes = newton.contact.modes();
+        // `v = P (w - C v) + k` with `k = E' (w - C v)`: the response to `w - C k`, and `k`.
+        let mut moved = vec![0.0; source.len()];
+        for _ in 0..STEP_LIMIT {
+            let mut source_left = source.to_vec();
+            subtract(&mut source_left, &newton.contact.coupled(&moved));
+            let response = newton.respond_to(&source_left, LINEAR_TOLERANCE)?;
+            let (mut coefficients, mut load) = (response.coefficients, source_left);
+            add_scaled(&mut coefficients, 1.0, &moved);
+            subtract(&mut load, &response.far);
+            let largest = coefficients.iter().fold(0.0, |a, c| larger(a, c.abs()));
+            let mut change = 0.0;
+            for (place, motions) in slivers {
+                let own = place * modes..(place + 1) * modes;
+                let mut next = vec![0.0; modes];
+                add_motions(motions, &load[own.clone()], &mut next);
+                for (before, next) in moved[own].iter_mut().zip(next) {
+                    change = larger(change, (next - *before).abs());
+                    *before = next;
+                }
+            }
+            if within(change, TOLERANCE * largest) {
+                return Ok(Self { coefficients, load });
+            }
+        }
+        Err(SolveError::NoGradient {
+            why: "its equations did not converge",
+        })
+    }
+}
+
+/// Adds `E'` times a load, in as many modes as there is room for.
+fn add_motions(motions: &[Motion], load: &[f64], response: &mut [f64]) {
+    for Motion {
+        coefficients,
+        by_load,
+    } in motions
+    {
+        let factor = work(coefficients, load);
+        for (response, by_load) in response.iter_mut().zip(by_load) {
+            *response += factor * by_load;
+        }
+    }
+}
+
+impl OfScene {
+    fn none(pillars: usize, with_radii: bool) -> Self {
+        Self {
+            raised: vec![0.0; pillars],
+            column: vec![0.0; pillars],
+            radii: with_radii.then(|| vec![0.0; pillars]),
+            all_radii: 0.0,
+            distances: 0.0,
+            lens_radius: 0.0,
+            depth: 0.0,
+        }
+    }
+
+    fn scale(&mut self, factor: f64) {
+        let lists = [&mut self.raised, &mut self.column];
+        let values = lists.into_iter().chain(&mut self.radii).flatten();
+        let sums = [
+            &mut self.all_radii,
+            &mut self.distances,
+            &mut self.lens_radius,
+            &mut self.depth,
+        ];
+        for value in values.chain(sums) {
+            *value *= factor;
+        }
+    }
+}
+
+/// `v·(db - dA m)` for every adjoint.
+fn by_load_and_operator(
+    newton: &Newton<'_>,
+    places: &[usize],
+    adjoints: &[Adjoint],
+    slivers: &Slivers,
+    change: &CouplingChange,
+) -> Vec<OfScene> {
+    let modes = newton.contact.modes();
+    let (tops, sites) = (&newton.tops, &newton.tops.sites);
+    let lens = &newton.scene.lens;
+    let present = newton.contact.coefficients();
+    let one = |solver: &mut LocalSolver, number: usize| -> Vec<OfPillar> {
+        let place = places[number];
+        let own = place * modes..(place + 1) * modes;
+        let body = sites.body(place);
+        let [x, y] = sites.centres()[place];
+        let is_partial = tops.status[place] == PillarStatus::Partial;
+        let (load, moments, responses) = if is_partial {
+            let load = newton.full_load(place);
+            let changes: Vec<&[f64]> = adjoints
+                .iter()
+                .map(|adjoint| &adjoint.load[own.clone()])
+                .collect();
+            let (moments, responses) = tops.held_responses(place, &load, &changes, solver);
+            (load, moments, responses)
+        } else {
+            let mut load = vec![0.0; modes];
+            newton.contact.load(place, &mut load);
+            let of_adjoint = |adjoint: &Adjoint| adjoint.coefficients[own.clone()].to_vec();
+            let responses = adjoints.iter().map(of_adjoint).collect();
+            (load, present[own.clone()].to_vec(), responses)
+        };
+        // Changes of the load with the lens radius, and with the logarithms of the distances and of the radius.
+        let project = |change: &dyn Fn(Point, Point) -> f64| {
+            let mut changes = vec![0.0; load.len()];
+            tops.project_function(place, change, &mut changes);
+            changes
+        };
+        let by_lens = project(&|at, _| -sag_by_radius(lens, at));
+        let by_distance = project(&|at, _| {
+            let [u, v] = sag_gradient(lens, at);
+            -(u * x + v * y)
+        });
+        let by_radius = project(&|at, on_disc| {
+            let [u, v] = sag_gradient(lens, at);
+            -body.radius * (u * on_disc[0] + v * on_disc[1])
+        });
+        let of_adjoint = |(number, adjoint): (usize, &Adjoint)| {
+            let held: &Vec<f64> = &responses[number];
+            let mut response = held.clone();
+            if let Some((_, motions)) = slivers.iter().find(|(of, _)| *of == place) {
+                add_motions(motions, &adjoint.load[own.clone()], &mut response);
+            }
+            let leading = &adjoint.coefficients[own.clone()];
+            let by_coupling = dot(leading, &change.by_distance[own.clone()]);
+            // The derivatives by the logarithms of all distances and of all radii add up to the negative coupling.
+            let far = &newton.contact.present.far[own.clone()];
+            let all_radii = dot(leading, far) + by_coupling;
+            let own_radius = work(&response, &load) + work(&response, &by_radius);
+            let radius = change.by_receiver.as_ref().map(|of_sets| {
+                // The first set is that of the present moments.
+                let feels = dot(leading, &of_sets[0][own.clone()]);
+                let makes = dot(&present[own.clone()], &of_sets[number + 1][own.clone()]);
+                (own_radius - feels - makes) / body.radius
+            });
+            OfPillar {
+                raised: UNIT_FORCE * response[0],
+                // The column gives way under a sliver without moving that.
+                column: -PI / body.radius * held[0] * moments[0],
+                radius,
+                all_radii: own_radius + all_radii,
+                distance: work(&response, &by_distance) - by_coupling,
+                lens_radius: work(&response, &by_lens),
+            }
+        };
+        adjoints.iter().enumerate().map(of_adjoint).collect()
+    };
+    let solver = || LocalSolver::new(&tops.top);
+    let of_pillars = newton.run.workers().map(places.len(), 1, solver, one);
+    let with_radii = change.by_receiver.is_some();
+    let mut sums = vec![OfScene::none(places.len(), with_radii); adjoints.len()];
+    for (number, of_pillar) in of_pillars.iter().enumerate() {
+        for (sum, of_pillar) in sums.iter_mut().zip(of_pillar) {
+            sum.raised[number] = of_pillar.raised;
+            sum.column[number] = of_pillar.column;
+            if let (Some(radii), Some(radius)) = (&mut sum.radii, of_pillar.radius) {
+                radii[number] = radius;
+            }
+            sum.all_radii += of_pillar.all_radii;
+            sum.distances += of_pillar.distance;
+            sum.lens_radius += of_pillar.lens_radius;
+        }
+    }
+    sums
+}
+
+/// What one pillar has in the derivatives.
+struct OfPillar {
+    raised: f64,
+    column: f64,
+    radius: Option<f64>,
+    all_radii: f64,
+    distance: f64,
+    lens_radius: f64,
+}
+
+/// Work of moments on a load that may have fewer modes.
+fn work(moments: &[f64], load: &[f64]) -> f64 {
+    moments.iter().zip(load).map(|(m, b)| m * b).sum()
+}
+
+/// Adds `dh + df + dW·m`.
+fn add_floor(newton: &Newton<'_>, places: &[usize], point: Point, of_scene: &mut OfScene) {
+    let lens = &newton.scene.lens;
+    let modes = newton.contact.modes();
+    of_scene.depth += 1.0;
+    of_scene.lens_radius += sag_by_radius(lens, point);
+    for (number, &place) in places.iter().enumerate() {
+        let centre = newton.tops.sites.centres()[place];
+        let radius = newton.tops.sites.body(place).radius;
+        let moments = &newton.contact.coefficients()[place * modes..(place + 1) * modes];
+        let coefficients: Vec<f64> = moments.iter().map(|m| m / (radius * radius)).collect();
+        let disc = LoadedDiscs {
+            exterior: &newton.exterior,
+            modes,
+            centres: &[centre],
+            radii: &[(radius, 1)],
+            coefficients: [&coefficients, &coefficients],
+            run: newton.run,
+        };
+        let [field, _] = disc.displacement(point);
+        let along = |[x, y]: Point| x * field.gradient[0] + y * field.gradient[1];
+        // At D from a disc of radius a moments m make a field m·w(D/a)/a.
+        let by_radius = -field.value - along([0, 1].map(|k| point[k] - centre[k]));
+        of_scene.distances -= along(centre);
+        of_scene.all_radii += by_radius;
+        if let Some(radii) = &mut of_scene.radii {
+            radii[number] += by_radius / radius;
+        }
+    }
+}
+
+/// The derivative of the lens shape with its radius: `1 - R/sqrt(R^2 - r^2)`, written so that nothing cancels.
+fn sag_by_radius(lens: &Lens, [x, y]: Point) -> f64 {
+    let squared = x * x + y * y;
+    if lens.is_flat() {
+        return 0.0;
+    }
+    let root = (lens.radius * lens.radius - squared).sqrt();
+    -squared / ((lens.radius + root) * root)
+}
+
+/// The gradient of the lens shape.
+fn sag_gradient(lens: &Lens, [x, y]: Point) -> Point {
+    let root = (lens.radius * lens.radius - x * x - y * y).sqrt();
+    [x / root, y / root]
+}

@@ -1,0 +1,92 @@
+"""How a contact changes with the numbers of its system."""
+
+from __future__ import annotations
+
+import copy
+import json
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _fakir
+from ._state import ContactState, contact_state
+
+PILLAR_GRADIENT = np.dtype(
+    [
+        ("i", np.int64),
+        ("j", np.int64),
+        ("force_N_per_m", np.float64),
+        ("indentation_m_per_m", np.float64),
+    ]
+)
+"""Derivatives by the height of a pillar; what is prescribed does not change."""
+
+
+class Gradient:
+    """A contact with its exact derivatives, each while all other numbers stay as they are.
+
+    They are those of the numerical solution itself, up to the next load at which a pillar is touched or let go, and
+    are in SI units: N and m over the SI unit of the key.
+    """
+
+    __slots__ = ("_state", "_summary")
+
+    def __init__(self, state: ContactState, summary: dict[str, Any]) -> None:
+        self._state = state
+        self._summary = summary
+
+    @property
+    def state(self) -> ContactState:
+        """The contact; where no load was given, that at the critical state."""
+        return self._state
+
+    @property
+    def stiffness(self) -> float:
+        """Force over indentation, N/m."""
+        return float(self._summary["stiffness_N_per_m"])
+
+    @property
+    def force(self) -> dict[str, float] | None:
+        """Derivatives of the force by the keys of the case, such as ``texture.pillar.height``; None where it is prescribed.
+
+        With the height of the pillars the floor becomes deeper too; with the pitch, pillars and lens axis stay where they
+        are in pitches.
+        """
+        return self._by_key("force_N")
+
+    @property
+    def indentation(self) -> dict[str, float] | None:
+        """Derivatives of the indentation by the keys of the case; None where it is prescribed."""
+        return self._by_key("indentation_m")
+
+    @property
+    def contact_area(self) -> dict[str, float] | None:
+        """Derivatives of the area of contact, m^2; None where the edge of the contact crosses a pillar."""
+        return self._by_key("contact_area_m2")
+
+    def _by_key(self, name: str) -> dict[str, float] | None:
+        derivatives: dict[str, float] | None = copy.deepcopy(self._summary[name])
+        return derivatives
+
+    @property
+    def pillars(self) -> npt.NDArray[np.void]:
+        """By the height of every touched pillar alone, those nearest to the lens axis first."""
+        names = PILLAR_GRADIENT.names or ()
+        rows = [tuple(row[name] or 0 for name in names) for row in self._summary["pillars"]]
+        return np.array(rows, dtype=PILLAR_GRADIENT)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir press --gradient --json`` has as ``gradient``."""
+        return copy.deepcopy(self._summary)
+
+    def __repr__(self) -> str:
+        return f"<fakir.Gradient of {self._state!r}>"
+
+
+def gradient(
+    case: _fakir.Case, load: tuple[float | None, float | None], options: _fakir.Options
+) -> Gradient:
+    """The gradient at a load, or at the critical state."""
+    state, summary = _fakir.gradient(case, *load, options)
+    return Gradient(contact_state(state), json.loads(summary))
