@@ -11,7 +11,7 @@ mod arranged;
 pub(crate) mod assembled;
 pub(crate) mod control;
 pub mod elements;
-mod estimate;
+pub(crate) mod estimate;
 pub(crate) mod floor;
 mod floor_start;
 mod frozen;

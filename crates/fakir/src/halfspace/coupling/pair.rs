@@ -19,8 +19,9 @@
 use crate::halfspace::disc::basis::{
     Mode, UNIT_FORCE, equator_value, gamma_degree, mode_count, modes,
 };
-use crate::halfspace::disc::exterior::RadialFunction;
+use crate::halfspace::disc::exterior::{MAXIMUM_DEGREE, RadialFunction};
 use crate::numerics::special::gamma_half;
+use crate::numerics::vector::widest;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Relative size of the terms at which the series is cut.
@@ -29,6 +30,13 @@ const SERIES_TOLERANCE: f64 = 1e-17;
 /// Most terms of a series. Reached only for pillars that all but touch, where the rest is
 /// added from the algebraic decay of the terms.
 const SERIES_LIMIT: usize = 20_000;
+
+/// Terms that all series of a pair take in step, with coefficients from a table: enough for centres three radii apart. The
+/// rest of those that are not done by then is added to each by itself.
+const TABLE: usize = 64;
+
+/// Steps after which it is looked whether all are done.
+const STRIDE: usize = 4;
 
 /// Two discs: the radius of the receiver, that of the source, and the distance of their centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,54 +77,126 @@ impl Series {
         }
     }
 
-    fn value(&self, discs: Discs) -> f64 {
+    /// What `F4` is multiplied by.
+    fn factor(&self, discs: Discs) -> f64 {
         let (alpha, beta) = (
             discs.receiver / discs.distance,
             discs.source / discs.distance,
         );
-        let factor = self.factor * alpha.powi(self.degrees[0]) * beta.powi(self.degrees[1]);
-        factor / discs.distance * self.appell([alpha * alpha, beta * beta])
+        let powers = alpha.powi(self.degrees[0]) * beta.powi(self.degrees[1]);
+        self.factor * powers / discs.distance
     }
 
-    /// `F4`, by the sums of its terms of one degree:
-    /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the coefficients of the
-    /// recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
-    fn appell(&self, [x, y]: [f64; 2]) -> f64 {
+    /// Coefficients of the step to the term `s` of [`appell`](Self::appell_from): those of `x + y`, of `y - x` and of `(y - x)^2`.
+    fn step(&self, s: f64) -> [f64; 3] {
         let [p, q] = self.degrees.map(|degree| f64::from(degree) + 0.5);
         let [a, b] = self.upper;
         let w = p + q;
         let ratio = |s: f64| (a + s - 1.0) * (b + s - 1.0) / ((p + s) * (q + s));
-        let mut before = 1.0;
-        let mut last_ratio = ratio(1.0);
-        let mut term = last_ratio * ((p + 1.0) * y + (q + 1.0) * x);
-        let mut sum = before + term;
-        let difference = y - x;
-        let mixed = (p * p - q * q) * difference;
+        let factor = ratio(s);
+        if s < 1.5 {
+            // From the sum p + q + 2 of the factors of x and y, and their difference.
+            return [factor * (0.5 * w + 1.0), 0.5 * factor * (p - q), 0.0];
+        }
+        let twice = 2.0 * s + w;
+        let scale = factor / (2.0 * s * (s + w) * (twice - 2.0));
+        [
+            scale * (twice - 1.0) * twice * (twice - 2.0),
+            scale * (twice - 1.0) * (p * p - q * q),
+            scale * 2.0 * (s + p - 1.0) * (s + q - 1.0) * twice * ratio(s - 1.0),
+        ]
+    }
+
+    /// `F4` from the terms before `first`: their sum, and the last two of them. By the sums of its terms of one degree,
+    /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the coefficients of the
+    /// recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
+    fn appell_from(&self, first: usize, known: [f64; 3], [x, y]: [f64; 2]) -> f64 {
+        let [mut sum, mut term, mut before] = known;
+        let (both, difference) = (x + y, y - x);
         let square = difference * difference;
-        let mut s = 1.0;
         let mut half_way = term;
-        for number in 2..=SERIES_LIMIT {
+        for number in first..=SERIES_LIMIT {
             if term < SERIES_TOLERANCE * sum {
                 return sum;
             }
-            s += 1.0;
-            let twice = 2.0 * s + w;
-            let scale = (2.0 * s * (s + w) * (twice - 2.0)).recip();
-            let first = (twice - 1.0) * (twice * (twice - 2.0) * (x + y) + mixed) * scale;
-            let second = 2.0 * (s + p - 1.0) * (s + q - 1.0) * twice * square * scale;
-            let ratio = ratio(s);
-            let next = ratio * (first * term - second * last_ratio * before);
-            (before, term, last_ratio) = (term, next, ratio);
+            let [of_sum, of_difference, of_square] = self.step(number as f64);
+            let next =
+                (of_sum * both + of_difference * difference) * term - of_square * square * before;
+            (before, term) = (term, next);
             sum += term;
             if number == SERIES_LIMIT / 2 {
                 half_way = term;
             }
         }
         // Where discs touch the terms go as s^(-5/2) (1 + c/s), and the rest is as their integral from s + 1/2 on.
+        let s = SERIES_LIMIT as f64;
         let c = s * (1.0 - 0.5_f64.powf(-2.5) * term / half_way);
         let from = s + 0.5;
         let rest = from.powf(-1.5) / 1.5 + c * from.powf(-2.5) / 2.5;
         sum + term * s.powf(2.5) / (1.0 + c / s) * rest
+    }
+}
+
+/// All series of a pair, which take their first terms in step.
+#[derive(Debug, Clone)]
+struct SeriesTable {
+    series: Vec<Series>,
+    /// For every term from the first on: the coefficients of [`Series::step`], each of all series.
+    steps: Vec<f64>,
+}
+
+impl SeriesTable {
+    fn new(series: Vec<Series>) -> Self {
+        let mut steps = Vec::with_capacity(3 * TABLE * series.len());
+        for number in 1..=TABLE {
+            let of_series: Vec<[f64; 3]> = series.iter().map(|s| s.step(number as f64)).collect();
+            for k in 0..3 {
+                steps.extend(of_series.iter().map(|step| step[k]));
+            }
+        }
+        Self { series, steps }
+    }
+
+    /// Their values.
+    fn values(&self, discs: Discs, values: &mut [f64]) {
+        let count = self.series.len();
+        let [x, y] = [discs.receiver, discs.source].map(|r| (r / discs.distance).powi(2));
+        let mut room = vec![0.0; 2 * count];
+        let (term, before) = room.split_at_mut(count);
+        term.fill(1.0);
+        values.fill(1.0);
+        let added = widest(
+            #[inline(always)]
+            || self.add_terms([x, y], [values, term, before]),
+        );
+        for (k, (value, series)) in values.iter_mut().zip(&self.series).enumerate() {
+            let known = [*value, term[k], before[k]];
+            *value = series.factor(discs) * series.appell_from(added + 1, known, [x, y]);
+        }
+    }
+
+    /// Adds terms until all are too small to matter, or the table ends. The number of terms.
+    #[inline(always)]
+    fn add_terms(&self, [x, y]: [f64; 2], [sum, term, before]: [&mut [f64]; 3]) -> usize {
+        let count = sum.len();
+        let (both, difference) = (x + y, y - x);
+        let square = difference * difference;
+        for (number, steps) in self.steps.chunks_exact(3 * count).enumerate() {
+            let (of_sum, rest) = steps.split_at(count);
+            let (of_difference, of_square) = rest.split_at(count);
+            for k in 0..count {
+                let next = (of_sum[k] * both + of_difference[k] * difference) * term[k]
+                    - of_square[k] * square * before[k];
+                before[k] = term[k];
+                term[k] = next;
+                sum[k] += next;
+            }
+            let is_done = |(term, sum): (&f64, &f64)| *term < SERIES_TOLERANCE * sum;
+            if number % STRIDE == STRIDE - 1 && term.iter().zip(&*sum).all(is_done) {
+                return number + 1;
+            }
+        }
+        TABLE
     }
 }
 
@@ -125,8 +205,8 @@ impl Series {
 struct Entry {
     receiver: Mode,
     source: Mode,
-    /// Index of the series with `M = |m - m'|`; the next one has `M = m + m'`.
-    series: usize,
+    /// Indices of the series with `M = |m - m'|` and `M = m + m'`.
+    series: [usize; 2],
     weight: f64,
 }
 
@@ -135,7 +215,7 @@ struct Entry {
 pub(crate) struct PairCoupling {
     modes: Vec<Mode>,
     pitch: f64,
-    series: Vec<Series>,
+    series: SeriesTable,
     /// Whether pillars act as flat punches on the centres of the others, without series.
     flat_punches: Option<RadialFunction>,
     /// Entries with source index >= receiver index, row by row.
@@ -147,7 +227,7 @@ impl PairCoupling {
     pub(crate) fn new(degree: usize, pitch: f64) -> Self {
         let modes = modes(degree);
         let mut series = Vec::new();
-        let mut known: Vec<((usize, usize), (usize, usize))> = Vec::new();
+        let mut known: Vec<((usize, usize), (usize, usize), [usize; 2])> = Vec::new();
         let mut entries = Vec::with_capacity(mode_count(degree) * (mode_count(degree) + 1) / 2);
         for (row, &receiver) in modes.iter().enumerate() {
             for &source in &modes[row..] {
@@ -155,18 +235,24 @@ impl PairCoupling {
                     (receiver.degree, receiver.order),
                     (source.degree, source.order),
                 );
-                let index = known.iter().position(|k| *k == key).unwrap_or_else(|| {
-                    let (m, n) = (receiver.order, source.order);
-                    series.push(Series::new(key.0, key.1, m.abs_diff(n)));
-                    series.push(Series::new(key.0, key.1, m + n));
-                    known.push(key);
-                    known.len() - 1
-                });
+                let places = match known.iter().find(|k| (k.0, k.1) == key) {
+                    Some((_, _, places)) => *places,
+                    None => {
+                        let (m, n) = (receiver.order, source.order);
+                        let mut orders = vec![m.abs_diff(n), m + n];
+                        orders.dedup();
+                        let first = series.len();
+                        let of_order = |order| Series::new(key.0, key.1, order);
+                        series.extend(orders.into_iter().map(of_order));
+                        known.push((key.0, key.1, [first, series.len() - 1]));
+                        [first, series.len() - 1]
+                    }
+                };
                 let axial = |mode: Mode| if mode.order == 0 { FRAC_1_SQRT_2 } else { 1.0 };
                 entries.push(Entry {
                     receiver,
                     source,
-                    series: 2 * index,
+                    series: places,
                     weight: axial(receiver) * axial(source),
                 });
             }
@@ -174,7 +260,7 @@ impl PairCoupling {
         Self {
             modes,
             pitch,
-            series,
+            series: SeriesTable::new(series),
             flat_punches: None,
             entries,
         }
@@ -193,6 +279,11 @@ impl PairCoupling {
         &self.modes
     }
 
+    /// That of the highest mode.
+    fn degree(&self) -> usize {
+        self.modes.last().map_or(0, |mode| mode.degree)
+    }
+
     /// Pitch in pillar radii.
     pub(crate) fn pitch(&self) -> f64 {
         self.pitch
@@ -205,7 +296,7 @@ impl PairCoupling {
 
     /// Number of radial functions of [`Self::radial`].
     pub(crate) fn radial_count(&self) -> usize {
-        self.series.len()
+        self.series.series.len()
     }
 
     /// The parts that depend on the distance alone (`delta` in pillar radii), into `radial`.
@@ -224,16 +315,15 @@ impl PairCoupling {
             radial.fill(UNIT_FORCE * punch.value(discs.distance.recip()));
             return;
         }
-        for (value, series) in radial.iter_mut().zip(&self.series) {
-            *value = series.value(discs);
-        }
+        self.series.values(discs, radial);
     }
 
     /// Entries on and above the diagonal of the block for the unit vector `direction` from
     /// source to receiver, row by row.
     pub(crate) fn upper_block(&self, radial: &[f64], direction: [f64; 2], block: &mut [f64]) {
+        let angles = Angles::new(direction, self.degree());
         for (value, entry) in block.iter_mut().zip(&self.entries) {
-            *value = entry.value(radial, direction);
+            *value = entry.value(radial, &angles);
         }
     }
 
@@ -267,15 +357,16 @@ impl PairCoupling {
         let exchanged = differ.then(|| radial_of(source, receiver));
         let exchanged = exchanged.as_ref().unwrap_or(&radial);
         let count = self.modes.len();
+        let angles = Angles::new(direction, self.degree());
         let mut entries = self.entries.iter();
         for row in 0..count {
             for column in row..count {
                 let Some(entry) = entries.next() else { return };
-                block[row * count + column] = entry.value(&radial, direction);
+                block[row * count + column] = entry.value(&radial, &angles);
                 if column > row {
                     // C_ji(D; a, a') = C_ij(-D; a', a) = (-1)^(l + l') C_ij(D; a', a)
                     let odd = (entry.receiver.degree + entry.source.degree) % 2 == 1;
-                    let value = entry.value(exchanged, direction);
+                    let value = entry.value(exchanged, &angles);
                     block[column * count + row] = if odd { -value } else { value };
                 }
             }
@@ -284,11 +375,12 @@ impl PairCoupling {
 }
 
 impl Entry {
-    fn value(&self, radial: &[f64], direction: [f64; 2]) -> f64 {
-        let (m, n) = (self.receiver.order as i32, self.source.order as i32);
-        let difference = angle_multiple(direction, n - m);
-        let sum = angle_multiple(direction, n + m);
-        let (minus, plus) = (radial[self.series], radial[self.series + 1]);
+    fn value(&self, radial: &[f64], angles: &Angles) -> f64 {
+        let (m, n) = (self.receiver.order, self.source.order);
+        let [cos, sin] = angles.0[n.abs_diff(m)];
+        let difference = [cos, if n < m { -sin } else { sin }];
+        let sum = angles.0[n + m];
+        let [minus, plus] = self.series.map(|series| radial[series]);
         self.weight
             * match (self.receiver.sine, self.source.sine) {
                 (false, false) => minus * difference[0] + plus * sum[0],
@@ -299,19 +391,19 @@ impl Entry {
     }
 }
 
-/// Cosine and sine of `multiple` times the angle of the unit vector `direction`.
-fn angle_multiple([cos, sin]: [f64; 2], multiple: i32) -> [f64; 2] {
-    let mut result = [1.0, 0.0];
-    for _ in 0..multiple.unsigned_abs() {
-        result = [
-            result[0] * cos - result[1] * sin,
-            result[0] * sin + result[1] * cos,
-        ];
+/// Cosine and sine of the multiples of an angle.
+struct Angles([[f64; 2]; 2 * MAXIMUM_DEGREE + 1]);
+
+impl Angles {
+    /// Of that of a unit vector, up to twice a degree.
+    fn new([cos, sin]: [f64; 2], degree: usize) -> Self {
+        let mut angles = [[1.0, 0.0]; 2 * MAXIMUM_DEGREE + 1];
+        for multiple in 1..=2 * degree {
+            let [before, across] = angles[multiple - 1];
+            angles[multiple] = [before * cos - across * sin, before * sin + across * cos];
+        }
+        Self(angles)
     }
-    if multiple < 0 {
-        result[1] = -result[1];
-    }
-    result
 }
 
 #[cfg(test)]
@@ -467,13 +559,11 @@ mod tests {
 
     #[test]
     fn touching_pillars_are_the_limit_of_close_ones() {
-        let series = Series::new((0, 0), (0, 0), 0);
+        let pair = PairCoupling::new(0, 4.0);
         let at = |distance: f64| {
-            series.value(Discs {
-                receiver: 1.0,
-                source: 1.0,
-                distance,
-            })
+            let mut block = [0.0];
+            pair.block([distance, 0.0], &mut block);
+            block[0]
         };
         let (close, touching) = (at(2.0 + 1e-6), at(2.0));
         assert!((close / touching - 1.0).abs() < 1e-5, "{close} {touching}");
