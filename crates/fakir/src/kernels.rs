@@ -44,7 +44,8 @@ fn coefficients(count: usize) -> Vec<f64> {
 fn coupling() -> f64 {
     let window = Window::new(&lattice(), 100.0);
     let pair = PairCoupling::new(DEGREE, lattice().pitch);
-    let coupling = LatticeCoupling::new(&window, &pair, Run::default().workers());
+    let run = Run::default();
+    let coupling = LatticeCoupling::new(&window, &pair, run.workers());
     drop(coupling);
     window.len() as f64
 }

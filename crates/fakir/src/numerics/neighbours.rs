@@ -66,11 +66,6 @@ impl Neighbours {
         }
     }
 
-    /// The numbers of all discs, near ones next to each other.
-    pub(crate) fn in_order(&self) -> &[u32] {
-        &self.numbers
-    }
-
     fn of(&self, leaf: &Bounds) -> impl Iterator<Item = (&Disc, usize)> {
         let places = leaf.discs.start as usize..leaf.discs.end as usize;
         let numbers = self.numbers[places.clone()].iter().map(|n| *n as usize);
@@ -163,8 +158,7 @@ impl Neighbours {
                 continue;
             }
             for (&(centre, radius), number) in self.of(own) {
-                let distance =
-                    (centre[0] - point[0]).hypot(centre[1] - point[1]) - less(radius);
+                let distance = (centre[0] - point[0]).hypot(centre[1] - point[1]) - less(radius);
                 let is_nearer = best.is_none_or(|(other, least)| {
                     distance < least || (distance == least && number < other)
                 });
@@ -178,12 +172,16 @@ impl Neighbours {
 
     /// Two discs that overlap, with the distance of their centres: the first that does, and the other that reaches farthest into it.
     pub(crate) fn overlapping(&self) -> Option<(usize, usize, f64)> {
-        let first = self.discs.iter().zip(&self.numbers).filter_map(|(disc, number)| {
-            let (centre, radius) = *disc;
-            let own = *number as usize;
-            let (other, edge) = self.nearest(centre, Nearest::Edge, 0.0, Some(own))?;
-            (edge < radius).then_some((own, other))
-        });
+        let first = self
+            .discs
+            .iter()
+            .zip(&self.numbers)
+            .filter_map(|(disc, number)| {
+                let (centre, radius) = *disc;
+                let own = *number as usize;
+                let (other, edge) = self.nearest(centre, Nearest::Edge, 0.0, Some(own))?;
+                (edge < radius).then_some((own, other))
+            });
         let (own, other) = first.min()?;
         let place = |number: usize| self.numbers.iter().position(|n| *n as usize == number);
         let [a, b] = [place(own)?, place(other)?].map(|place| self.discs[place].0);
@@ -202,10 +200,15 @@ impl Neighbours {
 
     /// The largest distance of a centre from the nearest other one; none of one disc.
     pub(crate) fn spacing(&self) -> Option<f64> {
-        let distances = self.discs.iter().zip(&self.numbers).filter_map(|(disc, number)| {
-            let (_, distance) = self.nearest(disc.0, Nearest::Centre, 0.0, Some(*number as usize))?;
-            Some(distance)
-        });
+        let distances = self
+            .discs
+            .iter()
+            .zip(&self.numbers)
+            .filter_map(|(disc, number)| {
+                let (_, distance) =
+                    self.nearest(disc.0, Nearest::Centre, 0.0, Some(*number as usize))?;
+                Some(distance)
+            });
         distances.reduce(f64::max)
     }
 }
@@ -226,7 +229,10 @@ fn divide(discs: &mut [(Disc, u32)], first: usize, boxes: &mut Vec<Bounds>) {
     boxes.push(Bounds {
         low: [left, low],
         high: [right, high],
-        largest: discs.iter().map(|((_, radius), _)| *radius).fold(0.0, f64::max),
+        largest: discs
+            .iter()
+            .map(|((_, radius), _)| *radius)
+            .fold(0.0, f64::max),
         discs: first as u32..(first + discs.len()) as u32,
         second: None,
     });
@@ -262,13 +268,11 @@ mod tests {
             .collect();
         assert_eq!(tree.within(at, reach), near);
         assert_eq!(tree.count_within(at, reach), near.len());
-        let mut order = tree.in_order().to_vec();
-        order.sort_unstable();
-        assert!(order.into_iter().eq(0..discs.len() as u32));
         let nearest = |at: [f64; 2], what: Nearest, least: f64, but: Option<usize>| {
-            let rated = discs.iter().enumerate().filter(|(k, disc)| {
-                Some(*k) != but && disc.1 >= least
-            });
+            let rated = discs
+                .iter()
+                .enumerate()
+                .filter(|(k, disc)| Some(*k) != but && disc.1 >= least);
             let rated = rated.map(|(k, (centre, radius))| match what {
                 Nearest::Centre => (k, distance(*centre, at)),
                 Nearest::Edge => (k, distance(*centre, at) - radius),
@@ -278,12 +282,22 @@ mod tests {
         for what in [Nearest::Centre, Nearest::Edge] {
             for least in [0.0, reach] {
                 let but = Some(discs.len() / 2);
-                assert_eq!(tree.nearest(at, what, least, None), nearest(at, what, least, None));
-                assert_eq!(tree.nearest(at, what, least, but), nearest(at, what, least, but));
+                assert_eq!(
+                    tree.nearest(at, what, least, None),
+                    nearest(at, what, least, None)
+                );
+                assert_eq!(
+                    tree.nearest(at, what, least, but),
+                    nearest(at, what, least, but)
+                );
             }
         }
         let pairs = || (0..discs.len()).flat_map(|i| (0..discs.len()).map(move |j| (i, j)));
-        let pairs = || pairs().filter(|(i, j)| i != j).map(|(i, j)| (discs[i], discs[j], i));
+        let pairs = || {
+            pairs()
+                .filter(|(i, j)| i != j)
+                .map(|(i, j)| (discs[i], discs[j], i))
+        };
         let gap = pairs()
             .map(|(one, other, _)| {
                 let gap = distance(one.0, other.0) - one.1 - other.1;
@@ -291,7 +305,10 @@ mod tests {
             })
             .fold(f64::INFINITY, f64::min);
         let found = tree.least_gap();
-        assert!(found == gap || (found - gap).abs() <= 1e-9 * (1.0 + gap.abs()), "{found} {gap}");
+        assert!(
+            found == gap || (found - gap).abs() <= 1e-9 * (1.0 + gap.abs()),
+            "{found} {gap}"
+        );
         let overlap = pairs().find(|(one, other, _)| distance(other.0, one.0) - other.1 < one.1);
         match (tree.overlapping(), overlap) {
             (None, None) => {}
@@ -316,7 +333,10 @@ mod tests {
             let place = |(cluster, x, y, radius): (u8, f64, f64, f64)| {
                 let centre = match kind {
                     0 | 1 => [x, y],
-                    2 => [1e6 * f64::from(cluster) + x, y - 1e6 * f64::from(cluster / 2)],
+                    2 => [
+                        1e6 * f64::from(cluster) + x,
+                        y - 1e6 * f64::from(cluster / 2),
+                    ],
                     3 => [x, 0.5],
                     _ => [0.3, 0.3],
                 };

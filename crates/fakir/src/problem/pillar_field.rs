@@ -10,6 +10,7 @@
 
 use super::lattice::HexagonalLattice;
 use super::point::Point;
+use crate::numerics::neighbours::Neighbours;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -170,31 +171,26 @@ impl PillarList {
         if pillars.is_empty() || !are_numbers {
             return None;
         }
+        let neighbours = neighbours_of(&pillars);
+        let least_gap = neighbours.least_gap();
         // Without neighbours, as if one stood twice the diameter away.
-        let (mut spacing, mut least_gap) = (4.0 * largest, f64::INFINITY);
-        if pillars.len() > 1 {
-            spacing = 0.0;
-        }
-        for (number, one) in pillars.iter().enumerate() {
-            let mut nearest = f64::INFINITY;
-            for (_, other) in pillars.iter().enumerate().filter(|(k, _)| *k != number) {
-                let [x, y] = [0, 1].map(|k| one.centre[k] - other.centre[k]);
-                let distance = x.hypot(y);
-                let radii = [one.body.radius, other.body.radius];
-                nearest = nearest.min(distance);
-                let gap = (distance - radii[0] - radii[1]) / radii[0].min(radii[1]);
-                least_gap = least_gap.min(gap);
-            }
-            if nearest.is_finite() {
-                spacing = spacing.max(nearest);
-            }
-        }
+        let spacing = neighbours.spacing().unwrap_or(4.0 * largest);
         (least_gap >= 0.0).then_some(Self {
             pillars,
             spacing,
             least_gap,
         })
     }
+}
+
+fn neighbours_of(pillars: &[ListedPillar]) -> Neighbours {
+    Neighbours::new(pillars.iter().map(|pillar| (pillar.centre, pillar.body.radius)))
+}
+
+/// Two pillars that overlap, if any do, by their numbers, with the distance of their centres: the first that does, and that which reaches farthest
+/// into it.
+pub(crate) fn overlapping(pillars: &[ListedPillar]) -> Option<(usize, usize, f64)> {
+    neighbours_of(pillars).overlapping()
 }
 
 /// Where pillars stand and how they are made.
@@ -353,6 +349,9 @@ mod tests {
         };
         assert!(PillarList::new(Vec::new()).is_none());
         assert!(PillarList::new(vec![at(0.0, 1.0), at(1.5, 1.0)]).is_none());
+        let three = [at(0.0, 1.0), at(7.0, 2.0), at(5.5, 1.0)];
+        assert_eq!(overlapping(&three), Some((1, 2, 1.5)));
+        assert_eq!(overlapping(&three[..2]), None);
         assert!(PillarList::new(vec![at(0.0, 1.0), at(f64::INFINITY, 1.0)]).is_none());
         assert!(PillarList::new(vec![at(0.0, 1.0), at(4.0, -1.0)]).is_none());
         let list = PillarList::new(vec![at(0.0, 1.0), at(4.0, 0.5), at(9.0, 0.5)]).unwrap();

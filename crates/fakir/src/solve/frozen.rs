@@ -211,6 +211,16 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         self.modes
     }
 
+    /// What the places do to each other.
+    pub(crate) fn coupling(&self) -> &O {
+        &self.coupling
+    }
+
+    /// The same, to be replaced.
+    pub(crate) fn coupling_mut(&mut self) -> &mut O {
+        &mut self.coupling
+    }
+
     /// Products with the coupling so far.
     pub(crate) fn products(&self) -> usize {
         self.products

@@ -512,6 +512,16 @@ impl<'a> Newton<'a> {
         self.exterior.degree()
     }
 
+    /// The degree by which two pillars act on each other, by their gap over the smaller radius.
+    pub(crate) fn pair_degree(&self, gap: f64) -> usize {
+        self.contact.coupling().tops.pair_degree(gap, self.degree())
+    }
+
+    /// Gives back the memory of the coupling: nothing can be solved any more, but another solution started from this.
+    pub(crate) fn release_coupling(&mut self) {
+        self.contact.coupling_mut().tops = LatticeCoupling::Released;
+    }
+
     /// Whether a pillar counts as touched, or as untouched, only because the modes of the coupling
     /// leave out a part of the lens shape.
     pub(crate) fn has_marginal_pillars(&self) -> bool {

@@ -114,6 +114,8 @@ pub(crate) fn solve_spectral<'a>(
     let mut pair = PairCoupling::new(degrees.coupling, scene.field.spacing());
     let mut radius = coarse.tops.reach() + 1.5 * scene.field.spacing();
     loop {
+        // That of more modes takes the room.
+        coarse.release_coupling();
         let modes = mode_count(degrees.coupling);
         let sites = checked_sites(scene, limited(scene, radius), modes, run)?;
         let mut tops = degrees.tops;
@@ -208,10 +210,12 @@ fn checked_sites(
         let window = checked_window(lattice, radius, modes, run)?;
         return Ok(Sites::of_window(window, *lattice, *column_compliance_ratio));
     }
+    // They have to be there before it is known how they stand; each takes this by itself at the least.
     let pillars = scene.field.expected_len(radius);
-    let bytes = memory_estimate_of_sites(pillars, modes);
-    check_memory(pillars, bytes, run)?;
-    Ok(Sites::within(&scene.field, radius))
+    check_memory(pillars, 8.0 * pillars * modes as f64, run)?;
+    let sites = Sites::within(&scene.field, radius);
+    check_memory(sites.len() as f64, memory_estimate_of_sites(&sites, modes), run)?;
+    Ok(sites)
 }
 
 /// More sites if the contact comes close to the edge of the present one.

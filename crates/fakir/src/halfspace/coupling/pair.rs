@@ -280,7 +280,7 @@ impl PairCoupling {
     }
 
     /// That of the highest mode.
-    fn degree(&self) -> usize {
+    pub(crate) fn degree(&self) -> usize {
         self.modes.last().map_or(0, |mode| mode.degree)
     }
 
