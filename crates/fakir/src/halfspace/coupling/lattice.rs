@@ -79,7 +79,7 @@ impl Coupling for LatticeCoupling<'_> {
 /// About how many bytes the solution of pillars at any places takes.
 pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize) -> f64 {
     if sites.len() > PAIRS_LIMIT {
-        Plan::new(sites).memory(sites.len(), modes)
+        Plan::new(sites, modes).memory(sites.len(), modes)
     } else {
         DirectCoupling::memory_estimate(sites.len() as f64, modes)
     }

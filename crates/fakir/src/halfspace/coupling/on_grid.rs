@@ -48,9 +48,11 @@ pub(crate) fn pair_degree(gap: f64, most: usize) -> usize {
     of_gap.map_or(most, |(_, degree)| most.min(*degree))
 }
 
-/// Bytes and nanoseconds of a point of the grid and of a near pair, about, over a whole solution.
-const OF_POINT: [f64; 2] = [48.0, 1300.0];
-const OF_PAIR: [f64; 2] = [160.0, 9000.0];
+/// Bytes of a point of the grid.
+const POINT_BYTES: f64 = 48.0;
+
+/// Nanoseconds of a point of the grid and of a near pair, about, over a whole solution with one mode or more.
+const COSTS: [[f64; 2]; 2] = [[700.0, 2000.0], [2500.0, 8000.0]];
 
 /// Pillars whose neighbours are counted for a plan, and steps of which it is one, by their ratio.
 const COUNTED: usize = 200;
@@ -65,11 +67,12 @@ pub(crate) struct Plan {
     sides: [usize; 2],
     /// About how many pairs are near.
     pairs: f64,
+    cost: f64,
 }
 
 impl Plan {
-    /// The step that costs least.
-    pub(crate) fn new(sites: &Sites) -> Self {
+    /// The step that costs least, with so many modes of every pillar.
+    pub(crate) fn new(sites: &Sites, modes: usize) -> Self {
         let (centres, count) = (sites.centres(), sites.len());
         let bounds = |k: usize| {
             let values = centres.iter().map(|centre| centre[k]);
@@ -81,6 +84,7 @@ impl Plan {
         let radii = (0..count).map(|pillar| sites.body(pillar).radius);
         let largest = radii.fold(0.0, f64::max);
         let half = (STENCIL / 2 - 1) as f64;
+        let [of_point, of_pair] = COSTS[usize::from(modes > 1)];
         let plan = |step: f64| {
             let sides = [right - left, high - low].map(|side| (side / step) as usize + STENCIL + 1);
             let every = count.div_ceil(COUNTED);
@@ -94,11 +98,13 @@ impl Plan {
                         - 1
                 })
                 .sum();
+            let pairs = 0.5 * near as f64 * count as f64 / counted.count() as f64;
             Self {
                 step,
                 first: [left, low].map(|x| x - half * step),
                 sides,
-                pairs: 0.5 * near as f64 * count as f64 / counted.count() as f64,
+                pairs,
+                cost: sides[0] as f64 * sides[1] as f64 * of_point + pairs * of_pair,
             }
         };
         // The discs have to lie within their stencils.
@@ -109,21 +115,13 @@ impl Plan {
         while step * NEAR < (right - left).hypot(high - low) {
             step *= STEP_RATIO;
             let other = plan(step);
-            if other.cost() < best.cost() {
+            if other.cost < best.cost {
                 best = other;
-            } else if other.pairs * OF_PAIR[1] > best.cost() {
+            } else if other.pairs * of_pair > best.cost {
                 break;
             }
         }
         best
-    }
-
-    fn points(&self) -> f64 {
-        self.sides[0] as f64 * self.sides[1] as f64
-    }
-
-    fn cost(&self) -> f64 {
-        self.points() * OF_POINT[1] + self.pairs * OF_PAIR[1]
     }
 
     /// About how many bytes the solution of so many pillars takes.
@@ -135,7 +133,8 @@ impl Plan {
         let close = 4.0 * of_pillar * of_pillar;
         let vectors = 20.0 * 8.0 * of_pillar;
         let of_pairs = self.pairs * (4.0 * far_modes * far_modes + 16.0);
-        pillars as f64 * (stencil + close + vectors) + of_pairs + self.points() * OF_POINT[0]
+        let points = self.sides[0] as f64 * self.sides[1] as f64;
+        pillars as f64 * (stencil + close + vectors) + of_pairs + points * POINT_BYTES
     }
 }
 
@@ -375,7 +374,7 @@ impl<'p> GridCoupling<'p> {
         let far_modes = modes.min(mode_count(FAR_DEGREE));
         let Plan {
             step, first, sides, ..
-        } = Plan::new(sites);
+        } = Plan::new(sites, modes);
         let grid = Grid::new(sides[0], sides[1], [step; 2], first).ok()?;
         let cells = Cells::all(&grid);
         let convolution =

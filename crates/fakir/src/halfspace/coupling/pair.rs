@@ -31,9 +31,9 @@ const SERIES_TOLERANCE: f64 = 1e-17;
 /// added from the algebraic decay of the terms.
 const SERIES_LIMIT: usize = 20_000;
 
-/// Terms that all series of a pair take in step, with coefficients from a table: enough for centres three radii apart. The
+/// Terms that all series of a pair take in step, with coefficients from a table: enough for gaps of a seventh of the radius. The
 /// rest of those that are not done by then is added to each by itself.
-const TABLE: usize = 64;
+const TABLE: usize = 256;
 
 /// Steps after which it is looked whether all are done.
 const STRIDE: usize = 4;
@@ -75,16 +75,6 @@ impl Series {
             degrees: [l as i32, k as i32],
             upper: [half(1 + sum - azimuthal), half(1 + sum + azimuthal)],
         }
-    }
-
-    /// What `F4` is multiplied by.
-    fn factor(&self, discs: Discs) -> f64 {
-        let (alpha, beta) = (
-            discs.receiver / discs.distance,
-            discs.source / discs.distance,
-        );
-        let powers = alpha.powi(self.degrees[0]) * beta.powi(self.degrees[1]);
-        self.factor * powers / discs.distance
     }
 
     /// Coefficients of the step to the term `s` of [`appell`](Self::appell_from): those of `x + y`, of `y - x` and of `(y - x)^2`.
@@ -169,9 +159,20 @@ impl SeriesTable {
             #[inline(always)]
             || self.add_terms([x, y], [values, term, before]),
         );
+        let powers = [discs.receiver, discs.source].map(|radius| {
+            let mut powers = [discs.distance.recip(); MAXIMUM_DEGREE + 1];
+            for degree in 1..=MAXIMUM_DEGREE {
+                powers[degree] = powers[degree - 1] * (radius / discs.distance);
+            }
+            powers
+        });
         for (k, (value, series)) in values.iter_mut().zip(&self.series).enumerate() {
-            let known = [*value, term[k], before[k]];
-            *value = series.factor(discs) * series.appell_from(added + 1, known, [x, y]);
+            if added == TABLE {
+                let known = [*value, term[k], before[k]];
+                *value = series.appell_from(TABLE + 1, known, [x, y]);
+            }
+            let [l, n] = series.degrees.map(|degree| degree as usize);
+            *value *= series.factor * powers[0][l] * (powers[1][n] * discs.distance);
         }
     }
 
