@@ -70,12 +70,16 @@ fn most_memory() -> f64 {
 }
 
 fn main() -> ExitCode {
-    let mut numbers = std::env::args().skip(1).map(|word| word.parse::<f64>().ok());
+    let mut numbers = std::env::args()
+        .skip(1)
+        .map(|word| word.parse::<f64>().ok());
     let count = numbers.next().flatten().unwrap_or(1000.0) as usize;
     let covered = numbers.next().flatten().unwrap_or(COVERED);
     let pressed = numbers.next().flatten().unwrap_or(PRESSED);
     let discs = discs(count, covered);
-    let farthest = discs.iter().fold(0.0_f64, |most, [x, y, _]| most.max(x.hypot(*y)));
+    let farthest = discs
+        .iter()
+        .fold(0.0_f64, |most, [x, y, _]| most.max(x.hypot(*y)));
     let lens = 10.0 * farthest;
     let indentation = pressed * farthest * farthest / lens;
     let mut before = processor_time();
@@ -92,8 +96,14 @@ fn main() -> ExitCode {
         }
     };
     let [sites, touched] = state.discs;
-    println!("{count} discs, {sites} looked at, {touched} touched, degree {}", state.degree);
-    println!("force {:.12e}, relative error {:.1e}", state.force, state.error);
+    println!(
+        "{count} discs, {sites} looked at, {touched} touched, degree {}",
+        state.degree
+    );
+    println!(
+        "force {:.12e}, relative error {:.1e}",
+        state.force, state.error
+    );
     for (stage, clock, products) in &state.stages {
         println!("{stage:10} {:8.2} s {products:5} products", clock - before);
         before = *clock;

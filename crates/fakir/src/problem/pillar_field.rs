@@ -184,7 +184,11 @@ impl PillarList {
 }
 
 fn neighbours_of(pillars: &[ListedPillar]) -> Neighbours {
-    Neighbours::new(pillars.iter().map(|pillar| (pillar.centre, pillar.body.radius)))
+    Neighbours::new(
+        pillars
+            .iter()
+            .map(|pillar| (pillar.centre, pillar.body.radius)),
+    )
 }
 
 /// Two pillars that overlap, if any do, by their numbers, with the distance of their centres: the first that does, and that which reaches farthest

@@ -41,6 +41,9 @@ const EXTRA_DEGREES: usize = 2;
 /// Neighbours beyond this distance (pillar radii) do not excite the extra modes noticeably.
 const NEIGHBOURHOOD: f64 = 13.0;
 
+/// The same of any sites, over the radius of the pillar: beyond it what degree 2 leaves out changes the force by less than is ever claimed.
+const PAIRS: f64 = 9.0;
+
 /// Pillars that are symmetric copies of each other, as a rule, where few are crossed by the edge.
 const COPIES: usize = 4;
 
@@ -367,15 +370,24 @@ enum Neighbours {
     /// On a hexagonal lattice: steps from receiver to source, and the block of each: for every present mode, the
     /// modes beyond.
     Steps(Vec<((i64, i64), Vec<f64>)>),
-    /// On any other sites the block of every two is another: by the degree to which that is known, the modes up to the next ones.
-    Pairs(Vec<PairCoupling>),
+    /// On any other sites the block of every two is another.
+    Pairs {
+        /// By the degree to which it is known: the modes up to the next ones.
+        pairs: Vec<PairCoupling>,
+        /// The largest radius.
+        largest: f64,
+    },
 }
 
 impl Neighbours {
     fn new(newton: &Newton<'_>, degree: usize) -> Self {
         let of_degree = |degree| PairCoupling::new(degree, newton.scene.field.spacing());
         let Some(lattice) = newton.tops.sites.hexagonal_lattice() else {
-            return Self::Pairs((EXTRA_DEGREES..=degree).map(of_degree).collect());
+            let [largest, _] = newton.scene.field.bounds();
+            return Self::Pairs {
+                pairs: (EXTRA_DEGREES..=degree).map(of_degree).collect(),
+                largest,
+            };
         };
         let pair = of_degree(degree);
         let count = mode_count(degree);
@@ -427,10 +439,9 @@ impl Neighbours {
                     }
                 }
             }
-            Self::Pairs(pairs) => {
+            Self::Pairs { pairs, largest } => {
                 let (at, radius) = (sites.centres()[pillar], sites.body(pillar).radius);
-                let [largest, _] = newton.scene.field.bounds();
-                let reach = (NEIGHBOURHOOD - 1.0) * radius;
+                let reach = (PAIRS - 1.0) * radius;
                 let mut whole = Vec::new();
                 for source in sites.neighbours().within(at, reach + largest) {
                     let source = source as usize;

@@ -214,7 +214,11 @@ fn checked_sites(
     let pillars = scene.field.expected_len(radius);
     check_memory(pillars, 8.0 * pillars * modes as f64, run)?;
     let sites = Sites::within(&scene.field, radius);
-    check_memory(sites.len() as f64, memory_estimate_of_sites(&sites, modes), run)?;
+    check_memory(
+        sites.len() as f64,
+        memory_estimate_of_sites(&sites, modes),
+        run,
+    )?;
     Ok(sites)
 }
 

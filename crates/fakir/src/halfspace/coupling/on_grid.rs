@@ -128,7 +128,7 @@ impl Plan {
     pub(crate) fn memory(&self, pillars: usize, modes: usize) -> f64 {
         let of_pillar = modes as f64;
         let far_modes = modes.min(mode_count(FAR_DEGREE)) as f64;
-        let stencil = 8.0 * far_modes * ((STENCIL * STENCIL) as f64 + far_modes);
+        let stencil = far_modes * (4.0 * (STENCIL * STENCIL) as f64 + 8.0 * (far_modes + 1.0));
         // The pairs next to each other have all modes.
         let close = 4.0 * of_pillar * of_pillar;
         let vectors = 20.0 * 8.0 * of_pillar;
@@ -154,6 +154,10 @@ pub(crate) struct GridCoupling<'p> {
     far: Vec<f64>,
 }
 
+/// As many weights as a pillar has at the most.
+const WEIGHTS: usize = mode_count(FAR_DEGREE) * STENCIL * STENCIL;
+type Weights = [f64; WEIGHTS];
+
 /// The charges of all pillars, in their order.
 struct Stencils {
     /// Leading modes that the charges stand for.
@@ -162,16 +166,37 @@ struct Stencils {
     corners: Vec<[u32; 2]>,
     /// For every row of points, the first pillar whose charges start there or later.
     rows: Vec<u32>,
-    /// `P`: of every pillar row by row, for every far mode its charges there.
-    weights: Vec<f64>,
+    /// `P`: of every pillar row by row, for every far mode its charges there, in parts of a unit.
+    weights: Vec<i32>,
+    /// These units, of every pillar for every far mode. Fixed points leave smaller errors than floating ones of as many bits.
+    units: Vec<f64>,
     /// `P K P'` of each itself, row by row.
     own: Vec<f64>,
 }
 
 impl Stencils {
-    fn weights(&self, pillar: usize) -> &[f64] {
+    fn weights(&self, pillar: usize) -> &[i32] {
         let size = self.modes * STENCIL * STENCIL;
         &self.weights[pillar * size..][..size]
+    }
+
+    fn units(&self, pillar: usize) -> &[f64] {
+        &self.units[pillar * self.modes..][..self.modes]
+    }
+
+    /// The weights of a pillar as numbers.
+    fn decode<'w>(&self, pillar: usize, weights: &'w mut Weights) -> &'w [f64] {
+        let (encoded, units) = (self.weights(pillar), self.units(pillar));
+        let weights = &mut weights[..encoded.len()];
+        let lines = weights
+            .chunks_exact_mut(STENCIL)
+            .zip(encoded.chunks_exact(STENCIL));
+        for ((weights, encoded), unit) in lines.zip(units.iter().cycle()) {
+            for (weight, parts) in weights.iter_mut().zip(encoded) {
+                *weight = unit * f64::from(*parts);
+            }
+        }
+        weights
     }
 
     /// Grid steps from a source to a receiver.
@@ -195,11 +220,14 @@ impl Stencils {
         for pillar in first..self.rows[row + 1] as usize {
             let [column, corner] = self.corners[pillar].map(|x| x as usize);
             let weights = &self.weights[(pillar * STENCIL + row - corner) * line..][..line];
-            let moments = &moments[pillar * stride..][..MODES];
+            let moments = moments[pillar * stride..][..MODES]
+                .iter()
+                .zip(self.units(pillar));
             let mut sums = [0.0; STENCIL];
-            for (weights, moment) in weights.as_chunks::<STENCIL>().0.iter().zip(moments) {
+            for (weights, (moment, unit)) in weights.as_chunks::<STENCIL>().0.iter().zip(moments) {
+                let moment = moment * unit;
                 for (sum, weight) in sums.iter_mut().zip(weights) {
-                    *sum += moment * weight;
+                    *sum += moment * f64::from(*weight);
                 }
             }
             for (charge, sum) in charges[column..column + STENCIL].iter_mut().zip(sums) {
@@ -228,14 +256,18 @@ impl Stencils {
             };
             for (sums, weights) in sums.iter_mut().zip(weights.as_chunks::<STENCIL>().0) {
                 for ((sum, weight), u) in sums.iter_mut().zip(weights).zip(potential) {
-                    *sum += weight * u;
+                    *sum += f64::from(*weight) * u;
                 }
             }
         }
         let own = &self.own[pillar * MODES * MODES..][..MODES * MODES];
-        for ((far, sums), own) in far.iter_mut().zip(&sums).zip(own.chunks_exact(MODES)) {
+        let of_modes = sums
+            .iter()
+            .zip(self.units(pillar))
+            .zip(own.chunks_exact(MODES));
+        for (far, ((sums, unit), own)) in far.iter_mut().zip(of_modes) {
             let itself: f64 = own.iter().zip(moments).map(|(a, b)| a * b).sum();
-            *far = sum_of(sums) - itself;
+            *far = unit * sum_of(sums) - itself;
         }
     }
 }
@@ -393,28 +425,32 @@ impl<'p> GridCoupling<'p> {
         let starts = |row: usize| corners.partition_point(|[_, corner]| (*corner as usize) < row);
         let rows = (0..=sides[1]).map(|row| starts(row) as u32).collect();
         let rule = Rule::new(far_modes);
-        let mut weights = vec![0.0; count * far_modes * STENCIL * STENCIL];
-        let weigh = |(): &mut (), number: usize, weights: &mut [f64]| {
+        let encode = |weights: &mut Weights, number: usize| {
             let [x, y] = place(order[number]);
             let [column, row] = corners[number].map(f64::from);
             let size = radius(order[number] as usize) / step;
-            rule.weights([x - column, y - row], size, weights);
+            rule.weights([x - column, y - row], size, weights)
         };
-        let size = far_modes * STENCIL * STENCIL;
-        workers.fill(&mut weights, size, PILLARS, || (), weigh);
-        let mut own = vec![0.0; count * far_modes * far_modes];
-        let itself = |(): &mut (), number: usize, block: &mut [f64]| {
-            let weights = &weights[number * size..][..size];
-            near_kernel.between(far_modes, [weights; 2], [0, 0], block);
-        };
-        workers.fill(&mut own, far_modes * far_modes, PILLARS, || (), itself);
-        let stencils = Stencils {
+        let work = || [0.0; WEIGHTS];
+        let (weights, units): (Vec<_>, Vec<_>) = workers
+            .map(count, PILLARS, work, encode)
+            .into_iter()
+            .unzip();
+        let mut stencils = Stencils {
             modes: far_modes,
             corners,
             rows,
-            weights,
-            own,
+            weights: weights.concat(),
+            units: units.concat(),
+            own: Vec::new(),
         };
+        let mut own = vec![0.0; count * far_modes * far_modes];
+        let itself = |weights: &mut Weights, number: usize, block: &mut [f64]| {
+            let weights = stencils.decode(number, weights);
+            near_kernel.between(far_modes, [weights; 2], [0, 0], block);
+        };
+        workers.fill(&mut own, far_modes * far_modes, PILLARS, work, itself);
+        stencils.own = own;
         let mut places = vec![0; count];
         for (number, pillar) in order.iter().enumerate() {
             places[*pillar as usize] = number as u32;
@@ -450,7 +486,12 @@ impl<'p> GridCoupling<'p> {
             let [receiver, source] = between;
             let mut charged = [0.0; mode_count(FAR_DEGREE) * mode_count(FAR_DEGREE)];
             let charged = &mut charged[..far_modes * far_modes];
-            let weights = between.map(|number| stencils.weights(number));
+            let mut weights = [[0.0; WEIGHTS]; 2];
+            let [first, second] = &mut weights;
+            let weights = [
+                stencils.decode(receiver, first),
+                stencils.decode(source, second),
+            ];
             near_kernel.between(
                 far_modes,
                 weights,
@@ -548,15 +589,17 @@ impl Rule {
         Self { points, far_modes }
     }
 
-    /// Of a pillar with its radius and its centre, from the first of its charges, in grid steps.
-    fn weights(&self, centre: Point, radius: f64, weights: &mut [f64]) {
+    /// Of a pillar with its radius and its centre, from the first of its charges, in grid steps: in parts of a unit, and that of every mode.
+    fn weights(&self, centre: Point, radius: f64, room: &mut Weights) -> (Vec<i32>, Vec<f64>) {
+        let modes = self.far_modes;
+        let weights = &mut room[..modes * STENCIL * STENCIL];
+        weights.fill(0.0);
         widest(
             #[inline(always)]
             || {
                 for (point, values) in &self.points {
                     let [x, y] = [0, 1].map(|k| lagrange(centre[k] + radius * point[k]));
-                    let rows = weights.chunks_exact_mut(self.far_modes * STENCIL);
-                    for (row, down) in rows.zip(y) {
+                    for (row, down) in weights.chunks_exact_mut(modes * STENCIL).zip(y) {
                         let charges = x.map(|along| along * down);
                         let of_modes = row.as_chunks_mut::<STENCIL>().0.iter_mut();
                         for (weights, value) in of_modes.zip(values) {
@@ -568,6 +611,21 @@ impl Rule {
                 }
             },
         );
+        let mut units = vec![f64::MIN_POSITIVE; modes];
+        for (number, weights) in weights.chunks_exact(STENCIL).enumerate() {
+            let unit = &mut units[number % modes];
+            *unit = weights
+                .iter()
+                .fold(*unit, |most, weight| most.max(weight.abs()));
+        }
+        units
+            .iter_mut()
+            .for_each(|unit| *unit /= f64::from(i32::MAX));
+        let parts = weights
+            .iter()
+            .enumerate()
+            .map(|(number, weight)| (weight / units[number / STENCIL % modes]).round() as i32);
+        (parts.collect(), units)
     }
 }
 
