@@ -228,6 +228,8 @@ pub struct Pressed {
     pub force: f64,
     /// Estimate of its relative error.
     pub error: f64,
+    /// The least gap to the floor.
+    pub gap: f64,
     /// Discs that were looked at, and those touched.
     pub discs: [usize; 2],
     /// Degree of the coupling.
@@ -264,7 +266,7 @@ pub fn press_discs(
             radius,
             material: Material::new(1.0, 0.5),
         },
-        height: radius,
+        height: indentation,
         field: PillarField::Listed(Arc::new(list)),
         length: 1.0,
     };
@@ -277,12 +279,16 @@ pub fn press_discs(
     let mut solution = solve_spectral(&scene, target, punch, degrees, run)?;
     let before = products(&solution.newton);
     stages.push(("spectral", clock(), before));
+    let lowest = solution.newton.lowest_gap();
+    let gap = lowest.map_or(f64::NAN, |point| point.indentation - indentation);
+    stages.push(("floor", clock(), 0));
     let error = estimate(&mut solution.newton, &solution.outcome, target)?;
     let newton = &solution.newton;
     stages.push(("estimate", clock(), products(newton) - before));
     Ok(Some(Pressed {
         force: newton.force(),
         error: error.force,
+        gap,
         discs: [newton.tops.sites.len(), newton.touched()],
         degree: newton.degree(),
         stages,

@@ -170,6 +170,70 @@ impl Neighbours {
         best
     }
 
+    /// All discs in boxes of so many at the most, each with the numbers of its discs and its width and height.
+    pub(crate) fn groups(&self, most: usize) -> Vec<(&[u32], [f64; 2])> {
+        let mut groups = Vec::new();
+        let mut open = vec![0];
+        while let Some(place) = open.pop() {
+            let Some(own) = self.boxes.get(place) else {
+                continue;
+            };
+            match own.second {
+                Some(second) if own.discs.len() > most => open.extend([second as usize, place + 1]),
+                _ => {
+                    let places = own.discs.start as usize..own.discs.end as usize;
+                    let sides = [0, 1].map(|k| own.high[k] - own.low[k]);
+                    groups.push((&self.numbers[places], sides));
+                }
+            }
+        }
+        groups
+    }
+
+    /// Sums over the discs of every box, of some numbers of each.
+    pub(crate) fn sums<const N: usize>(&self, of: impl Fn(usize) -> [f64; N]) -> Vec<[f64; N]> {
+        let mut sums = vec![[0.0; N]; self.boxes.len()];
+        for (place, own) in self.boxes.iter().enumerate().rev() {
+            sums[place] = match own.second {
+                Some(second) => {
+                    let [one, other] = [place + 1, second as usize].map(|part| sums[part]);
+                    std::array::from_fn(|k| one[k] + other[k])
+                }
+                None => self.of(own).fold([0.0; N], |sum, (_, number)| {
+                    let more = of(number);
+                    std::array::from_fn(|k| sum[k] + more[k])
+                }),
+            };
+        }
+        sums
+    }
+
+    /// All discs as they look from a point: boxes that are `smallness` times as large as far away at the most, by their places among the
+    /// [sums](Self::sums), and the discs of all others by their numbers.
+    pub(crate) fn from_afar(
+        &self,
+        point: [f64; 2],
+        smallness: f64,
+        mut small: impl FnMut(usize),
+        mut near: impl FnMut(usize),
+    ) {
+        let mut open = vec![0];
+        while let Some(place) = open.pop() {
+            let Some(own) = self.boxes.get(place) else {
+                continue;
+            };
+            let [least, most] = own.distances(point);
+            if most - least <= smallness * least {
+                small(place);
+                continue;
+            }
+            match own.second {
+                Some(second) => open.extend([place + 1, second as usize]),
+                None => self.of(own).for_each(|(_, number)| near(number)),
+            }
+        }
+    }
+
     /// Two discs that overlap, with the distance of their centres: the first that does, and the other that reaches farthest into it.
     pub(crate) fn overlapping(&self) -> Option<(usize, usize, f64)> {
         let first = self
@@ -319,6 +383,27 @@ mod tests {
             }
             other => panic!("{other:?}"),
         }
+        let groups = tree.groups(LEAF + 3);
+        assert!(groups.iter().all(|(group, _)| group.len() <= LEAF + 3));
+        let mut grouped: Vec<u32> = groups
+            .iter()
+            .flat_map(|(group, _)| *group)
+            .copied()
+            .collect();
+        grouped.sort_unstable();
+        assert!(grouped.into_iter().eq(0..discs.len() as u32));
+        // Every disc counts once, in a box or by itself.
+        let sums = tree.sums(|number| [1.0, discs[number].1]);
+        let (mut small, mut alone) = ([0.0; 2], [0.0; 2]);
+        tree.from_afar(
+            at,
+            0.7,
+            |place| small = [0, 1].map(|k| small[k] + sums[place][k]),
+            |number| alone = [alone[0] + 1.0, alone[1] + discs[number].1],
+        );
+        let radii: f64 = discs.iter().map(|disc| disc.1).sum();
+        assert_eq!(small[0] + alone[0], discs.len() as f64);
+        assert!((small[1] + alone[1] - radii).abs() <= 1e-12 * radii);
         let spacing = (0..discs.len())
             .filter_map(|k| nearest(discs[k].0, Nearest::Centre, 0.0, Some(k)))
             .map(|(_, distance)| distance)

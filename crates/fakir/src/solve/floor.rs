@@ -6,13 +6,15 @@
 //! indentation for frozen contact. With `c1 = 0` the same function is the gap plus `zeta`.
 
 use crate::halfspace::coupling::sites::Sites;
-use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
 use crate::halfspace::disc::exterior::{Exterior, FieldJet, LaneJets, MAXIMUM_DEGREE};
-use crate::numerics::vector::{LANES, Lanes, widest};
+use crate::numerics::neighbours::Neighbours;
+use crate::numerics::vector::{LANES, Lanes, dot, widest};
 use crate::numerics::workers::CancelToken;
 use crate::problem::scaled::Problem;
 use crate::problem::{HexagonalLattice, Lens, Point};
 use crate::state::Run;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Newton steps from one starting point.
@@ -192,7 +194,7 @@ fn starts_among(sites: &Sites, spacing: f64, reach: f64) -> Starts {
     };
     for [x, y] in outermost {
         for step in 0..12 {
-            let (sin, cos) = (std::f64::consts::PI / 6.0 * f64::from(step)).sin_cos();
+            let (sin, cos) = (PI / 6.0 * f64::from(step)).sin_cos();
             holes.extend(BESIDE.map(|part| {
                 let away = part * spacing;
                 [x + away * cos, y + away * sin]
@@ -251,6 +253,11 @@ impl<'a> Uncovered<'a> {
 pub(crate) trait FloorDisplacement {
     /// `w1` and `w0` at a point off the pillars, with derivatives.
     fn displacement(&self, position: Point) -> [FieldJet; 2];
+
+    /// Both at many points to about two digits, if that takes much less time.
+    fn rough_displacements(&self, _: &[Point]) -> Option<Vec<[f64; 2]>> {
+        None
+    }
 }
 
 impl LoadedDiscs<'_> {
@@ -336,7 +343,61 @@ impl FloorDisplacement for LoadedDiscs<'_> {
         }
         total
     }
+
+    /// Those far away together act as one force in their middle.
+    fn rough_displacements(&self, points: &[Point]) -> Option<Vec<[f64; 2]>> {
+        if points.len() * self.centres.len() < MANY {
+            return None;
+        }
+        let radii = self.radii.iter();
+        let radii = radii.flat_map(|(radius, count)| std::iter::repeat_n(*radius, *count));
+        let radii: Vec<f64> = radii.collect();
+        let tree = Neighbours::new(self.centres.iter().copied().zip(radii.iter().copied()));
+        let sums = tree.sums(|disc| {
+            let [x, y] = self.centres[disc];
+            let square = UNIT_FORCE * radii[disc] * radii[disc];
+            let [unit, rest] = [0, 1].map(|set| square * self.coefficients_of(set, disc)[0]);
+            [unit, rest, 1.0, x, y]
+        });
+        let work = || vec![0.0; self.modes];
+        let one = |values: &mut Vec<f64>, number: usize| {
+            let [x, y] = points[number];
+            let (mut far, mut near) = ([0.0; 2], [0.0; 2]);
+            let small = |place: usize| {
+                let [unit, rest, count, u, v] = sums[place];
+                let inverse = (PI * (x - u / count).hypot(y - v / count)).recip();
+                far = [far[0] + unit * inverse, far[1] + rest * inverse];
+            };
+            let alone = |disc: usize| {
+                let (centre, radius) = (self.centres[disc], radii[disc]);
+                let offset = [(x - centre[0]) / radius, (y - centre[1]) / radius];
+                // There is no floor on a pillar.
+                if offset[0].hypot(offset[1]) <= 1.0 {
+                    return;
+                }
+                self.exterior.values(offset, values);
+                near = [0, 1]
+                    .map(|set| near[set] + radius * dot(values, self.coefficients_of(set, disc)));
+            };
+            tree.from_afar([x, y], SMALLNESS, small, alone);
+            [far[0] + near[0], far[1] + near[1]]
+        };
+        let workers = self.run.workers();
+        Some(workers.map(points.len(), ROUGH, work, one))
+    }
 }
+
+/// Points times discs from which on their fields are first summed up roughly.
+const MANY: usize = 10_000_000;
+
+/// Size over distance of discs that act as one.
+const SMALLNESS: f64 = 0.5;
+
+/// Points a thread takes at a time, at the least.
+const ROUGH: usize = 64;
+
+/// Of many holes, so many that roughly are the lowest are looked at closely.
+const PROMISING: usize = 200;
 
 /// Searches the floor near the lens axis; remembers where the lowest points were.
 #[derive(Debug, Clone, Default)]
@@ -533,7 +594,7 @@ fn first_starts(
             for ring in 0..12 {
                 let radius = least * (most / least).powf(f64::from(ring) / 11.0);
                 for step in 0..12 {
-                    let angle = std::f64::consts::PI / 6.0 * f64::from(step);
+                    let angle = PI / 6.0 * f64::from(step);
                     others.push([x + radius * angle.cos(), y + radius * angle.sin()]);
                 }
             }
@@ -574,7 +635,12 @@ fn lowest_holes(
     holes: &[Point],
     cancel: &CancelToken,
 ) -> Vec<Point> {
-    let mut rated: Vec<FloorPoint> = holes
+    let promising = loaded
+        .rough_displacements(holes)
+        .map(|rough| lowest_roughly(floor, holes, &rough));
+    let mut rated: Vec<FloorPoint> = promising
+        .as_deref()
+        .unwrap_or(holes)
         .iter()
         .take_while(|_| !cancel.is_cancelled())
         .filter_map(|&position| {
@@ -589,6 +655,19 @@ fn lowest_holes(
     rated.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
     rated.truncate(LOWEST_HOLES);
     rated.into_iter().map(|point| point.position).collect()
+}
+
+/// The lowest holes by their rough displacements.
+fn lowest_roughly(floor: &Uncovered<'_>, holes: &[Point], rough: &[[f64; 2]]) -> Vec<Point> {
+    let value = |(hole, [unit, rest]): (&Point, &[f64; 2])| {
+        let value = (floor.height + floor.lens.sag_with_brim(*hole) + rest) / (1.0 - unit);
+        let exists = *unit < 1.0 && floor.around.clearance(*hole) > 0.0;
+        exists.then_some((value, *hole))
+    };
+    let mut rated: Vec<(f64, Point)> = holes.iter().zip(rough).filter_map(value).collect();
+    rated.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rated.truncate(PROMISING);
+    rated.into_iter().map(|(_, hole)| hole).collect()
 }
 
 #[cfg(test)]

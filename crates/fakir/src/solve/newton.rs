@@ -10,6 +10,7 @@ use super::floor::{
 };
 use super::frozen::{FrozenContact, Response, Source};
 use super::rules::floor::{FloorCells, Places};
+use super::rules::groups::Groups;
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
@@ -366,6 +367,7 @@ impl<'a> Newton<'a> {
     ) -> Result<Judgement, SolveError> {
         let mut places = Places {
             tops: &self.tops,
+            groups: Groups::new(&self.tops, self.run.workers()),
             floor: self.cells.as_mut(),
         };
         self.contact.solve(&mut places, source, tolerance)
@@ -569,6 +571,7 @@ impl<'a> Newton<'a> {
     ) -> Result<Response, SolveError> {
         let mut places = Places {
             tops: &self.tops,
+            groups: Groups::new(&self.tops, self.run.workers()),
             floor: self.cells.as_mut(),
         };
         self.contact.respond_to(&mut places, load, tolerance)

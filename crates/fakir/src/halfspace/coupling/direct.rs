@@ -80,13 +80,7 @@ impl<R: Real> PairBlocks<R> {
                 let coefficients = &coefficients[reach];
                 widest(
                     #[inline(always)]
-                    || match self.modes {
-                        // The usual numbers, known to the compiler.
-                        1 => self.add_products(1, receivers, coefficients, &mut sums),
-                        6 => self.add_products(6, receivers, coefficients, &mut sums),
-                        15 => self.add_products(15, receivers, coefficients, &mut sums),
-                        modes => self.add_products(modes, receivers, coefficients, &mut sums),
-                    },
+                    || self.add_products(receivers, coefficients, &mut sums),
                 );
                 sums
             },
@@ -101,13 +95,8 @@ impl<R: Real> PairBlocks<R> {
 
     /// Those of some receivers; the first coefficient is of the first of them.
     #[inline(always)]
-    fn add_products(
-        &self,
-        modes: usize,
-        receivers: &Range<usize>,
-        coefficients: &[f64],
-        far: &mut [f64],
-    ) {
+    fn add_products(&self, receivers: &Range<usize>, coefficients: &[f64], far: &mut [f64]) {
+        let modes = self.modes;
         for (receiver, row) in self.rows[receivers.clone()].iter().enumerate() {
             let next = (receiver + 1) * modes;
             let (before, after) = far.split_at_mut(next);
@@ -123,27 +112,49 @@ impl<R: Real> PairBlocks<R> {
                 let place = (source as usize - receivers.start) * modes;
                 let source = &coefficients[place..place + of_pair];
                 let back = &mut after[place - next..place - next + of_pair];
+                let (own, own_far) = (&own[..of_pair], &mut own_far[..of_pair]);
                 match of_pair {
-                    6 => add_block(6, block, [own, source], [own_far, back]),
-                    10 => add_block(10, block, [own, source], [own_far, back]),
-                    15 => add_block(15, block, [own, source], [own_far, back]),
-                    modes => add_block(modes, block, [own, source], [own_far, back]),
+                    1 => add_known::<1, R>(block, [own, source], [own_far, back]),
+                    6 => add_known::<6, R>(block, [own, source], [own_far, back]),
+                    10 => add_known::<10, R>(block, [own, source], [own_far, back]),
+                    15 => add_known::<15, R>(block, [own, source], [own_far, back]),
+                    _ => add_block(block, [own, source], [own_far, back]),
                 }
             }
         }
     }
 }
 
-/// What a source does to a receiver, and the receiver to the source.
+/// As [`add_block`], of a number of modes that the compiler knows.
 #[inline(always)]
-fn add_block<R: Real>(
-    modes: usize,
+fn add_known<const MODES: usize, R: Real>(
     block: &[R],
     [own, source]: [&[f64]; 2],
     [own_far, back]: [&mut [f64]; 2],
 ) {
-    let (own, own_far) = (&own[..modes], &mut own_far[..modes]);
-    for ((column, c), back) in block.chunks_exact(modes).zip(source).zip(back) {
+    let (Ok(own), Ok(mut sums)) = (
+        <[f64; MODES]>::try_from(own),
+        <[f64; MODES]>::try_from(&*own_far),
+    ) else {
+        return;
+    };
+    let columns = block.as_chunks::<MODES>().0.iter();
+    for ((column, c), back) in columns.zip(source).zip(back) {
+        let column = column.map(Real::double);
+        let mut products = 0.0;
+        for k in 0..MODES {
+            sums[k] += column[k] * c;
+            products += column[k] * own[k];
+        }
+        *back += products;
+    }
+    own_far.copy_from_slice(&sums);
+}
+
+/// What a source does to a receiver, and the receiver to the source.
+fn add_block<R: Real>(block: &[R], [own, source]: [&[f64]; 2], [own_far, back]: [&mut [f64]; 2]) {
+    let columns = block.chunks_exact(own.len());
+    for ((column, c), back) in columns.zip(source).zip(back) {
         for ((far, b), own) in own_far.iter_mut().zip(column).zip(own) {
             let b = b.double();
             *far += b * c;

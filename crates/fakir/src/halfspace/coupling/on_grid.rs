@@ -247,19 +247,21 @@ impl Stencils {
         far: &mut [f64],
     ) {
         let [column, row] = self.corners[pillar].map(|x| x as usize);
-        let mut sums = [[0.0; STENCIL]; MODES];
-        let lines = self.weights(pillar).chunks_exact(MODES * STENCIL);
-        for (number, weights) in lines.enumerate() {
-            let start = (row + number) * columns + column;
-            let Some(potential) = potential[start..].first_chunk::<STENCIL>() else {
-                continue;
-            };
-            for (sums, weights) in sums.iter_mut().zip(weights.as_chunks::<STENCIL>().0) {
-                for ((sum, weight), u) in sums.iter_mut().zip(weights).zip(potential) {
-                    *sum += f64::from(*weight) * u;
+        let weights = self.weights(pillar).as_chunks::<STENCIL>().0;
+        let sums: [f64; MODES] = std::array::from_fn(|mode| {
+            let mut sums = [0.0; STENCIL];
+            for line in 0..STENCIL {
+                let start = (row + line) * columns + column;
+                let Some(potential) = potential[start..].first_chunk::<STENCIL>() else {
+                    continue;
+                };
+                let weights = &weights[line * MODES + mode];
+                for k in 0..STENCIL {
+                    sums[k] += f64::from(weights[k]) * potential[k];
                 }
             }
-        }
+            sum_of(&sums)
+        });
         let own = &self.own[pillar * MODES * MODES..][..MODES * MODES];
         let of_modes = sums
             .iter()
@@ -267,7 +269,7 @@ impl Stencils {
             .zip(own.chunks_exact(MODES));
         for (far, ((sums, unit), own)) in far.iter_mut().zip(of_modes) {
             let itself: f64 = own.iter().zip(moments).map(|(a, b)| a * b).sum();
-            *far = unit * sum_of(sums) - itself;
+            *far = unit * sums - itself;
         }
     }
 }
