@@ -315,9 +315,28 @@ fn divide(discs: &mut [(Disc, u32)], first: usize, boxes: &mut Vec<Bounds>) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use proptest::prelude::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    /// Discs of radii between 0.75 and 1.25 at random places of a square, with a gap between any two, that cover so much of it.
+    pub(crate) fn random_discs(count: usize, covered: f64, gap: f64, seed: u64) -> Vec<Disc> {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        let mut uniform = || f64::from(generator.next_u32()) / 4_294_967_296.0;
+        let side = (count as f64 * std::f64::consts::PI * 1.02 / covered).sqrt();
+        let mut discs: Vec<Disc> = Vec::new();
+        while discs.len() < count {
+            let centre = [(); 2].map(|()| side * (uniform() - 0.5));
+            let radius = 0.75 + 0.5 * uniform();
+            let is_apart = |disc: &Disc| distance(disc.0, centre) >= radius + disc.1 + gap;
+            if discs.iter().all(is_apart) {
+                discs.push((centre, radius));
+            }
+        }
+        discs
+    }
 
     fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
         (a[0] - b[0]).hypot(a[1] - b[1])

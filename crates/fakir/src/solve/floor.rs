@@ -388,7 +388,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
 }
 
 /// Points times discs from which on their fields are first summed up roughly.
-const MANY: usize = 10_000_000;
+const MANY: usize = 300_000;
 
 /// Size over distance of discs that act as one.
 const SMALLNESS: f64 = 0.5;
@@ -673,6 +673,10 @@ fn lowest_roughly(floor: &Uncovered<'_>, holes: &[Point], rough: &[[f64; 2]]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::neighbours::tests::random_discs;
+    use crate::problem::Material;
+    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
+    use std::sync::Arc;
 
     /// Displacements with one number that is none.
     struct Odd(fn(&mut FieldJet));
@@ -700,6 +704,72 @@ mod tests {
         ] {
             assert!(lowest(odd).is_none());
         }
+    }
+
+    /// Displacements that are not known roughly.
+    struct Closely<'a>(&'a LoadedDiscs<'a>);
+
+    impl FloorDisplacement for Closely<'_> {
+        fn displacement(&self, position: Point) -> [FieldJet; 2] {
+            self.0.displacement(position)
+        }
+    }
+
+    #[test]
+    fn lowest_holes_roughly_are_the_lowest_closely() {
+        let discs = random_discs(700, 0.2, 0.05, 7);
+        let pillar = |&(centre, radius): &(Point, f64)| ListedPillar {
+            centre,
+            body: PillarBody {
+                radius,
+                ..PillarBody::of_column(0.0)
+            },
+        };
+        let list = PillarList::new(discs.iter().map(pillar).collect()).unwrap();
+        let field = PillarField::Listed(Arc::new(list));
+        let sites = Sites::within(&field, f64::INFINITY);
+        let centres: Vec<Point> = discs.iter().map(|disc| disc.0).collect();
+        let coefficients: Vec<f64> = (0..6 * discs.len())
+            .map(|k| match k % 6 {
+                0 => 0.03 + 0.01 * (1.7 * k as f64).sin(),
+                _ => 0.003 * (2.3 * k as f64).sin(),
+            })
+            .collect();
+        let none = vec![0.0; coefficients.len()];
+        // Of one radius, as far as the field is concerned.
+        let loaded = LoadedDiscs {
+            exterior: &Exterior::new(2),
+            modes: 6,
+            centres: &centres,
+            radii: &[(0.75, discs.len())],
+            coefficients: [&none, &coefficients],
+            run: &Run::default(),
+        };
+        let lens = Lens {
+            radius: 1000.0,
+            material: Material::new(1.0, 0.5),
+        };
+        let floor = Uncovered {
+            lens: &lens,
+            height: 3.0,
+            around: Surroundings::of_sites(&sites, field.spacing(), 60.0),
+        };
+        let holes = floor.around.starts().holes;
+        let rough = loaded.rough_displacements(&holes).unwrap();
+        let [mut most, mut scale] = [0.0_f64; 2];
+        for (hole, [_, rough]) in holes.iter().zip(&rough) {
+            if sites.clearance(*hole) > 0.0 {
+                let [_, jet] = loaded.displacement(*hole);
+                most = most.max((jet.value - rough).abs());
+                scale = scale.max(jet.value.abs());
+            }
+        }
+        println!("{} holes: {:e}", holes.len(), most / scale);
+        assert!(most < 0.01 * scale);
+        let cancel = CancelToken::default();
+        let found = FloorSearch::default().lowest(&floor, &loaded, &cancel);
+        let closely = FloorSearch::default().lowest(&floor, &Closely(&loaded), &cancel);
+        assert!(found.is_some() && found == closely, "{found:?} {closely:?}");
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! [`lattice`] applies those of all [sites] at once: directly, or, for many, by fast Fourier transform: on a hexagonal lattice itself, and else on a grid under them. With pillars of several radii, that of one of them is the unit of length.
 
 pub(crate) mod convolution;
-mod direct;
+pub(crate) mod direct;
 pub(crate) mod lattice;
 pub(crate) mod on_grid;
 pub(crate) mod operator;

@@ -634,14 +634,29 @@ impl Rule {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::halfspace::coupling::direct::DirectCoupling;
+    use crate::numerics::neighbours::Disc;
+    use crate::numerics::neighbours::tests::random_discs;
     use crate::numerics::workers::CancelToken;
-    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
+    use crate::problem::pillar_field::{
+        ListedPillar, PillarBody, PillarField, PillarList, PlaneLattice,
+    };
     use std::sync::Arc;
 
+    fn sites(discs: impl IntoIterator<Item = Disc>) -> Sites {
+        let pillar = |(centre, radius)| ListedPillar {
+            centre,
+            body: PillarBody {
+                radius,
+                ..PillarBody::of_column(0.0)
+            },
+        };
+        let list = PillarList::new(discs.into_iter().map(pillar).collect()).unwrap();
+        Sites::within(&PillarField::Listed(Arc::new(list)), f64::INFINITY)
+    }
+
     /// Pillars on about a tenth to a sixth of the plane, at any places, of radii between 0.75 and 1.25.
-    fn scattered(side: i32, pitch: f64) -> PillarField {
-        let mut pillars = Vec::new();
+    fn scattered(side: i32, pitch: f64) -> Vec<Disc> {
+        let mut discs = Vec::new();
         for i in 0..side {
             for j in 0..side {
                 let number = f64::from(i * side + j);
@@ -650,14 +665,25 @@ mod tests {
                     pitch * (f64::from(i) + 0.22 * any(1.7) - 0.5 * f64::from(side)),
                     pitch * (f64::from(j) + 0.22 * any(2.3) - 0.5 * f64::from(side)),
                 ];
-                let body = PillarBody {
-                    radius: 1.0 + 0.25 * any(3.1),
-                    ..PillarBody::of_column(0.0)
-                };
-                pillars.push(ListedPillar { centre, body });
+                discs.push((centre, 1.0 + 0.25 * any(3.1)));
             }
         }
-        PillarField::Listed(Arc::new(PillarList::new(pillars).unwrap()))
+        discs
+    }
+
+    /// The same in four clusters that are far apart.
+    fn clustered(side: i32, pitch: f64) -> Vec<Disc> {
+        let places = [
+            [0.0, 0.0],
+            [900.0, 100.0],
+            [400.0, 1300.0],
+            [-2000.0, 700.0],
+        ];
+        let cluster = |[x, y]: Point| {
+            let discs = scattered(side, pitch).into_iter();
+            discs.map(move |([u, v], radius)| ([u + x, v + y], radius))
+        };
+        places.into_iter().flat_map(cluster).collect()
     }
 
     #[test]
@@ -672,48 +698,125 @@ mod tests {
         assert!((powers[1] / place.powi(7) - 1.0).abs() < 1e-11);
     }
 
+    /// The products of all pairs, each of as many modes as between near pillars on a grid.
+    fn all_pairs(
+        sites: &Sites,
+        degree: usize,
+        coefficients: &[f64],
+        workers: Workers<'_>,
+    ) -> Vec<f64> {
+        let pairs: Vec<_> = (0..=degree)
+            .map(|degree| PairCoupling::new(degree, 4.0))
+            .collect();
+        let offset = |[a, b]: [usize; 2]| {
+            let offset = [0, 1].map(|k| sites.centres()[a][k] - sites.centres()[b][k]);
+            (offset, [a, b].map(|pillar| sites.body(pillar).radius))
+        };
+        let of_pair = |pair: [usize; 2]| {
+            let ([x, y], [a, b]) = offset(pair);
+            &pairs[pair_degree((x.hypot(y) - a - b) / a.min(b), degree)]
+        };
+        let blocks = PairBlocks::<f64>::new(
+            [sites.len(), mode_count(degree)],
+            |receiver| (receiver as u32 + 1..sites.len() as u32).collect(),
+            |pair| of_pair(pair).modes().len(),
+            |pair, block| {
+                let (offset, radii) = offset(pair);
+                of_pair(pair).block_of(offset, radii, block);
+            },
+            workers,
+        );
+        let mut far = vec![0.0; coefficients.len()];
+        blocks.add(coefficients, &mut far, workers);
+        far
+    }
+
+    fn check_products(sites: &Sites, degree: usize) {
+        let pair = PairCoupling::new(degree, 4.0);
+        let (cancel, modes) = (CancelToken::default(), mode_count(degree));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+        let pool = pool.unwrap();
+        let [alone, together] = [None, Some(&pool)].map(|pool| Workers {
+            pool,
+            cancel: &cancel,
+        });
+        let size = sites.len() * modes;
+        // As they are: the higher the degree, the smaller.
+        let coefficients = |turn: f64| -> Vec<f64> {
+            let of_mode = |k: usize| 0.2_f64.powi(pair.modes()[k % modes].degree as i32);
+            let value = |k: usize| 0.6 + (turn * k as f64 + 0.3 * (k as f64).sqrt()).sin();
+            (0..size).map(|k| of_mode(k) * value(k)).collect()
+        };
+        let (a, c) = (coefficients(1.7), coefficients(0.9));
+        let product = |coefficients: &[f64], workers| {
+            let mut far = vec![0.0; size];
+            let mut grid = GridCoupling::new(sites, &pair, workers).unwrap();
+            grid.apply(coefficients, &mut far, workers);
+            far
+        };
+        let (of_a, by_grid) = (product(&a, alone), product(&c, alone));
+        let threads = product(&c, together);
+        assert!(
+            by_grid
+                .iter()
+                .zip(&threads)
+                .all(|(a, b)| a.to_bits() == b.to_bits())
+        );
+        let by_pairs = all_pairs(sites, degree, &c, alone);
+        let scale = by_pairs.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
+        // Loads on the modes that the charges stand for, and on those beyond, which excite little.
+        let mut error = [0.0_f64; 2];
+        for (k, (a, b)) in by_grid.iter().zip(&by_pairs).enumerate() {
+            let beyond = pair.modes()[k % modes].degree > FAR_DEGREE;
+            let error = &mut error[usize::from(beyond)];
+            *error = error.max((a - b).abs() / scale);
+        }
+        println!("{} pillars, degree {degree}: {error:?}", sites.len());
+        // What the modes beyond do from afar is left out.
+        let bar = if degree > FAR_DEGREE { 2e-7 } else { 5e-9 };
+        assert!(error[0] < bar, "degree {degree}: {error:?}");
+        assert!(error[1] < 3e-5, "degree {degree}: {error:?}");
+        let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
+        let (there, back) = (dot(&a, &by_grid), dot(&c, &of_a));
+        assert!((there / back - 1.0).abs() < 1e-13, "{there} {back}");
+    }
+
     #[test]
     fn products_are_those_of_all_pairs() {
         for (degree, side, pitch) in [(0, 12, 4.6), (2, 17, 4.6), (4, 12, 5.6)] {
-            let sites = Sites::within(&scattered(side, pitch), f64::INFINITY);
-            let pair = PairCoupling::new(degree, pitch);
-            let cancel = CancelToken::default();
-            let workers = Workers {
-                pool: None,
-                cancel: &cancel,
-            };
-            let size = sites.len() * mode_count(degree);
-            // As they are: the higher the degree, the smaller.
-            let coefficients = |turn: f64| -> Vec<f64> {
-                let of_mode =
-                    |k: usize| 0.2_f64.powi(pair.modes()[k % mode_count(degree)].degree as i32);
-                let value = |k: usize| 0.6 + (turn * k as f64 + 0.3 * (k as f64).sqrt()).sin();
-                (0..size).map(|k| of_mode(k) * value(k)).collect()
-            };
-            let (a, c) = (coefficients(1.7), coefficients(0.9));
-            let mut grid = GridCoupling::new(&sites, &pair, workers).unwrap();
-            let radius = |pillar: usize| sites.body(pillar).radius;
-            let direct = DirectCoupling::new(sites.centres(), radius, &pair, workers);
-            let [mut by_grid, mut of_a, mut by_pairs] = [(); 3].map(|()| vec![0.0; size]);
-            grid.apply(&a, &mut of_a, workers);
-            grid.apply(&c, &mut by_grid, workers);
-            direct.apply(&c, &mut by_pairs, workers);
-            let scale = by_pairs.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
-            // Loads on the modes that the charges stand for, and on those beyond, which excite little.
-            let mut error = [0.0_f64; 2];
-            for (k, (a, b)) in by_grid.iter().zip(&by_pairs).enumerate() {
-                let beyond = pair.modes()[k % mode_count(degree)].degree > FAR_DEGREE;
-                let error = &mut error[usize::from(beyond)];
-                *error = error.max((a - b).abs() / scale);
-            }
-            println!("degree {degree}: {error:?}");
-            // What the modes beyond do from afar is left out.
-            let bar = if degree > FAR_DEGREE { 2e-7 } else { 5e-9 };
-            assert!(error[0] < bar, "degree {degree}: {error:?}");
-            assert!(error[1] < 3e-5, "degree {degree}: {error:?}");
-            let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
-            let (there, back) = (dot(&a, &by_grid), dot(&c, &of_a));
-            assert!((there / back - 1.0).abs() < 1e-13, "{there} {back}");
+            check_products(&sites(scattered(side, pitch)), degree);
         }
+        check_products(&sites(random_discs(400, 0.2, 0.05, 3)), 4);
+    }
+
+    #[test]
+    fn products_in_clusters_and_on_lattices() {
+        for degree in [1, 2] {
+            check_products(&sites(clustered(9, 4.6)), degree);
+        }
+        let lattice = PlaneLattice::new(
+            [[4.6, 0.3], [0.2, 5.1]],
+            [0.4, 1.0],
+            PillarBody::of_column(0.0),
+        );
+        let lattice = PillarField::Lattice(Arc::new(lattice.unwrap()));
+        check_products(&Sites::within(&lattice, 45.0), 2);
+    }
+
+    /// The step is small where the pillars are, and the grid is not as fine where there are none as memory would not do for that.
+    #[test]
+    fn grids_of_clusters_are_bounded() {
+        let even = Plan::new(&sites(scattered(30, 4.6)), 6);
+        let clusters = Plan::new(&sites(clustered(15, 4.6)), 6);
+        for (plan, pairs) in [(even, 20.0), (clusters, 60.0)] {
+            println!("{plan:?}");
+            assert!(plan.pairs < pairs * 900.0);
+            assert!(plan.memory(900, 6) < 2e8);
+        }
+        // On one line, and two that are very far apart.
+        let row = (0..900).map(|k| ([3.0 * f64::from(k), 0.0], 1.0));
+        assert!(Plan::new(&sites(row), 6).memory(900, 6) < 2e7);
+        let far = [[0.0, 0.0], [1e12, 0.0]].map(|centre| (centre, 1.0));
+        assert!(Plan::new(&sites(far), 6).memory(2, 6) < 1e7);
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! Each by itself gives way as if the others did not push back, which takes the more iterations the more there are. Beside
 //! that, groups of pillars under one load for all in each solve the small system of their answers: `E y = Z' r` with `Z` the answers of the
-//! groups to unit loads and `E` about `Z' (P^-1 + B) Z`, in which groups act on each other as forces in their middle. Of a load `r` it is then
-//! `r + y` that is answered to, with `y` that of the group of each. Symmetric and positive, so that the
-//! iteration finds the same solution.
+//! groups to unit loads and `E` about `Z' (P^-1 + B) Z`, in which groups act on each other as forces in their middle. That takes the place of the
+//! answer of each group by itself, `D y' = Z' r` with `D = Z' P^-1 Z`, which has one entry for each. Of a load `r` it is then `r + y - y'` that is
+//! answered to, with those of the group of each pillar. Symmetric and positive, so that the iteration finds the same solution.
 
 use super::tops::Tops;
 use crate::halfspace::disc::basis::UNIT_FORCE;
@@ -26,8 +26,12 @@ pub(crate) struct Groups {
     /// Of every pillar.
     group: Vec<u32>,
     count: usize,
+    /// Of `E`.
     factor: Vec<f64>,
+    /// `D`
+    own: Vec<f64>,
     answers: Vec<f64>,
+    alone: Vec<f64>,
 }
 
 /// Pillars of a group.
@@ -97,7 +101,12 @@ impl Groups {
             group,
             count,
             factor,
+            own: groups
+                .iter()
+                .map(|group| group.own.max(f64::MIN_POSITIVE))
+                .collect(),
             answers: vec![0.0; count],
+            alone: vec![0.0; count],
         })
     }
 
@@ -109,10 +118,14 @@ impl Groups {
         for (group, answer) in of_pillars {
             self.answers[*group as usize] += answer;
         }
+        for ((alone, answer), own) in self.alone.iter_mut().zip(&self.answers).zip(&self.own) {
+            *alone = answer / own;
+        }
         solve_lower(&self.factor, self.count, &mut self.answers);
         solve_upper(&self.factor, self.count, &mut self.answers);
         for (group, load) in self.group.iter().zip(load.iter_mut().step_by(modes)) {
-            *load += self.answers[*group as usize];
+            let group = *group as usize;
+            *load += self.answers[group] - self.alone[group];
         }
     }
 }
