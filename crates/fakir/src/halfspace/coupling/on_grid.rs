@@ -731,7 +731,8 @@ mod tests {
         far
     }
 
-    fn check_products(sites: &Sites, degree: usize) {
+    /// To a part of the largest displacement.
+    fn check_products(sites: &Sites, degree: usize, bar: f64) {
         let pair = PairCoupling::new(degree, 4.0);
         let (cancel, modes) = (CancelToken::default(), mode_count(degree));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
@@ -772,8 +773,6 @@ mod tests {
             *error = error.max((a - b).abs() / scale);
         }
         println!("{} pillars, degree {degree}: {error:?}", sites.len());
-        // What the modes beyond do from afar is left out.
-        let bar = if degree > FAR_DEGREE { 2e-7 } else { 5e-9 };
         assert!(error[0] < bar, "degree {degree}: {error:?}");
         assert!(error[1] < 3e-5, "degree {degree}: {error:?}");
         let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
@@ -784,15 +783,18 @@ mod tests {
     #[test]
     fn products_are_those_of_all_pairs() {
         for (degree, side, pitch) in [(0, 12, 4.6), (2, 17, 4.6), (4, 12, 5.6)] {
-            check_products(&sites(scattered(side, pitch)), degree);
+            // What the modes beyond do from afar is left out.
+            let bar = if degree > FAR_DEGREE { 2e-7 } else { 5e-9 };
+            check_products(&sites(scattered(side, pitch)), degree, bar);
         }
-        check_products(&sites(random_discs(400, 0.2, 0.05, 3)), 4);
+        check_products(&sites(random_discs(400, 0.2, 0.05, 3)), 4, 2e-7);
     }
 
     #[test]
     fn products_in_clusters_and_on_lattices() {
         for degree in [1, 2] {
-            check_products(&sites(clustered(9, 4.6)), degree);
+            // Nearly all of it comes from near pairs, in single precision.
+            check_products(&sites(clustered(9, 4.6)), degree, 3e-8);
         }
         let lattice = PlaneLattice::new(
             [[4.6, 0.3], [0.2, 5.1]],
@@ -800,19 +802,16 @@ mod tests {
             PillarBody::of_column(0.0),
         );
         let lattice = PillarField::Lattice(Arc::new(lattice.unwrap()));
-        check_products(&Sites::within(&lattice, 45.0), 2);
+        check_products(&Sites::within(&lattice, 45.0), 2, 5e-9);
     }
 
-    /// The step is small where the pillars are, and the grid is not as fine where there are none as memory would not do for that.
+    /// Where there is much room between clusters the grid is so coarse that all pairs of one are near.
     #[test]
     fn grids_of_clusters_are_bounded() {
         let even = Plan::new(&sites(scattered(30, 4.6)), 6);
+        assert!(even.pairs < 20.0 * 900.0 && even.memory(900, 6) < 2e7);
         let clusters = Plan::new(&sites(clustered(15, 4.6)), 6);
-        for (plan, pairs) in [(even, 20.0), (clusters, 60.0)] {
-            println!("{plan:?}");
-            assert!(plan.pairs < pairs * 900.0);
-            assert!(plan.memory(900, 6) < 2e8);
-        }
+        assert!(clusters.memory(900, 6) < 4e7, "{clusters:?}");
         // On one line, and two that are very far apart.
         let row = (0..900).map(|k| ([3.0 * f64::from(k), 0.0], 1.0));
         assert!(Plan::new(&sites(row), 6).memory(900, 6) < 2e7);
