@@ -14,6 +14,7 @@ use crate::numerics::workers::CancelToken;
 use crate::problem::scaled::Problem;
 use crate::problem::{HexagonalLattice, Lens, Point};
 use crate::state::Run;
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -408,8 +409,8 @@ const BESIDE_DISC: f64 = 6.0;
 /// Points a thread takes at a time, at the least.
 const ROUGH: usize = 64;
 
-/// Of many holes, so many that roughly are the lowest are looked at closely.
-const PROMISING: usize = 200;
+/// Of many points, so many that roughly are the lowest are looked at closely.
+const PROMISING: usize = 100;
 
 /// Searches the floor near the lens axis; remembers where the lowest points were.
 #[derive(Debug, Clone, Default)]
@@ -612,8 +613,9 @@ fn first_starts(
             }
         }
     }
-    let mut rated: Vec<(f64, Point)> = others
-        .into_iter()
+    let mut rated: Vec<(f64, Point)> = promising(floor, loaded, &others)
+        .iter()
+        .copied()
         .take_while(|_| !cancel.is_cancelled())
         .filter_map(|point| Some((indentation_of_contact(floor, loaded, point)?.value, point)))
         .collect();
@@ -647,12 +649,7 @@ fn lowest_holes(
     holes: &[Point],
     cancel: &CancelToken,
 ) -> Vec<Point> {
-    let promising = loaded
-        .rough_displacements(holes)
-        .map(|rough| lowest_roughly(floor, holes, &rough));
-    let mut rated: Vec<FloorPoint> = promising
-        .as_deref()
-        .unwrap_or(holes)
+    let mut rated: Vec<FloorPoint> = promising(floor, loaded, holes)
         .iter()
         .take_while(|_| !cancel.is_cancelled())
         .filter_map(|&position| {
@@ -669,17 +666,29 @@ fn lowest_holes(
     rated.into_iter().map(|point| point.position).collect()
 }
 
-/// The lowest holes by their rough displacements.
-fn lowest_roughly(floor: &Uncovered<'_>, holes: &[Point], rough: &[[f64; 2]]) -> Vec<Point> {
-    let value = |(hole, [unit, rest]): (&Point, &[f64; 2])| {
-        let value = (floor.height + floor.lens.sag_with_brim(*hole) + rest) / (1.0 - unit);
-        let exists = *unit < 1.0 && floor.around.clearance(*hole) > 0.0;
-        exists.then_some((value, *hole))
+/// The points that roughly are the lowest, or all where it is as quick to look at them closely.
+fn promising<'p>(
+    floor: &Uncovered<'_>,
+    loaded: &impl FloorDisplacement,
+    points: &'p [Point],
+) -> Cow<'p, [Point]> {
+    let rough = loaded.rough_displacements(points);
+    rough.map_or(Cow::Borrowed(points), |rough| {
+        Cow::Owned(lowest_roughly(floor, points, &rough))
+    })
+}
+
+/// The lowest points by their rough displacements.
+fn lowest_roughly(floor: &Uncovered<'_>, points: &[Point], rough: &[[f64; 2]]) -> Vec<Point> {
+    let value = |(point, [unit, rest]): (&Point, &[f64; 2])| {
+        let value = (floor.height + floor.lens.sag_with_brim(*point) + rest) / (1.0 - unit);
+        let exists = *unit < 1.0 && floor.around.clearance(*point) > 0.0;
+        exists.then_some((value, *point))
     };
-    let mut rated: Vec<(f64, Point)> = holes.iter().zip(rough).filter_map(value).collect();
+    let mut rated: Vec<(f64, Point)> = points.iter().zip(rough).filter_map(value).collect();
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));
     rated.truncate(PROMISING);
-    rated.into_iter().map(|(_, hole)| hole).collect()
+    rated.into_iter().map(|(_, point)| point).collect()
 }
 
 #[cfg(test)]
