@@ -160,7 +160,7 @@ impl Neighbours {
             for (&(centre, radius), number) in self.of(own) {
                 let distance = (centre[0] - point[0]).hypot(centre[1] - point[1]) - less(radius);
                 let is_nearer = best.is_none_or(|(other, least)| {
-                    distance < least || (distance == least && number < other)
+                    distance.total_cmp(&least).then(number.cmp(&other)).is_lt()
                 });
                 if radius >= least_radius && Some(number) != but && is_nearer {
                     best = Some((number, distance));
@@ -210,7 +210,7 @@ impl Neighbours {
 
     /// All discs as they look from a point: boxes that are `smallness` times as large as far away at the most, by their places among the
     /// [sums](Self::sums), and the discs of all others by their numbers.
-    pub(crate) fn from_afar(
+    pub(crate) fn seen_from(
         &self,
         point: [f64; 2],
         smallness: f64,
@@ -389,7 +389,7 @@ pub(crate) mod tests {
             .fold(f64::INFINITY, f64::min);
         let found = tree.least_gap();
         assert!(
-            found == gap || (found - gap).abs() <= 1e-9 * (1.0 + gap.abs()),
+            found.total_cmp(&gap).is_eq() || (found - gap).abs() <= 1e-9 * (1.0 + gap.abs()),
             "{found} {gap}"
         );
         let overlap = pairs().find(|(one, other, _)| distance(other.0, one.0) - other.1 < one.1);
@@ -397,7 +397,10 @@ pub(crate) mod tests {
             (None, None) => {}
             (Some((one, other, far)), Some((_, _, first))) => {
                 assert_eq!(one, first);
-                assert_eq!(far, distance(discs[one].0, discs[other].0));
+                assert_eq!(
+                    far.to_bits(),
+                    distance(discs[one].0, discs[other].0).to_bits()
+                );
                 assert!(far < discs[one].1 + discs[other].1);
             }
             other => panic!("{other:?}"),
@@ -414,14 +417,14 @@ pub(crate) mod tests {
         // Every disc counts once, in a box or by itself.
         let sums = tree.sums(|number| [1.0, discs[number].1]);
         let (mut small, mut alone) = ([0.0; 2], [0.0; 2]);
-        tree.from_afar(
+        tree.seen_from(
             at,
             0.7,
             |place| small = [0, 1].map(|k| small[k] + sums[place][k]),
             |number| alone = [alone[0] + 1.0, alone[1] + discs[number].1],
         );
         let radii: f64 = discs.iter().map(|disc| disc.1).sum();
-        assert_eq!(small[0] + alone[0], discs.len() as f64);
+        assert!((small[0] + alone[0] - discs.len() as f64).abs() < 1e-9);
         assert!((small[1] + alone[1] - radii).abs() <= 1e-12 * radii);
         let spacing = (0..discs.len())
             .filter_map(|k| nearest(discs[k].0, Nearest::Centre, 0.0, Some(k)))

@@ -389,7 +389,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 near = [0, 1]
                     .map(|set| near[set] + radius * dot(values, self.coefficients_of(set, disc)));
             };
-            tree.from_afar([x, y], SMALLNESS, small, alone);
+            tree.seen_from([x, y], SMALLNESS, small, alone);
             [far[0] + near[0], far[1] + near[1]]
         };
         let workers = self.run.workers();

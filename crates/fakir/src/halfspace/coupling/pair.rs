@@ -201,6 +201,9 @@ impl SeriesTable {
     }
 }
 
+/// Degree and order of the mode of a receiver, and of that of a source.
+type Orders = [(usize, usize); 2];
+
 /// Which series make up one entry of the block between two pillars.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
@@ -228,24 +231,21 @@ impl PairCoupling {
     pub(crate) fn new(degree: usize, pitch: f64) -> Self {
         let modes = modes(degree);
         let mut series = Vec::new();
-        let mut known: Vec<((usize, usize), (usize, usize), [usize; 2])> = Vec::new();
+        let mut known: Vec<(Orders, [usize; 2])> = Vec::new();
         let mut entries = Vec::with_capacity(mode_count(degree) * (mode_count(degree) + 1) / 2);
         for (row, &receiver) in modes.iter().enumerate() {
             for &source in &modes[row..] {
-                let key = (
-                    (receiver.degree, receiver.order),
-                    (source.degree, source.order),
-                );
-                let places = match known.iter().find(|k| (k.0, k.1) == key) {
-                    Some((_, _, places)) => *places,
+                let key = [receiver, source].map(|mode| (mode.degree, mode.order));
+                let places = match known.iter().find(|known| known.0 == key) {
+                    Some((_, places)) => *places,
                     None => {
-                        let (m, n) = (receiver.order, source.order);
+                        let [m, n] = key.map(|(_, order)| order);
                         let mut orders = vec![m.abs_diff(n), m + n];
                         orders.dedup();
                         let first = series.len();
-                        let of_order = |order| Series::new(key.0, key.1, order);
+                        let of_order = |order| Series::new(key[0], key[1], order);
                         series.extend(orders.into_iter().map(of_order));
-                        known.push((key.0, key.1, [first, series.len() - 1]));
+                        known.push((key, [first, series.len() - 1]));
                         [first, series.len() - 1]
                     }
                 };
