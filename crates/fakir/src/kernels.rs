@@ -11,10 +11,16 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::elements::{FreeSpaceConvolution, Operator};
 use crate::numerics::vector::{LANES, Lanes, widest};
-use crate::problem::{Cells, Grid, HexagonalLattice};
+use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
+use crate::problem::scaled::Scene;
+use crate::problem::{Accuracy, Cells, Control, Grid, HexagonalLattice, Lens, Material, PunchForm};
+use crate::solve::estimate::estimate;
 use crate::solve::floor::{FloorDisplacement, LoadedDiscs};
+use crate::solve::newton::{Newton, Purpose};
 use crate::solve::rules::unilateral::{LocalSolver, PillarTop};
-use crate::state::Run;
+use crate::solve::spectral::{degrees, solve_punch, solve_spectral};
+use crate::state::{Run, SolveError};
+use std::sync::Arc;
 
 /// Degree of the coupling of the spectral method, and its nodes.
 const DEGREE: usize = 2;
@@ -38,7 +44,8 @@ fn coefficients(count: usize) -> Vec<f64> {
 fn coupling() -> f64 {
     let window = Window::new(&lattice(), 100.0);
     let pair = PairCoupling::new(DEGREE, lattice().pitch);
-    let coupling = LatticeCoupling::new(&window, &pair, Run::default().workers());
+    let run = Run::default();
+    let coupling = LatticeCoupling::new(&window, &pair, run.workers());
     drop(coupling);
     window.len() as f64
 }
@@ -212,6 +219,82 @@ fn one_pillar_limit() -> Limit {
         seconds: seconds / count,
         transforms: None,
     }
+}
+
+/// A sphere pressed onto flat discs, and what that took.
+#[derive(Debug, Clone)]
+pub struct Pressed {
+    /// Force, in units of the reduced modulus and the square of the unit of length.
+    pub force: f64,
+    /// Estimate of its relative error.
+    pub error: f64,
+    /// The least gap to the floor.
+    pub gap: f64,
+    /// Discs that were looked at, and those touched.
+    pub discs: [usize; 2],
+    /// Degree of the coupling.
+    pub degree: usize,
+    /// Of every stage its name, what the clock showed at its end, and products with the coupling in it.
+    pub stages: Vec<(&'static str, f64, usize)>,
+}
+
+/// Presses a sphere to an indentation onto rigid discs, each of a place and a radius. `None` if they overlap.
+///
+/// # Errors
+///
+/// Those of the solver.
+pub fn press_discs(
+    discs: &[[f64; 3]],
+    radius: f64,
+    indentation: f64,
+    run: &Run<'_>,
+    clock: &dyn Fn() -> f64,
+) -> Result<Option<Pressed>, SolveError> {
+    let pillar = |[x, y, radius]: &[f64; 3]| ListedPillar {
+        centre: [*x, *y],
+        body: PillarBody {
+            radius: *radius,
+            ..PillarBody::of_column(0.0)
+        },
+    };
+    let Some(list) = PillarList::new(discs.iter().map(pillar).collect()) else {
+        return Ok(None);
+    };
+    let mut stages = vec![("list", clock(), 0)];
+    let scene = Scene {
+        lens: Lens {
+            radius,
+            material: Material::new(1.0, 0.5),
+        },
+        height: indentation,
+        field: PillarField::Listed(Arc::new(list)),
+        length: 1.0,
+        pressure: 1.0,
+        rotation: 0.0,
+    };
+    let target = Control::Indentation(indentation);
+    let form = PunchForm::Corrected;
+    let punch = solve_punch(&scene, target, None, form, Purpose::Start, run)?;
+    let products = |newton: &Newton<'_>| newton.contact.products();
+    stages.push(("punch", clock(), products(&punch.newton)));
+    let degrees = degrees(Accuracy::Default, &scene);
+    let mut solution = solve_spectral(&scene, target, punch, degrees, run)?;
+    let before = products(&solution.newton);
+    stages.push(("spectral", clock(), before));
+    let lowest = solution.newton.lowest_gap();
+    let gap = lowest.map_or(f64::NAN, |point| point.indentation - indentation);
+    stages.push(("floor", clock(), 0));
+    let error = estimate(&mut solution.newton, &solution.outcome, target)?;
+    let newton = &solution.newton;
+    stages.push(("estimate", clock(), products(newton) - before));
+    Ok(Some(Pressed {
+        force: newton.force(),
+        error: error.force,
+        gap,
+        discs: [newton.tops.sites.len(), newton.touched()],
+        degree: newton.degree(),
+        stages,
+    }))
 }
 
 /// Operations a second that one thread does on numbers in registers.

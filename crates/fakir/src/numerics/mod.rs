@@ -7,6 +7,7 @@ pub(crate) mod cholesky;
 pub mod convergence;
 pub(crate) mod dual;
 pub(crate) mod fft;
+pub(crate) mod neighbours;
 pub(crate) mod pivoting;
 pub(crate) mod quadrature;
 pub mod roots;

@@ -4,6 +4,7 @@ use super::lattice::{HALF_SQRT_3, HexagonalLattice};
 use super::point::{Point, turned};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::system::Pillar;
+use crate::numerics::neighbours::Neighbours;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -543,29 +544,22 @@ impl PillarList {
                 }
             }
         }
-        let mut sum = 0.0;
-        for (number, one) in pillars.iter().enumerate() {
-            let mut nearest = f64::INFINITY;
-            for (other_number, other) in pillars.iter().enumerate() {
-                if other_number == number {
-                    continue;
-                }
-                let [x, y] = [0, 1].map(|k| one.centre[k] - other.centre[k]);
-                let distance = x.hypot(y);
-                let radii = 0.5 * (one.diameter + other.diameter);
-                if distance < radii * (1.0 - 1e-12) {
-                    return Err(InvalidPillars::Overlap {
-                        pillars: [number.min(other_number), number.max(other_number)],
-                        distance,
-                        radii,
-                    });
-                }
-                nearest = nearest.min(distance);
-            }
-            sum += nearest;
+        // Those that touch may overlap by rounding.
+        let discs = |part: f64| {
+            pillars
+                .iter()
+                .map(move |p| (p.centre, part * 0.5 * p.diameter))
+        };
+        if let Some((one, other, distance)) = Neighbours::new(discs(1.0 - 1e-12)).overlapping() {
+            return Err(InvalidPillars::Overlap {
+                pillars: [one.min(other), one.max(other)],
+                distance,
+                radii: 0.5 * (pillars[one].diameter + pillars[other].diameter),
+            });
         }
+        let distances = Neighbours::new(discs(1.0));
         let mean_distance = if pillars.len() > 1 {
-            sum / pillars.len() as f64
+            distances.distances().sum::<f64>() / pillars.len() as f64
         } else {
             2.0 * pillars[0].diameter
         };

@@ -4,6 +4,7 @@ use super::arrangement::{self, Arrangement, Disorder};
 use super::lattice::HexagonalLattice;
 use super::point::{Point, turned};
 use super::system::System;
+use crate::numerics::neighbours::{Nearest, Neighbours};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -243,6 +244,8 @@ pub(crate) struct PillarList {
     spacing: f64,
     /// The least gap between two tops over the smaller of their radii.
     least_gap: f64,
+    /// Their tops.
+    tops: Neighbours,
 }
 
 impl PillarList {
@@ -259,32 +262,26 @@ impl PillarList {
         if pillars.is_empty() || !are_numbers {
             return None;
         }
+        let neighbours = neighbours_of(&pillars);
+        let least_gap = neighbours.least_gap();
         // Without neighbours, as if one stood twice the diameter away.
-        let (mut spacing, mut least_gap) = (4.0 * largest, f64::INFINITY);
-        if pillars.len() > 1 {
-            spacing = 0.0;
-        }
-        for (number, one) in pillars.iter().enumerate() {
-            let mut nearest = f64::INFINITY;
-            for (_, other) in pillars.iter().enumerate().filter(|(k, _)| *k != number) {
-                let [x, y] = [0, 1].map(|k| one.centre[k] - other.centre[k]);
-                let distance = x.hypot(y);
-                let radii = [one.body.radius, other.body.radius];
-                nearest = nearest.min(distance);
-                let gap = (distance - radii[0] - radii[1]) / radii[0].min(radii[1]);
-                least_gap = least_gap.min(gap);
-            }
-            if nearest.is_finite() {
-                spacing = spacing.max(nearest);
-            }
-        }
+        let spacing = neighbours.spacing().unwrap_or(4.0 * largest);
         // Those that touch may overlap by rounding.
         (least_gap >= -1e-9).then_some(Self {
             pillars,
             spacing,
             least_gap: least_gap.max(0.0),
+            tops: neighbours,
         })
     }
+}
+
+fn neighbours_of(pillars: &[ListedPillar]) -> Neighbours {
+    Neighbours::new(
+        pillars
+            .iter()
+            .map(|pillar| (pillar.centre, pillar.body.radius)),
+    )
 }
 
 /// Where pillars stand and how they are made.
@@ -450,9 +447,8 @@ impl PillarField {
                 body.map(|body| (index, ListedPillar { centre, body }))
             }
             Self::Listed(list) => {
-                let numbered = list.pillars.iter().enumerate();
-                let mut indexed = numbered.map(|(number, pillar)| ((number as i64, 0), *pillar));
-                indexed.find(holds)
+                let nearest = list.tops.nearest(point, Nearest::Edge, 0.0, None);
+                nearest.map(|(number, _)| ((number as i64, 0), list.pillars[number]))
             }
         };
         pillar.filter(holds)

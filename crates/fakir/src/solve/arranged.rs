@@ -1,11 +1,4 @@
-//! The contact with the tops of pillars of any arrangement, of any radii and heights.
-#![cfg_attr(
-    not(test),
-    expect(
-        dead_code,
-        reason = "problems ask for lattices of equal pillars so far"
-    )
-)]
+//! The contact with the tops of pillars of any arrangement, of any radii and heights, beside the numbers of the prototype in the units of the solvers.
 
 use super::assembled::refined;
 use super::floor::FloorPoint;

@@ -6,8 +6,8 @@
 //! the indentation of first contact. Two refinements give such changes:
 //!
 //! * on partially touched pillars, the answer with another node array;
-//! * on all, the modes beyond the degree of the coupling: on fully touched ones as neighbours excite them at first
-//!   order, on partially touched ones as their own solution has them;
+//! * on all, the modes beyond the degree of the coupling, which of two pillars depends on their gap: on fully touched ones as neighbours excite
+//!   them at first order, on partially touched ones as their own solution has them;
 //! * at the floor point, the modes of partially touched pillars beyond that degree.
 
 use super::frozen::Response;
@@ -40,6 +40,9 @@ const EXTRA_DEGREES: usize = 2;
 
 /// Neighbours beyond this distance (pillar radii) do not excite the extra modes noticeably.
 const NEIGHBOURHOOD: f64 = 13.0;
+
+/// The same of any sites, over the radius of the pillar: beyond it what degree 2 leaves out changes the force by less than is ever claimed.
+const PAIRS: f64 = 9.0;
 
 /// Pillars that are symmetric copies of each other, as a rule, where few are crossed by the edge.
 const COPIES: usize = 4;
@@ -282,17 +285,23 @@ fn degree_changes(
         if status == PillarStatus::Full {
             own_load.project(newton, pillar, extra);
             let radius = newton.tops.sites.body(pillar).radius;
+            // The lens is known to the leading modes already, and so is the floor to them.
+            extra[..modes].fill(0.0);
             for ((extra, load), lambda) in extra.iter_mut().zip(&loads[0]).zip(&compliance) {
                 *extra = radius * (*extra - load) / lambda;
             }
+            for (extra, known) in extra.iter_mut().zip(&total[pillar * modes..][..modes]) {
+                *extra += known;
+            }
             if let Some(point) = outcome.floor {
                 newton.values_at(&exterior, pillar, point.position, floor_load);
+                floor_load[..modes].fill(0.0);
             }
         } else {
             // It is solved again with the whole load of its neighbours. The floor sees all of its modes already.
             let mut load = newton.full_load(pillar);
             load.resize(count.max(load.len()).min(newton.tops.top.count()), 0.0);
-            for (load, far) in load.iter_mut().zip(&*loads[0]).skip(modes) {
+            for (load, far) in load.iter_mut().zip(&*loads[0]) {
                 *load -= far;
             }
             let own = newton.tops.partial_coefficients(pillar, &load, solver);
@@ -303,11 +312,14 @@ fn degree_changes(
         let own_modes = pillar * modes..(pillar + 1) * modes;
         let known = &total[own_modes.clone()];
         [0, 1].map(|k| {
-            let beyond: f64 = (modes..count)
+            let beyond: f64 = (0..count)
                 .map(|i| extra[i] * (adjoints[k].floor * floor_load[i] - loads[k + 1][i]))
                 .sum();
             if status == PillarStatus::Full {
-                return beyond;
+                // What is left out between the leading modes changes them, as they answer to it.
+                let response = &adjoints[k].coefficients[own_modes.clone()];
+                let answers = response.iter().zip(&loads[0]);
+                return beyond - answers.map(|(y, load)| y * load).sum::<f64>();
             }
             let sensitivity = &adjoints[k].sensitivity[own_modes.clone()];
             let changes = extra.iter().zip(known).zip(sensitivity);
@@ -359,15 +371,25 @@ enum Neighbours {
     /// modes beyond.
     Steps(Vec<((i64, i64), Vec<f64>)>),
     /// On any other sites the block of every two is another.
-    Pairs(PairCoupling),
+    Pairs {
+        /// By the degree to which it is known: the modes up to the next ones.
+        pairs: Vec<PairCoupling>,
+        /// The largest radius.
+        largest: f64,
+    },
 }
 
 impl Neighbours {
     fn new(newton: &Newton<'_>, degree: usize) -> Self {
-        let pair = PairCoupling::new(degree, newton.scene.field.spacing());
+        let of_degree = |degree| PairCoupling::new(degree, newton.scene.field.spacing());
         let Some(lattice) = newton.tops.sites.hexagonal_lattice() else {
-            return Self::Pairs(pair);
+            let [largest, _] = newton.scene.field.bounds();
+            return Self::Pairs {
+                pairs: (EXTRA_DEGREES..=degree).map(of_degree).collect(),
+                largest,
+            };
         };
+        let pair = of_degree(degree);
         let count = mode_count(degree);
         let modes = newton.contact.modes();
         let reach = (NEIGHBOURHOOD / lattice.pitch * 2.0 / 3f64.sqrt())
@@ -401,10 +423,11 @@ impl Neighbours {
         for load in loads.iter_mut() {
             load.fill(0.0);
         }
-        let mut add = |source: usize, block: &[f64]| {
+        let mut add = |source: usize, block: &[f64], known: usize| {
             for (load, field) in loads.iter_mut().zip(fields) {
-                let coefficients = &field[source * modes..(source + 1) * modes];
-                add_columns(block, coefficients, &mut load[modes..]);
+                let coefficients = &field[source * modes..][..known];
+                let rows = block.len() / known;
+                add_columns(block, coefficients, &mut load[known..known + rows]);
             }
         };
         match self {
@@ -412,22 +435,31 @@ impl Neighbours {
                 let (i, j) = sites.index(pillar);
                 for ((di, dj), block) in blocks {
                     if let Some(source) = sites.find((i + di, j + dj)) {
-                        add(source, block);
+                        add(source, block, modes);
                     }
                 }
             }
-            Self::Pairs(pair) => {
-                let count = pair.modes().len();
-                let mut whole = vec![0.0; count * count];
+            Self::Pairs { pairs, largest } => {
                 let (at, radius) = (sites.centres()[pillar], sites.body(pillar).radius);
-                for (source, from) in sites.centres().iter().enumerate() {
+                let reach = (PAIRS - 1.0) * radius;
+                let mut whole = Vec::new();
+                for source in sites.neighbours().within(at, reach + largest) {
+                    let source = source as usize;
+                    let from = sites.centres()[source];
                     let offset = [0, 1].map(|k| at[k] - from[k]);
-                    let is_near = offset[0].hypot(offset[1]) <= neighbourhood(newton);
+                    let other = sites.body(source).radius;
+                    let edge = offset[0].hypot(offset[1]) - other;
                     let bears = newton.tops.status[source] != PillarStatus::Untouched;
-                    if source != pillar && is_near && bears {
-                        pair.block_of(offset, [radius, sites.body(source).radius], &mut whole);
-                        add(source, &modes_beyond(&whole, modes, count));
+                    if source == pillar || edge > reach || !bears {
+                        continue;
                     }
+                    let gap = (edge - radius) / radius.min(other);
+                    let degree = newton.pair_degree(gap);
+                    let pair = &pairs[degree];
+                    let (known, count) = (mode_count(degree), pair.modes().len());
+                    whole.resize(count * count, 0.0);
+                    pair.block_of(offset, [radius, other], &mut whole);
+                    add(source, &modes_beyond(&whole, known, count), known);
                 }
             }
         }

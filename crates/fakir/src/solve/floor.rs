@@ -6,13 +6,16 @@
 //! indentation for frozen contact. With `c1 = 0` the same function is the gap plus `zeta`.
 
 use crate::halfspace::coupling::sites::Sites;
-use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
 use crate::halfspace::disc::exterior::{Exterior, FieldJet, LaneJets, MAXIMUM_DEGREE};
-use crate::numerics::vector::{LANES, Lanes, widest};
+use crate::numerics::neighbours::Neighbours;
+use crate::numerics::vector::{LANES, Lanes, dot, widest};
 use crate::numerics::workers::CancelToken;
 use crate::problem::scaled::Problem;
 use crate::problem::{HexagonalLattice, Lens, Point};
 use crate::state::Run;
+use std::borrow::Cow;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Newton steps from one starting point.
@@ -192,7 +195,7 @@ fn starts_among(sites: &Sites, spacing: f64, reach: f64) -> Starts {
     };
     for [x, y] in outermost {
         for step in 0..12 {
-            let (sin, cos) = (std::f64::consts::PI / 6.0 * f64::from(step)).sin_cos();
+            let (sin, cos) = (PI / 6.0 * f64::from(step)).sin_cos();
             holes.extend(BESIDE.map(|part| {
                 let away = part * spacing;
                 [x + away * cos, y + away * sin]
@@ -251,6 +254,11 @@ impl<'a> Uncovered<'a> {
 pub(crate) trait FloorDisplacement {
     /// `w1` and `w0` at a point off the pillars, with derivatives.
     fn displacement(&self, position: Point) -> [FieldJet; 2];
+
+    /// Both at many points to about two digits, if that takes much less time.
+    fn rough_displacements(&self, _: &[Point]) -> Option<Vec<[f64; 2]>> {
+        None
+    }
 }
 
 impl LoadedDiscs<'_> {
@@ -336,7 +344,73 @@ impl FloorDisplacement for LoadedDiscs<'_> {
         }
         total
     }
+
+    /// Those far away together act as one force in their middle.
+    fn rough_displacements(&self, points: &[Point]) -> Option<Vec<[f64; 2]>> {
+        if points.len() * self.centres.len() < MANY {
+            return None;
+        }
+        let radii = self.radii.iter();
+        let radii = radii.flat_map(|(radius, count)| std::iter::repeat_n(*radius, *count));
+        let radii: Vec<f64> = radii.collect();
+        let tree = Neighbours::new(self.centres.iter().copied().zip(radii.iter().copied()));
+        let of_disc = |disc: usize| {
+            let [x, y] = self.centres[disc];
+            let square = UNIT_FORCE * radii[disc] * radii[disc];
+            let [unit, rest] = [0, 1].map(|set| square * self.coefficients_of(set, disc)[0]);
+            [unit, rest, 1.0, x, y]
+        };
+        let forces: Vec<_> = (0..self.centres.len()).map(of_disc).collect();
+        let sums = tree.sums(|disc| forces[disc]);
+        let work = || vec![0.0; self.modes];
+        let one = |values: &mut Vec<f64>, number: usize| {
+            let [x, y] = points[number];
+            let (mut far, mut near) = ([0.0; 2], [0.0; 2]);
+            let small = |place: usize| {
+                let [unit, rest, count, u, v] = sums[place];
+                let inverse = (PI * (x - u / count).hypot(y - v / count)).recip();
+                far = [far[0] + unit * inverse, far[1] + rest * inverse];
+            };
+            let alone = |disc: usize| {
+                let (centre, radius) = (self.centres[disc], radii[disc]);
+                let offset = [(x - centre[0]) / radius, (y - centre[1]) / radius];
+                let distance = offset[0].hypot(offset[1]);
+                // There is no floor on a pillar.
+                if distance <= 1.0 {
+                    return;
+                }
+                if distance > BESIDE_DISC {
+                    let inverse = (PI * distance * radius).recip();
+                    let [unit, rest, ..] = forces[disc];
+                    near = [near[0] + unit * inverse, near[1] + rest * inverse];
+                    return;
+                }
+                self.exterior.values(offset, values);
+                near = [0, 1]
+                    .map(|set| near[set] + radius * dot(values, self.coefficients_of(set, disc)));
+            };
+            tree.seen_from([x, y], SMALLNESS, small, alone);
+            [far[0] + near[0], far[1] + near[1]]
+        };
+        let workers = self.run.workers();
+        Some(workers.map(points.len(), ROUGH, work, one))
+    }
 }
+
+/// Points times discs from which on their fields are first summed up roughly.
+const MANY: usize = 300_000;
+
+/// Size over distance of discs that act as one.
+const SMALLNESS: f64 = 0.5;
+
+/// Distance, in radii, from which on a disc by itself acts as a force in its middle: that is too small by 1/200 there.
+const BESIDE_DISC: f64 = 6.0;
+
+/// Points a thread takes at a time, at the least.
+const ROUGH: usize = 64;
+
+/// Of many points, so many that roughly are the lowest are looked at closely.
+const PROMISING: usize = 100;
 
 /// Searches the floor near the lens axis; remembers where the lowest points were.
 #[derive(Debug, Clone, Default)]
@@ -533,14 +607,15 @@ fn first_starts(
             for ring in 0..12 {
                 let radius = least * (most / least).powf(f64::from(ring) / 11.0);
                 for step in 0..12 {
-                    let angle = std::f64::consts::PI / 6.0 * f64::from(step);
+                    let angle = PI / 6.0 * f64::from(step);
                     others.push([x + radius * angle.cos(), y + radius * angle.sin()]);
                 }
             }
         }
     }
-    let mut rated: Vec<(f64, Point)> = others
-        .into_iter()
+    let mut rated: Vec<(f64, Point)> = promising(floor, loaded, &others)
+        .iter()
+        .copied()
         .take_while(|_| !cancel.is_cancelled())
         .filter_map(|point| Some((indentation_of_contact(floor, loaded, point)?.value, point)))
         .collect();
@@ -574,7 +649,7 @@ fn lowest_holes(
     holes: &[Point],
     cancel: &CancelToken,
 ) -> Vec<Point> {
-    let mut rated: Vec<FloorPoint> = holes
+    let mut rated: Vec<FloorPoint> = promising(floor, loaded, holes)
         .iter()
         .take_while(|_| !cancel.is_cancelled())
         .filter_map(|&position| {
@@ -591,9 +666,38 @@ fn lowest_holes(
     rated.into_iter().map(|point| point.position).collect()
 }
 
+/// The points that roughly are the lowest, or all where it is as quick to look at them closely.
+fn promising<'p>(
+    floor: &Uncovered<'_>,
+    loaded: &impl FloorDisplacement,
+    points: &'p [Point],
+) -> Cow<'p, [Point]> {
+    let rough = loaded.rough_displacements(points);
+    rough.map_or(Cow::Borrowed(points), |rough| {
+        Cow::Owned(lowest_roughly(floor, points, &rough))
+    })
+}
+
+/// The lowest points by their rough displacements.
+fn lowest_roughly(floor: &Uncovered<'_>, points: &[Point], rough: &[[f64; 2]]) -> Vec<Point> {
+    let value = |(point, [unit, rest]): (&Point, &[f64; 2])| {
+        let value = (floor.height + floor.lens.sag_with_brim(*point) + rest) / (1.0 - unit);
+        let exists = *unit < 1.0 && floor.around.clearance(*point) > 0.0;
+        exists.then_some((value, *point))
+    };
+    let mut rated: Vec<(f64, Point)> = points.iter().zip(rough).filter_map(value).collect();
+    rated.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rated.truncate(PROMISING);
+    rated.into_iter().map(|(_, point)| point).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::neighbours::tests::random_discs;
+    use crate::problem::Material;
+    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
+    use std::sync::Arc;
 
     /// Displacements with one number that is none.
     struct Odd(fn(&mut FieldJet));
@@ -621,6 +725,72 @@ mod tests {
         ] {
             assert!(lowest(odd).is_none());
         }
+    }
+
+    /// Displacements that are not known roughly.
+    struct Closely<'a>(&'a LoadedDiscs<'a>);
+
+    impl FloorDisplacement for Closely<'_> {
+        fn displacement(&self, position: Point) -> [FieldJet; 2] {
+            self.0.displacement(position)
+        }
+    }
+
+    #[test]
+    fn lowest_holes_roughly_are_the_lowest_closely() {
+        let discs = random_discs(700, 0.2, 0.05, 7);
+        let pillar = |&(centre, radius): &(Point, f64)| ListedPillar {
+            centre,
+            body: PillarBody {
+                radius,
+                ..PillarBody::of_column(0.0)
+            },
+        };
+        let list = PillarList::new(discs.iter().map(pillar).collect()).unwrap();
+        let field = PillarField::Listed(Arc::new(list));
+        let sites = Sites::within(&field, f64::INFINITY);
+        let centres: Vec<Point> = discs.iter().map(|disc| disc.0).collect();
+        let coefficients: Vec<f64> = (0..6 * discs.len())
+            .map(|k| match k % 6 {
+                0 => 0.03 + 0.01 * (1.7 * k as f64).sin(),
+                _ => 0.003 * (2.3 * k as f64).sin(),
+            })
+            .collect();
+        let none = vec![0.0; coefficients.len()];
+        // Of one radius, as far as the field is concerned.
+        let loaded = LoadedDiscs {
+            exterior: &Exterior::new(2),
+            modes: 6,
+            centres: &centres,
+            radii: &[(0.75, discs.len())],
+            coefficients: [&none, &coefficients],
+            run: &Run::default(),
+        };
+        let lens = Lens {
+            radius: 1000.0,
+            material: Material::new(1.0, 0.5),
+        };
+        let floor = Uncovered {
+            lens: &lens,
+            height: 3.0,
+            around: Surroundings::of_sites(&sites, field.spacing(), 60.0),
+        };
+        let holes = floor.around.starts().holes;
+        let rough = loaded.rough_displacements(&holes).unwrap();
+        let [mut most, mut scale] = [0.0_f64; 2];
+        for (hole, [_, rough]) in holes.iter().zip(&rough) {
+            if sites.clearance(*hole) > 0.0 {
+                let [_, jet] = loaded.displacement(*hole);
+                most = most.max((jet.value - rough).abs());
+                scale = scale.max(jet.value.abs());
+            }
+        }
+        println!("{} holes: {:e}", holes.len(), most / scale);
+        assert!(most < 0.01 * scale);
+        let cancel = CancelToken::default();
+        let found = FloorSearch::default().lowest(&floor, &loaded, &cancel);
+        let closely = FloorSearch::default().lowest(&floor, &Closely(&loaded), &cancel);
+        assert!(found.is_some() && found == closely, "{found:?} {closely:?}");
     }
 
     #[test]

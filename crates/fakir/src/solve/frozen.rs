@@ -99,6 +99,8 @@ pub(crate) struct FrozenContact<'a, O> {
     /// Response at the indentation `base`.
     pub(super) present: Response,
     base: f64,
+    /// Products with the coupling so far.
+    products: usize,
     room: Room,
 }
 
@@ -128,6 +130,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             unit: Response::none(size),
             present: Response::none(size),
             base: 0.0,
+            products: 0,
             room: Room {
                 load: vector(),
                 residual: vector(),
@@ -188,6 +191,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             if coefficients.iter().all(|c| *c == 0.0) {
                 far.fill(0.0);
             } else {
+                self.products += 1;
                 self.coupling.apply(coefficients, far, self.run.workers());
             }
         }
@@ -195,6 +199,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
 
     /// What all coefficients do to each other, anew.
     fn couple(&mut self) {
+        self.products += 2;
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             self.coupling.apply(coefficients, far, self.run.workers());
@@ -204,6 +209,21 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
     /// Leading modes per pillar.
     pub(crate) fn modes(&self) -> usize {
         self.modes
+    }
+
+    /// What the places do to each other.
+    pub(crate) fn coupling(&self) -> &O {
+        &self.coupling
+    }
+
+    /// The same, to be replaced.
+    pub(crate) fn coupling_mut(&mut self) -> &mut O {
+        &mut self.coupling
+    }
+
+    /// Products with the coupling so far.
+    pub(crate) fn products(&self) -> usize {
+        self.products
     }
 
     /// The indentation of the present response.
@@ -430,6 +450,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             rule.add_constants(coefficients);
         }
         let mut scale = vectors.dot(&room.load, coefficients).abs();
+        self.products += 1;
         if tolerance > ROUGH_TOLERANCE {
             self.coupling.apply_roughly(coefficients, far, workers);
         } else {
@@ -454,6 +475,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 ended => return Ok(ended),
             }
             // Steps become small, and with them what rounding leaves of each; every exact solution starts from an exact product.
+            self.products += 1;
             self.coupling
                 .apply_roughly(&room.direction, &mut room.product, workers);
             self.run.check_cancelled()?;

@@ -7,12 +7,13 @@
 
 pub(crate) mod adhesive;
 pub(crate) mod answers;
+#[cfg(test)]
 mod arranged;
 pub(crate) mod assembled;
 pub(crate) mod caps;
 pub(crate) mod control;
 pub mod elements;
-mod estimate;
+pub(crate) mod estimate;
 pub(crate) mod floor;
 mod floor_start;
 mod frozen;

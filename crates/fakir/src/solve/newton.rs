@@ -10,6 +10,7 @@ use super::floor::{
 };
 use super::frozen::{FrozenContact, Response, Source};
 use super::rules::floor::{FloorCells, Places};
+use super::rules::groups::Groups;
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
@@ -397,6 +398,7 @@ impl<'a> Newton<'a> {
     ) -> Result<Judgement, SolveError> {
         let mut places = Places {
             tops: &self.tops,
+            groups: Groups::new(&self.tops, self.run.workers()),
             floor: self.cells.as_mut(),
         };
         self.contact.solve(&mut places, source, tolerance)
@@ -543,6 +545,16 @@ impl<'a> Newton<'a> {
         self.exterior.degree()
     }
 
+    /// The degree by which two pillars act on each other, by their gap over the smaller radius.
+    pub(crate) fn pair_degree(&self, gap: f64) -> usize {
+        self.contact.coupling().tops.pair_degree(gap, self.degree())
+    }
+
+    /// Gives back the memory of the coupling: nothing can be solved any more, but another solution started from this.
+    pub(crate) fn release_coupling(&mut self) {
+        self.contact.coupling_mut().tops = LatticeCoupling::Released;
+    }
+
     /// Whether a pillar counts as touched, or as untouched, only because the modes of the coupling
     /// leave out a part of the lens shape.
     pub(crate) fn has_marginal_pillars(&self) -> bool {
@@ -590,6 +602,7 @@ impl<'a> Newton<'a> {
     ) -> Result<Response, SolveError> {
         let mut places = Places {
             tops: &self.tops,
+            groups: Groups::new(&self.tops, self.run.workers()),
             floor: self.cells.as_mut(),
         };
         self.contact.respond_to(&mut places, load, tolerance)

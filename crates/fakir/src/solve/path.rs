@@ -187,7 +187,7 @@ pub(crate) struct Path<'a> {
     projector: LensProjector,
     pub(crate) window: Window,
     pub(crate) tops: StickyTops,
-    pub(crate) contact: FrozenContact<'a, LatticeCoupling>,
+    pub(crate) contact: FrozenContact<'a, LatticeCoupling<'a>>,
     exterior: Exterior,
     works: Works,
     held: Held,

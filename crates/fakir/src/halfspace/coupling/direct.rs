@@ -1,112 +1,212 @@
 //! The coupling of any pillars, block by block: of all with each other, or of those that are near.
 
 use super::pair::PairCoupling;
+use crate::numerics::fft::Real;
 use crate::numerics::vector::widest;
 use crate::numerics::workers::Workers;
 use crate::problem::Point;
+use std::ops::Range;
 
 /// Pillars whose blocks a thread makes at a time, at the least.
 const ROWS: usize = 16;
 
-/// Blocks of pairs of pillars. One half is kept: the other is that transposed.
-pub(crate) struct PairBlocks {
+/// Pillars in a band.
+const BAND: usize = 512;
+
+/// All bands together may reach over so many pillars for each that there is.
+const OVERLAP: usize = 6;
+
+/// Blocks of pairs of pillars, in single precision or double. One half is kept: the other is that transposed.
+pub(crate) struct PairBlocks<R> {
     modes: usize,
-    rows: Vec<Row>,
+    rows: Vec<Row<R>>,
+    /// Receivers whose products are summed up by themselves, with the end of the sources of each.
+    bands: Vec<(Range<usize>, usize)>,
 }
 
 /// What some of the pillars after it do to a pillar.
-struct Row {
-    sources: Vec<u32>,
+struct Row<R> {
+    /// The sources, and by how many leading modes each acts.
+    sources: Vec<(u32, u8)>,
     /// Column by column.
-    blocks: Vec<f64>,
+    blocks: Vec<R>,
 }
 
-impl PairBlocks {
-    /// `sources` are those of a pillar, all after it; `fill` writes the block of a receiver and a source row by row. If it is
-    /// cancelled the blocks are nothing; solvers look before they ask for a product.
+impl<R: Real> PairBlocks<R> {
+    /// Of so many pillars and modes of each. `sources` are those of a pillar, all after it, by rising number; `pair_modes` tells by how many modes a
+    /// receiver and a source act on each other, and `fill` writes their block row by row. If it is cancelled the blocks are nothing; solvers look
+    /// before they ask for a product.
     pub(crate) fn new(
-        pillars: usize,
-        modes: usize,
-        sources: impl Fn(usize) -> Vec<u32> + Sync,
-        fill: impl Fn([usize; 2], &mut [f64]) + Sync,
+        [pillars, modes]: [usize; 2],
+        sources: impl Fn(usize) -> Vec<u32> + Sync + Send,
+        pair_modes: impl Fn([usize; 2]) -> usize + Sync + Send,
+        fill: impl Fn([usize; 2], &mut [f64]) + Sync + Send,
         workers: Workers<'_>,
     ) -> Self {
-        let size = modes * modes;
-        let work = || vec![0.0; size];
+        let work = || vec![0.0; modes * modes];
         let rows = workers.map(pillars, ROWS, work, |block, receiver| {
-            let sources = sources(receiver);
-            let mut blocks = vec![0.0; sources.len() * size];
-            for (columns, source) in blocks.chunks_exact_mut(size).zip(&sources) {
+            let of_source = |source: u32| (source, pair_modes([receiver, source as usize]) as u8);
+            let sources: Vec<_> = sources(receiver).into_iter().map(of_source).collect();
+            let sizes = sources.iter().map(|(_, modes)| usize::from(*modes).pow(2));
+            let mut blocks = Vec::with_capacity(sizes.sum());
+            for &(source, modes) in &sources {
                 if workers.cancel.is_cancelled() {
                     break;
                 }
-                fill([receiver, *source as usize], block);
-                for (k, value) in block.iter().enumerate() {
-                    columns[k % modes * modes + k / modes] = *value;
-                }
+                let modes = usize::from(modes);
+                let block = &mut block[..modes * modes];
+                fill([receiver, source as usize], block);
+                let places = (0..modes).flat_map(|column| (0..modes).map(move |row| [row, column]));
+                blocks.extend(places.map(|[row, column]| R::of(block[row * modes + column])));
             }
             Row { sources, blocks }
         });
-        Self { modes, rows }
+        let bands = bands(&rows);
+        Self { modes, rows, bands }
     }
 
     /// Adds what the pillars do to each other.
-    pub(crate) fn add(&self, coefficients: &[f64], far: &mut [f64]) {
-        widest(
-            #[inline(always)]
-            || match self.modes {
-                // The usual number, known to the compiler.
-                6 => self.add_products(6, coefficients, far),
-                modes => self.add_products(modes, coefficients, far),
+    pub(crate) fn add(&self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+        let modes = self.modes;
+        // Summed up band by band, however many threads there are.
+        let sums = workers.map(
+            self.bands.len(),
+            1,
+            || (),
+            |(), number| {
+                let (receivers, end) = &self.bands[number];
+                let reach = receivers.start * modes..end * modes;
+                let mut sums = vec![0.0; reach.len()];
+                let coefficients = &coefficients[reach];
+                widest(
+                    #[inline(always)]
+                    || self.add_products(receivers, coefficients, &mut sums),
+                );
+                sums
             },
         );
+        for ((receivers, _), sums) in self.bands.iter().zip(sums) {
+            let far = &mut far[receivers.start * modes..];
+            for (far, sum) in far.iter_mut().zip(sums) {
+                *far += sum;
+            }
+        }
     }
 
+    /// Those of some receivers; the first coefficient is of the first of them.
     #[inline(always)]
-    fn add_products(&self, modes: usize, coefficients: &[f64], far: &mut [f64]) {
-        for (receiver, row) in self.rows.iter().enumerate() {
+    fn add_products(&self, receivers: &Range<usize>, coefficients: &[f64], far: &mut [f64]) {
+        let modes = self.modes;
+        for (receiver, row) in self.rows[receivers.clone()].iter().enumerate() {
             let next = (receiver + 1) * modes;
             let (before, after) = far.split_at_mut(next);
             let own_far = &mut before[receiver * modes..];
             let own = &coefficients[receiver * modes..next];
-            let blocks = row.blocks.chunks_exact(modes * modes);
-            for (block, source) in blocks.zip(&row.sources) {
-                let place = *source as usize * modes;
-                let source = &coefficients[place..place + modes];
-                let source_far = &mut after[place - next..place - next + modes];
-                let columns = block.chunks_exact(modes);
-                for ((column, c), back) in columns.zip(source).zip(source_far) {
-                    // What the source does to the receiver, and the receiver to the source.
-                    for ((far, b), own) in own_far.iter_mut().zip(column).zip(own) {
-                        *far += b * c;
-                        *back += b * own;
-                    }
+            let mut blocks = &row.blocks[..];
+            for &(source, of_pair) in &row.sources {
+                let of_pair = usize::from(of_pair);
+                let Some((block, rest)) = blocks.split_at_checked(of_pair * of_pair) else {
+                    break;
+                };
+                blocks = rest;
+                let place = (source as usize - receivers.start) * modes;
+                let source = &coefficients[place..place + of_pair];
+                let back = &mut after[place - next..place - next + of_pair];
+                let (own, own_far) = (&own[..of_pair], &mut own_far[..of_pair]);
+                match of_pair {
+                    1 => add_known::<1, R>(block, [own, source], [own_far, back]),
+                    6 => add_known::<6, R>(block, [own, source], [own_far, back]),
+                    10 => add_known::<10, R>(block, [own, source], [own_far, back]),
+                    15 => add_known::<15, R>(block, [own, source], [own_far, back]),
+                    _ => add_block(block, [own, source], [own_far, back]),
                 }
             }
         }
     }
 }
 
+/// As [`add_block`], of a number of modes that the compiler knows.
+#[inline(always)]
+fn add_known<const MODES: usize, R: Real>(
+    block: &[R],
+    [own, source]: [&[f64]; 2],
+    [own_far, back]: [&mut [f64]; 2],
+) {
+    let (Ok(own), Ok(mut sums)) = (
+        <[f64; MODES]>::try_from(own),
+        <[f64; MODES]>::try_from(&*own_far),
+    ) else {
+        return;
+    };
+    let columns = block.as_chunks::<MODES>().0.iter();
+    for ((column, c), back) in columns.zip(source).zip(back) {
+        let column = column.map(Real::double);
+        let mut products = 0.0;
+        for k in 0..MODES {
+            sums[k] += column[k] * c;
+            products += column[k] * own[k];
+        }
+        *back += products;
+    }
+    own_far.copy_from_slice(&sums);
+}
+
+/// What a source does to a receiver, and the receiver to the source.
+fn add_block<R: Real>(block: &[R], [own, source]: [&[f64]; 2], [own_far, back]: [&mut [f64]; 2]) {
+    let columns = block.chunks_exact(own.len());
+    for ((column, c), back) in columns.zip(source).zip(back) {
+        for ((far, b), own) in own_far.iter_mut().zip(column).zip(own) {
+            let b = b.double();
+            *far += b * c;
+            *back += b * own;
+        }
+    }
+}
+
+/// Some receivers after the other as long as their sources are not many more pillars; otherwise all together.
+fn bands<R>(rows: &[Row<R>]) -> Vec<(Range<usize>, usize)> {
+    let count = rows.len();
+    let of_some = (0..count).step_by(BAND).map(|start| {
+        let receivers = start..count.min(start + BAND);
+        let last = rows[receivers.clone()]
+            .iter()
+            .filter_map(|row| row.sources.last());
+        let end = last
+            .map(|(source, _)| *source as usize + 1)
+            .fold(receivers.end, usize::max);
+        (receivers, end)
+    });
+    let bands: Vec<_> = of_some.collect();
+    let reach: usize = bands
+        .iter()
+        .map(|(receivers, end)| end - receivers.start)
+        .sum();
+    if reach > OVERLAP * count {
+        return vec![(0..count, count)];
+    }
+    bands
+}
+
 /// All pairs: one dense matrix.
 pub(crate) struct DirectCoupling {
-    blocks: PairBlocks,
+    blocks: PairBlocks<f64>,
 }
 
 impl DirectCoupling {
     pub(crate) fn new(
         centres: &[Point],
-        radius: impl Fn(usize) -> f64 + Sync,
+        radius: impl Fn(usize) -> f64 + Sync + Send,
         pair: &PairCoupling,
         workers: Workers<'_>,
     ) -> Self {
-        let count = centres.len();
+        let (count, modes) = (centres.len(), pair.modes().len());
         let after = |receiver: usize| (receiver as u32 + 1..count as u32).collect();
         let fill = |[receiver, source]: [usize; 2], block: &mut [f64]| {
             let offset = [0, 1].map(|k| centres[receiver][k] - centres[source][k]);
             pair.block_of(offset, [radius(receiver), radius(source)], block);
         };
         Self {
-            blocks: PairBlocks::new(count, pair.modes().len(), after, fill, workers),
+            blocks: PairBlocks::new([count, modes], after, |_| modes, fill, workers),
         }
     }
 
@@ -116,8 +216,8 @@ impl DirectCoupling {
         4.0 * pillars * pillars * of_pillar * of_pillar + 12.0 * 8.0 * of_pillar * pillars
     }
 
-    pub(crate) fn apply(&self, coefficients: &[f64], far: &mut [f64]) {
+    pub(crate) fn apply(&self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
         far.fill(0.0);
-        self.blocks.add(coefficients, far);
+        self.blocks.add(coefficients, far, workers);
     }
 }

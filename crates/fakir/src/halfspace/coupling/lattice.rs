@@ -2,7 +2,7 @@
 
 use super::convolution::LatticeConvolution;
 use super::direct::DirectCoupling;
-use super::on_grid::GridCoupling;
+use super::on_grid::{GridCoupling, Plan, pair_degree};
 use super::operator::Coupling;
 use super::pair::PairCoupling;
 use super::sites::Sites;
@@ -17,15 +17,17 @@ const DIRECT_LIMIT: usize = 24;
 const PAIRS_LIMIT: usize = 800;
 
 /// The displacement that every pillar sees from all others.
-pub(crate) enum LatticeCoupling {
+pub(crate) enum LatticeCoupling<'p> {
     Direct(DirectCoupling),
     Convolution(Box<LatticeConvolution>),
-    Grid(Box<GridCoupling>),
+    Grid(Box<GridCoupling<'p>>),
+    /// What is not needed any more: displacements are no numbers.
+    Released,
 }
 
-impl LatticeCoupling {
+impl<'p> LatticeCoupling<'p> {
     /// Prepares the coupling of the pillars of `window`.
-    pub(crate) fn new(window: &Window, pair: &PairCoupling, workers: Workers<'_>) -> Self {
+    pub(crate) fn new(window: &Window, pair: &PairCoupling, workers: Workers<'p>) -> Self {
         if window.len() <= DIRECT_LIMIT {
             Self::Direct(DirectCoupling::new(
                 window.centres(),
@@ -39,7 +41,7 @@ impl LatticeCoupling {
     }
 
     /// The same of any sites.
-    pub(crate) fn of_sites(sites: &Sites, pair: &PairCoupling, workers: Workers<'_>) -> Self {
+    pub(crate) fn of_sites(sites: &Sites, pair: &PairCoupling, workers: Workers<'p>) -> Self {
         if let Some(window) = sites.window() {
             return Self::new(window, pair, workers);
         }
@@ -51,26 +53,35 @@ impl LatticeCoupling {
         let radius = |pillar| sites.body(pillar).radius;
         Self::Direct(DirectCoupling::new(sites.centres(), radius, pair, workers))
     }
-}
 
-impl Coupling for LatticeCoupling {
-    /// The load coefficients on every pillar from the pressure coefficients of all
-    /// others; both pillar by pillar, `mode count` each.
-    fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+    /// The degree by which two pillars with that gap over the smaller radius act on each other, `most` being the highest of any.
+    pub(crate) fn pair_degree(&self, gap: f64, most: usize) -> usize {
         match self {
-            Self::Direct(direct) => direct.apply(coefficients, far),
-            Self::Convolution(convolution) => convolution.apply(coefficients, far, workers),
-            Self::Grid(grid) => grid.apply(coefficients, far, workers),
+            Self::Grid(_) => pair_degree(gap, most),
+            Self::Direct(_) | Self::Convolution(_) | Self::Released => most,
         }
     }
 }
 
-/// About how many bytes the solution of that many pillars at any places takes.
-pub(crate) fn memory_estimate_of_sites(pillars: f64, modes: usize) -> f64 {
-    if pillars > PAIRS_LIMIT as f64 {
-        GridCoupling::memory_estimate(pillars, modes)
+impl Coupling for LatticeCoupling<'_> {
+    /// The load coefficients on every pillar from the pressure coefficients of all
+    /// others; both pillar by pillar, `mode count` each.
+    fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+        match self {
+            Self::Direct(direct) => direct.apply(coefficients, far, workers),
+            Self::Convolution(convolution) => convolution.apply(coefficients, far, workers),
+            Self::Grid(grid) => grid.apply(coefficients, far, workers),
+            Self::Released => far.fill(f64::NAN),
+        }
+    }
+}
+
+/// About how many bytes the solution of pillars at any places takes.
+pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize) -> f64 {
+    if sites.len() > PAIRS_LIMIT {
+        Plan::new(sites, modes).memory(sites.len(), modes)
     } else {
-        DirectCoupling::memory_estimate(pillars, modes)
+        DirectCoupling::memory_estimate(sites.len() as f64, modes)
     }
 }
 
@@ -126,8 +137,11 @@ mod tests {
                     pool,
                     cancel: &cancel,
                 };
-                DirectCoupling::new(window.centres(), |_| 1.0, &pair, workers)
-                    .apply(&c, &mut direct);
+                DirectCoupling::new(window.centres(), |_| 1.0, &pair, workers).apply(
+                    &c,
+                    &mut direct,
+                    workers,
+                );
                 let mut transformed = vec![f64::NAN; c.len()];
                 LatticeConvolution::new(&window, &pair, workers).apply(
                     &c,

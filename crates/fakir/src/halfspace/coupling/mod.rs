@@ -6,7 +6,7 @@
 
 pub(crate) mod convolution;
 pub(crate) mod derivative;
-mod direct;
+pub(crate) mod direct;
 pub(crate) mod lattice;
 pub(crate) mod moving;
 pub(crate) mod on_grid;

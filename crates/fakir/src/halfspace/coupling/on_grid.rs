@@ -6,7 +6,10 @@
 //! interpolation with every mode. As the same `P` spreads and gathers, the product is symmetric. Between near pillars,
 //! and from a pillar to itself, the charges are wrong: there `C - P K P'` is added, with the exact `C`, or nothing.
 //!
-//! The modes beyond degree 2 act on near pillars alone.
+//! The modes beyond degree 2 act on near pillars alone, and of two of these as many as their gap [asks for](pair_degree).
+//!
+//! What is near depends on the grid step, the error hardly. So the [step](Plan) is that which costs least: small where pillars stand in
+//! clusters, whose pairs would be many, and large where the grid would mostly be empty.
 
 use super::direct::PairBlocks;
 use super::pair::PairCoupling;
@@ -14,90 +17,344 @@ use super::sites::Sites;
 use crate::halfspace::disc::basis::{BasisEvaluator, mode_count};
 use crate::halfspace::elements::{FreeSpaceConvolution, Operator};
 use crate::numerics::quadrature::hemisphere;
+use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::numerics::workers::Workers;
 use crate::problem::{Cells, Grid, Point};
-use std::collections::HashMap;
 use std::f64::consts::PI;
 
 /// Points along each side of the square of charges of a pillar.
 const STENCIL: usize = 8;
 
-/// Grid steps over the distance that each of as many evenly spread pillars would have.
-const STEPS: f64 = 4.0;
-
 /// Distance up to which pillars are near, in grid steps.
 const NEAR: f64 = 12.0;
+
+/// The same over the largest radius, at the least: beyond it pillars act by [`FAR_DEGREE`] alone.
+const NEAR_RADII: f64 = 6.0;
 
 /// Degree of the modes that the charges stand for.
 const FAR_DEGREE: usize = 2;
 
-/// Pillars a thread takes at a time, at the least.
+/// Pillars a thread takes at a time, at the least, and rows of the grid.
 const PILLARS: usize = 200;
+const ROWS: usize = 16;
 
-pub(crate) struct GridCoupling {
-    modes: usize,
-    /// Leading modes that the charges stand for.
-    far_modes: usize,
-    stencils: Vec<Stencil>,
-    /// Points along x.
-    columns: usize,
-    convolution: FreeSpaceConvolution<'static>,
-    near: PairBlocks,
-    charges: Vec<f64>,
-    potential: Vec<f64>,
+/// The degree by which two pillars act on each other, by their gap over the smaller radius: the next one changes the force on two alike by less
+/// than 1e-6. From a gap on each, by falling gap.
+const DEGREES: [(f64, usize); 3] = [(5.0, 2), (2.5, 3), (1.0, 4)];
+
+/// The degree by which two pillars with that gap over the smaller radius act on each other, if `most` is the highest of any.
+pub(crate) fn pair_degree(gap: f64, most: usize) -> usize {
+    let of_gap = DEGREES.iter().find(|(from, _)| gap >= *from);
+    of_gap.map_or(most, |(_, degree)| most.min(*degree))
 }
 
-/// The charges of a pillar.
-struct Stencil {
-    /// Column and row of the first.
-    corner: [usize; 2],
-    /// `P`: for every far mode, its charges row by row.
-    weights: Vec<f64>,
-    /// `P K P'` of the pillar itself, row by row.
+/// Bytes of a point of the grid.
+const POINT_BYTES: f64 = 48.0;
+
+/// Nanoseconds of a point of the grid and of a near pair, about, over a whole solution with one mode or more.
+const COSTS: [[f64; 2]; 2] = [[700.0, 2000.0], [2500.0, 8000.0]];
+
+/// Pillars whose neighbours are counted for a plan, and steps of which it is one, by their ratio.
+const COUNTED: usize = 200;
+const STEP_RATIO: f64 = 1.2;
+
+/// How coarse the grid is, and what follows from that.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plan {
+    step: f64,
+    /// The first point, and how many there are along x and y.
+    first: Point,
+    sides: [usize; 2],
+    /// About how many pairs are near.
+    pairs: f64,
+    cost: f64,
+}
+
+impl Plan {
+    /// The step that costs least, with so many modes of every pillar.
+    pub(crate) fn new(sites: &Sites, modes: usize) -> Self {
+        let (centres, count) = (sites.centres(), sites.len());
+        let bounds = |k: usize| {
+            let values = centres.iter().map(|centre| centre[k]);
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| {
+                [a.min(x), b.max(x)]
+            })
+        };
+        let ([left, right], [low, high]) = (bounds(0), bounds(1));
+        let radii = (0..count).map(|pillar| sites.body(pillar).radius);
+        let largest = radii.fold(0.0, f64::max);
+        let half = (STENCIL / 2 - 1) as f64;
+        let [of_point, of_pair] = COSTS[usize::from(modes > 1)];
+        let plan = |step: f64| {
+            let sides = [right - left, high - low].map(|side| (side / step) as usize + STENCIL + 1);
+            let every = count.div_ceil(COUNTED);
+            let counted = (0..count).step_by(every);
+            let near: usize = counted
+                .clone()
+                .map(|pillar| {
+                    sites
+                        .neighbours()
+                        .count_within(centres[pillar], NEAR * step)
+                        - 1
+                })
+                .sum();
+            let pairs = 0.5 * near as f64 * count as f64 / counted.count() as f64;
+            Self {
+                step,
+                first: [left, low].map(|x| x - half * step),
+                sides,
+                pairs,
+                cost: sides[0] as f64 * sides[1] as f64 * of_point + pairs * of_pair,
+            }
+        };
+        // The discs have to lie within their stencils.
+        let least = largest * (NEAR_RADII / NEAR).max(half.recip());
+        let mut best = plan(least);
+        let mut step = least;
+        // With one step over the whole extent all pairs are near.
+        while step * NEAR < (right - left).hypot(high - low) {
+            step *= STEP_RATIO;
+            let other = plan(step);
+            if other.cost < best.cost {
+                best = other;
+            } else if other.pairs * of_pair > best.cost {
+                break;
+            }
+        }
+        best
+    }
+
+    /// About how many bytes the solution of so many pillars takes.
+    pub(crate) fn memory(&self, pillars: usize, modes: usize) -> f64 {
+        let of_pillar = modes as f64;
+        let far_modes = modes.min(mode_count(FAR_DEGREE)) as f64;
+        let stencil = far_modes * (4.0 * (STENCIL * STENCIL) as f64 + 8.0 * (far_modes + 1.0));
+        // The pairs next to each other have all modes.
+        let close = 4.0 * of_pillar * of_pillar;
+        let vectors = 20.0 * 8.0 * of_pillar;
+        let of_pairs = self.pairs * (4.0 * far_modes * far_modes + 16.0);
+        let points = self.sides[0] as f64 * self.sides[1] as f64;
+        pillars as f64 * (stencil + close + vectors) + of_pairs + points * POINT_BYTES
+    }
+}
+
+pub(crate) struct GridCoupling<'p> {
+    modes: usize,
+    /// The pillars by the row of their charges, and column.
+    order: Vec<u32>,
+    stencils: Stencils,
+    /// Points along x.
+    columns: usize,
+    convolution: FreeSpaceConvolution<'p>,
+    near: PairBlocks<f32>,
+    charges: Vec<f64>,
+    potential: Vec<f64>,
+    /// In their order.
+    moments: Vec<f64>,
+    far: Vec<f64>,
+}
+
+/// As many weights as a pillar has at the most.
+const WEIGHTS: usize = mode_count(FAR_DEGREE) * STENCIL * STENCIL;
+type Weights = [f64; WEIGHTS];
+
+/// The charges of all pillars, in their order.
+struct Stencils {
+    /// Leading modes that the charges stand for.
+    modes: usize,
+    /// Column and row of the first of each.
+    corners: Vec<[u32; 2]>,
+    /// For every row of points, the first pillar whose charges start there or later.
+    rows: Vec<u32>,
+    /// `P`: of every pillar row by row, for every far mode its charges there, in parts of a unit.
+    weights: Vec<i32>,
+    /// These units, of every pillar for every far mode. Fixed points leave smaller errors than floating ones of as many bits.
+    units: Vec<f64>,
+    /// `P K P'` of each itself, row by row.
     own: Vec<f64>,
+}
+
+impl Stencils {
+    fn weights(&self, pillar: usize) -> &[i32] {
+        let size = self.modes * STENCIL * STENCIL;
+        &self.weights[pillar * size..][..size]
+    }
+
+    fn units(&self, pillar: usize) -> &[f64] {
+        &self.units[pillar * self.modes..][..self.modes]
+    }
+
+    /// The weights of a pillar as numbers.
+    fn decode<'w>(&self, pillar: usize, weights: &'w mut Weights) -> &'w [f64] {
+        let (encoded, units) = (self.weights(pillar), self.units(pillar));
+        let weights = &mut weights[..encoded.len()];
+        let lines = weights
+            .chunks_exact_mut(STENCIL)
+            .zip(encoded.chunks_exact(STENCIL));
+        for ((weights, encoded), unit) in lines.zip(units.iter().cycle()) {
+            for (weight, parts) in weights.iter_mut().zip(encoded) {
+                *weight = unit * f64::from(*parts);
+            }
+        }
+        weights
+    }
+
+    /// Grid steps from a source to a receiver.
+    fn steps(&self, receiver: usize, source: usize) -> [i64; 2] {
+        let [a, b] = [receiver, source].map(|pillar| self.corners[pillar]);
+        [0, 1].map(|k| i64::from(a[k]) - i64::from(b[k]))
+    }
+
+    /// The charges on a row of points.
+    #[inline(always)]
+    fn charge<const MODES: usize>(
+        &self,
+        row: usize,
+        stride: usize,
+        moments: &[f64],
+        charges: &mut [f64],
+    ) {
+        charges.fill(0.0);
+        let first = self.rows[(row + 1).saturating_sub(STENCIL)] as usize;
+        let line = MODES * STENCIL;
+        for pillar in first..self.rows[row + 1] as usize {
+            let [column, corner] = self.corners[pillar].map(|x| x as usize);
+            let weights = &self.weights[(pillar * STENCIL + row - corner) * line..][..line];
+            let moments = moments[pillar * stride..][..MODES]
+                .iter()
+                .zip(self.units(pillar));
+            let mut sums = [0.0; STENCIL];
+            for (weights, (moment, unit)) in weights.as_chunks::<STENCIL>().0.iter().zip(moments) {
+                let moment = moment * unit;
+                for (sum, weight) in sums.iter_mut().zip(weights) {
+                    *sum += moment * f64::from(*weight);
+                }
+            }
+            for (charge, sum) in charges[column..column + STENCIL].iter_mut().zip(sums) {
+                *charge += sum;
+            }
+        }
+    }
+
+    /// What the potential does to a pillar, but for that of its own charges.
+    #[inline(always)]
+    fn gather<const MODES: usize>(
+        &self,
+        pillar: usize,
+        columns: usize,
+        potential: &[f64],
+        moments: &[f64],
+        far: &mut [f64],
+    ) {
+        let [column, row] = self.corners[pillar].map(|x| x as usize);
+        let weights = self.weights(pillar).as_chunks::<STENCIL>().0;
+        let sums: [f64; MODES] = std::array::from_fn(|mode| {
+            let mut sums = [0.0; STENCIL];
+            for line in 0..STENCIL {
+                let start = (row + line) * columns + column;
+                let Some(potential) = potential[start..].first_chunk::<STENCIL>() else {
+                    continue;
+                };
+                let weights = &weights[line * MODES + mode];
+                for k in 0..STENCIL {
+                    sums[k] += f64::from(weights[k]) * potential[k];
+                }
+            }
+            sum_of(&sums)
+        });
+        let own = &self.own[pillar * MODES * MODES..][..MODES * MODES];
+        let of_modes = sums
+            .iter()
+            .zip(self.units(pillar))
+            .zip(own.chunks_exact(MODES));
+        for (far, ((sums, unit), own)) in far.iter_mut().zip(of_modes) {
+            let itself: f64 = own.iter().zip(moments).map(|(a, b)| a * b).sum();
+            *far = unit * sums - itself;
+        }
+    }
+}
+
+#[inline(always)]
+fn sum_of(values: &[f64; STENCIL]) -> f64 {
+    let mut sums = Lanes::default();
+    for part in values.as_chunks::<LANES>().0 {
+        sums += Lanes(*part);
+    }
+    sums.sum()
 }
 
 /// The potential between points of the grid.
 struct Kernel {
-    /// For every distance along x and along y, up to [`REACH`](Self::REACH).
+    /// For every distance along y up to [`REACH`](Self::REACH), those along x from its negative on.
     values: Vec<f64>,
 }
 
 impl Kernel {
     /// Grid steps between two charges of near pillars, at the most.
     const REACH: usize = NEAR as usize + STENCIL + 1;
+    const WIDTH: usize = 2 * Self::REACH + 1;
 
     fn new(step: f64) -> Self {
-        let side = Self::REACH + 1;
-        let values = (0..side * side).map(|k| kernel(step, [k % side, k / side]));
+        let count = Self::WIDTH * (Self::REACH + 1);
+        let along = |k: usize| (k % Self::WIDTH).abs_diff(Self::REACH);
+        let values = (0..count).map(|k| kernel(step, [along(k), k / Self::WIDTH]));
         Self {
             values: values.collect(),
         }
     }
 
-    /// `P_n K P_k'` of two stencils, row by row.
-    fn between(&self, receiver: &Stencil, source: &Stencil, block: &mut [f64]) {
-        let size = STENCIL * STENCIL;
-        let steps = [0, 1].map(|k| receiver.corner[k] as i64 - source.corner[k] as i64);
-        let far_modes = source.weights.len() / size;
-        let mut potential = vec![0.0; size];
-        for (column, weights) in source.weights.chunks_exact(size).enumerate() {
-            for (place, potential) in potential.iter_mut().enumerate() {
-                let [x, y] = [place % STENCIL, place / STENCIL];
-                let mut sum = 0.0;
-                for (row, weights) in weights.chunks_exact(STENCIL).enumerate() {
-                    let down = (steps[1] + y as i64 - row as i64).unsigned_abs() as usize;
-                    let values = &self.values[down * (Self::REACH + 1)..];
-                    for (other, weight) in weights.iter().enumerate() {
-                        let along = (steps[0] + x as i64 - other as i64).unsigned_abs() as usize;
-                        sum += weight * values[along];
+    /// `P_n K P_k'` of two stencils that are so many steps apart, row by row.
+    fn between(
+        &self,
+        modes: usize,
+        [receiver, source]: [&[f64]; 2],
+        steps: [i64; 2],
+        block: &mut [f64],
+    ) {
+        widest(
+            #[inline(always)]
+            || match modes {
+                1 => self.between_modes::<1>(receiver, source, steps, block),
+                3 => self.between_modes::<3>(receiver, source, steps, block),
+                _ => self.between_modes::<6>(receiver, source, steps, block),
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn between_modes<const MODES: usize>(
+        &self,
+        receiver: &[f64],
+        source: &[f64],
+        steps: [i64; 2],
+        block: &mut [f64],
+    ) {
+        block.fill(0.0);
+        let receiver = receiver.as_chunks::<STENCIL>().0;
+        let source = source.as_chunks::<STENCIL>().0;
+        for y in 0..STENCIL {
+            let mut potential = [[0.0; STENCIL]; MODES];
+            for row in 0..STENCIL {
+                let down = (steps[1] + y as i64 - row as i64).unsigned_abs() as usize;
+                let values = &self.values[down * Self::WIDTH..][..Self::WIDTH];
+                for column in 0..STENCIL {
+                    let from = (steps[0] - column as i64 + Self::REACH as i64) as usize;
+                    let Some(values) = values[from..].first_chunk::<STENCIL>() else {
+                        continue;
+                    };
+                    for (mode, potential) in potential.iter_mut().enumerate() {
+                        let weight = source[row * MODES + mode][column];
+                        for (u, value) in potential.iter_mut().zip(values) {
+                            *u += weight * value;
+                        }
                     }
                 }
-                *potential = sum;
             }
-            for (row, weights) in receiver.weights.chunks_exact(size).enumerate() {
-                let products = weights.iter().zip(&potential);
-                block[row * far_modes + column] = products.map(|(p, u)| p * u).sum();
+            for (i, weights) in receiver[y * MODES..][..MODES].iter().enumerate() {
+                for (j, potential) in potential.iter().enumerate() {
+                    let products = std::array::from_fn(|k| weights[k] * potential[k]);
+                    block[i * MODES + j] += sum_of(&products);
+                }
             }
         }
     }
@@ -111,125 +368,203 @@ fn kernel(step: f64, [x, y]: [usize; 2]) -> f64 {
 }
 
 /// Lagrange's polynomials of the points 0, 1, 2, ... at a place.
+#[inline(always)]
 fn lagrange(place: f64) -> [f64; STENCIL] {
-    std::array::from_fn(|k| {
-        (0..STENCIL)
-            .filter(|j| *j != k)
-            .map(|j| (place - j as f64) / (k as f64 - j as f64))
-            .product()
-    })
+    // The products of its distances from the other points, before and after each.
+    let mut values = [1.0; STENCIL];
+    let (mut before, mut after) = (1.0, 1.0);
+    for k in 0..STENCIL {
+        values[k] *= before * INVERSES[k];
+        before *= place - k as f64;
+        values[STENCIL - 1 - k] *= after;
+        after *= place - (STENCIL - 1 - k) as f64;
+    }
+    values
 }
 
-impl GridCoupling {
+/// For every point the inverse of the product of its distances from the others.
+const INVERSES: [f64; STENCIL] = {
+    let mut inverses = [1.0; STENCIL];
+    let mut k = 0;
+    while k < STENCIL {
+        let mut j = 0;
+        while j < STENCIL {
+            if j != k {
+                inverses[k] /= k as f64 - j as f64;
+            }
+            j += 1;
+        }
+        k += 1;
+    }
+    inverses
+};
+
+impl<'p> GridCoupling<'p> {
     /// `None` where no grid can be made.
-    pub(crate) fn new(sites: &Sites, pair: &PairCoupling, workers: Workers<'_>) -> Option<Self> {
+    pub(crate) fn new(sites: &Sites, pair: &PairCoupling, workers: Workers<'p>) -> Option<Self> {
         let (centres, count) = (sites.centres(), sites.len());
         let radius = |pillar: usize| sites.body(pillar).radius;
-        let modes = pair.modes().len();
+        let (modes, most) = (pair.modes().len(), pair.degree());
         let far_modes = modes.min(mode_count(FAR_DEGREE));
-        let bounds = |k: usize| {
-            let values = centres.iter().map(|centre| centre[k]);
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| {
-                [a.min(x), b.max(x)]
-            })
-        };
-        let ([left, right], [low, high]) = (bounds(0), bounds(1));
-        let largest = (0..count).map(radius).fold(0.0, f64::max);
-        // The discs have to lie within their stencils, and pillars in a row take some room too.
-        let [width, height] = [right - left, high - low].map(|side| side.max(2.0 * largest));
-        let even = (width * height / count as f64).sqrt();
-        let half = (STENCIL / 2 - 1) as f64;
-        let step = (even / STEPS).max(largest / half);
-        let first = [left, low].map(|x| x - half * step);
-        let sides = [right - left, high - low].map(|side| (side / step) as usize + STENCIL + 1);
+        let Plan {
+            step, first, sides, ..
+        } = Plan::new(sites, modes);
         let grid = Grid::new(sides[0], sides[1], [step; 2], first).ok()?;
         let cells = Cells::all(&grid);
-        let convolution = FreeSpaceConvolution::of_kernel(cells, |steps| kernel(step, steps));
+        let convolution =
+            FreeSpaceConvolution::of_kernel(cells, |steps| kernel(step, steps), workers.pool);
         let near_kernel = Kernel::new(step);
-        let rule = Rule::new(far_modes);
-        let make = |(): &mut (), pillar: usize| {
-            let place = [0, 1].map(|k| (centres[pillar][k] - first[k]) / step);
-            rule.stencil(place, radius(pillar) / step, &near_kernel)
+        let place = |pillar: u32| [0, 1].map(|k| (centres[pillar as usize][k] - first[k]) / step);
+        let corner = |pillar: u32| {
+            place(pillar).map(|x| (x as usize).saturating_sub(STENCIL / 2 - 1) as u32)
         };
-        let stencils = workers.map(count, PILLARS, || (), make);
-        let reach = NEAR * step;
-        let bins = Bins::new(centres, reach);
-        let fill = |[receiver, source]: [usize; 2], block: &mut [f64]| {
-            let offset = [0, 1].map(|k| centres[receiver][k] - centres[source][k]);
-            pair.block_of(offset, [radius(receiver), radius(source)], block);
-            let mut charged = vec![0.0; far_modes * far_modes];
-            near_kernel.between(&stencils[receiver], &stencils[source], &mut charged);
-            let rows = block.chunks_exact_mut(modes);
+        let mut order: Vec<u32> = (0..count as u32).collect();
+        order.sort_by_cached_key(|&pillar| {
+            let [column, row] = corner(pillar);
+            (row, column, pillar)
+        });
+        let corners: Vec<[u32; 2]> = order.iter().map(|&pillar| corner(pillar)).collect();
+        let starts = |row: usize| corners.partition_point(|[_, corner]| (*corner as usize) < row);
+        let rows = (0..=sides[1]).map(|row| starts(row) as u32).collect();
+        let rule = Rule::new(far_modes);
+        let encode = |weights: &mut Weights, number: usize| {
+            let [x, y] = place(order[number]);
+            let [column, row] = corners[number].map(f64::from);
+            let size = radius(order[number] as usize) / step;
+            rule.weights([x - column, y - row], size, weights)
+        };
+        let work = || [0.0; WEIGHTS];
+        let (weights, units): (Vec<_>, Vec<_>) = workers
+            .map(count, PILLARS, work, encode)
+            .into_iter()
+            .unzip();
+        let mut stencils = Stencils {
+            modes: far_modes,
+            corners,
+            rows,
+            weights: weights.concat(),
+            units: units.concat(),
+            own: Vec::new(),
+        };
+        let mut own = vec![0.0; count * far_modes * far_modes];
+        let itself = |weights: &mut Weights, number: usize, block: &mut [f64]| {
+            let weights = stencils.decode(number, weights);
+            near_kernel.between(far_modes, [weights; 2], [0, 0], block);
+        };
+        workers.fill(&mut own, far_modes * far_modes, PILLARS, work, itself);
+        stencils.own = own;
+        let mut places = vec![0; count];
+        for (number, pillar) in order.iter().enumerate() {
+            places[*pillar as usize] = number as u32;
+        }
+        let sources = |receiver: usize| {
+            let at = centres[order[receiver] as usize];
+            let near = sites.neighbours().within(at, NEAR * step);
+            let near = near.into_iter().map(|pillar| places[pillar as usize]);
+            let mut after: Vec<u32> = near.filter(|&other| other as usize > receiver).collect();
+            after.sort_unstable();
+            after
+        };
+        // That of fewer modes, by the number of them; between punches as they are.
+        let fewer: Vec<PairCoupling> = (0..most)
+            .map(|degree| PairCoupling::new(degree, pair.pitch()))
+            .collect();
+        let offset = |[receiver, source]: [usize; 2]| {
+            let [a, b] = [receiver, source].map(|number| order[number] as usize);
+            let offset = [0, 1].map(|k| centres[a][k] - centres[b][k]);
+            (offset, [radius(a), radius(b)])
+        };
+        let degree = |pair: [usize; 2]| {
+            let ([x, y], radii) = offset(pair);
+            pair_degree(
+                (x.hypot(y) - radii[0] - radii[1]) / radii[0].min(radii[1]),
+                most,
+            )
+        };
+        let fill = |between: [usize; 2], block: &mut [f64]| {
+            let (offset, radii) = offset(between);
+            let own = fewer.get(degree(between)).unwrap_or(pair);
+            own.block_of(offset, radii, block);
+            let [receiver, source] = between;
+            let mut charged = [0.0; mode_count(FAR_DEGREE) * mode_count(FAR_DEGREE)];
+            let charged = &mut charged[..far_modes * far_modes];
+            let mut weights = [[0.0; WEIGHTS]; 2];
+            let [first, second] = &mut weights;
+            let weights = [
+                stencils.decode(receiver, first),
+                stencils.decode(source, second),
+            ];
+            near_kernel.between(
+                far_modes,
+                weights,
+                stencils.steps(receiver, source),
+                charged,
+            );
+            let rows = block.chunks_exact_mut(own.modes().len());
             for (row, charged) in rows.zip(charged.chunks_exact(far_modes)) {
                 for (value, charged) in row.iter_mut().zip(charged) {
                     *value -= charged;
                 }
             }
         };
-        let sources = |receiver: usize| bins.after(centres, receiver, reach);
-        let near = PairBlocks::new(count, modes, sources, fill, workers);
+        let pair_modes = |pair: [usize; 2]| mode_count(degree(pair));
+        let near = PairBlocks::new([count, modes], sources, pair_modes, fill, workers);
+        let points = sides[0] * sides[1];
         Some(Self {
             modes,
-            far_modes,
+            order,
             stencils,
             columns: sides[0],
             convolution,
             near,
-            charges: vec![0.0; sides[0] * sides[1]],
-            potential: vec![0.0; sides[0] * sides[1]],
+            charges: vec![0.0; points],
+            potential: vec![0.0; points],
+            moments: vec![0.0; count * modes],
+            far: vec![0.0; count * modes],
         })
     }
 
-    /// About how many bytes that many pillars take.
-    pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
-        let of_pillar = modes as f64;
-        let stencil = 8.0 * (STENCIL * STENCIL * mode_count(FAR_DEGREE)) as f64;
-        // Half of the neighbours within the near distance, and of the grid two arrays, the kernel and the spectrum.
-        let neighbours = 0.5 * PI * (NEAR / STEPS).powi(2);
-        let blocks = 8.0 * neighbours * of_pillar * of_pillar;
-        let grid = 6.0 * 8.0 * STEPS * STEPS;
-        pillars * (stencil + blocks + grid + 12.0 * 8.0 * of_pillar)
+    pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
+        match self.stencils.modes {
+            1 => self.apply_modes::<1>(coefficients, far, workers),
+            3 => self.apply_modes::<3>(coefficients, far, workers),
+            _ => self.apply_modes::<6>(coefficients, far, workers),
+        }
     }
 
-    pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
-        let (modes, far_modes, columns) = (self.modes, self.far_modes, self.columns);
-        self.charges.fill(0.0);
-        let moments = coefficients.chunks_exact(modes);
-        for (stencil, moments) in self.stencils.iter().zip(moments) {
-            let of_modes = stencil.weights.chunks_exact(STENCIL * STENCIL);
-            for (weights, moment) in of_modes.zip(moments) {
-                for (row, weights) in weights.chunks_exact(STENCIL).enumerate() {
-                    let start = (stencil.corner[1] + row) * columns + stencil.corner[0];
-                    let charges = &mut self.charges[start..start + STENCIL];
-                    for (charge, weight) in charges.iter_mut().zip(weights) {
-                        *charge += moment * weight;
-                    }
-                }
-            }
+    fn apply_modes<const MODES: usize>(
+        &mut self,
+        coefficients: &[f64],
+        far: &mut [f64],
+        workers: Workers<'_>,
+    ) {
+        let (modes, columns) = (self.modes, self.columns);
+        let (stencils, potential) = (&self.stencils, &mut self.potential);
+        let moments = &mut self.moments;
+        for (moments, pillar) in moments.chunks_exact_mut(modes).zip(&self.order) {
+            moments.copy_from_slice(&coefficients[*pillar as usize * modes..][..modes]);
         }
-        self.convolution.apply(&self.charges, &mut self.potential);
-        let (stencils, potential) = (&self.stencils, &self.potential);
-        let gather = |(): &mut (), pillar: usize, far: &mut [f64]| {
-            let stencil = &stencils[pillar];
-            let moments = &coefficients[pillar * modes..][..far_modes];
-            far.fill(0.0);
-            let of_modes = stencil.weights.chunks_exact(STENCIL * STENCIL);
-            for ((far, weights), own) in far
-                .iter_mut()
-                .zip(of_modes)
-                .zip(stencil.own.chunks_exact(far_modes))
-            {
-                for (row, weights) in weights.chunks_exact(STENCIL).enumerate() {
-                    let start = (stencil.corner[1] + row) * columns + stencil.corner[0];
-                    for (weight, u) in weights.iter().zip(&potential[start..]) {
-                        *far += weight * u;
-                    }
-                }
-                *far -= own.iter().zip(moments).map(|(a, b)| a * b).sum::<f64>();
-            }
+        let charge = |(): &mut (), row: usize, charges: &mut [f64]| {
+            widest(
+                #[inline(always)]
+                || stencils.charge::<MODES>(row, modes, moments, charges),
+            );
         };
-        workers.fill(far, modes, PILLARS, || (), gather);
-        self.near.add(coefficients, far);
+        workers.fill(&mut self.charges, columns, ROWS, || (), charge);
+        self.convolution.apply(&self.charges, potential);
+        let gather = |(): &mut (), number: usize, far: &mut [f64]| {
+            let moments = &moments[number * modes..][..MODES];
+            far[MODES..].fill(0.0);
+            widest(
+                #[inline(always)]
+                || stencils.gather::<MODES>(number, columns, potential, moments, far),
+            );
+        };
+        workers.fill(&mut self.far, modes, PILLARS, || (), gather);
+        self.near.add(moments, &mut self.far, workers);
+        for (own, pillar) in self.far.chunks_exact(modes).zip(&self.order) {
+            far[*pillar as usize * modes..][..modes].copy_from_slice(own);
+        }
     }
 }
 
@@ -256,78 +591,72 @@ impl Rule {
         Self { points, far_modes }
     }
 
-    /// Of a pillar with its centre and radius in grid steps.
-    fn stencil(&self, centre: Point, radius: f64, kernel: &Kernel) -> Stencil {
-        let size = STENCIL * STENCIL;
-        let corner = centre.map(|x| (x as usize).saturating_sub(STENCIL / 2 - 1));
-        let mut weights = vec![0.0; self.far_modes * size];
-        for (point, values) in &self.points {
-            let [x, y] = [0, 1].map(|k| lagrange(centre[k] + radius * point[k] - corner[k] as f64));
-            for (weights, value) in weights.chunks_exact_mut(size).zip(values) {
-                for (row, down) in weights.chunks_exact_mut(STENCIL).zip(y) {
-                    for (weight, along) in row.iter_mut().zip(x) {
-                        *weight += value * down * along;
+    /// Of a pillar with its radius and its centre, from the first of its charges, in grid steps: in parts of a unit, and that of every mode.
+    fn weights(&self, centre: Point, radius: f64, room: &mut Weights) -> (Vec<i32>, Vec<f64>) {
+        let modes = self.far_modes;
+        let weights = &mut room[..modes * STENCIL * STENCIL];
+        weights.fill(0.0);
+        widest(
+            #[inline(always)]
+            || {
+                for (point, values) in &self.points {
+                    let [x, y] = [0, 1].map(|k| lagrange(centre[k] + radius * point[k]));
+                    for (row, down) in weights.chunks_exact_mut(modes * STENCIL).zip(y) {
+                        let charges = x.map(|along| along * down);
+                        let of_modes = row.as_chunks_mut::<STENCIL>().0.iter_mut();
+                        for (weights, value) in of_modes.zip(values) {
+                            for (weight, charge) in weights.iter_mut().zip(charges) {
+                                *weight += value * charge;
+                            }
+                        }
                     }
                 }
-            }
+            },
+        );
+        let mut units = vec![f64::MIN_POSITIVE; modes];
+        for (number, weights) in weights.chunks_exact(STENCIL).enumerate() {
+            let unit = &mut units[number % modes];
+            *unit = weights
+                .iter()
+                .fold(*unit, |most, weight| most.max(weight.abs()));
         }
-        let mut stencil = Stencil {
-            corner,
-            weights,
-            own: vec![0.0; self.far_modes * self.far_modes],
-        };
-        let mut own = std::mem::take(&mut stencil.own);
-        kernel.between(&stencil, &stencil, &mut own);
-        Stencil { own, ..stencil }
-    }
-}
-
-/// Pillars by the square of the plane that they stand in.
-struct Bins {
-    side: f64,
-    pillars: HashMap<[i64; 2], Vec<u32>>,
-}
-
-impl Bins {
-    fn new(centres: &[Point], side: f64) -> Self {
-        let mut pillars: HashMap<_, Vec<u32>> = HashMap::new();
-        for (pillar, centre) in centres.iter().enumerate() {
-            let bin = centre.map(|x| (x / side).floor() as i64);
-            pillars.entry(bin).or_default().push(pillar as u32);
-        }
-        Self { side, pillars }
-    }
-
-    /// Those after a pillar that are within a distance of it, of a side at the most, in their order.
-    fn after(&self, centres: &[Point], pillar: usize, distance: f64) -> Vec<u32> {
-        let [x, y] = centres[pillar];
-        let [i, j] = [x, y].map(|x| (x / self.side).floor() as i64);
-        let around = (-1..=1).flat_map(|k| (-1..=1).map(move |l| [i + k, j + l]));
-        let mut found: Vec<u32> = around
-            .filter_map(|bin| self.pillars.get(&bin))
-            .flatten()
-            .copied()
-            .filter(|&other| {
-                let [u, v] = centres[other as usize];
-                other as usize > pillar && (u - x).hypot(v - y) < distance
-            })
-            .collect();
-        found.sort_unstable();
-        found
+        units
+            .iter_mut()
+            .for_each(|unit| *unit /= f64::from(i32::MAX));
+        let parts = weights
+            .iter()
+            .enumerate()
+            .map(|(number, weight)| (weight / units[number / STENCIL % modes]).round() as i32);
+        (parts.collect(), units)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::halfspace::coupling::direct::DirectCoupling;
+    use crate::numerics::neighbours::Disc;
+    use crate::numerics::neighbours::tests::random_discs;
     use crate::numerics::workers::CancelToken;
-    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
+    use crate::problem::pillar_field::{
+        ListedPillar, PillarBody, PillarField, PillarList, PlaneLattice,
+    };
     use std::sync::Arc;
 
+    fn sites(discs: impl IntoIterator<Item = Disc>) -> Sites {
+        let pillar = |(centre, radius)| ListedPillar {
+            centre,
+            body: PillarBody {
+                radius,
+                ..PillarBody::of_column(0.0)
+            },
+        };
+        let list = PillarList::new(discs.into_iter().map(pillar).collect()).unwrap();
+        Sites::within(&PillarField::Listed(Arc::new(list)), f64::INFINITY)
+    }
+
     /// Pillars on about a tenth to a sixth of the plane, at any places, of radii between 0.75 and 1.25.
-    fn scattered(side: i32, pitch: f64) -> PillarField {
-        let mut pillars = Vec::new();
+    fn scattered(side: i32, pitch: f64) -> Vec<Disc> {
+        let mut discs = Vec::new();
         for i in 0..side {
             for j in 0..side {
                 let number = f64::from(i * side + j);
@@ -336,14 +665,25 @@ mod tests {
                     pitch * (f64::from(i) + 0.22 * any(1.7) - 0.5 * f64::from(side)),
                     pitch * (f64::from(j) + 0.22 * any(2.3) - 0.5 * f64::from(side)),
                 ];
-                let body = PillarBody {
-                    radius: 1.0 + 0.25 * any(3.1),
-                    ..PillarBody::of_column(0.0)
-                };
-                pillars.push(ListedPillar { centre, body });
+                discs.push((centre, 1.0 + 0.25 * any(3.1)));
             }
         }
-        PillarField::Listed(Arc::new(PillarList::new(pillars).unwrap()))
+        discs
+    }
+
+    /// The same in four clusters that are far apart.
+    fn clustered(side: i32, pitch: f64) -> Vec<Disc> {
+        let places = [
+            [0.0, 0.0],
+            [900.0, 100.0],
+            [400.0, 1300.0],
+            [-2000.0, 700.0],
+        ];
+        let cluster = |[x, y]: Point| {
+            let discs = scattered(side, pitch).into_iter();
+            discs.map(move |([u, v], radius)| ([u + x, v + y], radius))
+        };
+        places.into_iter().flat_map(cluster).collect()
     }
 
     #[test]
@@ -358,48 +698,124 @@ mod tests {
         assert!((powers[1] / place.powi(7) - 1.0).abs() < 1e-11);
     }
 
+    /// The products of all pairs, each of as many modes as between near pillars on a grid.
+    fn all_pairs(
+        sites: &Sites,
+        degree: usize,
+        coefficients: &[f64],
+        workers: Workers<'_>,
+    ) -> Vec<f64> {
+        let pairs: Vec<_> = (0..=degree)
+            .map(|degree| PairCoupling::new(degree, 4.0))
+            .collect();
+        let offset = |[a, b]: [usize; 2]| {
+            let offset = [0, 1].map(|k| sites.centres()[a][k] - sites.centres()[b][k]);
+            (offset, [a, b].map(|pillar| sites.body(pillar).radius))
+        };
+        let of_pair = |pair: [usize; 2]| {
+            let ([x, y], [a, b]) = offset(pair);
+            &pairs[pair_degree((x.hypot(y) - a - b) / a.min(b), degree)]
+        };
+        let blocks = PairBlocks::<f64>::new(
+            [sites.len(), mode_count(degree)],
+            |receiver| (receiver as u32 + 1..sites.len() as u32).collect(),
+            |pair| of_pair(pair).modes().len(),
+            |pair, block| {
+                let (offset, radii) = offset(pair);
+                of_pair(pair).block_of(offset, radii, block);
+            },
+            workers,
+        );
+        let mut far = vec![0.0; coefficients.len()];
+        blocks.add(coefficients, &mut far, workers);
+        far
+    }
+
+    /// To a part of the largest displacement.
+    fn check_products(sites: &Sites, degree: usize, bar: f64) {
+        let pair = PairCoupling::new(degree, 4.0);
+        let (cancel, modes) = (CancelToken::default(), mode_count(degree));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+        let pool = pool.unwrap();
+        let [alone, together] = [None, Some(&pool)].map(|pool| Workers {
+            pool,
+            cancel: &cancel,
+        });
+        let size = sites.len() * modes;
+        // As they are: the higher the degree, the smaller.
+        let coefficients = |turn: f64| -> Vec<f64> {
+            let of_mode = |k: usize| 0.2_f64.powi(pair.modes()[k % modes].degree as i32);
+            let value = |k: usize| 0.6 + (turn * k as f64 + 0.3 * (k as f64).sqrt()).sin();
+            (0..size).map(|k| of_mode(k) * value(k)).collect()
+        };
+        let (a, c) = (coefficients(1.7), coefficients(0.9));
+        let product = |coefficients: &[f64], workers| {
+            let mut far = vec![0.0; size];
+            let mut grid = GridCoupling::new(sites, &pair, workers).unwrap();
+            grid.apply(coefficients, &mut far, workers);
+            far
+        };
+        let (of_a, by_grid) = (product(&a, alone), product(&c, alone));
+        let threads = product(&c, together);
+        assert!(
+            by_grid
+                .iter()
+                .zip(&threads)
+                .all(|(a, b)| a.to_bits() == b.to_bits())
+        );
+        let by_pairs = all_pairs(sites, degree, &c, alone);
+        let scale = by_pairs.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
+        // Loads on the modes that the charges stand for, and on those beyond, which excite little.
+        let mut error = [0.0_f64; 2];
+        for (k, (a, b)) in by_grid.iter().zip(&by_pairs).enumerate() {
+            let beyond = pair.modes()[k % modes].degree > FAR_DEGREE;
+            let error = &mut error[usize::from(beyond)];
+            *error = error.max((a - b).abs() / scale);
+        }
+        println!("{} pillars, degree {degree}: {error:?}", sites.len());
+        assert!(error[0] < bar, "degree {degree}: {error:?}");
+        assert!(error[1] < 3e-5, "degree {degree}: {error:?}");
+        let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
+        let (there, back) = (dot(&a, &by_grid), dot(&c, &of_a));
+        assert!((there / back - 1.0).abs() < 1e-13, "{there} {back}");
+    }
+
     #[test]
     fn products_are_those_of_all_pairs() {
         for (degree, side, pitch) in [(0, 12, 4.6), (2, 17, 4.6), (4, 12, 5.6)] {
-            let sites = Sites::within(&scattered(side, pitch), f64::INFINITY);
-            let pair = PairCoupling::new(degree, pitch);
-            let cancel = CancelToken::default();
-            let workers = Workers {
-                pool: None,
-                cancel: &cancel,
-            };
-            let size = sites.len() * mode_count(degree);
-            // As they are: the higher the degree, the smaller.
-            let coefficients = |turn: f64| -> Vec<f64> {
-                let of_mode =
-                    |k: usize| 0.2_f64.powi(pair.modes()[k % mode_count(degree)].degree as i32);
-                let value = |k: usize| 0.6 + (turn * k as f64 + 0.3 * (k as f64).sqrt()).sin();
-                (0..size).map(|k| of_mode(k) * value(k)).collect()
-            };
-            let (a, c) = (coefficients(1.7), coefficients(0.9));
-            let mut grid = GridCoupling::new(&sites, &pair, workers).unwrap();
-            let radius = |pillar: usize| sites.body(pillar).radius;
-            let direct = DirectCoupling::new(sites.centres(), radius, &pair, workers);
-            let [mut by_grid, mut of_a, mut by_pairs] = [(); 3].map(|()| vec![0.0; size]);
-            grid.apply(&a, &mut of_a, workers);
-            grid.apply(&c, &mut by_grid, workers);
-            direct.apply(&c, &mut by_pairs);
-            let scale = by_pairs.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
-            // Loads on the modes that the charges stand for, and on those beyond, which excite little.
-            let mut error = [0.0_f64; 2];
-            for (k, (a, b)) in by_grid.iter().zip(&by_pairs).enumerate() {
-                let beyond = pair.modes()[k % mode_count(degree)].degree > FAR_DEGREE;
-                let error = &mut error[usize::from(beyond)];
-                *error = error.max((a - b).abs() / scale);
-            }
-            println!("degree {degree}: {error:?}");
             // What the modes beyond do from afar is left out.
             let bar = if degree > FAR_DEGREE { 2e-7 } else { 5e-9 };
-            assert!(error[0] < bar, "degree {degree}: {error:?}");
-            assert!(error[1] < 3e-5, "degree {degree}: {error:?}");
-            let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
-            let (there, back) = (dot(&a, &by_grid), dot(&c, &of_a));
-            assert!((there / back - 1.0).abs() < 1e-13, "{there} {back}");
+            check_products(&sites(scattered(side, pitch)), degree, bar);
         }
+        check_products(&sites(random_discs(400, 0.2, 0.05, 3)), 4, 2e-7);
+    }
+
+    #[test]
+    fn products_in_clusters_and_on_lattices() {
+        for degree in [1, 2] {
+            // Nearly all of it comes from near pairs, in single precision.
+            check_products(&sites(clustered(9, 4.6)), degree, 3e-8);
+        }
+        let lattice = PlaneLattice::new(
+            [[4.6, 0.3], [0.2, 5.1]],
+            [0.4, 1.0],
+            PillarBody::of_column(0.0),
+        );
+        let lattice = PillarField::Lattice(Arc::new(lattice.unwrap()));
+        check_products(&Sites::within(&lattice, 45.0), 2, 5e-9);
+    }
+
+    /// Where there is much room between clusters the grid is so coarse that all pairs of one are near.
+    #[test]
+    fn grids_of_clusters_are_bounded() {
+        let even = Plan::new(&sites(scattered(30, 4.6)), 6);
+        assert!(even.pairs < 20.0 * 900.0 && even.memory(900, 6) < 2e7);
+        let clusters = Plan::new(&sites(clustered(15, 4.6)), 6);
+        assert!(clusters.memory(900, 6) < 4e7, "{clusters:?}");
+        // On one line, and two that are very far apart.
+        let row = (0..900).map(|k| ([3.0 * f64::from(k), 0.0], 1.0));
+        assert!(Plan::new(&sites(row), 6).memory(900, 6) < 2e7);
+        let far = [[0.0, 0.0], [1e12, 0.0]].map(|centre| (centre, 1.0));
+        assert!(Plan::new(&sites(far), 6).memory(2, 6) < 1e7);
     }
 }

@@ -19,9 +19,10 @@
 use crate::halfspace::disc::basis::{
     Mode, UNIT_FORCE, equator_value, gamma_degree, mode_count, modes,
 };
-use crate::halfspace::disc::exterior::RadialFunction;
+use crate::halfspace::disc::exterior::{MAXIMUM_DEGREE, RadialFunction};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::special::gamma_half;
+use crate::numerics::vector::widest;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Relative size of the terms at which the series is cut.
@@ -30,6 +31,13 @@ const SERIES_TOLERANCE: f64 = 1e-17;
 /// Most terms of a series. Reached only for pillars that all but touch, where the rest is
 /// added from the algebraic decay of the terms.
 const SERIES_LIMIT: usize = 20_000;
+
+/// Terms that all series of a pair take in step, with coefficients from a table: enough for gaps of a seventh of the radius. The
+/// rest of those that are not done by then is added to each by itself.
+const TABLE: usize = 256;
+
+/// Steps after which it is looked whether all are done.
+const STRIDE: usize = 4;
 
 /// Two discs: the radius of the receiver, that of the source, and the distance of their centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,10 +78,6 @@ impl Series {
         }
     }
 
-    fn value(&self, discs: Discs) -> f64 {
-        self.value_of([discs.receiver, discs.source, discs.distance])
-    }
-
     /// Derivatives with respect to the logarithms of the distance, of the receiver's radius, and of the source's.
     fn derivatives(&self, discs: Discs) -> [f64; 3] {
         let values = [discs.receiver, discs.source, discs.distance];
@@ -89,39 +93,47 @@ impl Series {
     fn value_of<N: Number>(&self, [receiver, source, distance]: [N; 3]) -> N {
         let (alpha, beta) = (receiver / distance, source / distance);
         let powers = alpha.powi(self.degrees[0]) * self.factor * beta.powi(self.degrees[1]);
-        powers / distance * self.appell([alpha * alpha, beta * beta])
+        let first = [1.0, 1.0, 0.0].map(N::constant);
+        let sum = self.appell_from(1, first, [alpha * alpha, beta * beta]);
+        powers / distance * sum
     }
 
-    /// `F4`, by the sums of its terms of one degree:
-    /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the coefficients of the
-    /// recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
-    fn appell<N: Number>(&self, [x, y]: [N; 2]) -> N {
+    /// Coefficients of the step to the term `s` of [`appell`](Self::appell_from): those of `x + y`, of `y - x` and of `(y - x)^2`.
+    fn step(&self, s: f64) -> [f64; 3] {
         let [p, q] = self.degrees.map(|degree| f64::from(degree) + 0.5);
         let [a, b] = self.upper;
         let w = p + q;
         let ratio = |s: f64| (a + s - 1.0) * (b + s - 1.0) / ((p + s) * (q + s));
-        let mut before = N::constant(1.0);
-        let mut last_ratio = ratio(1.0);
-        let mut term = (y * (p + 1.0) + x * (q + 1.0)) * last_ratio;
-        let mut sum = before + term;
-        let both = x + y;
-        let difference = y - x;
-        let mixed = difference * (p * p - q * q);
+        let factor = ratio(s);
+        if s < 1.5 {
+            // From the sum p + q + 2 of the factors of x and y, and their difference.
+            return [factor * (0.5 * w + 1.0), 0.5 * factor * (p - q), 0.0];
+        }
+        let twice = 2.0 * s + w;
+        let scale = factor / (2.0 * s * (s + w) * (twice - 2.0));
+        [
+            scale * (twice - 1.0) * twice * (twice - 2.0),
+            scale * (twice - 1.0) * (p * p - q * q),
+            scale * 2.0 * (s + p - 1.0) * (s + q - 1.0) * twice * ratio(s - 1.0),
+        ]
+    }
+
+    /// `F4` from the terms before `first`: their sum, and the last two of them. By the sums of its terms of one degree,
+    /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the coefficients of the
+    /// recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
+    fn appell_from<N: Number>(&self, first: usize, known: [N; 3], [x, y]: [N; 2]) -> N {
+        let [mut sum, mut term, mut before] = known;
+        let (both, difference) = (x + y, y - x);
         let square = difference * difference;
-        let mut s = 1.0;
         let mut half_way = term.value();
-        for number in 2..=SERIES_LIMIT {
+        for number in first..=SERIES_LIMIT {
             if term.is_below(SERIES_TOLERANCE, sum) {
                 return sum;
             }
-            s += 1.0;
-            let twice = 2.0 * s + w;
-            let scale = (2.0 * s * (s + w) * (twice - 2.0)).recip();
-            let first = (both * (twice * (twice - 2.0)) + mixed) * ((twice - 1.0) * scale);
-            let second = square * (2.0 * (s + p - 1.0) * (s + q - 1.0) * twice * scale);
-            let ratio = ratio(s);
-            let next = (first * term - second * before * last_ratio) * ratio;
-            (before, term, last_ratio) = (term, next, ratio);
+            let [of_sum, of_difference, of_square] = self.step(number as f64);
+            let next =
+                (both * of_sum + difference * of_difference) * term - square * of_square * before;
+            (before, term) = (term, next);
             sum = sum + term;
             if number == SERIES_LIMIT / 2 {
                 half_way = term.value();
@@ -129,6 +141,7 @@ impl Series {
         }
         // Where discs touch the terms go as s^(-5/2) (1 + c/s), and the rest is as their integral from s + 1/2 on.
         // Their derivatives go as s^(-3/2).
+        let s = SERIES_LIMIT as f64;
         let c = s * (1.0 - 0.5_f64.powf(-2.5) * term.value() / half_way);
         let from = s + 0.5;
         let rest = from.powf(-1.5) / 1.5 + c * from.powf(-2.5) / 2.5;
@@ -137,13 +150,90 @@ impl Series {
     }
 }
 
+/// All series of a pair, which take their first terms in step.
+#[derive(Debug, Clone)]
+struct SeriesTable {
+    series: Vec<Series>,
+    /// For every term from the first on: the coefficients of [`Series::step`], each of all series.
+    steps: Vec<f64>,
+}
+
+impl SeriesTable {
+    fn new(series: Vec<Series>) -> Self {
+        let mut steps = Vec::with_capacity(3 * TABLE * series.len());
+        for number in 1..=TABLE {
+            let of_series: Vec<[f64; 3]> = series.iter().map(|s| s.step(number as f64)).collect();
+            for k in 0..3 {
+                steps.extend(of_series.iter().map(|step| step[k]));
+            }
+        }
+        Self { series, steps }
+    }
+
+    /// Their values.
+    fn values(&self, discs: Discs, values: &mut [f64]) {
+        let count = self.series.len();
+        let [x, y] = [discs.receiver, discs.source].map(|r| (r / discs.distance).powi(2));
+        let mut room = vec![0.0; 2 * count];
+        let (term, before) = room.split_at_mut(count);
+        term.fill(1.0);
+        values.fill(1.0);
+        let added = widest(
+            #[inline(always)]
+            || self.add_terms([x, y], [values, term, before]),
+        );
+        let powers = [discs.receiver, discs.source].map(|radius| {
+            let mut powers = [discs.distance.recip(); MAXIMUM_DEGREE + 1];
+            for degree in 1..=MAXIMUM_DEGREE {
+                powers[degree] = powers[degree - 1] * (radius / discs.distance);
+            }
+            powers
+        });
+        for (k, (value, series)) in values.iter_mut().zip(&self.series).enumerate() {
+            if added == TABLE {
+                let known = [*value, term[k], before[k]];
+                *value = series.appell_from(TABLE + 1, known, [x, y]);
+            }
+            let [l, n] = series.degrees.map(|degree| degree as usize);
+            *value *= series.factor * powers[0][l] * (powers[1][n] * discs.distance);
+        }
+    }
+
+    /// Adds terms until all are too small to matter, or the table ends. The number of terms.
+    #[inline(always)]
+    fn add_terms(&self, [x, y]: [f64; 2], [sum, term, before]: [&mut [f64]; 3]) -> usize {
+        let count = sum.len();
+        let (both, difference) = (x + y, y - x);
+        let square = difference * difference;
+        for (number, steps) in self.steps.chunks_exact(3 * count).enumerate() {
+            let (of_sum, rest) = steps.split_at(count);
+            let (of_difference, of_square) = rest.split_at(count);
+            for k in 0..count {
+                let next = (of_sum[k] * both + of_difference[k] * difference) * term[k]
+                    - of_square[k] * square * before[k];
+                before[k] = term[k];
+                term[k] = next;
+                sum[k] += next;
+            }
+            let is_done = |(term, sum): (&f64, &f64)| *term < SERIES_TOLERANCE * sum;
+            if number % STRIDE == STRIDE - 1 && term.iter().zip(&*sum).all(is_done) {
+                return number + 1;
+            }
+        }
+        TABLE
+    }
+}
+
+/// Degree and order of the mode of a receiver, and of that of a source.
+type Orders = [(usize, usize); 2];
+
 /// Which series make up one entry of the block between two pillars.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     receiver: Mode,
     source: Mode,
-    /// Index of the series with `M = |m - m'|`; the next one has `M = m + m'`.
-    series: usize,
+    /// Indices of the series with `M = |m - m'|` and `M = m + m'`.
+    series: [usize; 2],
     weight: f64,
 }
 
@@ -152,7 +242,7 @@ struct Entry {
 pub(crate) struct PairCoupling {
     modes: Vec<Mode>,
     pitch: f64,
-    series: Vec<Series>,
+    series: SeriesTable,
     /// Whether pillars act as flat punches on the centres of the others, without series.
     flat_punches: Option<RadialFunction>,
     /// Whether it is the derivative with respect to the logarithm of the distance instead.
@@ -166,26 +256,29 @@ impl PairCoupling {
     pub(crate) fn new(degree: usize, pitch: f64) -> Self {
         let modes = modes(degree);
         let mut series = Vec::new();
-        let mut known: Vec<((usize, usize), (usize, usize))> = Vec::new();
+        let mut known: Vec<(Orders, [usize; 2])> = Vec::new();
         let mut entries = Vec::with_capacity(mode_count(degree) * (mode_count(degree) + 1) / 2);
         for (row, &receiver) in modes.iter().enumerate() {
             for &source in &modes[row..] {
-                let key = (
-                    (receiver.degree, receiver.order),
-                    (source.degree, source.order),
-                );
-                let index = known.iter().position(|k| *k == key).unwrap_or_else(|| {
-                    let (m, n) = (receiver.order, source.order);
-                    series.push(Series::new(key.0, key.1, m.abs_diff(n)));
-                    series.push(Series::new(key.0, key.1, m + n));
-                    known.push(key);
-                    known.len() - 1
-                });
+                let key = [receiver, source].map(|mode| (mode.degree, mode.order));
+                let places = match known.iter().find(|known| known.0 == key) {
+                    Some((_, places)) => *places,
+                    None => {
+                        let [m, n] = key.map(|(_, order)| order);
+                        let mut orders = vec![m.abs_diff(n), m + n];
+                        orders.dedup();
+                        let first = series.len();
+                        let of_order = |order| Series::new(key[0], key[1], order);
+                        series.extend(orders.into_iter().map(of_order));
+                        known.push((key, [first, series.len() - 1]));
+                        [first, series.len() - 1]
+                    }
+                };
                 let axial = |mode: Mode| if mode.order == 0 { FRAC_1_SQRT_2 } else { 1.0 };
                 entries.push(Entry {
                     receiver,
                     source,
-                    series: 2 * index,
+                    series: places,
                     weight: axial(receiver) * axial(source),
                 });
             }
@@ -193,7 +286,7 @@ impl PairCoupling {
         Self {
             modes,
             pitch,
-            series,
+            series: SeriesTable::new(series),
             flat_punches: None,
             by_distance: false,
             entries,
@@ -221,6 +314,11 @@ impl PairCoupling {
         &self.modes
     }
 
+    /// That of the highest mode.
+    pub(crate) fn degree(&self) -> usize {
+        self.modes.last().map_or(0, |mode| mode.degree)
+    }
+
     /// Pitch in pillar radii.
     pub(crate) fn pitch(&self) -> f64 {
         self.pitch
@@ -233,7 +331,7 @@ impl PairCoupling {
 
     /// Number of radial functions of [`Self::radial`].
     pub(crate) fn radial_count(&self) -> usize {
-        self.series.len()
+        self.series.series.len()
     }
 
     /// The parts that depend on the distance alone (`delta` in pillar radii), into `radial`.
@@ -252,20 +350,21 @@ impl PairCoupling {
             radial.fill(UNIT_FORCE * punch.value(discs.distance.recip()));
             return;
         }
-        for (value, series) in radial.iter_mut().zip(&self.series) {
-            *value = if self.by_distance {
-                series.derivatives(discs)[0]
-            } else {
-                series.value(discs)
-            };
+        if self.by_distance {
+            for (value, series) in radial.iter_mut().zip(&self.series.series) {
+                *value = series.derivatives(discs)[0];
+            }
+            return;
         }
+        self.series.values(discs, radial);
     }
 
     /// Entries on and above the diagonal of the block for the unit vector `direction` from
     /// source to receiver, row by row.
     pub(crate) fn upper_block(&self, radial: &[f64], direction: [f64; 2], block: &mut [f64]) {
+        let angles = Angles::new(direction, self.degree());
         for (value, entry) in block.iter_mut().zip(&self.entries) {
-            *value = entry.value(radial, direction);
+            *value = entry.value(radial, &angles);
         }
     }
 
@@ -317,7 +416,7 @@ impl PairCoupling {
                 distance,
             };
             let of_series = |series: &Series| series.derivatives(discs);
-            self.series.iter().map(of_series).collect()
+            self.series.series.iter().map(of_series).collect()
         };
         let radial = radial_of(receiver, source);
         let exchanged = radial_of(source, receiver);
@@ -333,15 +432,16 @@ impl PairCoupling {
     /// A block from its radial parts, and from those with receiver and source exchanged.
     fn fill_block(&self, [radial, exchanged]: [&[f64]; 2], direction: [f64; 2], block: &mut [f64]) {
         let count = self.modes.len();
+        let angles = Angles::new(direction, self.degree());
         let mut entries = self.entries.iter();
         for row in 0..count {
             for column in row..count {
                 let Some(entry) = entries.next() else { return };
-                block[row * count + column] = entry.value(radial, direction);
+                block[row * count + column] = entry.value(radial, &angles);
                 if column > row {
                     // C_ji(D; a, a') = C_ij(-D; a', a) = (-1)^(l + l') C_ij(D; a', a)
                     let odd = (entry.receiver.degree + entry.source.degree) % 2 == 1;
-                    let value = entry.value(exchanged, direction);
+                    let value = entry.value(exchanged, &angles);
                     block[column * count + row] = if odd { -value } else { value };
                 }
             }
@@ -350,11 +450,12 @@ impl PairCoupling {
 }
 
 impl Entry {
-    fn value(&self, radial: &[f64], direction: [f64; 2]) -> f64 {
-        let (m, n) = (self.receiver.order as i32, self.source.order as i32);
-        let difference = angle_multiple(direction, n - m);
-        let sum = angle_multiple(direction, n + m);
-        let (minus, plus) = (radial[self.series], radial[self.series + 1]);
+    fn value(&self, radial: &[f64], angles: &Angles) -> f64 {
+        let (m, n) = (self.receiver.order, self.source.order);
+        let [cos, sin] = angles.0[n.abs_diff(m)];
+        let difference = [cos, if n < m { -sin } else { sin }];
+        let sum = angles.0[n + m];
+        let [minus, plus] = self.series.map(|series| radial[series]);
         self.weight
             * match (self.receiver.sine, self.source.sine) {
                 (false, false) => minus * difference[0] + plus * sum[0],
@@ -365,19 +466,19 @@ impl Entry {
     }
 }
 
-/// Cosine and sine of `multiple` times the angle of the unit vector `direction`.
-fn angle_multiple([cos, sin]: [f64; 2], multiple: i32) -> [f64; 2] {
-    let mut result = [1.0, 0.0];
-    for _ in 0..multiple.unsigned_abs() {
-        result = [
-            result[0] * cos - result[1] * sin,
-            result[0] * sin + result[1] * cos,
-        ];
+/// Cosine and sine of the multiples of an angle.
+struct Angles([[f64; 2]; 2 * MAXIMUM_DEGREE + 1]);
+
+impl Angles {
+    /// Of that of a unit vector, up to twice a degree.
+    fn new([cos, sin]: [f64; 2], degree: usize) -> Self {
+        let mut angles = [[1.0, 0.0]; 2 * MAXIMUM_DEGREE + 1];
+        for multiple in 1..=2 * degree {
+            let [before, across] = angles[multiple - 1];
+            angles[multiple] = [before * cos - across * sin, before * sin + across * cos];
+        }
+        Self(angles)
     }
-    if multiple < 0 {
-        result[1] = -result[1];
-    }
-    result
 }
 
 #[cfg(test)]
@@ -583,13 +684,11 @@ mod tests {
 
     #[test]
     fn touching_pillars_are_the_limit_of_close_ones() {
-        let series = Series::new((0, 0), (0, 0), 0);
+        let pair = PairCoupling::new(0, 4.0);
         let at = |distance: f64| {
-            series.value(Discs {
-                receiver: 1.0,
-                source: 1.0,
-                distance,
-            })
+            let mut block = [0.0];
+            pair.block([distance, 0.0], &mut block);
+            block[0]
         };
         let (close, touching) = (at(2.0 + 1e-6), at(2.0));
         assert!((close / touching - 1.0).abs() < 1e-5, "{close} {touching}");

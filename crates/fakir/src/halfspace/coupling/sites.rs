@@ -1,8 +1,10 @@
 //! The pillars that may be touched: those of an arrangement within a radius of the lens axis.
 
 use super::window::Window;
+use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::pillar_field::{PillarBody, PillarField};
 use crate::problem::{HexagonalLattice, Point};
+use std::sync::OnceLock;
 
 /// Pillars with their places and bodies.
 #[derive(Debug, Clone)]
@@ -13,6 +15,7 @@ pub(crate) struct Sites {
     bodies: Vec<PillarBody>,
     /// Radius within which it holds all pillars.
     radius: f64,
+    neighbours: OnceLock<Neighbours>,
 }
 
 #[derive(Debug, Clone)]
@@ -58,6 +61,7 @@ impl Sites {
             common,
             bodies: if are_alike { Vec::new() } else { bodies },
             radius: if all { f64::INFINITY } else { radius },
+            neighbours: OnceLock::new(),
         }
     }
 
@@ -72,6 +76,7 @@ impl Sites {
             places: Places::Window { window, lattice },
             common: PillarBody::of_column(column_compliance_ratio),
             bodies: Vec::new(),
+            neighbours: OnceLock::new(),
         }
     }
 
@@ -143,11 +148,17 @@ impl Sites {
         self.radius
     }
 
+    /// The pillars by where they are, by their places in the list.
+    pub(crate) fn neighbours(&self) -> &Neighbours {
+        self.neighbours.get_or_init(|| {
+            let centres = self.centres().iter().enumerate();
+            Neighbours::new(centres.map(|(pillar, centre)| (*centre, self.body(pillar).radius)))
+        })
+    }
+
     /// Distance of a point from the edge of the nearest pillar; negative inside it.
-    pub(crate) fn clearance(&self, [x, y]: Point) -> f64 {
-        let edges = self.centres().iter().enumerate().map(|(pillar, centre)| {
-            (x - centre[0]).hypot(y - centre[1]) - self.body(pillar).radius
-        });
-        edges.fold(f64::INFINITY, f64::min)
+    pub(crate) fn clearance(&self, point: Point) -> f64 {
+        let nearest = self.neighbours().nearest(point, Nearest::Edge, 0.0, None);
+        nearest.map_or(f64::INFINITY, |(_, distance)| distance)
     }
 }

@@ -67,11 +67,15 @@ impl<'p> FreeSpaceConvolution<'p> {
     }
 
     /// The convolution with a kernel of the number of cells along x and along y, by which it is even.
-    pub(crate) fn of_kernel(cells: Cells, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
+    pub(crate) fn of_kernel(
+        cells: Cells,
+        kernel: impl Fn([usize; 2]) -> f64 + Sync,
+        pool: Option<&'p ThreadPool>,
+    ) -> Self {
         let bounds = Bounds::of(&cells);
-        let free_space = FreeSpace::of_kernel(bounds.shape, 1.0, kernel, None);
+        let free_space = FreeSpace::of_kernel(bounds.shape, 1.0, kernel, pool);
         Self {
-            convolution: Convolution::new(cells, bounds.first, Arc::new(free_space), None),
+            convolution: Convolution::new(cells, bounds.first, Arc::new(free_space), pool),
         }
     }
 

@@ -38,7 +38,7 @@ const KERNEL_ROWS: usize = 4;
 
 /// The coupling of pillar tops with each other and, where it is touched, with the floor.
 pub(crate) struct SurfaceCoupling<'a> {
-    pub(crate) tops: LatticeCoupling,
+    pub(crate) tops: LatticeCoupling<'a>,
     pub(crate) floor: Option<Box<FloorCoupling<'a>>>,
 }
 

@@ -6,6 +6,7 @@
 //! What one cell does to the others has an inverse of positive diagonal and, nearly, negative entries beside it. So after one step that
 //! takes in too many, the set shrinks onto the solution without going back.
 
+use super::groups::Groups;
 use super::tops::Tops;
 use crate::halfspace::elements::periodic::PeriodicInverse;
 use crate::halfspace::floor::grid::FloorGrid;
@@ -123,6 +124,8 @@ impl<'a> FloorCells<'a> {
 pub(crate) struct Places<'n, 'a> {
     pub(crate) tops: &'n Tops,
     pub(crate) floor: Option<&'n mut FloorCells<'a>>,
+    /// Those of the tops with their present states, if that helps.
+    pub(crate) groups: Option<Groups>,
 }
 
 impl Places<'_, '_> {
@@ -157,6 +160,10 @@ impl Rule for Places<'_, '_> {
         let tops = self.split(residual.len());
         let (of_tops, of_floor) = direction.split_at_mut(tops);
         self.tops.respond(&residual[..tops], of_tops, workers);
+        if let Some(groups) = &mut self.groups {
+            groups.add(of_tops, load);
+            self.tops.respond(load, of_tops, workers);
+        }
         if let Some(floor) = &mut self.floor {
             floor.masked.copy_from_slice(&residual[tops..]);
             FloorCells::mask(&floor.bears, &mut floor.masked);

@@ -3,6 +3,7 @@
 mod coarse;
 pub(crate) mod floor;
 pub(crate) mod fronts;
+pub(crate) mod groups;
 pub(crate) mod patch;
 pub(crate) mod rim;
 pub(crate) mod sticky;

@@ -139,6 +139,11 @@ impl Tops {
         own_load
     }
 
+    /// Leading modes per pillar.
+    pub(crate) fn modes(&self) -> usize {
+        self.modes
+    }
+
     /// Number of touched pillars.
     pub(crate) fn touched(&self) -> usize {
         self.status

@@ -1,0 +1,147 @@
+//! Pillars that stand together answer together to a load that hardly changes from one to the next.
+//!
+//! Each by itself gives way as if the others did not push back, which takes the more iterations the more there are. Beside
+//! that, groups of pillars under one load for all in each solve the small system of their answers: `E y = Z' r` with `Z` the answers of the
+//! groups to unit loads and `E` about `Z' (P^-1 + B) Z`, in which groups act on each other as forces in their middle. That takes the place of the
+//! answer of each group by itself, `D y' = Z' r` with `D = Z' P^-1 Z`, which has one entry for each. Of a load `r` it is then `r + y - y'` that is
+//! answered to, with those of the group of each pillar. Symmetric and positive, so that the iteration finds the same solution.
+
+use super::tops::Tops;
+use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::numerics::cholesky::{factorise, solve_lower, solve_upper};
+use crate::numerics::workers::Workers;
+use crate::problem::Point;
+use crate::solve::frozen::Rule;
+use std::f64::consts::PI;
+
+/// Pillars of a group at the most, if all groups are to be no more than that.
+const PILLARS: usize = 24;
+const GROUPS: usize = 400;
+
+/// With fewer pillars each by itself does.
+const FEW: usize = 400;
+
+/// The groups of the pillars with their states frozen.
+pub(crate) struct Groups {
+    /// Of every pillar.
+    group: Vec<u32>,
+    count: usize,
+    /// Of `E`.
+    factor: Vec<f64>,
+    /// `D`
+    own: Vec<f64>,
+    answers: Vec<f64>,
+    alone: Vec<f64>,
+}
+
+/// Pillars of a group.
+#[derive(Debug, Clone, Copy, Default)]
+struct Group {
+    /// Its answer to its own load, each pillar by itself.
+    own: f64,
+    /// Its force.
+    force: f64,
+    /// Where that acts.
+    middle: Point,
+    touched: f64,
+    /// Radius of a disc as large.
+    radius: f64,
+}
+
+impl Groups {
+    /// None where they would not help.
+    pub(crate) fn new(tops: &Tops, workers: Workers<'_>) -> Option<Self> {
+        let (sites, modes) = (&tops.sites, tops.modes());
+        if sites.window().is_some() || tops.touched() < FEW {
+            return None;
+        }
+        let mut load = vec![0.0; sites.len() * modes];
+        load.iter_mut().step_by(modes).for_each(|b| *b = 1.0);
+        let mut response = vec![0.0; load.len()];
+        tops.respond(&load, &mut response, workers);
+        let most = PILLARS.max(2 * sites.len() / GROUPS);
+        let mut group = vec![0; sites.len()];
+        let mut groups = Vec::new();
+        for (members, [width, height]) in sites.neighbours().groups(most) {
+            let mut own = Group::default();
+            for pillar in members.iter().map(|number| *number as usize) {
+                group[pillar] = groups.len() as u32;
+                let answer = response[pillar * modes];
+                if answer > 0.0 {
+                    let [x, y] = sites.centres()[pillar];
+                    own.own += answer;
+                    own.touched += 1.0;
+                    own.middle = [own.middle[0] + x, own.middle[1] + y];
+                }
+            }
+            if own.touched > 0.0 {
+                own.force = UNIT_FORCE * own.own;
+                own.middle = own.middle.map(|sum| sum / own.touched);
+                own.radius = ((width * width + height * height) / (2.0 * PI)).sqrt();
+            }
+            groups.push(own);
+        }
+        let count = groups.len();
+        let mut factor = vec![0.0; count * count];
+        for (i, one) in groups.iter().enumerate() {
+            for (j, other) in groups.iter().enumerate() {
+                factor[i * count + j] = if i == j {
+                    one.itself()
+                } else if one.touched > 0.0 && other.touched > 0.0 {
+                    let [x, y] = [0, 1].map(|k| one.middle[k] - other.middle[k]);
+                    // Middles may be nearer than the groups are wide, as the pillars of each are not.
+                    let distance = x.hypot(y).max(0.5 * (one.radius + other.radius));
+                    one.force * other.force / (PI * distance)
+                } else {
+                    0.0
+                };
+            }
+        }
+        factorise(&mut factor, count).then(|| Self {
+            group,
+            count,
+            factor,
+            own: groups
+                .iter()
+                .map(|group| group.own.max(f64::MIN_POSITIVE))
+                .collect(),
+            answers: vec![0.0; count],
+            alone: vec![0.0; count],
+        })
+    }
+
+    /// Adds to the load on every pillar that of its group. `response` is the answer of each to the load.
+    pub(crate) fn add(&mut self, response: &[f64], load: &mut [f64]) {
+        let modes = load.len() / self.group.len();
+        self.answers.fill(0.0);
+        let of_pillars = self.group.iter().zip(response.iter().step_by(modes));
+        for (group, answer) in of_pillars {
+            self.answers[*group as usize] += answer;
+        }
+        for ((alone, answer), own) in self.alone.iter_mut().zip(&self.answers).zip(&self.own) {
+            *alone = answer / own;
+        }
+        solve_lower(&self.factor, self.count, &mut self.answers);
+        solve_upper(&self.factor, self.count, &mut self.answers);
+        for (group, load) in self.group.iter().zip(load.iter_mut().step_by(modes)) {
+            let group = *group as usize;
+            *load += self.answers[group] - self.alone[group];
+        }
+    }
+}
+
+impl Group {
+    /// With the mean of `1/(pi r)` over a disc, `16/(3 pi^2 R)`, between its pillars.
+    fn itself(&self) -> f64 {
+        if self.touched == 0.0 {
+            return 1.0;
+        }
+        let others = 1.0 - self.touched.recip();
+        let mean = if others > 0.0 {
+            others * 16.0 / (3.0 * PI * PI * self.radius)
+        } else {
+            0.0
+        };
+        self.own + self.force * self.force * mean
+    }
+}
