@@ -262,8 +262,11 @@ impl CaseFile {
             return Ok((list.seen_from(axis), PillarsOrigin { path: None, axis }));
         }
         let path = self.named_file(Key::Pillars, &texture.pillars);
-        let list = read_pillars(&path, &texture.pillar)
-            .map_err(|error| self.problem(Key::Pillars, error.to_string()))?;
+        let list = read_pillars(&path, &texture.pillar).map_err(|error| {
+            self.problem(Key::Pillars, error.to_string()).accepted(
+                "a table next to the case file, of columns x_m, y_m, height_m and diameter_m",
+            )
+        })?;
         let path = Some(path);
         Ok((list.seen_from(axis), PillarsOrigin { path, axis }))
     }

@@ -101,7 +101,9 @@ pub fn parse_pillars(
     let (mut pillars, mut lines) = (Vec::new(), Vec::new());
     for row in table.records() {
         let row = row.map_err(|error| wrong(csv_line(&error), error.to_string()))?;
-        let line = row.position().map_or(0, csv::Position::line);
+        let line = row
+            .position()
+            .map_or(0, |position| line_of_row(bytes, position));
         let mut values = otherwise;
         for (column, place) in places.iter().enumerate() {
             let Some(text) = place.and_then(|place| row.get(place)) else {
@@ -154,6 +156,16 @@ pub fn parse_pillars(
             other => wrong(heading_line, other.to_string()),
         }
     })
+}
+
+/// The line of a row, from 1: after the comments and empty lines that are skipped before it.
+fn line_of_row(bytes: &[u8], start: &csv::Position) -> u64 {
+    let rest = bytes.get(start.byte() as usize..).unwrap_or_default();
+    let skipped = rest.split(|byte| *byte == b'\n').take_while(|line| {
+        let text = line.trim_ascii();
+        text.is_empty() || text.starts_with(b"#")
+    });
+    start.line() + skipped.count() as u64
 }
 
 fn one_of_columns() -> String {

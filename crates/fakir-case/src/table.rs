@@ -8,7 +8,7 @@ use crate::row::{
 };
 use fakir::problem::Quantity;
 use fakir::problem::pattern::PatternQuantity as Q;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
 /// Makes the enum of keys, the list of them, and their rows.
@@ -82,7 +82,7 @@ keys! {
     }
     Texture {
         Lattice = "texture.lattice" is
-            word("hexagonal, square, rectangular or oblique; listed where pillars is given", |p| &mut p.texture.arrangement)
+            word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.arrangement)
                 .optional();
         Pillars = "texture.pillars" is
             text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m", |p| &mut p.texture.pillars)
@@ -106,7 +106,7 @@ keys! {
                 .range(Range::AtLeast(Key::PillarDiameter)).with(Key::Lattice, &["rectangular", "oblique"]).of(Quantity::PitchY);
         LatticeAngle = "texture.lattice_angle" is
             angle("between the rows of an oblique lattice", |p| &mut p.texture.lattice_angle)
-                .range(Range::Between(Excluded(0.0), Excluded(PI))).with(Key::Lattice, &["oblique"]).of(Quantity::LatticeAngle);
+                .range(Range::Words("above 0 and below 180 deg")).with(Key::Lattice, &["oblique"]).of(Quantity::LatticeAngle);
         Offset = "texture.offset" is
             number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.texture.lattice.offset)
                 .symbol("dx/e").usual(0.0, 1.0)

@@ -39,11 +39,16 @@ fn refusal(key: Key, value: f64) -> Option<CaseError> {
     // The lens of the example needs no word for it.
     if let Some((choice, words)) = key.goes_with().filter(|_| key != Key::LensRadius) {
         file.set(&format!("{choice}={}", words[0])).unwrap();
+        if choice == Key::Lattice && !["hexagonal", "listed"].contains(&words[0]) {
+            file.set_number(Key::Pitch, 3e-5);
+            file.set_number(Key::PitchY, 3e-5);
+        }
         let siblings = Key::ALL.into_iter().filter(|other| {
             let goes_with = other.goes_with();
             goes_with.is_some_and(|(own, with)| own == choice && with.contains(&words[0]))
         });
-        for sibling in siblings.filter(|key| key.alternative().is_none()) {
+        let of_its_own = |key: &Key| key.alternative().is_none() && choice != Key::Lattice;
+        for sibling in siblings.filter(of_its_own) {
             match sibling.kind() {
                 Kind::Number(Dimension::Length) if sibling.table() == key.table() => {
                     file.set_number(sibling, 5e-7);
@@ -116,7 +121,7 @@ fn defaults_are_those_that_hold() {
             let others = Key::ALL.into_iter().filter(|other| {
                 // The keys of another method than the default one go with its name.
                 let choice = other.goes_with().map(|(choice, _)| choice);
-                *other != key && choice != Some(key)
+                *other != key && (choice != Some(key) || key == Key::Lattice)
             });
             let settings = others.filter_map(|other| Some((other, full.setting(other)?)));
             let case = CaseFile::from_settings("without it", settings).case();

@@ -53,7 +53,7 @@ pub fn press(
 /// # let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
 /// # let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
 /// # let lens = Lens { radius: 2.2e-3, material: rubber };
-/// # let system = System::new(lens, rubber, Texture { pillar, lattice })?;
+/// # let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
 /// let gradient = fakir::gradient(&system, Control::FloorContact, Method::default(), &Run::default())?;
 /// let force = gradient.force.ok_or("it is prescribed")?;
 /// let by_height = force.by(Quantity::PillarHeight).ok_or("it is not known")?; // N/m
