@@ -409,6 +409,10 @@ const BESIDE_DISC: f64 = 6.0;
 /// Points a thread takes at a time, at the least.
 const ROUGH: usize = 64;
 
+/// Part of an indentation by which the floor gives way under it from which on the indentation at which it is touched is not known roughly: what is
+/// left of it is too little.
+const DEEP: f64 = 0.8;
+
 /// Of many points, so many that roughly are the lowest are looked at closely.
 const PROMISING: usize = 100;
 
@@ -666,13 +670,19 @@ fn lowest_holes(
     rated.into_iter().map(|point| point.position).collect()
 }
 
-/// The points that roughly are the lowest, or all where it is as quick to look at them closely.
+/// The points that roughly are the lowest, or all where it is as quick to look at them closely or where a rough look would not do.
 fn promising<'p>(
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
     points: &'p [Point],
 ) -> Cow<'p, [Point]> {
-    let rough = loaded.rough_displacements(points);
+    // On a lattice there are few of them.
+    let rough = match floor.around {
+        Surroundings::Lattice(_) => None,
+        Surroundings::Sites { .. } => loaded.rough_displacements(points),
+    };
+    let deep = |[unit, _]: &[f64; 2]| *unit > DEEP;
+    let rough = rough.filter(|rough| !rough.iter().any(deep));
     rough.map_or(Cow::Borrowed(points), |rough| {
         Cow::Owned(lowest_roughly(floor, points, &rough))
     })
