@@ -419,7 +419,10 @@ pub enum DesignError {
 #[must_use]
 pub fn free_keys() -> Vec<Key> {
     let keys = Key::ALL.into_iter();
-    let is_made = |key: &Key| key.is_positive() && key.dimension() != Dimension::EnergyPerArea;
+    let is_made = |key: &Key| {
+        let dimension = key.dimension();
+        key.is_positive() && ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension)
+    };
     keys.filter(|key| is_made(key) && !key.is_of_surface())
         .collect()
 }
@@ -1054,6 +1057,16 @@ mod tests {
         file
     }
 
+    /// The same as a rectangular lattice, which has a second pitch.
+    fn rectangular(surface_fraction: f64) -> CaseFile {
+        let mut file = paper(surface_fraction);
+        let pitch = file.case().unwrap().system.pitch();
+        file.set("texture.lattice=rectangular").unwrap();
+        file.set_number(Key::Pitch, pitch);
+        file.set_number(Key::PitchY, 1.1 * pitch);
+        file
+    }
+
     /// Takes the critical force of a case, forgets one quantity, finds it again.
     #[test]
     fn every_free_quantity_is_found_again() {
@@ -1068,6 +1081,7 @@ mod tests {
             for free in free_keys() {
                 let file = match free {
                     Key::SurfaceFraction => paper(surface_fraction),
+                    Key::PitchY => rectangular(surface_fraction),
                     _ => by_pitch.clone(),
                 };
                 let case = file.case().unwrap();
@@ -1085,7 +1099,7 @@ mod tests {
                 };
                 // A lone pillar hardly knows the pitch.
                 let alone = critical.contact.pillars_in_contact == 1;
-                if alone && [Key::Pitch, Key::SurfaceFraction].contains(&free) {
+                if alone && [Key::Pitch, Key::PitchY, Key::SurfaceFraction].contains(&free) {
                     assert!(sensitivity.abs() < 0.1);
                 } else {
                     let error = (found.value / truth - 1.0).abs();
@@ -1376,11 +1390,16 @@ mod tests {
                 "substrate.young_modulus",
                 "texture.surface_fraction",
                 "texture.pitch",
+                "texture.pitch_y",
                 "texture.pillar.diameter",
                 "texture.pillar.height"
             ]
         );
         for free in free_keys() {
+            let (file, case) = match free {
+                Key::PitchY => (rectangular(0.1), rectangular(0.1).case().unwrap()),
+                _ => (file.clone(), case.clone()),
+            };
             let first = case.number(free).unwrap();
             let [least, greatest] = range(free, first, &case);
             assert!(least < first && first < greatest, "{free}");
