@@ -264,11 +264,16 @@ impl TextureParts {
 
     /// Whether the lattice is endless, not turned, and of equal pillars.
     pub(crate) fn is_plain(&self) -> bool {
-        let plain = PlaneLattice::new(LatticeForm::Hexagonal { pitch: 1.0 });
-        let same = |lattice: PlaneLattice| {
-            lattice.rotation == plain.rotation && lattice.disorder == plain.disorder
-        };
-        self.plane_lattice(1.0).is_none_or(same)
+        let own = self.plane_lattice(1.0);
+        own.is_none_or(|own| {
+            let plain = PlaneLattice {
+                offset: own.offset,
+                offset_angle: own.offset_angle,
+                columns: own.columns,
+                ..PlaneLattice::new(own.form)
+            };
+            own == plain
+        })
     }
 
     /// The lattice that they describe, of the given pitch; none of listed pillars.

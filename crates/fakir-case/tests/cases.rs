@@ -39,8 +39,20 @@ fn check_paper(name: &str, substrate_modulus: f64) -> System {
     assert_eq!(system.pillar().diameter, 6e-6);
     assert_eq!(system.pillar().height, 2.2e-6);
     assert_eq!(system.pillar().compliance, PillarCompliance::Column);
-    assert_eq!(system.hexagonal_lattice().unwrap().offset, 0.0);
-    assert_eq!(system.hexagonal_lattice().unwrap().offset_angle, 0.0);
+    assert_eq!(
+        system
+            .hexagonal_lattice()
+            .expect("a hexagonal lattice")
+            .offset,
+        0.0
+    );
+    assert_eq!(
+        system
+            .hexagonal_lattice()
+            .expect("a hexagonal lattice")
+            .offset_angle,
+        0.0
+    );
     assert!((system.texture().surface_fraction() - 0.1).abs() < 1e-15);
     system
 }
@@ -112,7 +124,10 @@ fn what_may_be_left_out() {
     );
     assert_eq!(case.method, Method::default());
     assert_eq!(
-        *case.system.hexagonal_lattice().unwrap(),
+        *case
+            .system
+            .hexagonal_lattice()
+            .expect("a hexagonal lattice"),
         HexagonalLattice::new(20e-6)
     );
     assert_eq!(case.system.lens().material.young_modulus, 2e6);
@@ -155,7 +170,10 @@ fn overrides_take_bare_quantities() {
     let system = case.unwrap().system;
     assert_eq!(system.lens().radius, 3e-3);
     assert_eq!(
-        system.hexagonal_lattice().unwrap().offset_angle,
+        system
+            .hexagonal_lattice()
+            .expect("a hexagonal lattice")
+            .offset_angle,
         30f64.to_radians()
     );
     assert_eq!(system.substrate().young_modulus, 1e9);

@@ -85,7 +85,7 @@ fn ranges_begin_and_end_where_they_say() {
         texture(&study, index)
             .system
             .hexagonal_lattice()
-            .unwrap()
+            .expect("a hexagonal lattice")
             .offset
     };
     assert_eq!((offset(0), offset(3)), (0.1, 0.7));

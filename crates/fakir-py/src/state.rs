@@ -231,7 +231,7 @@ pub(crate) fn gradient(
     options: Options,
 ) -> PyResult<(State, String)> {
     let control = control(indentation, force)?;
-    let (system, method) = (case.case.system, case.case.method);
+    let (system, method) = (case.case.system.clone(), case.case.method);
     let start = Instant::now();
     let found = watched(py, &options, |run| {
         fakir::gradient(&system, control, method, run)

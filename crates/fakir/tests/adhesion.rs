@@ -166,7 +166,7 @@ fn no_adhesion_is_the_contact_as_it_was() {
         Control::FloorContact,
     ] {
         let [a, b] = [&plain, &none]
-            .map(|system| fakir::press(&system, control, Method::default(), &run).unwrap());
+            .map(|system| fakir::press(system, control, Method::default(), &run).unwrap());
         assert_eq!(a.force.to_bits(), b.force.to_bits());
         assert_eq!(a.indentation.to_bits(), b.indentation.to_bits());
     }

@@ -134,22 +134,25 @@ fn indented() -> impl Strategy<Value = (System, f64)> {
 fn nearest_edge(system: &System) -> f64 {
     let (i, j) = system
         .hexagonal_lattice()
-        .unwrap()
+        .expect("a hexagonal lattice")
         .nearest_pillar([0.0, 0.0]);
-    let [x, y] = system.hexagonal_lattice().unwrap().centre(i, j);
+    let [x, y] = system
+        .hexagonal_lattice()
+        .expect("a hexagonal lattice")
+        .centre(i, j);
     (x.hypot(y) - 0.5 * DIAMETER).max(0.0)
 }
 
 /// The system seen in a mirror that leaves the x axis in place.
 fn mirrored(system: &System) -> System {
-    let lattice = *system.hexagonal_lattice().unwrap();
+    let lattice = *system.hexagonal_lattice().expect("a hexagonal lattice");
     turned_to(system, -lattice.offset_angle)
 }
 
 fn turned_to(system: &System, offset_angle: f64) -> System {
     let lattice = HexagonalLattice {
         offset_angle,
-        ..*system.hexagonal_lattice().unwrap()
+        ..*system.hexagonal_lattice().expect("a hexagonal lattice")
     };
     system.with_arrangement(lattice).expect("a valid system")
 }
@@ -496,7 +499,11 @@ fn critical_states_just_reach_the_floor() {
         prop_assert!(mirror.is_some_and(|mirror| is_reflection(state, &mirror.contact)));
         // The nodes do not turn with the lattice: turned by 60 degrees, the answers differ by
         // their errors. What the method claims where the edge crosses pillar tops is 1e-5.
-        let angle = system.hexagonal_lattice().unwrap().offset_angle + PI / 3.0;
+        let angle = system
+            .hexagonal_lattice()
+            .expect("a hexagonal lattice")
+            .offset_angle
+            + PI / 3.0;
         if let Some(turned) = transition(&turned_to(&system, angle))? {
             let claimed = if state.pillars_partially_in_contact > 0 {
                 1e-5

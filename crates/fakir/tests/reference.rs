@@ -98,7 +98,10 @@ impl Row {
         format!(
             "phi = {}, offset {}, E_s = {:e} Pa, {:?}",
             self.system.texture().surface_fraction(),
-            self.system.hexagonal_lattice().unwrap().offset,
+            self.system
+                .hexagonal_lattice()
+                .expect("a hexagonal lattice")
+                .offset,
             self.system.substrate().young_modulus,
             self.system.pillar().compliance
         )

@@ -358,7 +358,7 @@ fn lengths_and_moduli_scale() {
                 },
                 arrangement: Arrangement::from(HexagonalLattice {
                     pitch: base.pitch() * length,
-                    ..*base.hexagonal_lattice().unwrap()
+                    ..*base.hexagonal_lattice().expect("a hexagonal lattice")
                 }),
             },
         )
@@ -421,9 +421,14 @@ fn force_rises_with_indentation() {
 fn nearest_edge(system: &System) -> f64 {
     let (i, j) = system
         .hexagonal_lattice()
-        .unwrap()
+        .expect("a hexagonal lattice")
         .nearest_pillar([0.0, 0.0]);
-    let to_centre = distance(system.hexagonal_lattice().unwrap().centre(i, j));
+    let to_centre = distance(
+        system
+            .hexagonal_lattice()
+            .expect("a hexagonal lattice")
+            .centre(i, j),
+    );
     (to_centre - 0.5 * system.pillar().diameter).max(0.0)
 }
 
@@ -536,8 +541,14 @@ fn offset_by_a_lattice_vector_changes_nothing() {
         let system = intermediate(phi, offset, degrees);
         let base = transition(&system, Method::default());
         for (i, j) in [(1, 0), (-1, 0), (3, -2)] {
-            let [x, y] = system.hexagonal_lattice().unwrap().lattice_vector(i, j);
-            let [offset_x, offset_y] = system.hexagonal_lattice().unwrap().offset_vector();
+            let [x, y] = system
+                .hexagonal_lattice()
+                .expect("a hexagonal lattice")
+                .lattice_vector(i, j);
+            let [offset_x, offset_y] = system
+                .hexagonal_lattice()
+                .expect("a hexagonal lattice")
+                .offset_vector();
             let [x, y] = [x + offset_x, y + offset_y];
             let offset = x.hypot(y) / system.pitch();
             let shifted = intermediate(phi, offset, y.atan2(x).to_degrees());
@@ -787,9 +798,12 @@ fn a_touch_too_light_for_the_nodes_is_resolved() {
     );
     let (i, j) = system
         .hexagonal_lattice()
-        .unwrap()
+        .expect("a hexagonal lattice")
         .nearest_pillar([0.0, 0.0]);
-    let [x, y] = system.hexagonal_lattice().unwrap().centre(i, j);
+    let [x, y] = system
+        .hexagonal_lattice()
+        .expect("a hexagonal lattice")
+        .centre(i, j);
     let edge = x.hypot(y) - 0.5 * system.pillar().diameter;
     let first_touch = system.lens().sag(edge);
     for above in [1e-6, 1e-5, 1e-4, 1e-3] {

@@ -228,7 +228,7 @@ impl StudyFile {
                 StudiedCase::Texture(case) => {
                     sticks |= !case.system.adhesion().is_none();
                     if examples.iter().all(|example| example.method != case.method) {
-                        examples.push(case);
+                        examples.push(*case);
                     }
                 }
                 StudiedCase::Surface(file) => {

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone)]
 pub enum StudiedCase {
     /// A texture.
-    Texture(Case),
+    Texture(Box<Case>),
     /// A general surface, as the case file that describes it: it is drawn when it is solved, on a grid
     /// that is wide enough.
     Surface(Box<CaseFile>),
@@ -33,7 +33,7 @@ impl StudiedCase {
         if asked == Asked::Cycle && case.system.adhesion().is_none() {
             return Err(file.without_adhesion());
         }
-        Ok(Self::Texture(case))
+        Ok(Self::Texture(Box::new(case)))
     }
 
     /// The case with a texture, if it is one.

@@ -199,7 +199,10 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
             accurate.error.force.max(accurate.error.indentation),
         ]);
     }
-    let angle = system.hexagonal_lattice().unwrap().offset_angle;
+    let angle = system
+        .hexagonal_lattice()
+        .expect("a hexagonal lattice")
+        .offset_angle;
     for (copy, checks) in [
         (
             angle + FRAC_PI_3,
@@ -287,7 +290,7 @@ fn units(drawn: &Drawn, control: Control, state: &ContactState, findings: &mut F
             },
             arrangement: Arrangement::from(HexagonalLattice {
                 pitch: system.pitch() * LENGTH,
-                ..*system.hexagonal_lattice().unwrap()
+                ..*system.hexagonal_lattice().expect("a hexagonal lattice")
             }),
         },
     )
@@ -345,7 +348,7 @@ fn elements(system: &System, control: Control, findings: &mut Findings) {
 fn turned_to(system: &System, offset_angle: f64) -> System {
     let lattice = HexagonalLattice {
         offset_angle,
-        ..*system.hexagonal_lattice().unwrap()
+        ..*system.hexagonal_lattice().expect("a hexagonal lattice")
     };
     system
         .with_arrangement(lattice)

@@ -60,7 +60,7 @@ impl Drawn {
         let (lens, pillar, lattice) = (
             system.lens(),
             system.pillar(),
-            system.hexagonal_lattice().unwrap(),
+            system.hexagonal_lattice().expect("a hexagonal lattice"),
         );
         let compliance = match pillar.compliance {
             PillarCompliance::Column => "column",
@@ -198,9 +198,12 @@ impl Random {
 pub(crate) fn nearest_edge(system: &System) -> f64 {
     let (i, j) = system
         .hexagonal_lattice()
-        .unwrap()
+        .expect("a hexagonal lattice")
         .nearest_pillar([0.0, 0.0]);
-    let [x, y]: Point = system.hexagonal_lattice().unwrap().centre(i, j);
+    let [x, y]: Point = system
+        .hexagonal_lattice()
+        .expect("a hexagonal lattice")
+        .centre(i, j);
     (x.hypot(y) - 0.5 * system.pillar().diameter).max(0.0)
 }
 
@@ -219,7 +222,7 @@ fn expected_floor(system: &System, asked: Asked) -> f64 {
 /// Pillars under a contact of the radius that the undeformed lens has at the indentation, or, at the
 /// transition, of the paper's `e sqrt(1 + (R h/e^2)^2)`; none where the contact outgrows the lens.
 fn expected_pillars(system: &System, asked: Asked) -> f64 {
-    let lattice = system.hexagonal_lattice().unwrap();
+    let lattice = system.hexagonal_lattice().expect("a hexagonal lattice");
     let (lens, pitch) = (system.lens().radius, lattice.pitch);
     let contact = match asked {
         Asked::Transition => pitch.hypot(lens * system.pillar().height / pitch),
