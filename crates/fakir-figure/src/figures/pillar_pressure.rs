@@ -113,7 +113,7 @@ struct Shown<'a> {
 impl Shown<'_> {
     /// Largest pressure shown, Pa.
     fn cut(&self, pillar: &PillarState) -> f64 {
-        CUT * pillar.force / (0.25 * PI * pillar.diameter.powi(2))
+        CUT * pillar.force / pillar.top_area()
     }
 
     fn bar(&self, pillar: &PillarState) -> ColourBar {

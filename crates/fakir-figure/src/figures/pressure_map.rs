@@ -19,7 +19,6 @@ use crate::unit::Unit;
 use fakir::problem::Point;
 use fakir::state::{ContactState, PillarState, PillarStatus};
 use std::collections::HashSet;
-use std::f64::consts::PI;
 
 const SIDE: f64 = 208.0;
 /// Fewer pillars than one with its neighbours have no distribution.
@@ -51,8 +50,8 @@ pub fn pressure_map(
             method: state.method.name(),
         });
     }
-    let top_area = 0.25 * PI * state.system.pillar().diameter.powi(2);
-    let largest = largest(state.pillars.iter().map(|pillar| pillar.force / top_area));
+    let mean = |pillar: &PillarState| pillar.force / pillar.top_area();
+    let largest = largest(state.pillars.iter().map(mean));
     let unit = Unit::of_pressure(largest);
     let bar = ColourBar::over(
         ColourMap::Viridis,
@@ -63,7 +62,7 @@ pub fn pressure_map(
     let mut items = Vec::new();
     let top = MARGIN + 2.0;
     let window = map_window(state, floor_contact, [MARGIN + 1.0, top]);
-    let colour = |pillar: &PillarState| bar.colour(unit.of(pillar.force / top_area));
+    let colour = |pillar: &PillarState| bar.colour(unit.of(mean(pillar)));
     draw_map(&window, state, floor_contact, colour, &mut items);
     let bar_left = window.frame.bounds.right + 6.0;
     bar.draw([bar_left, top], SIDE, &mut items);
@@ -205,10 +204,10 @@ fn profile_series(state: &ContactState, unit: Unit) -> Vec<Series> {
             .map(|p| [ratio(p), unit.of(p.centre_pressure)])
             .collect()
     };
-    let weights: f64 = state.pillars.iter().map(|p| weight(ratio(p))).sum();
-    let top_area = 0.25 * PI * state.system.pillar().diameter.powi(2);
+    let weighted = |pillar: &PillarState| weight(ratio(pillar)) * pillar.top_area();
+    let weighted_area: f64 = state.pillars.iter().map(weighted).sum();
     let on_pillars = state.force - state.floor.as_ref().map_or(0.0, |floor| floor.force);
-    let largest = 0.5 * on_pillars / (weights * top_area);
+    let largest = 0.5 * on_pillars / weighted_area;
     let curve = (0..=200)
         .map(|k| {
             let ratio = f64::from(k) / 200.0;

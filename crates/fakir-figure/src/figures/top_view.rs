@@ -120,7 +120,7 @@ fn contact(state: &ContactState, window: &Window) -> Result<Vec<Item>, FigureErr
 /// The touched parts of partially touched pillars.
 fn partial_contacts(state: &ContactState, window: &Window) -> Result<Option<Item>, FigureError> {
     let fields = state.fields.as_deref().ok_or_else(|| no_fields(state))?;
-    let around = PI * window.length(state.system.pillar().diameter);
+    let around = PI * window.length(state.system.largest_diameter());
     let sides = ((around / SIDE_LENGTH).ceil() as usize).clamp(24, MOST_SIDES);
     let partial = |pillar: &&PillarState| pillar.status == PillarStatus::Partial;
     let mut path = Path::default();

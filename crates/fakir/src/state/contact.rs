@@ -4,6 +4,7 @@ use super::fields::Fields;
 use super::floor_contact::FloorContact;
 use super::limit::{DOUBTFUL_CONTACT, Limit, limits};
 use crate::problem::{Method, Point, System};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// How much of a pillar top the lens touches.
@@ -52,6 +53,14 @@ pub struct PillarState {
     /// edge itself wherever the coefficient is positive.
     /// `None` for methods that do not resolve it.
     pub edge_coefficient: Option<[f64; 2]>,
+}
+
+impl PillarState {
+    /// Area of its top, m^2.
+    #[must_use]
+    pub fn top_area(&self) -> f64 {
+        0.25 * PI * self.diameter * self.diameter
+    }
 }
 
 /// Estimated relative errors of a result, from refinement of what was computed.
