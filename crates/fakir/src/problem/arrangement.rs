@@ -3,7 +3,6 @@
 use super::lattice::{HALF_SQRT_3, HexagonalLattice};
 use super::point::{Point, turned};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
-use super::system::Pillar;
 use crate::numerics::neighbours::Neighbours;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -135,14 +134,14 @@ impl Arrangement {
         }
     }
 
-    pub(super) fn check(&self, pillar: &Pillar, lens_radius: f64) -> Result<(), InvalidQuantity> {
+    pub(super) fn check(&self, diameter: f64, lens_radius: f64) -> Result<(), InvalidQuantity> {
         match self {
             Self::Hexagonal(lattice) => {
-                check_pitch(Quantity::Pitch, lattice.pitch, pillar.diameter)?;
+                check_pitch(Quantity::Pitch, lattice.pitch, diameter)?;
                 Requirement::Pitches.check(Quantity::Offset, lattice.offset)?;
                 Requirement::Finite.check(Quantity::OffsetAngle, lattice.offset_angle)?;
             }
-            Self::Lattice(lattice) => lattice.check(pillar)?,
+            Self::Lattice(lattice) => lattice.check(diameter)?,
             Self::Listed(list) => {
                 let highest = list.pillars.iter().map(|p| p.height).fold(0.0, f64::max);
                 Requirement::BelowLensRadius(lens_radius).check(Quantity::PillarHeight, highest)?;
@@ -243,6 +242,23 @@ impl LatticeForm {
     pub fn cell_area(&self) -> f64 {
         let [[a, b], [c, d]] = self.vectors();
         (a * d - b * c).abs()
+    }
+}
+
+/// Lattice vectors whose shorter diagonals are not shorter than themselves (Gauss), so that near pillars have small indices.
+pub(super) fn reduced([mut a, mut b]: [Point; 2]) -> [Point; 2] {
+    let dot = |a: Point, b: Point| a[0] * b[0] + a[1] * b[1];
+    loop {
+        if dot(a, a) > dot(b, b) {
+            (a, b) = (b, a);
+        }
+        let steps = (dot(a, b) / dot(a, a)).round();
+        let next = [b[0] - steps * a[0], b[1] - steps * a[1]];
+        // The strict decrease ends the loop whatever the rounding.
+        if steps == 0.0 || dot(next, next) >= dot(b, b) {
+            return [a, b];
+        }
+        b = next;
     }
 }
 
@@ -387,27 +403,27 @@ impl PlaneLattice {
         turned(point, self.rotation)
     }
 
-    fn check(&self, pillar: &Pillar) -> Result<(), InvalidQuantity> {
+    fn check(&self, diameter: f64) -> Result<(), InvalidQuantity> {
         use Quantity as Q;
         use Requirement as R;
-        check_pitch(Q::Pitch, self.form.pitch(), pillar.diameter)?;
+        check_pitch(Q::Pitch, self.form.pitch(), diameter)?;
         match self.form {
             LatticeForm::Hexagonal { .. } | LatticeForm::Square { .. } => {}
             LatticeForm::Rectangular { pitch_y, .. } => {
-                check_pitch(Q::PitchY, pitch_y, pillar.diameter)?;
+                check_pitch(Q::PitchY, pitch_y, diameter)?;
             }
             LatticeForm::Oblique { pitch_y, angle, .. } => {
-                check_pitch(Q::PitchY, pitch_y, pillar.diameter)?;
+                check_pitch(Q::PitchY, pitch_y, diameter)?;
                 R::BetweenRows.check(Q::LatticeAngle, angle)?;
-                let [shortest, _] = super::pillar_field::reduced(self.form.vectors());
+                let [shortest, _] = reduced(self.form.vectors());
                 let nearest = shortest[0].hypot(shortest[1]);
-                if nearest < pillar.diameter * (1.0 - 1e-12) {
+                if nearest < diameter * (1.0 - 1e-12) {
                     return Err(InvalidQuantity {
                         quantity: Q::LatticeAngle,
                         value: angle,
                         requirement: R::NoOverlap {
                             distance: nearest,
-                            diameter: pillar.diameter,
+                            diameter,
                         },
                     });
                 }

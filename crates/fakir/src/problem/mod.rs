@@ -31,6 +31,7 @@ pub(crate) mod quantity;
 pub(crate) mod scaled;
 pub(crate) mod surface;
 pub(crate) mod system;
+pub(crate) mod tops;
 
 pub use adhesion::Adhesion;
 pub use arrangement::{
@@ -47,4 +48,5 @@ pub use method::{Accuracy, ElementMesh, MeshLayout, Method, PunchForm};
 pub use point::Point;
 pub use quantity::{InvalidQuantity, Quantity, Requirement};
 pub use surface::{Boundary, Floor, Indenter, SurfaceSystem};
-pub use system::{FloorModel, Lens, Material, Pillar, PillarCompliance, System, Texture, Tops};
+pub use system::{FloorModel, Lens, Material, Pillar, PillarCompliance, System, Texture};
+pub use tops::Tops;

@@ -1,6 +1,6 @@
 //! Where pillars stand and how they are made: a hexagonal lattice of equal ones, any other lattice, or a list. In the units of the solvers.
 
-use super::arrangement::{self, Arrangement, Disorder};
+use super::arrangement::{self, Arrangement, Disorder, reduced};
 use super::lattice::HexagonalLattice;
 use super::point::{Point, turned};
 use super::system::System;
@@ -40,23 +40,6 @@ pub(crate) struct ListedPillar {
 
 /// What a pillar is known by, and the pillar.
 pub(crate) type IndexedPillar = ((i64, i64), ListedPillar);
-
-/// Lattice vectors whose shorter diagonals are not shorter than themselves (Gauss), so that near pillars have small indices.
-pub(crate) fn reduced([mut a, mut b]: [Point; 2]) -> [Point; 2] {
-    let dot = |a: Point, b: Point| a[0] * b[0] + a[1] * b[1];
-    loop {
-        if dot(a, a) > dot(b, b) {
-            (a, b) = (b, a);
-        }
-        let steps = (dot(a, b) / dot(a, a)).round();
-        let next = [b[0] - steps * a[0], b[1] - steps * a[1]];
-        // The strict decrease ends the loop whatever the rounding.
-        if steps == 0.0 || dot(next, next) >= dot(b, b) {
-            return [a, b];
-        }
-        b = next;
-    }
-}
 
 /// Pillars on any plane lattice, all alike but for their scatter.
 #[derive(Debug, Clone)]

@@ -1,11 +1,10 @@
 //! A lens on cylindrical pillars.
 
 use super::adhesion::Adhesion;
-use super::arrangement::{Arrangement, PlacedPillar};
+use super::arrangement::Arrangement;
 use super::lattice::HexagonalLattice;
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
-use super::scaled::Scene;
 use crate::numerics::convergence::smaller;
 use std::f64::consts::PI;
 
@@ -148,19 +147,6 @@ pub struct System {
     adhesion: Adhesion,
 }
 
-/// The pillar tops of a [`System`].
-#[derive(Debug, Clone)]
-pub struct Tops(Scene);
-
-impl Tops {
-    /// Whether a point (m from the lens axis) is on a pillar top.
-    #[must_use]
-    pub fn holds(&self, point: Point) -> bool {
-        let Scene { field, length, .. } = &self.0;
-        field.under(point.map(|x| x / length)).is_some()
-    }
-}
-
 /// What becomes of the floor between the pillars where the lens comes down to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FloorModel {
@@ -189,7 +175,7 @@ impl System {
         R::PoissonRatio.check(Q::SubstratePoissonRatio, substrate.poisson_ratio)?;
         R::Positive.check(Q::PillarDiameter, pillar.diameter)?;
         R::BelowLensRadius(lens.radius).check(Q::PillarHeight, pillar.height)?;
-        texture.arrangement.check(&pillar, lens.radius)?;
+        texture.arrangement.check(pillar.diameter, lens.radius)?;
         Ok(Self {
             lens,
             substrate,
@@ -285,43 +271,6 @@ impl System {
         self.arrangement().pitch()
     }
 
-    /// The pillars with centres within a distance (m) of the lens axis, by rising index.
-    #[must_use]
-    pub fn pillars_within(&self, distance: f64) -> Vec<PlacedPillar> {
-        let common = self.pillar();
-        if let Some(lattice) = self.hexagonal_lattice() {
-            let (near_i, near_j) = lattice.nearest_pillar([0.0, 0.0]);
-            // Lattice points within a distance r have indices within 2 r/(sqrt3 e).
-            let reach = (1.2 * distance / lattice.pitch).ceil() as i64 + 1;
-            let indices = (-reach..=reach)
-                .flat_map(|i| (-reach..=reach).map(move |j| (near_i + i, near_j + j)));
-            let placed = indices.map(|(i, j)| PlacedPillar {
-                index: (i, j),
-                centre: lattice.centre(i, j),
-                height: common.height,
-                diameter: common.diameter,
-            });
-            return placed
-                .filter(|pillar| pillar.centre[0].hypot(pillar.centre[1]) <= distance)
-                .collect();
-        }
-        let scene = Scene::new(self);
-        let (pillars, _) = scene.field.listed_within(distance / scene.length);
-        let placed = pillars.into_iter().map(|(index, pillar)| PlacedPillar {
-            index,
-            centre: scene.metres(pillar.centre),
-            height: common.height + pillar.body.raised * scene.length,
-            diameter: pillar.body.radius * common.diameter,
-        });
-        placed.collect()
-    }
-
-    /// The pillar tops, to ask which points they hold.
-    #[must_use]
-    pub fn tops(&self) -> Tops {
-        Tops(Scene::new(self).as_asked())
-    }
-
     /// Diameter of the widest pillar, m.
     #[must_use]
     pub fn largest_diameter(&self) -> f64 {
@@ -403,20 +352,6 @@ impl System {
         let radius = 0.5 * self.pillar().diameter;
         let work = self.adhesion.receding();
         (8.0 * work * radius / (PI * self.reduced_modulus())).sqrt() / range
-    }
-
-    /// Indentation at which the lens touches the first pillar: its height above its lowest point over the nearest pillar edge less by what that
-    /// pillar is higher than the common height, m. Zero with the lens axis on a pillar of that height, infinite if no pillar is under the lens.
-    #[must_use]
-    pub fn first_touch(&self) -> f64 {
-        let scene = Scene::new(self);
-        scene.first_touch() * scene.length
-    }
-
-    /// Whether the lens reaches the floor before any pillar.
-    #[must_use]
-    pub fn touches_floor_first(&self) -> bool {
-        Scene::new(self).touches_floor_first()
     }
 
     /// The same system with its pillars elsewhere.
