@@ -295,7 +295,7 @@ class ContactState:
         with np.errstate(invalid="ignore"):
             below = np.sqrt((radius - distance) * (radius + distance))
             sag = np.where(distance <= radius, distance * distance / (radius + below), np.inf)
-        height = np.where(self._state.on_pillar(x, y), 0.0, system.texture.height)
+        height = np.where(self._state.on_pillar(x, y), 0.0, system._pillar[1])
         zero = np.zeros_like(x)
         return [zero, sag + height - self.indentation, zero]
 

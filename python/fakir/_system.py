@@ -421,7 +421,7 @@ class System:
             raise TypeError(
                 f"floor_contact is of type {type(floor_contact).__name__}: give True or False"
             )
-        kinds = [
+        kinds: list[tuple[object, type | tuple[type, ...], str]] = [
             (lens, Lens, "Lens"),
             (substrate, Substrate, "Substrate"),
             (texture, (_LatticeTexture, Pillars), "HexagonalTexture"),
@@ -561,6 +561,12 @@ class System:
                     **options,
                 )
         return HexagonalTexture(diameter, height, pitch=pitch, **options)
+
+    @property
+    def _pillar(self) -> tuple[float, float]:
+        """Diameter and height of the common pillar, m."""
+        values = self._case.values()
+        return values["texture.pillar.diameter"], values["texture.pillar.height"]
 
     @property
     def pitch(self) -> float:
@@ -830,8 +836,12 @@ class System:
             (
                 "lattice",
                 f"pitch {length('texture.pitch')}, "
-                f"surface fraction {values['texture.surface_fraction']:.6g}, "
-                f"lens axis {values['texture.offset']:g} pitches from a pillar",
+                f"surface fraction {values['texture.surface_fraction']:.6g}"
+                + (
+                    f", lens axis {values['texture.offset']:g} pitches from a pillar"
+                    if "texture.offset" in values
+                    else f", {values['texture.lattice']}"
+                ),
             ),
         ]
         if not self.floor_contact:
@@ -850,8 +860,9 @@ class System:
         return html_table("System", self._rows())
 
     def __eq__(self, other: object) -> bool:
-        same = isinstance(other, System) and self.to_toml() == other.to_toml()
-        return same and self._case.listed() == other._case.listed()
+        if not isinstance(other, System) or self.to_toml() != other.to_toml():
+            return False
+        return self._case.listed() == other._case.listed()
 
     def __hash__(self) -> int:
         return hash(self.to_toml())

@@ -17,7 +17,7 @@ from ._fit import Fit
 from ._loading import Approach
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep
-from ._system import Lens, System
+from ._system import Lens, Pillars, System
 from .love import SurfaceApproach, SurfaceContact, SurfaceTransition
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def profiles(
 
 def _profile(axis: Axes, state: ContactState) -> None:
     system = state.system
-    lens, substrate, texture = system.lens, system.substrate, system.texture
+    lens, substrate = system.lens, system.substrate
     reach = max(1.3 * state.contact_radius, 1.6 * system.pitch)
     x = np.linspace(-reach, reach, 1201)
     top = state.on_pillar(x, 0.0)
@@ -109,9 +109,10 @@ def _profile(axis: Axes, state: ContactState) -> None:
     of_substrate = (1.0 - substrate.poisson_ratio**2) / substrate.young_modulus
     share = of_lens / (of_lens + of_substrate)
     sag = x**2 / (lens.radius + np.sqrt(lens.radius**2 - x**2))
-    under = texture.height + sag - state.indentation + share * displacement
+    _, height = system._pillar
+    under = height + sag - state.indentation + share * displacement
     ground = under - gap
-    floor = min(float(ground.min()), 0.0) - 0.25 * texture.height
+    floor = min(float(ground.min()), 0.0) - 0.25 * height
     _bodies(axis, x, under, ground, top, floor)
     axis.set_xlim(-MICRO * reach, MICRO * reach)
 
@@ -388,20 +389,27 @@ def pressure_map(state: State | OnCells, ax: Axes | None = None) -> Axes:
     pillars = contact.pillars
     if len(pillars) == 0:
         raise ValueError(f'there are no pillars to show (method "{contact.method}")')
-    radius = 0.5 * contact.system.texture.diameter
-    circles = [Circle((MICRO * x, MICRO * y), MICRO * radius) for x, y in _centres(pillars)]
+    texture = contact.system.texture
+    if isinstance(texture, Pillars):
+        radii = 0.5 * texture.diameter[pillars["i"]]
+    else:
+        radii = np.full(len(pillars), 0.5 * texture.diameter)
+    circles = [
+        Circle((MICRO * x, MICRO * y), MICRO * radius)
+        for (x, y), radius in zip(_centres(pillars), radii, strict=True)
+    ]
     partial = pillars["status"] == "partial"
     collection = PatchCollection(
         circles, cmap="viridis", edgecolors=np.where(partial, "#c0392b", "none").tolist(), lw=0.8
     )
-    collection.set_array(pillars["force_N"] / (np.pi * radius**2) / 1e3)
+    collection.set_array(pillars["force_N"] / (np.pi * radii**2) / 1e3)
     axis.add_collection(collection)
     edge = Circle((0, 0), MICRO * contact.contact_radius, fill=False, ls="--", lw=0.8, color="grey")
     axis.add_patch(edge)
     if isinstance(state, CriticalState):
         x, y = state.floor_contact
         axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b")
-    _square(axis, 1.08 * contact.contact_radius + radius)
+    _square(axis, 1.08 * contact.contact_radius + float(radii.max()))
     axis.figure.colorbar(collection, ax=axis, label="mean pressure on pillar top (kPa)")
     return axis
 
@@ -417,7 +425,7 @@ def pillar_pressure(state: State, ax: Axes | None = None, points: int = 401) -> 
     pillars = contact.pillars
     if len(pillars) == 0:
         raise ValueError(f'there are no pillars to show (method "{contact.method}")')
-    radius = 0.5 * contact.system.texture.diameter
+    radius = 0.5 * contact.system._pillar[0]
     distance = np.hypot(pillars["x_m"], pillars["y_m"])
     partial = pillars["status"] == "partial"
     rim = int(np.argmax(np.where(partial, distance, -1.0) if partial.any() else distance))
@@ -454,8 +462,8 @@ def phase_diagram(
     ``top_contact_radius``, where loading paths end.
     """
     axis = _axis(ax)
-    texture = system.texture
-    unit = texture.height * texture.diameter / theory.constants(system).internal_compliance
+    diameter, height = system._pillar
+    unit = height * diameter / theory.constants(system).internal_compliance
     loadings = [[state for state in path if state.force > 0.0] for path in paths]
     points = [state for state in critical if state.force > 0.0]
     reached = [state.contact_radius / state.system.pitch for path in loadings for state in path]

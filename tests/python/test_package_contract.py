@@ -229,7 +229,11 @@ CASES = [path for path in sorted(EXAMPLES.glob("**/*.toml")) if "[axes]" not in 
 def test_every_example_of_a_case_is_read(path):
     text = path.read_text()
     kind = fakir.love.Surface if "[surface]" in text else fakir.System
-    for system in [fakir.System.from_file(path), fakir.System.from_toml(text)]:
+    systems = [fakir.System.from_file(path)]
+    # A text has no folder in which a table of pillars could be.
+    if "pillars = " not in text:
+        systems.append(fakir.System.from_toml(text))
+    for system in systems:
         assert type(system) is kind
         again = fakir.System.from_toml(system.to_toml())
         assert again.to_toml() == system.to_toml()

@@ -24,14 +24,14 @@ def test_gradients_are_those_of_the_program():
 
 def test_gradients_are_differences():
     system = fakir.System.from_file(CASE, set=SPARSE)
-    found = system.gradient(indentation="3 um")
+    found = system.gradient(indentation="1 um")
     assert found.indentation is None
     assert found.force is not None
     half = 1e-4 * system.texture.height
 
     def force(height):
         changed = system.replace({"texture.pillar.height": height})
-        return changed.press(indentation="3 um").force
+        return changed.press(indentation="1 um").force
 
     height = system.texture.height
     expected = (force(height + half) - force(height - half)) / (2 * half)

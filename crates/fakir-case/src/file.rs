@@ -267,7 +267,8 @@ impl CaseFile {
                 "a table next to the case file, of columns x_m, y_m, height_m and diameter_m",
             )
         })?;
-        let path = Some(path);
+        // As it is found from everywhere.
+        let path = Some(std::path::absolute(&path).unwrap_or(path));
         Ok((list.seen_from(axis), PillarsOrigin { path, axis }))
     }
 
