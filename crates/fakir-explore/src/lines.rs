@@ -1,6 +1,7 @@
 //! The case of the page as a command and as lines of Python, which a user can copy.
 
 use crate::answers::Solved;
+use crate::request::is_on_page;
 use fakir::problem::FloorModel;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, Key};
@@ -117,16 +118,13 @@ fn python(case: &Case, question: Question) -> String {
 /// has the same names, but for the name of the method.
 fn arguments(case: &Case, table: &str) -> String {
     let keys = Key::ALL.into_iter().filter(|key| key.table() == table);
-    let arguments = keys
-        // Where there is only one word, Python has no argument.
-        .filter(|key| key.words().len() != 1)
-        .filter_map(|key| {
-            let name = match key {
-                Key::MethodName => table,
-                _ => key.name(),
-            };
-            Some(format!("{name}={}", case.value(key)?))
-        });
+    let arguments = keys.filter(|key| is_on_page(*key)).filter_map(|key| {
+        let name = match key {
+            Key::MethodName => table,
+            _ => key.name(),
+        };
+        Some(format!("{name}={}", case.value(key)?))
+    });
     arguments.collect::<Vec<_>>().join(", ")
 }
 

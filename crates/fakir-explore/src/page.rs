@@ -1,7 +1,7 @@
 //! The page: a document, a style and scripts, built from `page/` and part of the program, so that
 //! nothing is loaded from elsewhere.
 
-use crate::request::{FARTHEST, MOST_PILLARS, of_case};
+use crate::request::{FARTHEST, MOST_PILLARS, is_on_page, of_case};
 use axum::body::Body;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::Response;
@@ -99,7 +99,8 @@ pub(crate) fn start(case: &Case) -> String {
 /// What the table of keys says about each key that the page shows: its name and symbol, its kind, words, bounds and
 /// default, and the word of another key that it goes with. The controls of the page are made of it.
 fn keys() -> Vec<Value> {
-    let of_page = Key::ALL.into_iter().filter(|key| !key.is_of_surface());
+    let of_page = Key::ALL.into_iter();
+    let of_page = of_page.filter(|key| !key.is_of_surface() && is_on_page(*key));
     let bound = |bound| match bound {
         Bound::Included(value) | Bound::Excluded(value) => Some(value),
         Bound::Unbounded => None,
@@ -125,7 +126,7 @@ fn keys() -> Vec<Value> {
                 "default": key.default(),
                 "alternative": key.alternative().map(Key::path),
                 "goes_with": key.goes_with().and_then(|(choice, words)| {
-                    let is_here = !choice.is_of_surface();
+                    let is_here = !choice.is_of_surface() && is_on_page(choice);
                     is_here.then(|| json!({ "key": choice.path(), "words": words }))
                 }),
             })

@@ -104,11 +104,29 @@ impl LoadPoint {
     }
 }
 
-/// The values of a case, in SI units. Where there is only one word there is nothing to choose.
+/// Whether the page has a key: it shows equal pillars on the endless hexagonal lattice, and so nothing of other arrangements.
+pub(crate) fn is_on_page(key: Key) -> bool {
+    let of_other_arrangements = [
+        Key::Lattice,
+        Key::Pillars,
+        Key::AxisX,
+        Key::AxisY,
+        Key::PitchY,
+        Key::LatticeAngle,
+        Key::Rotation,
+        Key::Columns,
+        Key::TextureHeightSpread,
+        Key::TextureMissing,
+        Key::TextureSeed,
+    ];
+    !of_other_arrangements.contains(&key)
+}
+
+/// The values of a case, in SI units.
 pub(crate) fn of_case(case: &Case) -> Values {
     Key::ALL
         .into_iter()
-        .filter(|key| key.words().len() != 1)
+        .filter(|key| is_on_page(*key))
         .filter_map(|key| Some((key.path().to_owned(), case.setting(key)?)))
         .collect()
 }
