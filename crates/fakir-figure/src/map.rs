@@ -408,22 +408,6 @@ pub(crate) fn edge_stroke() -> Stroke {
 /// The colour of marks on maps. No colour map of this crate has it, and it is dark enough on white.
 pub(crate) const RED: Colour = Colour([200, 30, 30]);
 
-/// The images of a point under the symmetries of the lattice, each once.
-pub(crate) fn symmetric_copies(system: &System, point: Point) -> Vec<Point> {
-    let Some(lattice) = system.hexagonal_lattice() else {
-        return vec![point];
-    };
-    let near = 1e-6 * lattice.pitch;
-    let mut copies: Vec<Point> = Vec::new();
-    for image in lattice.symmetry().images(point) {
-        let same = |other: &Point| (other[0] - image[0]).hypot(other[1] - image[1]) < near;
-        if !copies.iter().any(same) {
-            copies.push(image);
-        }
-    }
-    copies
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -468,14 +452,5 @@ mod tests {
         }
         assert_eq!(significant_without_zeros(50.0), "50");
         assert_eq!(significant_without_zeros(0.5), "0.5");
-    }
-
-    #[test]
-    fn copies_of_a_hollow_site() {
-        let system = system(HexagonalLattice::new(1.0));
-        let hollow = [1.0 / 3f64.sqrt(), 0.0];
-        assert_eq!(symmetric_copies(&system, hollow).len(), 6);
-        assert_eq!(symmetric_copies(&system, [0.5, 0.1]).len(), 12);
-        assert_eq!(symmetric_copies(&system, [0.0, 0.0]).len(), 1);
     }
 }

@@ -2,7 +2,6 @@
 //! are computed.
 
 use crate::error::FigureError;
-use crate::map::symmetric_copies;
 use crate::patches::on_axis;
 use fakir::problem::{PlacedPillar, Point};
 use fakir::state::{ContactState, Run};
@@ -129,7 +128,9 @@ impl Section {
 /// Where symmetric copies of a floor contact lie in the section, m.
 fn in_section(state: &ContactState, point: Point) -> impl Iterator<Item = f64> {
     let near = NEAR * state.system.pitch();
-    symmetric_copies(&state.system, point)
+    state
+        .system
+        .symmetric_copies(point)
         .into_iter()
         .filter(move |[_, y]| y.abs() < near)
         .map(|[x, _]| x)

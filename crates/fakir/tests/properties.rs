@@ -132,14 +132,9 @@ fn indented() -> impl Strategy<Value = (System, f64)> {
 
 /// Distance from the lens axis of the nearest point of a pillar top.
 fn nearest_edge(system: &System) -> f64 {
-    let (i, j) = system
-        .hexagonal_lattice()
-        .expect("a hexagonal lattice")
-        .nearest_pillar([0.0, 0.0]);
-    let [x, y] = system
-        .hexagonal_lattice()
-        .expect("a hexagonal lattice")
-        .centre(i, j);
+    let lattice = system.hexagonal_lattice().expect("a hexagonal lattice");
+    let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
+    let [x, y] = lattice.centre(i, j);
     (x.hypot(y) - 0.5 * DIAMETER).max(0.0)
 }
 

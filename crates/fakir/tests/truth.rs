@@ -419,16 +419,9 @@ fn force_rises_with_indentation() {
 
 /// Distance from the lens axis of the nearest point of a pillar top.
 fn nearest_edge(system: &System) -> f64 {
-    let (i, j) = system
-        .hexagonal_lattice()
-        .expect("a hexagonal lattice")
-        .nearest_pillar([0.0, 0.0]);
-    let to_centre = distance(
-        system
-            .hexagonal_lattice()
-            .expect("a hexagonal lattice")
-            .centre(i, j),
-    );
+    let lattice = system.hexagonal_lattice().expect("a hexagonal lattice");
+    let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
+    let to_centre = distance(lattice.centre(i, j));
     (to_centre - 0.5 * system.pillar().diameter).max(0.0)
 }
 

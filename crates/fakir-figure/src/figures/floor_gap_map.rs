@@ -3,7 +3,7 @@
 use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::Figure;
-use crate::map::{ColourBar, KeySign, Sheet, Window, crosses, symmetric_copies};
+use crate::map::{ColourBar, KeySign, Sheet, Window, crosses};
 use crate::patches::{ON_FLOOR, patches};
 use crate::scene::{Colour, Item, Stroke};
 use crate::unit::Unit;
@@ -80,7 +80,7 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     let signs = if state.floor.is_some() {
         [(KeySign::Patch(ON_FLOOR), "in contact")]
     } else {
-        let copies = symmetric_copies(system, state.smallest_gap_position);
+        let copies = system.symmetric_copies(state.smallest_gap_position);
         let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
         crosses(&places, &mut inside);
         [(KeySign::Cross, "smallest gap")]

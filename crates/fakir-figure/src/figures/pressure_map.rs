@@ -8,9 +8,7 @@ use crate::figure::{Figure, PAGE};
 use crate::font::Bounds;
 use crate::frame::{Frame, Lettering};
 use crate::legend::Legend;
-use crate::map::{
-    ColourBar, KeySign, SCALE_BAR_ROOM, Window, crosses, edge_stroke, key, symmetric_copies,
-};
+use crate::map::{ColourBar, KeySign, SCALE_BAR_ROOM, Window, crosses, edge_stroke, key};
 use crate::patches::patches;
 use crate::scene::{Colour, Item, Stroke};
 use crate::series::{Marker, Series, Style};
@@ -127,7 +125,7 @@ fn draw_map(
         stroke: Some(edge_stroke()),
     });
     if let Some(point) = floor_contact {
-        let copies = symmetric_copies(&state.system, point);
+        let copies = state.system.symmetric_copies(point);
         let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
         crosses(&places, &mut inside);
     }

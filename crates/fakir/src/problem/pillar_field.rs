@@ -381,6 +381,32 @@ impl PillarField {
         }
     }
 
+    /// Whether all tops have the common radius, and whether all columns give way as the first one.
+    pub(crate) fn are_common(&self) -> [bool; 2] {
+        match self {
+            Self::Hexagonal { .. } => [true; 2],
+            Self::Lattice(lattice) => {
+                let rigid = lattice.body.column_compliance_ratio == 0.0;
+                let level = lattice
+                    .scatter
+                    .as_ref()
+                    .is_none_or(|scatter| scatter.disorder.height_spread == 0.0);
+                [true, rigid || level]
+            }
+            Self::Listed(list) => {
+                const ROUNDING: f64 = 1e-12;
+                let first = list.pillars[0].body.column_compliance_ratio;
+                let bodies = || list.pillars.iter().map(|pillar| &pillar.body);
+                [
+                    bodies().all(|body| (body.radius - 1.0).abs() < ROUNDING),
+                    bodies().all(|body| {
+                        (body.column_compliance_ratio - first).abs() <= ROUNDING * first
+                    }),
+                ]
+            }
+        }
+    }
+
     /// The largest radius of a top, and the largest height over the common one.
     pub(crate) fn bounds(&self) -> [f64; 2] {
         let largest = |[radius, raised]: [f64; 2], body: &PillarBody| {
@@ -437,10 +463,28 @@ impl PillarField {
         pillar.filter(holds)
     }
 
-    /// The pillars within a radius of the lens axis, by rising index; of a hexagonal lattice, none. Whether these are all that there are.
+    /// The pillars within a radius of the lens axis, by rising index. Whether these are all that there are.
     pub(crate) fn listed_within(&self, radius: f64) -> (Vec<IndexedPillar>, bool) {
         match self {
-            Self::Hexagonal { .. } => (Vec::new(), false),
+            Self::Hexagonal {
+                lattice,
+                column_compliance_ratio,
+            } => {
+                let (near_i, near_j) = lattice.nearest_pillar([0.0, 0.0]);
+                // Lattice points within a distance r have indices within 2 r/(sqrt3 e).
+                let reach = (1.2 * radius / lattice.pitch).ceil() as i64 + 1;
+                let indices = (-reach..=reach)
+                    .flat_map(|i| (-reach..=reach).map(move |j| (near_i + i, near_j + j)));
+                let body = PillarBody::of_column(*column_compliance_ratio);
+                let pillars = indices.map(|(i, j)| {
+                    let centre = lattice.centre(i, j);
+                    ((i, j), ListedPillar { centre, body })
+                });
+                let near = |(_, pillar): &IndexedPillar| {
+                    pillar.centre[0].hypot(pillar.centre[1]) <= radius
+                };
+                (pillars.filter(near).collect(), false)
+            }
             Self::Lattice(lattice) => (lattice.within(radius), lattice.is_within(radius)),
             Self::Listed(list) => {
                 let near = |(_, pillar): &IndexedPillar| {

@@ -24,22 +24,6 @@ impl System {
     #[must_use]
     pub fn pillars_within(&self, distance: f64) -> Vec<PlacedPillar> {
         let common = self.pillar();
-        if let Some(lattice) = self.hexagonal_lattice() {
-            let (near_i, near_j) = lattice.nearest_pillar([0.0, 0.0]);
-            // Lattice points within a distance r have indices within 2 r/(sqrt3 e).
-            let reach = (1.2 * distance / lattice.pitch).ceil() as i64 + 1;
-            let indices = (-reach..=reach)
-                .flat_map(|i| (-reach..=reach).map(move |j| (near_i + i, near_j + j)));
-            let placed = indices.map(|(i, j)| PlacedPillar {
-                index: (i, j),
-                centre: lattice.centre(i, j),
-                height: common.height,
-                diameter: common.diameter,
-            });
-            return placed
-                .filter(|pillar| pillar.centre[0].hypot(pillar.centre[1]) <= distance)
-                .collect();
-        }
         let scene = Scene::new(self);
         let (pillars, _) = scene.field.listed_within(distance / scene.length);
         let placed = pillars.into_iter().map(|(index, pillar)| PlacedPillar {
@@ -49,6 +33,24 @@ impl System {
             diameter: pillar.body.radius * common.diameter,
         });
         placed.collect()
+    }
+
+    /// A point (m from the lens axis) and its images under the symmetry of the arrangement about the lens axis, each once. Only an endless
+    /// hexagonal lattice is looked at for symmetry: of other arrangements it is the point alone.
+    #[must_use]
+    pub fn symmetric_copies(&self, point: Point) -> Vec<Point> {
+        let Some(lattice) = self.hexagonal_lattice() else {
+            return vec![point];
+        };
+        let near = 1e-6 * lattice.pitch;
+        let mut copies: Vec<Point> = Vec::new();
+        for image in lattice.symmetry().images(point) {
+            let same = |other: &Point| (other[0] - image[0]).hypot(other[1] - image[1]) < near;
+            if !copies.iter().any(same) {
+                copies.push(image);
+            }
+        }
+        copies
     }
 
     /// The pillar tops, to ask which points they hold.
@@ -68,5 +70,33 @@ impl Tops {
     pub fn holds(&self, point: Point) -> bool {
         let Scene { field, length, .. } = &self.0;
         field.under(point.map(|x| x / length)).is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::lattice::HexagonalLattice;
+    use super::super::system::{Lens, Material, Pillar, PillarCompliance, System, Texture};
+    use crate::problem::InvalidQuantity;
+
+    #[test]
+    fn copies_of_a_hollow_site() -> Result<(), InvalidQuantity> {
+        let rubber = Material::new(1.0, 0.5);
+        let pillar = Pillar {
+            diameter: 1.0,
+            height: 1.0,
+            compliance: PillarCompliance::None,
+        };
+        let lens = Lens {
+            radius: 1e3,
+            material: rubber,
+        };
+        let lattice = HexagonalLattice::new(1.0);
+        let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
+        let hollow = [1.0 / 3f64.sqrt(), 0.0];
+        assert_eq!(system.symmetric_copies(hollow).len(), 6);
+        assert_eq!(system.symmetric_copies([0.5, 0.1]).len(), 12);
+        assert_eq!(system.symmetric_copies([0.0, 0.0]).len(), 1);
+        Ok(())
     }
 }

@@ -4,61 +4,21 @@
 //! `dF4/dx = (A B/c) F4(A + 1, B + 1; c + 1, c')` (NIST Digital Library of Mathematical Functions, 16.14). The coefficients of the
 //! recurrences depend on the modes alone and are kept, so that all series of a pair are summed side by side.
 
-use crate::halfspace::disc::basis::{Mode, equator_value, gamma_degree, modes};
-use crate::numerics::special::gamma_half;
+use super::pair::{Angles, Entry, SERIES_TOLERANCE, Series, step};
+use crate::halfspace::disc::basis::{Mode, modes};
 use crate::numerics::vector::widest;
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
-
-/// Relative size of the terms at which the series are cut.
-const SERIES_TOLERANCE: f64 = 1e-17;
 
 /// Terms between two looks at their size.
 const LOOK: usize = 3;
 
-/// One series: complex modes `(l, m)` of the receiver and `(l', m')` of the source with one `M`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Series {
-    factor: f64,
-    /// `l` and `l'`.
-    degrees: [usize; 2],
-    /// `(1 + L - M)/2` and `(1 + L + M)/2`.
-    upper: [f64; 2],
-}
-
-impl Series {
-    fn new(receiver: Mode, source: Mode, azimuthal: usize) -> Self {
-        let (l, k) = (receiver.degree, source.degree);
-        let sum = l + k;
-        let sign = if l % 2 == 0 { PI } else { -PI };
-        let equator = equator_value(l, receiver.order) * equator_value(k, source.order);
-        let gammas = gamma_half(1 + sum + azimuthal) * gamma_half(1 + sum - azimuthal);
-        Self {
-            factor: sign * equator * gammas / (gamma_degree(l) * gamma_degree(k)),
-            degrees: [l, k],
-            upper: [sum - azimuthal, sum + azimuthal].map(|n| 0.5 * (1 + n) as f64),
-        }
+/// `A`, `B`, `p` and `q` of the function of a series, and of the two derivatives of that.
+fn parameters(series: &Series, derivative: usize) -> [f64; 4] {
+    let [a, b, p, q] = series.parameters();
+    match derivative {
+        0 => [a, b, p, q],
+        1 => [a + 1.0, b + 1.0, p + 1.0, q],
+        _ => [a + 1.0, b + 1.0, p, q + 1.0],
     }
-
-    /// `A`, `B` and `p = c - 1`, `q = c' - 1` of its function and of the two derivatives of that.
-    fn parameters(&self, derivative: usize) -> [f64; 4] {
-        let [a, b] = self.upper;
-        let [p, q] = self.degrees.map(|degree| degree as f64 + 0.5);
-        match derivative {
-            0 => [a, b, p, q],
-            1 => [a + 1.0, b + 1.0, p + 1.0, q],
-            _ => [a + 1.0, b + 1.0, p, q + 1.0],
-        }
-    }
-}
-
-/// An entry of a block.
-#[derive(Debug, Clone, Copy)]
-struct Entry {
-    receiver: Mode,
-    source: Mode,
-    /// The series with `M = |m - m'|` and with `M = m + m'`.
-    series: [usize; 2],
-    weight: f64,
 }
 
 /// Blocks between two discs, row by row: a row is a mode of the receiver.
@@ -73,8 +33,6 @@ pub(crate) struct PairBlock {
     work: [Vec<f64>; 3],
     /// Every series with its derivatives by `a d/da`, `a' d/da'` and `delta d/d(delta)`.
     radial: Vec<[f64; 4]>,
-    /// `cos(k Phi)` and `sin(k Phi)`.
-    angles: Vec<[f64; 2]>,
 }
 
 /// The modes up to a degree of two discs of any radii.
@@ -94,12 +52,12 @@ impl MovingPair {
         let modes = modes(degree);
         let mut series: Vec<Series> = Vec::new();
         let mut entries = Vec::with_capacity(modes.len() * modes.len());
-        let axial = |mode: Mode| if mode.order == 0 { FRAC_1_SQRT_2 } else { 1.0 };
         for &receiver in &modes {
             for &source in &modes {
                 let (m, n) = (receiver.order, source.order);
                 let numbers = [m.abs_diff(n), m + n].map(|azimuthal| {
-                    let wanted = Series::new(receiver, source, azimuthal);
+                    let key = [receiver, source].map(|mode| (mode.degree, mode.order));
+                    let wanted = Series::new(key[0], key[1], azimuthal);
                     series
                         .iter()
                         .position(|known| *known == wanted)
@@ -108,12 +66,7 @@ impl MovingPair {
                             series.len() - 1
                         })
                 });
-                entries.push(Entry {
-                    receiver,
-                    source,
-                    series: numbers,
-                    weight: axial(receiver) * axial(source),
-                });
+                entries.push(Entry::new(receiver, source, numbers));
             }
         }
         Self {
@@ -142,7 +95,7 @@ impl MovingPair {
                 row.extend(
                     self.series
                         .iter()
-                        .map(|series| recurrence(series.parameters(derivative), s)),
+                        .map(|series| step(parameters(series, derivative), s)),
                 );
             }
             self.terms.push(row);
@@ -158,7 +111,6 @@ impl MovingPair {
             slopes: std::array::from_fn(|_| vec![0.0; size]),
             work: [work(), work(), work()],
             radial: vec![[0.0; 4]; self.series.len()],
-            angles: vec![[1.0, 0.0]; 2 * self.degree + 1],
         }
     }
 
@@ -172,16 +124,13 @@ impl MovingPair {
     ) {
         let distance = x.hypot(y);
         let [cos, sin] = [x / distance, y / distance];
-        for k in 1..block.angles.len() {
-            let [c, s] = block.angles[k - 1];
-            block.angles[k] = [c * cos - s * sin, s * cos + c * sin];
-        }
+        let angles = Angles::new([cos, sin], self.degree);
         self.sum([receiver / distance, source / distance], distance, block);
         for (place, entry) in self.entries.iter().enumerate() {
             let [minus, plus] = entry.series.map(|number| block.radial[number]);
             let (m, n) = (entry.receiver.order, entry.source.order);
-            let difference = multiple(&block.angles, n as isize - m as isize);
-            let sum = block.angles[n + m];
+            let difference = angles.of(n as isize - m as isize);
+            let sum = angles.of((n + m) as isize);
             let k = n as f64 - m as f64;
             let total = (n + m) as f64;
             // The parts that depend on the angle, and their derivatives.
@@ -247,38 +196,16 @@ impl MovingPair {
         let count = self.series.len();
         for (number, series) in self.series.iter().enumerate() {
             let [l, k] = series.degrees;
-            let factor = series.factor * alpha.powi(l as i32) * beta.powi(k as i32) / distance;
+            let factor = series.factor * alpha.powi(l) * beta.powi(k) / distance;
             let [a, b] = series.upper;
+            let [l, k] = [l, k].map(f64::from);
             let value = factor * sums[number];
-            let of_first = factor * a * b / (l as f64 + 1.5) * sums[count + number];
-            let of_second = factor * a * b / (k as f64 + 1.5) * sums[2 * count + number];
-            let receiver = l as f64 * value + 2.0 * x * of_first;
-            let source = k as f64 * value + 2.0 * y * of_second;
+            let of_first = factor * a * b / (l + 1.5) * sums[count + number];
+            let of_second = factor * a * b / (k + 1.5) * sums[2 * count + number];
+            let receiver = l * value + 2.0 * x * of_first;
+            let source = k * value + 2.0 * y * of_second;
             block.radial[number] = [value, receiver, source, -value - receiver - source];
         }
-    }
-}
-
-/// The factors of the recurrence of [`pair`](super::pair) for the term of degree `s`.
-fn recurrence([a, b, p, q]: [f64; 4], s: f64) -> [f64; 3] {
-    let w = p + q;
-    let ratio = |s: f64| (a + s - 1.0) * (b + s - 1.0) / ((p + s) * (q + s));
-    let twice = 2.0 * s + w;
-    let scale = ratio(s) / (2.0 * s * (s + w));
-    [
-        scale * (twice - 1.0) * twice,
-        scale * (twice - 1.0) * (p * p - q * q) / (twice - 2.0),
-        2.0 * scale * ratio(s - 1.0) * (s + p - 1.0) * (s + q - 1.0) * twice / (twice - 2.0),
-    ]
-}
-
-/// Cosine and sine of a multiple of the angle, which may be negative.
-fn multiple(angles: &[[f64; 2]], multiple: isize) -> [f64; 2] {
-    let [cos, sin] = angles[multiple.unsigned_abs()];
-    if multiple < 0 {
-        [cos, -sin]
-    } else {
-        [cos, sin]
     }
 }
 

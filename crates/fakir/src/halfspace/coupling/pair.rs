@@ -26,7 +26,7 @@ use crate::numerics::vector::widest;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Relative size of the terms at which the series is cut.
-const SERIES_TOLERANCE: f64 = 1e-17;
+pub(super) const SERIES_TOLERANCE: f64 = 1e-17;
 
 /// Most terms of a series. Reached only for pillars that all but touch, where the rest is
 /// added from the algebraic decay of the terms.
@@ -48,18 +48,18 @@ pub(crate) struct Discs {
 }
 
 /// One series: a pair of complex modes with one `M`.
-#[derive(Debug, Clone)]
-struct Series {
-    factor: f64,
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Series {
+    pub(super) factor: f64,
     /// `l` and `l'`
-    degrees: [i32; 2],
+    pub(super) degrees: [i32; 2],
     /// `(1 + L - M)/2` and `(1 + L + M)/2`
-    upper: [f64; 2],
+    pub(super) upper: [f64; 2],
 }
 
 impl Series {
     /// `receiver` and `source` are `(degree, order)`.
-    fn new(receiver: (usize, usize), source: (usize, usize), azimuthal: usize) -> Self {
+    pub(super) fn new(receiver: (usize, usize), source: (usize, usize), azimuthal: usize) -> Self {
         let ((l, m), (k, n)) = (receiver, source);
         let sum = l + k;
         let sign = if l % 2 == 0 { 1.0 } else { -1.0 };
@@ -98,24 +98,15 @@ impl Series {
         powers / distance * sum
     }
 
-    /// Coefficients of the step to the term `s` of [`appell`](Self::appell_from): those of `x + y`, of `y - x` and of `(y - x)^2`.
-    fn step(&self, s: f64) -> [f64; 3] {
-        let [p, q] = self.degrees.map(|degree| f64::from(degree) + 0.5);
+    /// `A`, `B`, `p = l + 1/2` and `q = l' + 1/2` of its function.
+    pub(super) fn parameters(&self) -> [f64; 4] {
         let [a, b] = self.upper;
-        let w = p + q;
-        let ratio = |s: f64| (a + s - 1.0) * (b + s - 1.0) / ((p + s) * (q + s));
-        let factor = ratio(s);
-        if s < 1.5 {
-            // From the sum p + q + 2 of the factors of x and y, and their difference.
-            return [factor * (0.5 * w + 1.0), 0.5 * factor * (p - q), 0.0];
-        }
-        let twice = 2.0 * s + w;
-        let scale = factor / (2.0 * s * (s + w) * (twice - 2.0));
-        [
-            scale * (twice - 1.0) * twice * (twice - 2.0),
-            scale * (twice - 1.0) * (p * p - q * q),
-            scale * 2.0 * (s + p - 1.0) * (s + q - 1.0) * twice * ratio(s - 1.0),
-        ]
+        let [p, q] = self.degrees.map(|degree| f64::from(degree) + 0.5);
+        [a, b, p, q]
+    }
+
+    fn step(&self, s: f64) -> [f64; 3] {
+        step(self.parameters(), s)
     }
 
     /// `F4` from the terms before `first`: their sum, and the last two of them. By the sums of its terms of one degree,
@@ -148,6 +139,25 @@ impl Series {
         let of_value = s.powf(2.5) / (1.0 + c / s) * rest;
         sum + term.scaled_apart(of_value, 2.0 * s.powf(1.5) * from.powf(-0.5))
     }
+}
+
+/// Coefficients of the step to the term `s` of [Appell's function](Series::appell_from) from its `A`, `B`, `p` and `q`: those of `x + y`, of
+/// `y - x` and of `(y - x)^2`.
+pub(super) fn step([a, b, p, q]: [f64; 4], s: f64) -> [f64; 3] {
+    let w = p + q;
+    let ratio = |s: f64| (a + s - 1.0) * (b + s - 1.0) / ((p + s) * (q + s));
+    let factor = ratio(s);
+    if s < 1.5 {
+        // From the sum p + q + 2 of the factors of x and y, and their difference.
+        return [factor * (0.5 * w + 1.0), 0.5 * factor * (p - q), 0.0];
+    }
+    let twice = 2.0 * s + w;
+    let scale = factor / (2.0 * s * (s + w) * (twice - 2.0));
+    [
+        scale * (twice - 1.0) * twice * (twice - 2.0),
+        scale * (twice - 1.0) * (p * p - q * q),
+        scale * 2.0 * (s + p - 1.0) * (s + q - 1.0) * twice * ratio(s - 1.0),
+    ]
 }
 
 /// All series of a pair, which take their first terms in step.
@@ -229,12 +239,12 @@ type Orders = [(usize, usize); 2];
 
 /// Which series make up one entry of the block between two pillars.
 #[derive(Debug, Clone, Copy)]
-struct Entry {
-    receiver: Mode,
-    source: Mode,
+pub(super) struct Entry {
+    pub(super) receiver: Mode,
+    pub(super) source: Mode,
     /// Indices of the series with `M = |m - m'|` and `M = m + m'`.
-    series: [usize; 2],
-    weight: f64,
+    pub(super) series: [usize; 2],
+    pub(super) weight: f64,
 }
 
 /// Coupling between two pillars of a lattice, for the modes up to a degree.
@@ -274,13 +284,7 @@ impl PairCoupling {
                         [first, series.len() - 1]
                     }
                 };
-                let axial = |mode: Mode| if mode.order == 0 { FRAC_1_SQRT_2 } else { 1.0 };
-                entries.push(Entry {
-                    receiver,
-                    source,
-                    series: places,
-                    weight: axial(receiver) * axial(source),
-                });
+                entries.push(Entry::new(receiver, source, places));
             }
         }
         Self {
@@ -450,11 +454,20 @@ impl PairCoupling {
 }
 
 impl Entry {
+    pub(super) fn new(receiver: Mode, source: Mode, series: [usize; 2]) -> Self {
+        let axial = |mode: Mode| if mode.order == 0 { FRAC_1_SQRT_2 } else { 1.0 };
+        Self {
+            receiver,
+            source,
+            series,
+            weight: axial(receiver) * axial(source),
+        }
+    }
+
     fn value(&self, radial: &[f64], angles: &Angles) -> f64 {
         let (m, n) = (self.receiver.order, self.source.order);
-        let [cos, sin] = angles.0[n.abs_diff(m)];
-        let difference = [cos, if n < m { -sin } else { sin }];
-        let sum = angles.0[n + m];
+        let difference = angles.of(n as isize - m as isize);
+        let sum = angles.of((n + m) as isize);
         let [minus, plus] = self.series.map(|series| radial[series]);
         self.weight
             * match (self.receiver.sine, self.source.sine) {
@@ -467,17 +480,24 @@ impl Entry {
 }
 
 /// Cosine and sine of the multiples of an angle.
-struct Angles([[f64; 2]; 2 * MAXIMUM_DEGREE + 1]);
+pub(super) struct Angles([[f64; 2]; 2 * MAXIMUM_DEGREE + 1]);
 
 impl Angles {
     /// Of that of a unit vector, up to twice a degree.
-    fn new([cos, sin]: [f64; 2], degree: usize) -> Self {
+    pub(super) fn new([cos, sin]: [f64; 2], degree: usize) -> Self {
         let mut angles = [[1.0, 0.0]; 2 * MAXIMUM_DEGREE + 1];
         for multiple in 1..=2 * degree {
             let [before, across] = angles[multiple - 1];
             angles[multiple] = [before * cos - across * sin, before * sin + across * cos];
         }
         Self(angles)
+    }
+
+    /// Of a multiple, which may be negative.
+    #[inline]
+    pub(super) fn of(&self, multiple: isize) -> [f64; 2] {
+        let [cos, sin] = self.0[multiple.unsigned_abs()];
+        [cos, if multiple < 0 { -sin } else { sin }]
     }
 }
 
