@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -272,6 +272,20 @@ class Spread:
         return self._column("hysteresis_J") if "hysteresis_J" in self._columns else None
 
     @property
+    def first_order(self) -> tuple[float, float] | None:
+        """Standard deviations of critical force (N) and indentation (m) by their exact derivatives where the lens lands as given; none
+        where there are no such derivatives, as with missing pillars. Where it lands scatters besides."""
+        first_order = self._summary["spread"].get("first_order")
+        if first_order is None:
+            return None
+        return first_order["critical_force_N"], first_order["critical_indentation_m"]
+
+    def force_at(self, place: int) -> FloatArray:
+        """Forces (N) at one of the indentations that were asked for, by its place among them; NaN where there is no critical state."""
+        columns = [name for name in self._columns if name.startswith("force_at_")]
+        return self._column(columns[place])
+
+    @property
     def problems(self) -> list[str]:
         """Why a sample has no critical state; empty for the others."""
         return list(self._columns["problem"])
@@ -328,6 +342,7 @@ def spread(
     samples: int = _SAMPLES,
     seed: int = _SEED,
     landing: str = "anywhere",
+    force_at: Sequence[Quantity] = (),
     threads: int = 0,
     progress: Progress | None = None,
     memory_limit: int | None = None,
@@ -344,13 +359,19 @@ def spread(
         line.
     landing
         Where the lens lands on the lattice: ``"anywhere"`` or ``"as_given"``.
+    force_at
+        Indentations (m) at which the force on every sample is told too.
+
+    Every sample of a lattice with a ``height_spread`` or ``missing`` pillars draws its own pillars; ``seed`` of the
+    texture is then not used.
     """
     if landing not in {"anywhere", "as_given"}:
         raise ValueError(f'landing is {landing!r}: give "anywhere" or "as_given"')
     deviations = [_tolerance(key, value) for key, value in tolerances.items()]
+    indentations = [si(value, "length", "force_at") for value in force_at]
     run = options(threads, progress, memory_limit)
     summary, columns = _fakir.spread(
-        system._case, deviations, landing == "anywhere", samples, seed, run
+        system._case, deviations, landing == "anywhere", indentations, (samples, seed), run
     )
     return Spread(json.loads(summary), dict(columns))
 

@@ -209,8 +209,8 @@ def spread(
     case: Case,
     tolerances: Sequence[tuple[str, float, bool]],
     anywhere: bool,
-    samples: int,
-    seed: int,
+    indentations: Sequence[float],
+    samples_and_seed: tuple[int, int],
     options: Options,
 ) -> tuple[str, list[tuple[str, Any]]]: ...
 def cite(

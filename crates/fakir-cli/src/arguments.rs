@@ -529,6 +529,9 @@ pub(crate) struct Design {
     /// Let the lens land where the case file says, instead of anywhere on the lattice
     #[arg(long)]
     keep_offset: bool,
+    /// An indentation at which the force on every sample is told too (m, mm, um, nm); with commas, or repeated
+    #[arg(long, value_name = "LENGTH", value_parser = length, value_delimiter = ',', allow_hyphen_values = true)]
+    force_at: Vec<f64>,
     #[command(flatten)]
     pub(crate) run: RunArguments,
 }
@@ -545,7 +548,7 @@ impl Design {
                 .floor_share
                 .zip(self.load())
                 .map(|(share, load)| Wanted::FloorShare { share, load }));
-        if self.free.is_none() && self.tolerance.is_empty() && self.samples.is_none() {
+        if self.free.is_none() && self.sampling().is_none() {
             return Err(Failure::Argument(
                 "nothing to do: give --free and --critical-force, --pull-off or --floor-share for a design, or \
                  --tolerance or --samples for a spread"
@@ -563,16 +566,16 @@ impl Design {
 
     /// What is drawn, if a spread is asked for.
     pub(crate) fn sampling(&self) -> Option<Sampling> {
-        if self.tolerance.is_empty() && self.samples.is_none() {
-            return None;
-        }
-        Some(Sampling {
+        let is_asked =
+            !self.tolerance.is_empty() || self.samples.is_some() || !self.force_at.is_empty();
+        is_asked.then(|| Sampling {
             tolerances: self.tolerance.clone(),
             landing: if self.keep_offset {
                 Landing::AsGiven
             } else {
                 Landing::Anywhere
             },
+            indentations: self.force_at.clone(),
             samples: self.samples.unwrap_or(Sampling::SAMPLES),
             seed: self.seed,
         })

@@ -140,6 +140,28 @@ struct SpreadObject {
     pull_off_force_N: Option<StatisticsObject>,
     #[serde(skip_serializing_if = "Option::is_none")]
     hysteresis_J: Option<StatisticsObject>,
+    /// None unless indentations were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pressed: Vec<PressedObject>,
+    /// None where the samples alone tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_order: Option<FirstOrderObject>,
+}
+
+/// The force at an indentation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct PressedObject {
+    indentation_m: f64,
+    force_N: Option<StatisticsObject>,
+}
+
+/// Standard deviations by the exact derivatives of the critical state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct FirstOrderObject {
+    critical_force_N: f64,
+    critical_indentation_m: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -172,6 +194,19 @@ impl SpreadObject {
             critical_contact_radius_m: summary(|critical| critical.contact_radius),
             pull_off_force_N: pulled(|pull_off| pull_off.force),
             hysteresis_J: pulled(|pull_off| pull_off.hysteresis),
+            pressed: sampling
+                .indentations
+                .iter()
+                .enumerate()
+                .map(|(place, indentation)| PressedObject {
+                    indentation_m: *indentation,
+                    force_N: spread.force_summary(place).map(object),
+                })
+                .collect(),
+            first_order: spread.first_order.as_ref().ok().map(|it| FirstOrderObject {
+                critical_force_N: it.force,
+                critical_indentation_m: it.indentation,
+            }),
         }
     }
 }

@@ -1,9 +1,11 @@
 //! How far the critical state of a texture scatters: sizes and moduli that vary from sample to
-//! sample, and a lens that lands anywhere on the lattice. Where pillar tops stick every sample is pulled off again, and so
-//! is told how far pull-off and hysteresis scatter.
+//! sample, pillars of which each has its own height or is missing, and a lens that lands anywhere on the lattice. Where pillar
+//! tops stick every sample is pulled off again, and so is told how far pull-off and hysteresis scatter.
+//!
+//! Beside the samples stands what the exact derivatives of the critical state make of the deviations to first order.
 
-use fakir::problem::{Arrangement, CyclePlan, LatticeForm, Point};
-use fakir::state::{CriticalState, Cycle, Run, SolveError};
+use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, LatticeForm, Point, Quantity};
+use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError, Warning};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument, parse_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_study::{Column, Table, Values};
@@ -72,6 +74,8 @@ pub struct Sampling {
     pub tolerances: Vec<Tolerance>,
     /// Where the lens lands.
     pub landing: Landing,
+    /// Indentations, m, at which the force on every sample is told too.
+    pub indentations: Vec<f64>,
     /// Number of samples, 2 or more.
     pub samples: usize,
     /// Decides all that is random. A sample depends on it and on its own number alone.
@@ -94,8 +98,12 @@ pub struct Sample {
     pub offset: f64,
     /// Direction of the offset, rad.
     pub offset_angle: f64,
+    /// What the heights of its pillars and those that are missing were drawn from, `texture.seed`; none where pillars do not scatter.
+    pub texture_seed: Option<u32>,
     /// Critical force, indentation and contact radius, or why there are none.
     pub outcome: Result<Critical, String>,
+    /// Forces (N) at the indentations that were asked for; none of a sample without a critical state.
+    pub forces: Vec<f64>,
 }
 
 /// The numbers of a critical state.
@@ -120,11 +128,23 @@ pub struct PullOff {
     pub hysteresis: f64,
 }
 
+/// Standard deviations of the critical state to first order in those of the quantities that vary and of the heights of all pillars, by its exact
+/// derivatives where the lens lands as given. Where it lands scatters besides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstOrder {
+    /// Of the critical force, N.
+    pub force: f64,
+    /// Of the critical indentation, m.
+    pub indentation: f64,
+}
+
 /// The samples and what they say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
     /// In the order they were drawn.
     pub samples: Vec<Sample>,
+    /// The spread to first order, or why there is none.
+    pub first_order: Result<FirstOrder, String>,
 }
 
 /// Why there is no spread.
@@ -159,6 +179,9 @@ pub enum SpreadError {
     /// Fewer than two samples.
     #[error("a spread takes at least 2 samples")]
     TooFew,
+    /// An indentation at which there is no force.
+    #[error("there is no force at an indentation of {0} m: give finite lengths")]
+    NoIndentation(f64),
 }
 
 /// Draws of one sample before giving up: values that cannot be, such as a negative height, are
@@ -186,6 +209,14 @@ pub fn spread(
     if cell.is_none() && sampling.landing == Landing::Anywhere {
         return Err(SpreadError::NoCell);
     }
+    if let Some(value) = sampling
+        .indentations
+        .iter()
+        .find(|value| !value.is_finite())
+    {
+        return Err(SpreadError::NoIndentation(*value));
+    }
+    let first_order = first_order(file, &case, &varied, run)?;
     let count = AtomicUsize::new(0);
     // Threads share the samples, and every sample is computed by one thread.
     let single = Run {
@@ -198,9 +229,10 @@ pub fn spread(
             file,
             cell,
             varied: &varied,
-            landing: sampling.landing,
+            sampling,
+            scatters: disorder(case.system.arrangement()).is_some(),
         }
-        .sample(sampling.seed, number, &single)?;
+        .sample(number, &single)?;
         done(count.fetch_add(1, Ordering::Relaxed) + 1);
         Ok(sample)
     };
@@ -213,7 +245,84 @@ pub fn spread(
         }),
         None => (0..sampling.samples).map(draw_sample).collect(),
     };
-    Ok(Spread { samples: samples? })
+    Ok(Spread {
+        samples: samples?,
+        first_order,
+    })
+}
+
+/// How the pillars of a lattice scatter, if they do.
+fn disorder(arrangement: &Arrangement) -> Option<Disorder> {
+    match arrangement {
+        Arrangement::Lattice(lattice) => Some(lattice.disorder)
+            .filter(|disorder| disorder.height_spread > 0.0 || disorder.missing > 0.0),
+        _ => None,
+    }
+}
+
+/// The spread to first order, or why there is none.
+fn first_order(
+    file: &CaseFile,
+    case: &Case,
+    varied: &[(Key, f64, f64)],
+    run: &Run<'_>,
+) -> Result<Result<FirstOrder, String>, SpreadError> {
+    let disorder = disorder(case.system.arrangement());
+    if disorder.is_some_and(|disorder| disorder.missing > 0.0) {
+        return Ok(Err("pillars are there or missing".to_owned()));
+    }
+    if varied.is_empty() && disorder.is_none() {
+        return Ok(Err("only the place of landing varies".to_owned()));
+    }
+    let gradient = match fakir::gradient(&case.system, Control::FloorContact, case.method, run) {
+        Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
+        Err(error) => return Ok(Err(error.to_string())),
+        Ok(gradient) => gradient,
+    };
+    // With a surface fraction that is given the pitch goes with the diameter.
+    let fraction = file.given(Key::SurfaceFraction)?;
+    let diameter = case.system.pillar().diameter;
+    let pitch = case.system.pitch();
+    let by_key = |derivatives: &Derivatives, key: Key| -> Option<f64> {
+        match (key, fraction) {
+            (Key::SurfaceFraction, Some(fraction)) => {
+                Some(-derivatives.by(Quantity::Pitch)? * pitch / (2.0 * fraction))
+            }
+            (Key::PillarDiameter, Some(_)) => {
+                let by_pitch = derivatives.by(Quantity::Pitch)?;
+                Some(derivatives.by(Quantity::PillarDiameter)? + by_pitch * pitch / diameter)
+            }
+            _ => {
+                let mut known = derivatives.quantities.iter();
+                known
+                    .find(|(quantity, _)| Key::of(*quantity) == Some(key))
+                    .map(|(_, value)| *value)
+            }
+        }
+    };
+    let height_deviation =
+        disorder.map_or(0.0, |it| it.height_spread * case.system.pillar().height);
+    let deviation = |derivatives: &Option<Derivatives>| -> Result<f64, String> {
+        let derivatives = derivatives
+            .as_ref()
+            .ok_or_else(|| "there are no derivatives of it".to_owned())?;
+        let heights = derivatives.heights.iter();
+        let mut variance: f64 = heights
+            .map(|(_, slope)| (slope * height_deviation).powi(2))
+            .sum();
+        for (key, _, deviation) in varied {
+            let slope = by_key(derivatives, *key).ok_or_else(|| {
+                format!("there are no derivatives with respect to {}", key.path())
+            })?;
+            variance += (slope * deviation).powi(2);
+        }
+        Ok(variance.sqrt())
+    };
+    let both = deviation(&gradient.force).and_then(|force| {
+        let indentation = deviation(&gradient.indentation)?;
+        Ok(FirstOrder { force, indentation })
+    });
+    Ok(both)
 }
 
 /// Keys that vary, with mean and standard deviation.
@@ -245,12 +354,14 @@ struct Draw<'a> {
     /// Of the lattice, if it is one.
     cell: Option<Cell>,
     varied: &'a [(Key, f64, f64)],
-    landing: Landing,
+    sampling: &'a Sampling,
+    /// Whether every sample has pillars of its own heights, or lacks others.
+    scatters: bool,
 }
 
 impl Draw<'_> {
-    fn sample(&self, seed: u64, number: usize, run: &Run<'_>) -> Result<Sample, SpreadError> {
-        let mut random = stream(seed, number);
+    fn sample(&self, number: usize, run: &Run<'_>) -> Result<Sample, SpreadError> {
+        let mut random = stream(self.sampling.seed, number);
         let mut problem = String::new();
         for _ in 0..DRAWS {
             let values: Vec<f64> = self
@@ -266,9 +377,16 @@ impl Draw<'_> {
             for ((key, _, _), value) in self.varied.iter().zip(&values) {
                 file.set_number(*key, *value);
             }
-            if self.landing == Landing::Anywhere {
+            if self.sampling.landing == Landing::Anywhere {
                 file.set_number(Key::Offset, offset);
                 file.set_number(Key::OffsetAngle, offset_angle);
+            }
+            // A number of a case file holds 32 bits exactly.
+            let texture_seed = self
+                .scatters
+                .then(|| Distribution::<u32>::sample(&StandardUniform, &mut random));
+            if let Some(seed) = texture_seed {
+                file.set_number(Key::TextureSeed, f64::from(seed));
             }
             let case = match file.case() {
                 Ok(case) => case,
@@ -277,20 +395,50 @@ impl Draw<'_> {
                     continue;
                 }
             };
-            let outcome = match outcome(&case, run) {
+            let answers = self.answers(&case, run);
+            let (outcome, forces) = match answers {
                 Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
-                Err(error) => Err(error.to_string()),
-                Ok(outcome) => outcome,
+                Err(error) => (Err(error.to_string()), Vec::new()),
+                Ok(Err(problem)) => (Err(problem), Vec::new()),
+                Ok(Ok((critical, forces))) => (Ok(critical), forces),
             };
             let (offset, offset_angle) = landed(case.system.arrangement());
             return Ok(Sample {
                 values,
                 offset,
                 offset_angle,
+                texture_seed,
                 outcome,
+                forces,
             });
         }
         Err(SpreadError::Impossible { problem })
+    }
+
+    /// The critical state of a sample and the forces at the indentations, or why there are none to be relied on.
+    fn answers(
+        &self,
+        case: &Case,
+        run: &Run<'_>,
+    ) -> Result<Result<(Critical, Vec<f64>), String>, SolveError> {
+        let critical = match outcome(case, run)? {
+            Ok(critical) => critical,
+            Err(problem) => return Ok(Err(problem)),
+        };
+        let mut forces = Vec::with_capacity(self.sampling.indentations.len());
+        for indentation in &self.sampling.indentations {
+            let control = Control::Indentation(*indentation);
+            let state = fakir::press(&case.system, control, case.method, run)?;
+            if !state.converged() {
+                return Ok(Err(state.termination.description().to_owned()));
+            }
+            let left_out = |warning: &&Warning| matches!(warning, Warning::FloorLeftOut { .. });
+            if let Some(warning) = state.warnings.iter().find(left_out) {
+                return Ok(Err(warning.to_string()));
+            }
+            forces.push(state.force);
+        }
+        Ok(Ok((critical, forces)))
     }
 
     /// A place on the lattice, as distance (pitches) and direction from the nearest pillar: uniform
@@ -459,6 +607,15 @@ impl Spread {
         columns.extend([
             drawn(&Key::Offset.column(), |sample| sample.offset),
             drawn(&Key::OffsetAngle.column(), |sample| sample.offset_angle),
+        ]);
+        if samples().any(|sample| sample.texture_seed.is_some()) {
+            let seeds = samples().map(|sample| sample.texture_seed.map(i64::from));
+            columns.push(Column {
+                name: Key::TextureSeed.column(),
+                values: Values::Counts(seeds.collect()),
+            });
+        }
+        columns.extend([
             found("critical_force_N", |critical| critical.force),
             found("critical_indentation_m", |critical| critical.indentation),
             found("critical_contact_radius_m", |critical| {
@@ -474,6 +631,10 @@ impl Spread {
                 pulled("pull_off_force_N", |pull_off| pull_off.force),
                 pulled("hysteresis_J", |pull_off| pull_off.hysteresis),
             ]);
+        }
+        for (number, indentation) in sampling.indentations.iter().enumerate() {
+            let forces = samples().map(|sample| sample.forces.get(number).copied());
+            columns.push(numbers(force_column(*indentation), forces.collect()));
         }
         let problem = |sample: &Sample| sample.outcome.as_ref().err().cloned();
         columns.push(Column {
@@ -499,6 +660,13 @@ impl Spread {
         Self::summary_of(pulled.map(pick).collect())
     }
 
+    /// Mean, deviation and percentiles of the force at one of the indentations that were asked for, by its place among them.
+    #[must_use]
+    pub fn force_summary(&self, place: usize) -> Option<Summary> {
+        let forces = self.samples.iter().filter_map(|it| it.forces.get(place));
+        Self::summary_of(forces.copied().collect())
+    }
+
     /// Whether the lens was pulled off.
     #[must_use]
     pub fn sticks(&self) -> bool {
@@ -521,6 +689,13 @@ impl Spread {
                 .to_vec(),
         })
     }
+}
+
+/// Name of the column of forces at an indentation (m): `force_at_1.5_um_N`.
+fn force_column(indentation: f64) -> String {
+    // To the picometre, without the rounding of a unit.
+    let micrometres = (indentation * 1e12).round() / 1e6;
+    format!("force_at_{micrometres}_um_N")
 }
 
 /// The percentile of sorted values, linear between them (definition 7 of R. J. Hyndman, Y. Fan,
@@ -548,6 +723,7 @@ mod tests {
         Sampling {
             tolerances,
             landing,
+            indentations: Vec::new(),
             samples,
             seed: 1,
         }
@@ -584,11 +760,13 @@ mod tests {
     #[test]
     fn the_lens_lands_uniformly_on_the_cell() {
         let case = file().case().unwrap();
+        let sampling = sampling(Vec::new(), Landing::Anywhere, 2);
         let draw = Draw {
             file: &file(),
             cell: Cell::of(case.system.arrangement()),
             varied: &[],
-            landing: Landing::Anywhere,
+            sampling: &sampling,
+            scatters: false,
         };
         let count = 20_000;
         let offsets: Vec<(f64, f64)> = (0..count).map(|k| draw.land(&mut stream(7, k))).collect();
@@ -598,6 +776,75 @@ mod tests {
         assert!(mean(&|o| (6.0 * o.1).cos()).abs() < 0.2);
         assert!(mean(&|o| o.1.cos()).abs() < 4.0 / (count as f64).sqrt());
         assert!(offsets.iter().all(|o| o.0 <= 1.0 / 3f64.sqrt() + 1e-12));
+    }
+
+    /// A square lattice of phi = 0.03 on which the lens stands beside every symmetry, of pillars that scatter.
+    fn scattered(height_spread: f64, missing: f64) -> CaseFile {
+        let text = Case::example().to_toml();
+        let text = text.replace("[texture]", "[texture]\nlattice = \"square\"");
+        let mut file = CaseFile::parse("square", &text).unwrap();
+        file.set_number(Key::SurfaceFraction, 0.03);
+        file.set_number(Key::Offset, 0.3);
+        file.set_number(Key::OffsetAngle, 0.35);
+        file.set_number(Key::TextureHeightSpread, height_spread);
+        file.set_number(Key::TextureMissing, missing);
+        file
+    }
+
+    /// Every pillar of every sample has its own height, and small ones change the critical state as its derivatives say.
+    #[test]
+    fn heights_of_pillars_scatter_to_first_order() {
+        let file = scattered(2e-3, 0.0);
+        let tolerance = Tolerance {
+            key: Key::SubstrateYoungModulus,
+            deviation: Deviation::Relative(1e-3),
+        };
+        let sampling = Sampling {
+            indentations: vec![3e-6],
+            ..sampling(vec![tolerance], Landing::AsGiven, 60)
+        };
+        let spread = spread(&file, &sampling, &Run::default(), &|_| {}).unwrap();
+        assert_eq!(spread.found().count(), 60);
+        let first_order = spread.first_order.clone().unwrap();
+        for (found, expected) in [
+            (spread.summary(|it| it.force), first_order.force),
+            (spread.summary(|it| it.indentation), first_order.indentation),
+        ] {
+            let ratio = found.unwrap().deviation / expected;
+            println!("{ratio}");
+            // Three standard errors of a deviation, 1/sqrt(2 * 59).
+            assert!((ratio - 1.0).abs() < 3.0 / 118f64.sqrt(), "{ratio}");
+        }
+        // Each sample is the case with its seed and values.
+        for sample in &spread.samples[..2] {
+            let mut file = file.clone();
+            file.set_number(Key::TextureSeed, f64::from(sample.texture_seed.unwrap()));
+            file.set_number(Key::SubstrateYoungModulus, sample.values[0]);
+            let case = file.case().unwrap();
+            let control = Control::Indentation(3e-6);
+            let state = fakir::press(&case.system, control, case.method, &Run::default());
+            assert_eq!(sample.forces, [state.unwrap().force]);
+        }
+        let table = spread.table(&sampling).to_csv();
+        let head = table.lines().next().unwrap();
+        assert!(
+            head.contains("texture_seed") && head.contains("force_at_3_um_N"),
+            "{head}"
+        );
+    }
+
+    /// Samples lack other pillars each.
+    #[test]
+    fn pillars_are_missing_anew_in_every_sample() {
+        let sampling = sampling(Vec::new(), Landing::AsGiven, 8);
+        let spread = spread(&scattered(0.0, 0.1), &sampling, &Run::default(), &|_| {}).unwrap();
+        let forces: Vec<f64> = spread.found().map(|critical| critical.force).collect();
+        assert_eq!(forces.len(), 8);
+        let (least, most) = forces
+            .iter()
+            .fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(*f), b.max(*f)));
+        assert!(most > 1.05 * least, "{least} {most}");
+        assert!(spread.first_order.is_err());
     }
 
     #[test]

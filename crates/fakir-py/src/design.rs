@@ -113,8 +113,8 @@ pub(crate) fn spread<'py>(
     case: &Case,
     tolerances: Vec<(String, f64, bool)>,
     anywhere: bool,
-    samples: usize,
-    seed: u64,
+    indentations: Vec<f64>,
+    samples_and_seed: (usize, u64),
     options: Options,
 ) -> PyResult<Scattered<'py>> {
     let sampling = Sampling {
@@ -136,8 +136,9 @@ pub(crate) fn spread<'py>(
         } else {
             Landing::AsGiven
         },
-        samples,
-        seed,
+        indentations,
+        samples: samples_and_seed.0,
+        seed: samples_and_seed.1,
     };
     let file = case.file()?;
     let start = Instant::now();

@@ -228,7 +228,12 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
     } else {
         format!(", normal {}", varied.join(", "))
     };
-    let head = format!("Spread of {} samples, {landing}{varied}", sampling.samples);
+    let seeded = spread.samples.iter().any(|it| it.texture_seed.is_some());
+    let pillars = if seeded { ", pillars drawn anew" } else { "" };
+    let head = format!(
+        "Spread of {} samples, {landing}{pillars}{varied}",
+        sampling.samples
+    );
     let summary = |pick: fn(&Critical) -> f64| spread.summary(pick);
     let all = [
         summary(|critical| critical.force),
@@ -243,7 +248,13 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
         summary.map_or(Vec::new(), |summary| statistics(&summary))
     };
     let (pull_off, hysteresis) = (pulled(|it| it.force), pulled(|it| it.hysteresis));
-    let rows: Vec<StatisticRow> = statistics(&force)
+    let forces: Vec<Vec<(String, f64)>> = (0..sampling.indentations.len())
+        .map(|place| {
+            let summary = spread.force_summary(place);
+            summary.map_or(Vec::new(), |summary| statistics(&summary))
+        })
+        .collect();
+    let mut rows: Vec<StatisticRow> = statistics(&force)
         .into_iter()
         .zip(statistics(&indentation))
         .zip(statistics(&radius))
@@ -253,12 +264,26 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
                 name,
                 force,
                 indentation,
-                radius,
+                radius: Some(radius),
                 pull_off: pull_off.get(place).map(|(_, value)| *value),
                 hysteresis: hysteresis.get(place).map(|(_, value)| *value),
+                forces: forces.iter().map(|of| of[place].1).collect(),
             },
         )
         .collect();
+    if let Ok(first_order) = &spread.first_order {
+        let row = StatisticRow {
+            name: "first order".to_owned(),
+            force: first_order.force,
+            indentation: first_order.indentation,
+            radius: None,
+            pull_off: None,
+            hysteresis: None,
+            forces: Vec::new(),
+        };
+        // Under the deviation that it stands beside.
+        rows.insert(2, row);
+    }
     let mut columns = vec![
         Column::text("", |row: &StatisticRow| row.name.clone()),
         Column::force(
@@ -268,7 +293,7 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
             |_| LENGTH_DIGITS,
         ),
         Column::length("indentation", &rows, |row| Some(row.indentation)),
-        Column::length("contact radius", &rows, |row| Some(row.radius)),
+        Column::length("contact radius", &rows, |row| row.radius),
     ];
     if spread.sticks() {
         columns.push(Column::force(
@@ -281,6 +306,15 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
             row.hysteresis
         }));
     }
+    for (place, indentation) in sampling.indentations.iter().enumerate() {
+        let depth = format_quantity(*indentation, Dimension::Length);
+        columns.push(Column::force(
+            &format!("force at {depth}"),
+            &rows,
+            move |row: &StatisticRow| row.forces.get(place).copied(),
+            |_| LENGTH_DIGITS,
+        ));
+    }
     let without = match case.method {
         _ if spread.failures().next().is_none() => String::new(),
         _ => format!(", {} without a solution", spread.failures().count()),
@@ -292,9 +326,12 @@ struct StatisticRow {
     name: String,
     force: f64,
     indentation: f64,
-    radius: f64,
+    /// None of the spread to first order, as all that follows.
+    radius: Option<f64>,
     pull_off: Option<f64>,
     hysteresis: Option<f64>,
+    /// At the indentations that were asked for.
+    forces: Vec<f64>,
 }
 
 /// Mean, deviation and percentiles with their names.

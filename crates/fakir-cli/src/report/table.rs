@@ -27,7 +27,7 @@ impl<T: 'static> Column<T> {
     pub(crate) fn force(
         name: &str,
         rows: &[T],
-        value: fn(&T) -> Option<f64>,
+        value: impl Fn(&T) -> Option<f64> + 'static,
         known: fn(&T) -> usize,
     ) -> Self {
         Self::scaled(name, Dimension::Force, rows, value, known)
@@ -52,10 +52,10 @@ impl<T: 'static> Column<T> {
         name: &str,
         dimension: Dimension,
         rows: &[T],
-        value: fn(&T) -> Option<f64>,
+        value: impl Fn(&T) -> Option<f64> + 'static,
         known: fn(&T) -> usize,
     ) -> Self {
-        let unit = column_unit(rows.iter().filter_map(value), dimension);
+        let unit = column_unit(rows.iter().filter_map(&value), dimension);
         let size = unit.map_or(1.0, |unit| unit.in_si());
         Self {
             heading: unit.map_or(name.to_owned(), |unit| format!("{name} ({})", unit.symbol)),
