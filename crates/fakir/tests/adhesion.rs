@@ -4,8 +4,9 @@ mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::problem::{
-    Accuracy, Adhesion, Control, CyclePlan, Drive, ElementMesh, FloorModel, HexagonalLattice, Lens,
-    Material, Method, PillarCompliance, PunchForm, Quantity, System, Turn,
+    Accuracy, Adhesion, Control, CyclePlan, Disorder, Drive, ElementMesh, FloorModel,
+    HexagonalLattice, LatticeForm, Lens, ListedPillar, Material, Method, PillarCompliance,
+    PillarList, PlaneLattice, PunchForm, Quantity, System, Turn,
 };
 use fakir::state::{
     CancelToken, Cycle, CycleEventKind, PillarState, PillarStatus, Progress, Run, SolveError,
@@ -601,4 +602,237 @@ fn a_cycle_can_be_followed_station_by_station() {
         let of_pillar = pillar.centre_pressure;
         assert!((pressure - of_pillar).abs() <= 1e-9 * of_pillar.abs());
     }
+}
+
+/// The paper's intermediate system with pillars that stand otherwise.
+fn sticky_on(
+    arrangement: impl Into<fakir::problem::Arrangement>,
+    compliance: PillarCompliance,
+    work: f64,
+) -> System {
+    let of_paper = paper_system(paper_lattice(0.03, 0.0), INTERMEDIATE, compliance);
+    let system = of_paper
+        .with_arrangement(arrangement)
+        .expect("an arrangement");
+    system
+        .with_adhesion(Adhesion::new(work))
+        .expect("a work of adhesion")
+}
+
+/// One lattice as the paper's, as an oblique one that is turned, and as a list of more pillars than come into contact.
+#[test]
+fn the_same_lattice_in_other_words_pulls_alike() {
+    let lattice = paper_lattice(0.03, 0.3);
+    let hexagonal = sticky(0.03, 0.3, 0.01);
+    let pitch = lattice.pitch;
+    // Seen along the paper's x the oblique rows are at 30 degrees.
+    let oblique = PlaneLattice {
+        rotation: 0.4,
+        offset: 0.3,
+        offset_angle: std::f64::consts::FRAC_PI_6,
+        ..PlaneLattice::new(LatticeForm::Oblique {
+            pitch,
+            pitch_y: pitch,
+            angle: std::f64::consts::FRAC_PI_3,
+        })
+    };
+    let pillars = hexagonal.pillars_within(8.0 * pitch).into_iter();
+    let list = pillars.map(|pillar| ListedPillar {
+        centre: pillar.centre,
+        height: pillar.height,
+        diameter: pillar.diameter,
+    });
+    let list = PillarList::new(list.collect()).expect("pillars that do not overlap");
+    let column = PillarCompliance::Column;
+    let expected = cycle(&hexagonal, CyclePlan::default());
+    for system in [
+        sticky_on(oblique, column, 0.01),
+        sticky_on(list, column, 0.01),
+    ] {
+        let found = cycle(&system, CyclePlan::default());
+        let critical = |cycle: &Cycle| {
+            cycle
+                .critical
+                .as_ref()
+                .expect("a critical state")
+                .contact
+                .force
+        };
+        for (what, value, expected) in [
+            ("F_c", critical(&found), critical(&expected)),
+            ("pull-off", pull_off(&found), pull_off(&expected)),
+            ("loop", found.loop_area, expected.loop_area),
+        ] {
+            let difference = value / expected - 1.0;
+            println!("{what} {difference:e}");
+            assert!(difference.abs() < 1e-6, "{what}: {value} {expected}");
+        }
+        assert_eq!(found.events.len(), expected.events.len());
+        assert!(found.certificate().unwrap() < 1e-4);
+    }
+    // What is held is turned with the lattice: the pressure is that of the straight one.
+    let turned = cycle(&sticky_on(oblique, column, 0.01), CyclePlan::default());
+    let [straight, turned] = [&expected, &turned].map(|it| &it.pull_off.as_ref().unwrap().pillars);
+    for (one, other) in straight.iter().zip(turned) {
+        let [x, y] = one.centre.map(|x| x / pitch);
+        // The paper's x is at 30 degrees from the first row, which is at 0.4 rad.
+        let (sin, cos) = (0.4 + std::f64::consts::FRAC_PI_6).sin_cos();
+        let image = [cos * x - sin * y, sin * x + cos * y];
+        let near = turned.iter().chain(std::iter::once(other)).any(|pillar| {
+            let [x, y] = pillar.centre.map(|x| x / pitch);
+            (x - image[0]).hypot(y - image[1]) < 1e-6
+                && (pillar.force / one.force - 1.0).abs() < 1e-5
+        });
+        assert!(near, "{one:?}");
+    }
+}
+
+/// On a square lattice, of which pillars may be missing: what drives the lens does not matter, the cycle closes, and what is released is what is
+/// lost.
+#[test]
+fn square_lattices_pull_alike_however_they_are_driven() {
+    let form = LatticeForm::Square { pitch: 30e-6 };
+    let whole = PlaneLattice {
+        offset: 0.2,
+        offset_angle: 0.3,
+        ..PlaneLattice::new(form)
+    };
+    let gappy = PlaneLattice {
+        disorder: Disorder {
+            missing: 0.1,
+            seed: 4,
+            ..Disorder::default()
+        },
+        ..whole
+    };
+    for lattice in [whole, gappy] {
+        let system = sticky_on(lattice, PillarCompliance::Column, 0.02);
+        let stiffness = system.reduced_modulus() * 3e-6;
+        let drives = [
+            Drive::Displacement,
+            Drive::Force,
+            Drive::Machine(0.3 * stiffness),
+        ];
+        let pulls = drives.map(|drive| {
+            let plan = CyclePlan {
+                drive,
+                ..CyclePlan::default()
+            };
+            let cycle = cycle(&system, plan);
+            assert!(cycle.separation.is_some());
+            assert!(cycle.certificate().unwrap() < 1e-4);
+            let forces: f64 = cycle
+                .pull_off
+                .as_ref()
+                .unwrap()
+                .pillars
+                .iter()
+                .map(|p| p.force)
+                .sum();
+            assert!((forces / pull_off(&cycle) - 1.0).abs() < 1e-6);
+            pull_off(&cycle)
+        });
+        for pull in pulls {
+            assert!((pull / pulls[0] - 1.0).abs() < 1e-6, "{pulls:?}");
+        }
+    }
+}
+
+/// Pillars that are all higher by as much than the common one come off by so much earlier, under the same pull.
+#[test]
+fn heights_shift_what_sticks() {
+    let lattice = paper_lattice(0.03, 0.3);
+    let of_paper = paper_system(lattice, INTERMEDIATE, PillarCompliance::None);
+    let placed = of_paper.pillars_within(200e-6);
+    let raised = |by: f64| {
+        let pillar = |(number, p): (usize, &fakir::problem::PlacedPillar)| ListedPillar {
+            centre: p.centre,
+            height: p.height + by * (1.0 + 0.1 * (number % 7) as f64),
+            diameter: p.diameter,
+        };
+        let list = placed.iter().enumerate().map(pillar).collect();
+        sticky_on(
+            PillarList::new(list).expect("pillars that do not overlap"),
+            PillarCompliance::None,
+            0.01,
+        )
+    };
+    let turn = |indentation: f64| CyclePlan {
+        turn: Turn::Indentation(indentation),
+        ..CyclePlan::default()
+    };
+    let level = cycle(&raised(0.0), turn(1.5e-6));
+    let scattered = cycle(&raised(0.2e-6), turn(1.2e-6));
+    assert!(scattered.certificate().unwrap() < 1e-4);
+    assert!((pull_off(&scattered) / pull_off(&level) - 1.0).abs() > 1e-3);
+    let all_higher = {
+        let pillars = placed.iter().map(|p| ListedPillar {
+            centre: p.centre,
+            height: p.height + 0.2e-6,
+            diameter: p.diameter,
+        });
+        let list = PillarList::new(pillars.collect()).expect("pillars that do not overlap");
+        cycle(&sticky_on(list, PillarCompliance::None, 0.01), turn(1.3e-6))
+    };
+    assert!((pull_off(&all_higher) / pull_off(&level) - 1.0).abs() < 1e-9);
+    let earlier = level.separation.unwrap() - all_higher.separation.unwrap();
+    assert!((earlier / 0.2e-6 - 1.0).abs() < 1e-6, "{earlier}");
+}
+
+/// Kendall, on one listed pillar.
+#[test]
+fn one_listed_pillar_pulls_as_a_flat_punch() {
+    let pillar = ListedPillar {
+        centre: [0.0; 2],
+        height: 2.2e-6,
+        diameter: 6e-6,
+    };
+    let list = PillarList::new(vec![pillar]).unwrap();
+    let of_paper = sticky_on(list, PillarCompliance::Column, 0.05);
+    let lens = Lens {
+        radius: 22.0,
+        material: Material::new(2e6, 0.5),
+    };
+    let system = System::new(lens, *of_paper.substrate(), of_paper.texture().clone()).unwrap();
+    let system = system.with_adhesion(Adhesion::new(0.05)).unwrap();
+    let expected = pull_off_under_lens(system.reduced_modulus(), 3e-6, 0.05, lens.radius);
+    let plan = CyclePlan {
+        turn: Turn::Indentation(1e-7),
+        ..CyclePlan::default()
+    };
+    let found = pull_off(&cycle(&system, plan));
+    assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+}
+
+/// Fronts are known for tops of one size on columns that are alike.
+#[test]
+fn tops_that_differ_do_not_stick_yet() {
+    let refused = |system: &System| {
+        let cycle = fakir::cycle(
+            system,
+            CyclePlan::default(),
+            Method::default(),
+            &Run::default(),
+        );
+        let error = cycle.unwrap_err();
+        assert!(matches!(error, SolveError::TopsDiffer { .. }));
+        error.to_string()
+    };
+    let pillar = |x: f64, diameter: f64| ListedPillar {
+        centre: [x, 0.0],
+        height: 2.2e-6,
+        diameter,
+    };
+    let list = PillarList::new(vec![pillar(0.0, 6e-6), pillar(20e-6, 8e-6)]).unwrap();
+    let told = refused(&sticky_on(list, PillarCompliance::Column, 0.05));
+    assert!(told.contains("diameters"), "{told}");
+    let scattered = PlaneLattice {
+        disorder: Disorder {
+            height_spread: 0.05,
+            ..Disorder::default()
+        },
+        ..PlaneLattice::new(LatticeForm::Square { pitch: 30e-6 })
+    };
+    let told = refused(&sticky_on(scattered, PillarCompliance::Column, 0.05));
+    assert!(told.contains("columns"), "{told}");
 }

@@ -295,16 +295,6 @@ fn what_is_made_for_the_lattice_of_the_paper_says_so() {
         assert!(error.to_string().contains("(square)"), "{error}");
         assert!(refused(error));
     }
-    let sticky = system
-        .with_adhesion(fakir::problem::Adhesion::new(0.05))
-        .unwrap();
-    let error = fakir::press(
-        &sticky,
-        Control::FloorContact,
-        Method::default(),
-        &Run::default(),
-    );
-    assert!(refused(error.unwrap_err()));
 }
 
 #[test]

@@ -370,6 +370,33 @@ impl PlaneLattice {
         }
     }
 
+    /// The same with all distances times a number.
+    #[must_use]
+    pub fn stretched(&self, ratio: f64) -> Self {
+        let form = match self.form {
+            LatticeForm::Hexagonal { pitch } => LatticeForm::Hexagonal {
+                pitch: ratio * pitch,
+            },
+            LatticeForm::Square { pitch } => LatticeForm::Square {
+                pitch: ratio * pitch,
+            },
+            LatticeForm::Rectangular { pitch, pitch_y } => LatticeForm::Rectangular {
+                pitch: ratio * pitch,
+                pitch_y: ratio * pitch_y,
+            },
+            LatticeForm::Oblique {
+                pitch,
+                pitch_y,
+                angle,
+            } => LatticeForm::Oblique {
+                pitch: ratio * pitch,
+                pitch_y: ratio * pitch_y,
+                angle,
+            },
+        };
+        Self { form, ..*self }
+    }
+
     /// The lattice vectors, turned, m.
     #[must_use]
     pub fn vectors(&self) -> [Point; 2] {
@@ -392,8 +419,7 @@ impl PlaneLattice {
 
     /// Whether there is a pillar of that index.
     fn has(&self, index: (i64, i64)) -> bool {
-        let inside = self.columns.is_none_or(|columns| {
-            let [first, end] = Self::range(i64::from(columns));
+        let inside = self.ends().is_none_or(|[first, end]| {
             (first..end).contains(&index.0) && (first..end).contains(&index.1)
         });
         inside && self.disorder.height_ratio(index).is_some()
@@ -447,6 +473,12 @@ impl PlaneLattice {
             }
         }
         Ok(())
+    }
+
+    /// The first index of its pillars along each vector, and the end; none of a lattice without end.
+    #[must_use]
+    pub fn ends(&self) -> Option<[i64; 2]> {
+        self.columns.map(|columns| Self::range(i64::from(columns)))
     }
 
     /// Of so many pillars along a vector, the first index and the end.
@@ -561,21 +593,19 @@ impl PillarList {
             }
         }
         // Those that touch may overlap by rounding.
-        let discs = |part: f64| {
-            pillars
-                .iter()
-                .map(move |p| (p.centre, part * 0.5 * p.diameter))
-        };
-        if let Some((one, other, distance)) = Neighbours::new(discs(1.0 - 1e-12)).overlapping() {
+        let discs = pillars
+            .iter()
+            .map(|pillar| (pillar.centre, (0.5 - 5e-13) * pillar.diameter));
+        let neighbours = Neighbours::new(discs);
+        if let Some((one, other, distance)) = neighbours.overlapping() {
             return Err(InvalidPillars::Overlap {
                 pillars: [one.min(other), one.max(other)],
                 distance,
                 radii: 0.5 * (pillars[one].diameter + pillars[other].diameter),
             });
         }
-        let distances = Neighbours::new(discs(1.0));
         let mean_distance = if pillars.len() > 1 {
-            distances.distances().sum::<f64>() / pillars.len() as f64
+            neighbours.distances().sum::<f64>() / pillars.len() as f64
         } else {
             2.0 * pillars[0].diameter
         };

@@ -120,19 +120,42 @@ impl Scene {
         }
         let [largest, highest] = self.field.bounds();
         // No pillar farther off than this is that high.
-        let rise = (indentation + highest).max(0.0);
-        let lens = self.lens.radius;
-        let radius = if rise < lens {
-            (rise * (2.0 * lens - rise)).sqrt() + largest
-        } else {
-            lens + largest
-        };
+        let radius = self.lens.reach_at(indentation + highest) + largest;
         let (pillars, _) = self.field.listed_within(radius);
         pillars.iter().any(|(index, pillar)| {
             let [x, y] = pillar.centre;
             let edge = (x.hypot(y) - pillar.body.radius).max(0.0);
             *index != one && self.lens.sag(edge) - pillar.body.raised <= indentation
         })
+    }
+
+    /// Distance of the nearest pillar top from the lens axis; 0 if the axis is on one.
+    pub(crate) fn nearest_edge(&self) -> f64 {
+        if let PillarField::Hexagonal { lattice, .. } = &self.field {
+            return nearest_edge(lattice);
+        }
+        let mut radius = self.field.spacing();
+        loop {
+            let (pillars, all) = self.field.listed_within(radius);
+            let edges = pillars
+                .iter()
+                .map(|(_, ListedPillar { centre, body })| centre[0].hypot(centre[1]) - body.radius);
+            let nearest = edges.fold(f64::INFINITY, smaller);
+            if all || nearest.is_finite() {
+                return nearest.max(0.0);
+            }
+            radius *= 2.0;
+        }
+    }
+
+    /// Distance from the lens axis within which the undeformed lens may reach a top that is higher than the common one at an indentation;
+    /// 0 where none is.
+    pub(crate) fn reach_of_tops(&self, indentation: f64) -> f64 {
+        let [largest, highest] = self.field.bounds();
+        if highest <= 0.0 {
+            return 0.0;
+        }
+        self.lens.reach_at(indentation + highest) + largest
     }
 
     /// The indentation at which the first top is touched.
@@ -166,7 +189,7 @@ impl Scene {
         if self.lens.is_flat() || rise >= lens {
             return near.min(-highest);
         }
-        let radius = (rise.max(0.0) * (2.0 * lens - rise)).sqrt() + largest;
+        let radius = self.lens.reach_at(rise) + largest;
         among(&self.field.listed_within(radius).0).min(near)
     }
 }
@@ -202,11 +225,6 @@ impl Problem {
             pressure: self.pressure,
             rotation: 0.0,
         }
-    }
-
-    /// Distance of the nearest pillar top from the lens axis; 0 if the axis is on one.
-    pub(crate) fn nearest_edge(&self) -> f64 {
-        nearest_edge(&self.lattice)
     }
 
     /// A point in metres.

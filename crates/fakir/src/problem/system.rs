@@ -65,6 +65,16 @@ impl Lens {
         smaller(self.sag_at_square(x * x + y * y), self.radius)
     }
 
+    /// Distance from the axis up to which the lens is no higher than that above its lowest point; of a height above the equator the radius.
+    pub(crate) fn reach_at(&self, height: f64) -> f64 {
+        let rise = height.max(0.0);
+        if rise < self.radius {
+            (rise * (2.0 * self.radius - rise)).sqrt()
+        } else {
+            self.radius
+        }
+    }
+
     /// [`sag`](Self::sag) from the square of the distance to the axis.
     pub(crate) fn sag_at_square(&self, squared: f64) -> f64 {
         let rest = self.radius * self.radius - squared;

@@ -8,7 +8,7 @@ use super::spectral::degrees;
 use super::touched::nearest_first;
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE};
 use crate::numerics::vector::dot;
-use crate::problem::scaled::{Problem, Scene};
+use crate::problem::scaled::Scene;
 use crate::problem::{Accuracy, Control, CyclePlan, Drive, FloorModel, Method, System, Turn};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
@@ -57,11 +57,11 @@ pub(crate) fn press(
     accuracy: Accuracy,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let problem = on_lattice(system)?;
-    let loading = Loading::new(system, &problem, accuracy, Drive::Displacement, run)?;
+    let scene = sticking_scene(system)?;
+    let loading = Loading::new(system, &scene, accuracy, Drive::Displacement, run)?;
     let end = match control {
-        Control::Indentation(indentation) => End::Indentation(indentation / problem.length),
-        Control::Force(force) => End::Force(force / problem.force()),
+        Control::Indentation(indentation) => End::Indentation(indentation / scene.length),
+        Control::Force(force) => End::Force(force / scene.force()),
         Control::FloorContact => End::Floor,
     };
     let loaded = loading.until(end)?;
@@ -87,12 +87,12 @@ pub(crate) fn cycle(
     run: &Run<'_>,
     follower: &dyn Fn(&Passage<'_>),
 ) -> Result<Cycle, SolveError> {
-    let problem = on_lattice(system)?;
+    let scene = sticking_scene(system)?;
     let told = |path: &Path<'_>| {
         if let Some(station) = path.stations.last() {
             follower(&Passage {
                 place: path.stations.len() - 1,
-                station: in_si(path.problem, station),
+                station: in_si(path.scene, station),
                 held: &|| held(path, path.indentation(), &path.held_tops()),
             });
         }
@@ -100,13 +100,13 @@ pub(crate) fn cycle(
     let end = match plan.turn {
         Turn::Critical(part) if part < 1.0 => {
             let critical = press(system, Control::FloorContact, accuracy, run)?;
-            End::Indentation(part * critical.indentation / problem.length)
+            End::Indentation(part * critical.indentation / scene.length)
         }
         Turn::Critical(_) => End::Floor,
-        Turn::Indentation(indentation) => End::Indentation(indentation / problem.length),
-        Turn::Force(force) => End::Force(force / problem.force()),
+        Turn::Indentation(indentation) => End::Indentation(indentation / scene.length),
+        Turn::Force(force) => End::Force(force / scene.force()),
     };
-    let mut loading = Loading::new(system, &problem, accuracy, plan.drive, run)?;
+    let mut loading = Loading::new(system, &scene, accuracy, plan.drive, run)?;
     loading.path.followed_by(&told);
     let mut loaded = loading.until(end)?;
     let path = &mut loaded.loading.path;
@@ -119,13 +119,20 @@ pub(crate) fn cycle(
     Ok(loaded.cycle(plan))
 }
 
-/// The problem, if it is of the lattice on which tops stick.
-fn on_lattice(system: &System) -> Result<Problem, SolveError> {
-    let problem = Scene::new(system).on_lattice();
-    problem.ok_or(SolveError::NotOnArrangement {
-        what: "adhesion",
-        arrangement: system.arrangement().name(),
-    })
+/// The scene, if its tops can stick: these are of one size and on columns that are alike, whatever their heights.
+fn sticking_scene(system: &System) -> Result<Scene, SolveError> {
+    let scene = Scene::new(system);
+    let [sizes, columns] = scene.field.are_common();
+    if !sizes {
+        let what = "diameters differ from texture.pillar.diameter: give all pillars that one";
+        return Err(SolveError::TopsDiffer { what });
+    }
+    if !columns {
+        let what = "heights differ, and so columns: give all pillars one height, or let \
+                    texture.pillar.compliance be \"none\"";
+        return Err(SolveError::TopsDiffer { what });
+    }
+    Ok(scene)
 }
 
 /// A lens that comes down on tops that stick.
@@ -150,30 +157,29 @@ struct Loaded<'a> {
 impl<'a> Loading<'a> {
     fn new(
         system: &'a System,
-        problem: &'a Problem,
+        scene: &'a Scene,
         accuracy: Accuracy,
         drive: Drive,
         run: &'a Run<'a>,
     ) -> Result<Self, SolveError> {
         let adhesion = system.adhesion();
-        let scale = problem.pressure * problem.length;
+        let scale = scene.pressure * scene.length;
         let works = Works {
             advancing: adhesion.work / scale,
             receding: adhesion.receding() / scale,
         };
-        let degree = degrees(accuracy, &problem.scene()).coupling;
-        let fronts = Fronts::new(degree, problem.column_compliance_ratio, works, true);
+        let degree = degrees(accuracy, scene).coupling;
+        let kappa = scene.field.column_compliance_ratio();
+        let fronts = Fronts::new(degree, kappa, works, true);
         let held = match drive {
             Drive::Displacement => Held::Indentation,
             Drive::Force => Held::Force,
-            Drive::Machine(stiffness) => {
-                Held::Crosshead(stiffness * problem.length / problem.force())
-            }
+            Drive::Machine(stiffness) => Held::Crosshead(stiffness * scene.length / scene.force()),
         };
         Ok(Self {
             system,
             accuracy,
-            path: Path::new(problem, run, fronts, held)?,
+            path: Path::new(scene, run, fronts, held)?,
         })
     }
 
@@ -223,7 +229,7 @@ impl<'a> Loading<'a> {
 
     /// The present contact.
     fn state(&self, termination: Termination) -> ContactState {
-        let (system, problem) = (self.system, self.path.problem);
+        let (system, scene) = (self.system, self.path.scene);
         let lowest = self.path.lowest_floor();
         let path = &self.path;
         let indentation = path.indentation();
@@ -231,7 +237,7 @@ impl<'a> Loading<'a> {
         let radius = path.contact_radius();
         let (force, partly) = (path.force(), partly_borne(&pillars));
         let error = if termination == Termination::Converged {
-            let share = relative(PARTIAL_ERROR * partly / problem.force(), force);
+            let share = relative(PARTIAL_ERROR * partly / scene.force(), force);
             let [degree, _] = self.degree_errors();
             ErrorEstimate {
                 force: degree + share,
@@ -253,9 +259,9 @@ impl<'a> Loading<'a> {
             _ => radius,
         };
         let state = ContactState {
-            force: force * problem.force(),
-            contact_radius: radius * problem.length,
-            contact_radius_error: radius_error * problem.length,
+            force: force * scene.force(),
+            contact_radius: radius * scene.length,
+            contact_radius_error: radius_error * scene.length,
             pillars_in_contact: pillars.len(),
             pillars_partially_in_contact: partial,
             pillars,
@@ -263,19 +269,20 @@ impl<'a> Loading<'a> {
             error,
             termination,
             iterations: path.events.len(),
-            warnings: warnings(system, radius / problem.lens.radius),
+            warnings: warnings(system, radius / scene.lens.radius),
             ..ContactState::untouched(
                 system,
                 Method::Spectral(self.accuracy),
-                indentation * problem.length,
+                indentation * scene.length,
             )
         };
-        floor_gap(&problem.scene(), state, indentation, lowest)
+        floor_gap(scene, state, indentation, lowest)
     }
 
     /// Errors of the degree of the pressure, relative: of forces, and of where a rim lets go.
     fn degree_errors(&self) -> [f64; 2] {
-        let pitch = self.path.problem.lattice.pitch;
+        // That of equal tops whose rims are as near as the nearest ones here.
+        let pitch = self.path.scene.field.least_gap() + 2.0;
         let degree = self.path.tops.fronts.degree() as i32;
         [
             SOLVER_ERROR + DEGREE_ERROR * pitch.powi(-2 * degree - 2),
@@ -294,8 +301,8 @@ impl Loaded<'_> {
             stopped_by_floor,
         } = self;
         let path = &loading.path;
-        let problem = path.problem;
-        let (metres, newtons) = (problem.length, problem.force());
+        let scene = path.scene;
+        let (metres, newtons) = (scene.length, scene.force());
         let stations: Vec<CycleStation> = path
             .stations
             .iter()
@@ -303,7 +310,7 @@ impl Loaded<'_> {
                 let floor = events_before(events_before_floor, station);
                 CycleStation {
                     events: station.events + floor,
-                    ..in_si(problem, station)
+                    ..in_si(scene, station)
                 }
             })
             .collect();
@@ -363,9 +370,8 @@ impl Loaded<'_> {
 
 impl Loading<'_> {
     fn event(&self, event: &TopEvent) -> CycleEvent {
-        let problem = self.path.problem;
+        let scene = self.path.scene;
         let [before, after] = event.levels;
-        let (i, j) = event.index;
         let covered = |level: usize| self.path.tops.fronts.part(level);
         CycleEvent {
             branch: branch(event.course),
@@ -375,11 +381,11 @@ impl Loading<'_> {
                 _ if after > before => CycleEventKind::Growth,
                 _ => CycleEventKind::Recession,
             },
-            indentation: event.indentation * problem.length,
-            force: event.force * problem.force(),
+            indentation: event.indentation * scene.length,
+            force: event.force * scene.force(),
             pillar: Some(HeldPillar {
                 index: event.index,
-                centre: problem.metres(problem.lattice.centre(i, j)),
+                centre: scene.metres(event.centre),
                 covered: covered(after),
             }),
             covered_before: covered(before),
@@ -434,7 +440,8 @@ fn events_before(floor: Option<usize>, station: &Station) -> usize {
 fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
     let fronts = &path.tops.fronts;
     let degree = fronts.degree();
-    let discs = tops.iter().map(|top| Disc {
+    let scene = path.scene;
+    let disc = |top: &HeldTop| Disc {
         index: top.index,
         centre: top.centre,
         radius: 1.0,
@@ -442,9 +449,10 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
         gap: None,
         held: Some(fronts.held_part(top.domain)),
         sliver: None,
-    });
+    };
+    let discs = tops.iter().map(|top| disc(top).turned(scene.rotation));
     let fields = Fields::new(
-        path.problem.scene(),
+        scene.as_asked(),
         indentation,
         discs.collect(),
         degree,
@@ -458,7 +466,7 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
 
 /// Tops in contact with what each bears, nearest to the lens axis first.
 fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
-    let problem = path.problem;
+    let scene = path.scene;
     let fronts = &path.tops.fronts;
     let mut basis = BasisEvaluator::new(fronts.degree());
     let mut at_centre = vec![0.0; tops.first().map_or(0, |top| top.coefficients.len())];
@@ -468,24 +476,20 @@ fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
     let pillar = |top: &HeldTop| {
         let coefficients = &top.coefficients;
         let centre_is_held = fronts.holds_centre(top.domain);
-        let edge = || {
-            fronts
-                .edge_range(coefficients)
-                .map(|q| q * problem.pressure)
-        };
+        let edge = || fronts.edge_range(coefficients).map(|q| q * scene.pressure);
         PillarState {
-            diameter: 2.0 * problem.length,
-            height: problem.height * problem.length,
+            diameter: 2.0 * scene.length,
+            height: (scene.height + top.raised) * scene.length,
             index: top.index,
-            centre: problem.metres(top.centre),
+            centre: scene.metres(top.centre),
             status: if top.domain.is_full() {
                 PillarStatus::Full
             } else {
                 PillarStatus::Partial
             },
-            force: UNIT_FORCE * coefficients[0] * problem.force(),
+            force: UNIT_FORCE * coefficients[0] * scene.force(),
             centre_pressure: if centre_is_held {
-                dot(&at_centre, coefficients) * problem.pressure
+                dot(&at_centre, coefficients) * scene.pressure
             } else {
                 0.0
             },
@@ -493,20 +497,20 @@ fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
         }
     };
     let mut pillars: Vec<PillarState> = tops.iter().map(pillar).collect();
-    nearest_first(&mut pillars, |pillar| pillar, problem.length);
+    nearest_first(&mut pillars, |pillar| pillar, scene.length);
     pillars
 }
 
 /// A station as it is handed out.
-fn in_si(problem: &Problem, station: &Station) -> CycleStation {
+fn in_si(scene: &Scene, station: &Station) -> CycleStation {
     CycleStation {
         branch: branch(station.course),
-        indentation: station.indentation * problem.length,
-        force: station.force * problem.force(),
-        contact_radius: station.radius * problem.length,
+        indentation: station.indentation * scene.length,
+        force: station.force * scene.force(),
+        contact_radius: station.radius * scene.length,
         pillars_in_contact: station.touched[0],
         pillars_partially_in_contact: station.touched[1],
-        contact_area: station.area * problem.length * problem.length,
+        contact_area: station.area * scene.length * scene.length,
         events: station.events,
     }
 }

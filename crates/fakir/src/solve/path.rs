@@ -7,21 +7,21 @@
 //! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
 //! sets free is dissipated.
 
-use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Uncovered};
+use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
 use super::frozen::{FrozenContact, Rule, Source};
 use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::sticky::StickyTops;
-use super::spectral::{LARGEST_CONTACT, checked_window};
+use super::spectral::{LARGEST_CONTACT, checked_sites};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::pair::PairCoupling;
-use crate::halfspace::coupling::window::Window;
-use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::coupling::sites::Sites;
+use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::convergence::Judgement;
 use crate::numerics::vector::{add_scaled, dot, subtract};
 use crate::problem::Point;
-use crate::problem::scaled::Problem;
+use crate::problem::scaled::Scene;
 use crate::state::{Progress, Run, SolveError, Stage, Termination};
 
 /// Relative size of the residuals of the responses: to a unit indentation and at the present one where it is held, and of both where it is not.
@@ -47,14 +47,14 @@ const NEAR_FLOOR: f64 = 0.02;
 /// Rounds of a cascade before giving up.
 const ROUND_LIMIT: usize = 2000;
 
-/// On loading a window has pillars up to this many pitches beyond the farthest one in contact. It is made wider by `GROWTH` at the least.
+/// On loading there are pillars up to this many pitches beyond the farthest one in contact. They become more by `GROWTH` of their radius at the least.
 const MARGIN: f64 = 1.5;
 const GROWTH: f64 = 1.25;
 
-/// On unloading no more come into contact: a window is made narrower where less than this part of its radius is needed.
+/// On unloading no more come into contact: there are fewer where less than this part of their radius is needed.
 const SHRINKAGE: f64 = 0.88;
 
-/// Windows of so few pillars are not made smaller.
+/// So few pillars are not made fewer.
 const FEW_PILLARS: usize = 24;
 
 /// What is held while tops change.
@@ -100,6 +100,7 @@ pub(crate) struct TopEvent {
     pub(crate) indentation: f64,
     pub(crate) force: f64,
     pub(crate) index: (i64, i64),
+    pub(crate) centre: Point,
     pub(crate) levels: [usize; 2],
 }
 
@@ -148,6 +149,8 @@ pub(crate) struct Energies {
 pub(crate) struct HeldTop {
     pub(crate) index: (i64, i64),
     pub(crate) centre: Point,
+    /// By how much it is higher than the common one.
+    pub(crate) raised: f64,
     pub(crate) domain: Domain,
     pub(crate) coefficients: Vec<f64>,
 }
@@ -167,25 +170,33 @@ struct Refined {
     stiffness: f64,
 }
 
+/// A top whose level is another, with both levels.
+#[derive(Debug, Clone, Copy)]
+struct ChangedTop {
+    index: (i64, i64),
+    centre: Point,
+    levels: [usize; 2],
+}
+
 /// What a cascade changed.
 #[derive(Debug, Default)]
 struct Change {
     /// Area that came into contact, and out of it.
     gained: f64,
     lost: f64,
-    /// Tops whose level is another, with both levels.
-    tops: Vec<((i64, i64), [usize; 2])>,
+    tops: Vec<ChangedTop>,
 }
 
 /// A lens that goes up and down on tops that stick.
 pub(crate) struct Path<'a> {
-    pub(crate) problem: &'a Problem,
+    /// With pillars of the unit radius on columns that are alike.
+    pub(crate) scene: &'a Scene,
     run: &'a Run<'a>,
     /// Told every station, the last one of [`stations`](Self::stations), when the lens has come to it.
     follower: &'a dyn Fn(&Self),
     pair: PairCoupling,
     projector: LensProjector,
-    pub(crate) window: Window,
+    pub(crate) sites: Sites,
     pub(crate) tops: StickyTops,
     pub(crate) contact: FrozenContact<'a, LatticeCoupling<'a>>,
     exterior: Exterior,
@@ -208,29 +219,32 @@ pub(crate) struct Path<'a> {
 impl<'a> Path<'a> {
     /// The lens above all tops, at an indentation at which it touches none.
     pub(crate) fn new(
-        problem: &'a Problem,
+        scene: &'a Scene,
         run: &'a Run<'a>,
         fronts: Fronts,
         held: Held,
     ) -> Result<Self, SolveError> {
         let degree = fronts.degree();
         let modes = mode_count(degree);
-        let pair = PairCoupling::new(degree, problem.lattice.pitch);
-        let projector = LensProjector::new(&problem.lens, degree);
-        let radius = problem.nearest_edge() + 1.0 + MARGIN * problem.lattice.pitch;
-        let window = checked_window(&problem.lattice, radius, modes, run)?;
-        let coupling = LatticeCoupling::new(&window, &pair, run.workers());
-        let own_load = own_load(problem, &projector, &window, modes);
+        let pitch = scene.field.spacing();
+        let pair = PairCoupling::new(degree, pitch);
+        let projector = LensProjector::new(&scene.lens, degree);
+        let first_touch = scene.first_touch();
+        let radius = scene.nearest_edge() + 1.0 + MARGIN * pitch;
+        let radius = radius.max(scene.reach_of_tops(first_touch));
+        let sites = checked_sites(scene, radius, modes, run)?;
+        let coupling = LatticeCoupling::of_sites(&sites, &pair, run.workers());
+        let own_load = own_load(scene, &projector, &sites, modes);
         let mut path = Self {
-            problem,
+            scene,
             run,
             follower: &|_| {},
             works: fronts.works(),
-            tops: StickyTops::new(fronts, &problem.lattice, &window),
+            tops: StickyTops::new(fronts, &sites),
             loads: vec![0.0; own_load.len()],
             along: vec![0.0; own_load.len()],
             contact: FrozenContact::new(run, coupling, modes, own_load),
-            window,
+            sites,
             pair,
             projector,
             exterior: Exterior::new(degree),
@@ -243,8 +257,7 @@ impl<'a> Path<'a> {
             strongest: None,
             failed: None,
         };
-        let first_touch = problem.lens.sag(problem.nearest_edge());
-        let start = first_touch.min(problem.height);
+        let start = first_touch.min(scene.height);
         path.contact.move_to(start - path.longest_step());
         path.record(Course::Loading);
         Ok(path)
@@ -270,7 +283,7 @@ impl<'a> Path<'a> {
     /// Distance from the lens axis of the farthest point in contact.
     pub(crate) fn contact_radius(&self) -> f64 {
         let mut farthest = 0.0_f64;
-        for (domain, centre) in self.tops.domains.iter().zip(self.window.centres()) {
+        for (domain, centre) in self.tops.domains.iter().zip(self.sites.centres()) {
             if !domain.is_out() && centre[0].hypot(centre[1]) + 1.0 > farthest {
                 let axis = centre.map(|x| -x);
                 farthest = farthest.max(self.tops.fronts.farthest_from(*domain, axis));
@@ -281,14 +294,14 @@ impl<'a> Path<'a> {
 
     /// Distance from the lens axis of the farthest centre of a top in contact.
     fn reach(&self) -> f64 {
-        let pillars = self.tops.domains.iter().zip(self.window.centres());
+        let pillars = self.tops.domains.iter().zip(self.sites.centres());
         let touched = pillars.filter(|(domain, _)| !domain.is_out());
         touched.map(|(_, [x, y])| x.hypot(*y)).fold(0.0, f64::max)
     }
 
     fn longest_step(&self) -> f64 {
         let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
-        (LONGEST_STEP * self.problem.height).max(part_of_path)
+        (LONGEST_STEP * self.scene.height).max(part_of_path)
     }
 
     /// Goes on until the end. Where `watch_floor` a loading stops at the floor too.
@@ -336,7 +349,7 @@ impl<'a> Path<'a> {
             }
             self.advance(sign * step);
             self.record(course);
-            if self.indentation() > LARGEST_CONTACT * self.problem.lens.radius {
+            if self.indentation() > LARGEST_CONTACT * self.scene.lens.radius {
                 return Err(self.too_large(self.indentation()));
             }
             let past = beyond * self.indentation().abs().max(1.0);
@@ -369,7 +382,7 @@ impl<'a> Path<'a> {
         self.run.report(Progress {
             stage: Stage::Cycle,
             step: self.events.len(),
-            pillars: self.window.len(),
+            pillars: self.sites.len(),
             touched: self.tops.counts()[0],
         });
     }
@@ -429,12 +442,13 @@ impl<'a> Path<'a> {
     pub(crate) fn held_tops(&self) -> Vec<HeldTop> {
         let modes = self.contact.modes();
         let held = |pillar: usize| HeldTop {
-            index: self.window.index(pillar),
-            centre: self.window.centres()[pillar],
+            index: self.sites.index(pillar),
+            centre: self.sites.centres()[pillar],
+            raised: self.sites.body(pillar).raised,
             domain: self.tops.domains[pillar],
             coefficients: self.contact.coefficients()[pillar * modes..][..modes].to_vec(),
         };
-        let touched = (0..self.window.len()).filter(|p| !self.tops.domains[*p].is_out());
+        let touched = (0..self.sites.len()).filter(|p| !self.tops.domains[*p].is_out());
         touched.map(held).collect()
     }
 
@@ -459,7 +473,7 @@ impl<'a> Path<'a> {
     }
 
     fn solve_within(&mut self, source: Source<'_>, tolerance: f64) -> Result<(), SolveError> {
-        self.tops.prepare(&self.window);
+        self.tops.prepare(&self.sites);
         let judgement = self.contact.solve(&mut self.tops, source, tolerance)?;
         if judgement != Judgement::Good {
             self.failed = Some(match judgement {
@@ -528,11 +542,14 @@ impl<'a> Path<'a> {
             change.gained += area.max(0.0);
             change.lost += (-area).max(0.0);
             if before.level != after.level {
-                let index = self.window.index(pillar);
-                change.tops.push((index, [before.level, after.level]));
+                change.tops.push(ChangedTop {
+                    index: self.sites.index(pillar),
+                    centre: self.sites.centres()[pillar],
+                    levels: [before.level, after.level],
+                });
             }
         }
-        self.fit_window(course)?;
+        self.fit_sites(course)?;
         self.respond()?;
         Ok(self.account(course, start, energy, &change))
     }
@@ -605,13 +622,19 @@ impl<'a> Path<'a> {
     ) -> usize {
         let (indentation, after) = (self.indentation(), self.force());
         let mut farthest = 0;
-        for (index, levels) in &change.tops {
+        for ChangedTop {
+            index,
+            centre,
+            levels,
+        } in &change.tops
+        {
             farthest = farthest.max(levels[0].abs_diff(levels[1]));
             self.events.push(TopEvent {
                 course,
                 indentation,
                 force: after,
                 index: *index,
+                centre: *centre,
                 levels: *levels,
             });
         }
@@ -631,49 +654,60 @@ impl<'a> Path<'a> {
         change.tops.len()
     }
 
-    /// Another window where the contact comes near the edge of the present one, or needs much less.
-    fn fit_window(&mut self, course: Course) -> Result<(), SolveError> {
-        let (reach, pitch) = (self.reach(), self.problem.lattice.pitch);
-        let lens = self.problem.lens.radius;
+    /// More pillars where the contact comes near the farthest ones, and fewer where it needs much less.
+    fn fit_sites(&mut self, course: Course) -> Result<(), SolveError> {
+        let (reach, pitch) = (self.reach(), self.scene.field.spacing());
+        let lens = self.scene.lens.radius;
         if reach - 1.0 > LARGEST_CONTACT * lens {
             return Err(self.too_large(reach));
         }
-        let present = self.window.radius();
+        let present = self.sites.radius();
+        let higher = self.scene.reach_of_tops(self.indentation());
         let radius = match course {
-            Course::Loading if reach + pitch > present => {
-                (reach + MARGIN * pitch).max(GROWTH * present)
-            }
+            Course::Loading if (reach + pitch).max(higher) > present => (reach + MARGIN * pitch)
+                .max(GROWTH * present)
+                .max(GROWTH * higher),
             // But for rounding.
-            Course::Unloading if reach < SHRINKAGE * present && self.window.len() > FEW_PILLARS => {
+            Course::Unloading if reach < self.needed() && self.sites.len() > FEW_PILLARS => {
                 reach + 0.1 * pitch
             }
             _ => return Ok(()),
         };
         let modes = self.contact.modes();
-        let window = checked_window(&self.problem.lattice, radius, modes, self.run)?;
-        let coupling = LatticeCoupling::new(&window, &self.pair, self.run.workers());
-        let own_load = own_load(self.problem, &self.projector, &window, modes);
+        let sites = checked_sites(self.scene, radius, modes, self.run)?;
+        let coupling = LatticeCoupling::of_sites(&sites, &self.pair, self.run.workers());
+        let own_load = own_load(self.scene, &self.projector, &sites, modes);
         let mut contact = FrozenContact::new(self.run, coupling, modes, own_load);
         let [present, unit] = self.contact.parts();
-        let before = |pillar: usize| self.window.find(window.index(pillar));
+        let before = |pillar: usize| self.sites.find(sites.index(pillar));
         contact.start_from(self.indentation(), |pillar| {
             let range = before(pillar)? * modes..;
             Some([&present[range.clone()][..modes], &unit[range][..modes]])
         });
         let domain = |pillar| before(pillar).map_or(Domain::OUT, |p| self.tops.domains[p]);
-        let domains = (0..window.len()).map(domain).collect();
-        self.tops.move_to(&self.problem.lattice, &window, domains);
-        self.loads.resize(window.len() * modes, 0.0);
-        self.along.resize(window.len() * modes, 0.0);
+        let domains = (0..sites.len()).map(domain).collect();
+        self.tops.move_to(&sites, domains);
+        self.loads.resize(sites.len() * modes, 0.0);
+        self.along.resize(sites.len() * modes, 0.0);
         self.contact = contact;
-        self.window = window;
+        self.sites = sites;
         Ok(())
+    }
+
+    /// Pillars farther from the lens axis are kept while the contact reaches this far.
+    fn needed(&self) -> f64 {
+        let mut radius = self.sites.radius();
+        if radius.is_infinite() {
+            let centres = self.sites.centres().iter();
+            radius = centres.map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
+        }
+        SHRINKAGE * radius
     }
 
     fn too_large(&self, radius: f64) -> SolveError {
         SolveError::ContactExceedsLens {
-            contact_radius: radius * self.problem.length,
-            lens_radius: self.problem.lens.radius * self.problem.length,
+            contact_radius: radius * self.scene.length,
+            lens_radius: self.scene.lens.radius * self.scene.length,
         }
     }
 
@@ -694,7 +728,7 @@ impl<'a> Path<'a> {
     /// The lowest point of the floor along the frozen response.
     pub(crate) fn lowest_floor(&self) -> Option<FloorPoint> {
         let modes = self.contact.modes();
-        let touched: Vec<usize> = (0..self.window.len())
+        let touched: Vec<usize> = (0..self.sites.len())
             .filter(|pillar| !self.tops.domains[*pillar].is_out())
             .collect();
         let gather = |coefficients: &[f64]| -> Vec<f64> {
@@ -704,7 +738,7 @@ impl<'a> Path<'a> {
         let [present, unit] = self.contact.parts();
         let (mut without, along) = (gather(present), gather(unit));
         add_scaled(&mut without, -self.contact.indentation(), &along);
-        let centre = |p: &usize| self.window.centres()[*p];
+        let centre = |p: &usize| self.sites.centres()[*p];
         let centres: Vec<Point> = touched.iter().map(centre).collect();
         let discs = LoadedDiscs {
             exterior: &self.exterior,
@@ -714,21 +748,23 @@ impl<'a> Path<'a> {
             coefficients: [&along, &without],
             run: self.run,
         };
-        FloorSearch::default().lowest(&Uncovered::of(self.problem), &discs, &self.run.cancel)
+        let spacing = self.scene.field.spacing();
+        let floor = Uncovered {
+            lens: &self.scene.lens,
+            height: self.scene.height,
+            around: Surroundings::of_sites(&self.sites, spacing, self.contact_radius()),
+        };
+        FloorSearch::default().lowest(&floor, &discs, &self.run.cancel)
     }
 }
 
-/// `bs`: the lens shape over every top.
-fn own_load(
-    problem: &Problem,
-    projector: &LensProjector,
-    window: &Window,
-    modes: usize,
-) -> Vec<f64> {
-    let mut own_load = vec![0.0; window.len() * modes];
+/// `bs`: the lens shape over every top, and its height.
+fn own_load(scene: &Scene, projector: &LensProjector, sites: &Sites, modes: usize) -> Vec<f64> {
+    let mut own_load = vec![0.0; sites.len() * modes];
     let loads = own_load.chunks_exact_mut(modes);
-    for (centre, load) in window.centres().iter().zip(loads) {
-        projector.project(&problem.lens, *centre, 1.0, load);
+    for (pillar, (centre, load)) in sites.centres().iter().zip(loads).enumerate() {
+        projector.project(&scene.lens, *centre, 1.0, load);
+        load[0] += UNIT_FORCE * sites.body(pillar).raised;
     }
     own_load
 }
@@ -740,22 +776,25 @@ mod tests {
     use crate::theory::reference;
 
     /// The paper's intermediate system.
-    fn problem(surface_fraction: f64, offset: f64, compliance: PillarCompliance) -> Problem {
+    fn scene(surface_fraction: f64, offset: f64, compliance: PillarCompliance) -> Scene {
         let lattice = reference::lattice(surface_fraction).offset_by(offset);
         let system = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance);
-        crate::problem::scaled::Scene::new(&system)
-            .on_lattice()
-            .unwrap()
+        Scene::new(&system)
     }
 
     /// Fronts for a work of adhesion (J/m^2).
-    fn fronts(problem: &Problem, degree: usize, work: f64, partial: bool) -> Fronts {
-        let work = work / (problem.pressure * problem.length);
+    fn fronts(scene: &Scene, degree: usize, work: f64, partial: bool) -> Fronts {
+        let work = work / (scene.pressure * scene.length);
         let works = Works {
             advancing: work,
             receding: work,
         };
-        Fronts::new(degree, problem.column_compliance_ratio, works, partial)
+        Fronts::new(
+            degree,
+            scene.field.column_compliance_ratio(),
+            works,
+            partial,
+        )
     }
 
     fn least_force(path: &Path<'_>) -> f64 {
@@ -767,12 +806,12 @@ mod tests {
     #[test]
     fn seven_tops_pull_each_other_off() {
         let run = Run::default();
-        let mut problem = problem(0.1, 0.0, PillarCompliance::None);
-        problem.lens.radius = 1e9;
+        let mut scene = scene(0.1, 0.0, PillarCompliance::None);
+        scene.lens.radius = 1e9;
         for (degree, expected) in [(2, 0.89620), (3, 0.89674), (4, 0.89674)] {
-            let fronts = fronts(&problem, degree, 0.05, false);
+            let fronts = fronts(&scene, degree, 0.05, false);
             let work = fronts.works().receding;
-            let mut path = Path::new(&problem, &run, fronts, Held::Indentation).unwrap();
+            let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
             // The first window holds them and no others.
             assert_eq!(path.tops.domains.len(), 7);
             path.tops.domains.fill(Domain::FULL);
@@ -795,10 +834,10 @@ mod tests {
         use rand_chacha::rand_core::{Rng, SeedableRng};
 
         let run = Run::default();
-        let problem = problem(0.03, 0.3, PillarCompliance::Column);
+        let scene = scene(0.03, 0.3, PillarCompliance::Column);
         let unloaded = |partial: bool, seed: Option<u64>| {
-            let fronts = fronts(&problem, 2, 0.01, partial);
-            let mut path = Path::new(&problem, &run, fronts, Held::Indentation).unwrap();
+            let fronts = fronts(&scene, 2, 0.01, partial);
+            let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
             path.go(Course::Loading, End::Indentation(1.0), false)
                 .unwrap();
             // Up by a step in which many let go.

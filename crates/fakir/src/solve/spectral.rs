@@ -196,7 +196,7 @@ fn check_memory(pillars: f64, bytes: f64, run: &Run<'_>) -> Result<(), SolveErro
 }
 
 /// The sites of a radius, if they fit the memory allowed.
-fn checked_sites(
+pub(crate) fn checked_sites(
     scene: &Scene,
     radius: f64,
     modes: usize,

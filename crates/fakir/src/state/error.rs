@@ -121,13 +121,21 @@ pub enum SolveError {
     /// What is made for the paper's lattice, asked of another arrangement.
     #[error(
         "{what} is made for equal pillars on an endless hexagonal lattice that is not turned, not \
-         for this arrangement ({arrangement}): use the spectral method, without adhesion"
+         for this arrangement ({arrangement}): use the spectral method"
     )]
     NotOnArrangement {
-        /// `"adhesion"`, `"the punch lattice"` and others.
+        /// `"the punch lattice"` and others.
         what: &'static str,
         /// Name of the arrangement.
         arrangement: &'static str,
+    },
+    /// Adhesion on tops whose fronts are not alike.
+    #[error(
+        "adhesion is known on tops of the common diameter whose columns give way alike, and here {what}"
+    )]
+    TopsDiffer {
+        /// What is different, and what can be done.
+        what: &'static str,
     },
     /// A method that knows no adhesion.
     #[error(

@@ -88,7 +88,7 @@ impl Front {
 }
 
 impl Disc {
-    /// The same turned about the lens axis by an angle (rad). What adhesion holds does not turn.
+    /// The same turned about the lens axis by an angle (rad).
     pub(crate) fn turned(mut self, angle: f64) -> Self {
         if angle == 0.0 {
             return self;
@@ -97,6 +97,9 @@ impl Disc {
         turn(&mut self.coefficients, angle);
         if let Some(gap) = &mut self.gap {
             turn(gap, angle);
+        }
+        if let Some(HeldPart::Before(front)) = &mut self.held {
+            front.direction += angle;
         }
         if let Some(sliver) = &mut self.sliver {
             for point in &mut sliver.points {

@@ -5,10 +5,13 @@
 //! pressures follow from `K = 1 + D^1/2 B_00 D^1/2`. Its Cholesky factor is kept, in single precision, while few tops change.
 
 use crate::halfspace::coupling::pair::PairCoupling;
+use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::coupling::window::Window;
+use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::cholesky::factorise;
 use crate::numerics::vector::widest;
 use crate::problem::HexagonalLattice;
+use std::f64::consts::PI;
 
 /// Numbers of tops from which on and up to which it pays.
 const FEWEST: usize = 12;
@@ -55,27 +58,36 @@ impl MeanCoupling {
     }
 }
 
+/// `B_00` between two tops at a distance in their radii, by the terms of [`F4`](crate::halfspace::coupling::pair) up to the second degree:
+/// 2 % too small where tops touch.
+fn mean_coupling(distance: f64) -> f64 {
+    let square = distance.powi(-2);
+    UNIT_FORCE * UNIT_FORCE / (PI * distance) * (1.0 + square / 3.0 + 0.4 * square * square)
+}
+
 /// The factor of `K` for the tops that were in contact when it was made.
 pub(crate) struct Coarse {
-    coupling: MeanCoupling,
-    /// The tops, by their places in the window.
+    /// Of the places of a window; tops that stand otherwise are looked at one by one.
+    coupling: Option<MeanCoupling>,
+    /// The tops, by their places among the sites.
     pub(crate) tops: Vec<usize>,
     /// Columns of the factor from their diagonals down, one after the other.
     factor: Vec<f32>,
 }
 
 impl Coarse {
-    pub(crate) fn new(lattice: &HexagonalLattice, window: &Window) -> Self {
+    pub(crate) fn new(sites: &Sites) -> Self {
+        let on_lattice = sites.hexagonal_lattice().zip(sites.window());
         Self {
-            coupling: MeanCoupling::new(lattice, window),
+            coupling: on_lattice.map(|(lattice, window)| MeanCoupling::new(lattice, window)),
             tops: Vec::new(),
             factor: Vec::new(),
         }
     }
 
     /// Makes the factor anew if many tops have come in or out of contact. `compliance` is `P_00`, zero out of contact.
-    pub(crate) fn refresh(&mut self, window: &Window, compliance: impl Fn(usize) -> f64) {
-        let touched: Vec<usize> = (0..window.len())
+    pub(crate) fn refresh(&mut self, sites: &Sites, compliance: impl Fn(usize) -> f64) {
+        let touched: Vec<usize> = (0..sites.len())
             .filter(|top| compliance(*top) > 0.0)
             .collect();
         let most = MOST.min((STALE * touched.len() as f64) as usize);
@@ -89,12 +101,18 @@ impl Coarse {
         }
         let size = touched.len();
         let roots: Vec<f64> = touched.iter().map(|top| compliance(*top).sqrt()).collect();
+        let coupled = |one: usize, other: usize| match &self.coupling {
+            Some(coupling) => coupling.between(sites.index(one), sites.index(other)),
+            None if one == other => 0.0,
+            None => {
+                let [[a, b], [c, d]] = [one, other].map(|top| sites.centres()[top]);
+                mean_coupling((a - c).hypot(b - d))
+            }
+        };
         let mut matrix = vec![0.0; size * size];
         for (k, column) in matrix.chunks_exact_mut(size).enumerate() {
-            let from = window.index(touched[k]);
             for row in k..size {
-                let coupled = self.coupling.between(window.index(touched[row]), from);
-                column[row] = roots[k] * roots[row] * coupled;
+                column[row] = roots[k] * roots[row] * coupled(touched[row], touched[k]);
             }
             column[k] += 1.0;
         }

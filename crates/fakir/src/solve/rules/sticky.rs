@@ -1,12 +1,11 @@
-//! Pillar tops that stick, all of a window, as a rule of the [frozen contact](super::super::frozen): each with its
+//! Pillar tops that stick, all of some sites, as a rule of the [frozen contact](super::super::frozen): each with its
 //! [front](super::fronts).
 
 use super::coarse::Coarse;
 use super::fronts::{Course, Domain, Fronts, Line};
-use crate::halfspace::coupling::window::Window;
+use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::mode_count;
 use crate::numerics::workers::Workers;
-use crate::problem::HexagonalLattice;
 use crate::solve::frozen::Rule;
 
 /// Pillars a thread takes at a time, at the least.
@@ -25,38 +24,33 @@ pub(crate) struct StickyTops {
 }
 
 impl StickyTops {
-    /// All tops of a window out of contact.
-    pub(crate) fn new(fronts: Fronts, lattice: &HexagonalLattice, window: &Window) -> Self {
+    /// All tops of the sites out of contact.
+    pub(crate) fn new(fronts: Fronts, sites: &Sites) -> Self {
         Self {
             modes: mode_count(fronts.degree()),
             fronts,
-            domains: vec![Domain::OUT; window.len()],
-            coarse: Coarse::new(lattice, window),
+            domains: vec![Domain::OUT; sites.len()],
+            coarse: Coarse::new(sites),
             means: Vec::new(),
             room: Vec::new(),
         }
     }
 
-    /// Takes another window with the domains of its tops.
-    pub(crate) fn move_to(
-        &mut self,
-        lattice: &HexagonalLattice,
-        window: &Window,
-        domains: Vec<Domain>,
-    ) {
-        self.coarse = Coarse::new(lattice, window);
+    /// Takes other sites with the domains of their tops.
+    pub(crate) fn move_to(&mut self, sites: &Sites, domains: Vec<Domain>) {
+        self.coarse = Coarse::new(sites);
         self.domains = domains;
     }
 
     /// Prepares for solving with the present domains.
-    pub(crate) fn prepare(&mut self, window: &Window) {
+    pub(crate) fn prepare(&mut self, sites: &Sites) {
         let Self {
             coarse,
             fronts,
             domains,
             ..
         } = self;
-        coarse.refresh(window, |top| fronts.mean_compliance(domains[top]));
+        coarse.refresh(sites, |top| fronts.mean_compliance(domains[top]));
     }
 
     /// Number of tops in contact, and of those in contact in part.
