@@ -117,20 +117,22 @@ keys! {
                 .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::OffsetAngle);
         Rotation = "texture.rotation" is
             angle("by which the lattice is turned about the lens axis, anticlockwise", |p| &mut p.texture.rotation)
+                .usual(0.0, FRAC_PI_2)
                 .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Rotation);
         Columns = "texture.columns" is
             number("pillars along each side of a finite lattice", |p| &mut p.texture.columns)
                 .range(Range::Whole(1, 10_000)).otherwise("the lattice has no end").with(Key::Lattice, PLANE_LATTICES);
         TextureHeightSpread = "texture.height_spread" is
             fraction("standard deviation of the heights of pillars over the height", |p| &mut p.texture.disorder.height_spread)
-                .label("height spread").range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
+                .label("height spread").usual(0.0, 0.1).range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::HeightSpread);
         TextureMissing = "texture.missing" is
             fraction("probability that a pillar is missing", |p| &mut p.texture.disorder.missing)
-                .label("missing").range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
+                .label("missing").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::Missing);
         TextureSeed = "texture.seed" is
             number("whole number that decides which heights and which pillars", |p| &mut p.texture.seed)
+                .usual(0.0, 100.0)
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES);
         PillarDiameter = "texture.pillar.diameter" is
             length("diameter of a pillar", |p| &mut p.texture.pillar.diameter)

@@ -2,7 +2,7 @@
 
 import type { Key, Refusal, Value, Values } from "./engine.js";
 import { editable, engineeringText, parse, type Dimension } from "./numbers.js";
-import { FRACTION, PITCH, RECEDING, WORK } from "./store.js";
+import { FRACTION, LATTICE, PITCH, RECEDING, WORK } from "./store.js";
 
 /** A key that takes a number. */
 interface Field extends Key {
@@ -84,7 +84,8 @@ export class Controls {
   private withSpacing(values: Values): Values {
     const [fraction, pitch, diameter] = [values[FRACTION], values[PITCH], values[DIAMETER]];
     // The surface fraction at which pillars touch each other: there the pitch is their diameter.
-    const most = this.keys.find(({ key }) => key === FRACTION)?.greatest ?? 1;
+    const hexagonal = this.keys.find(({ key }) => key === FRACTION)?.greatest ?? 1;
+    const most = values[LATTICE] === "square" ? Math.PI / 4 : hexagonal;
     if (typeof diameter !== "number") return values;
     if (typeof fraction === "number" && fraction > 0) {
       return { ...values, [PITCH]: rounded(diameter * Math.sqrt(most / fraction)) };

@@ -77,6 +77,17 @@ export interface PressSummary {
 
 export type Point = readonly [number, number];
 
+/** Where the pillars of a lattice stand: (i, j) at `origin + i a + j b`. */
+export interface Lattice {
+  /** `a` and `b`. */
+  readonly vectors_m: readonly [Point, Point];
+  readonly origin_m: Point;
+  /** The first index and the end along both; null of a lattice without end. */
+  readonly range: readonly [number, number] | null;
+  /** Indices of the pillars in view that are missing, one after the other. */
+  readonly missing: readonly number[];
+}
+
 /** The cells of the floor in contact, in an array of cells. */
 export interface FloorCells {
   /** Lower left corner of the array from the lens axis. */
@@ -102,7 +113,7 @@ export interface ContactState {
   readonly normalized: readonly [number, number, number];
   readonly pitch_m: number;
   readonly diameter_m: number;
-  readonly offset_m: Point;
+  readonly lattice: Lattice;
   readonly pillars: readonly number[];
   readonly pillar_forces_N: readonly number[];
   readonly pillar_statuses: string;
@@ -122,7 +133,7 @@ export interface Preview {
   readonly contact_radius_m: number;
   readonly pitch_m: number;
   readonly diameter_m: number;
-  readonly offset_m: Point;
+  readonly lattice: Lattice;
 }
 
 /** Outlines of both bodies: heights of each at places along x. */
@@ -232,7 +243,7 @@ export interface SolvedCycle {
   readonly largest_pull_N: number;
   readonly pitch_m: number;
   readonly diameter_m: number;
-  readonly offset_m: Point;
+  readonly lattice: Lattice;
 }
 
 /** A pillar in contact in part. */

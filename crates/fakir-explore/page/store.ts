@@ -36,6 +36,7 @@ import {
 export const FRACTION = "texture.surface_fraction";
 export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
+export const LATTICE = "texture.lattice";
 export const WORK = "adhesion.work";
 export const RECEDING = "adhesion.work_receding";
 
@@ -241,7 +242,9 @@ export class Store {
   setValue(key: string, value: Value, typed: boolean, asked: number): void {
     const values = { ...this.#state.chosen.case };
     for (const other of this.#state.start.keys) {
-      if (other.alternative === key || other.goes_with?.key === key) delete values[other.key];
+      const condition = other.goes_with;
+      const leaves = condition?.key === key && !condition.words.includes(String(value));
+      if (other.alternative === key || leaves) delete values[other.key];
     }
     values[key] = value;
     // Without adhesion nothing recedes; what is not given is as the work of adhesion.

@@ -6,7 +6,9 @@ use crate::floor::FloorCells;
 use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars};
-use fakir::problem::{Accuracy, Control, FloorModel, HexagonalLattice, Method, Point, System};
+use fakir::problem::{
+    Accuracy, Arrangement, Control, Disorder, FloorModel, Method, PlaneLattice, Point, System,
+};
 use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
@@ -115,9 +117,11 @@ fn meets_floor(case: &Case, load: LoadPoint) -> bool {
     bears(case) && load.fraction > 1.0
 }
 
-/// Whether the floor bears a part past the transition.
+/// Whether the floor bears a part past the transition, and it is known how large.
 fn bears(case: &Case) -> bool {
-    matches!(case.method, Method::Spectral(_)) && case.system.floor_model() == FloorModel::Contact
+    let system = &case.system;
+    let wanted = system.floor_model() == FloorModel::Contact;
+    matches!(case.method, Method::Spectral(_)) && wanted && system.hexagonal_lattice().is_some()
 }
 
 /// The indentation, m, at a fraction of the way from first touch to the critical state.
@@ -159,7 +163,7 @@ struct State {
     normalized: [f64; 3],
     pitch_m: f64,
     diameter_m: f64,
-    offset_m: Point,
+    lattice: DrawnLattice,
     /// Lattice indices of the touched pillars, one after the other.
     pillars: Vec<i64>,
     pillar_forces_N: Vec<f64>,
@@ -196,7 +200,7 @@ struct Preview {
     contact_radius_m: f64,
     pitch_m: f64,
     diameter_m: f64,
-    offset_m: Point,
+    lattice: DrawnLattice,
 }
 
 #[derive(Serialize)]
@@ -311,7 +315,7 @@ pub(crate) fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
             contact_radius_m: state.contact_radius,
             pitch_m: system.pitch(),
             diameter_m: system.pillar().diameter,
-            offset_m: offset(system),
+            lattice: drawn_lattice(system, critical.contact_radius),
         },
     });
 }
@@ -327,7 +331,7 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
         normalized: [reduced.force, reduced.contact_radius, reduced.indentation],
         pitch_m: system.pitch(),
         diameter_m: system.pillar().diameter,
-        offset_m: offset(system),
+        lattice: drawn_lattice(system, state.contact_radius),
         pillars: indices(state),
         pillar_forces_N: state.pillars.iter().map(|pillar| pillar.force).collect(),
         pillar_statuses: state
@@ -339,7 +343,7 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
             })
             .collect(),
         floor_contacts_m: match state.floor {
-            None => copies(system, floor),
+            None => system.symmetric_copies(floor),
             Some(_) => Vec::new(),
         },
         floor: state.floor.as_ref().map(FloorCells::new),
@@ -355,25 +359,52 @@ pub(crate) fn indices(state: &ContactState) -> Vec<i64> {
         .collect()
 }
 
-/// From a pillar centre to the lens axis, m.
-pub(crate) fn offset(system: &System) -> Point {
-    let lattice = system.hexagonal_lattice();
-    lattice.map_or([0.0; 2], HexagonalLattice::offset_vector)
+/// Where the pillars of a lattice stand: `(i, j)` at `origin + i a + j b`.
+#[derive(Serialize)]
+pub(crate) struct DrawnLattice {
+    /// `a` and `b`.
+    vectors_m: [Point; 2],
+    origin_m: Point,
+    /// The first index and the end along both, if it is cut.
+    range: Option<[i64; 2]>,
+    /// Indices of the pillars in view that are missing, one after the other.
+    missing: Vec<i64>,
 }
 
-/// A point and its images under the symmetry of the lattice.
-pub(crate) fn copies(system: &System, point: Point) -> Vec<Point> {
-    let near = 1e-6 * system.pitch();
-    let mut copies: Vec<Point> = Vec::new();
-    let Some(lattice) = system.hexagonal_lattice() else {
-        return vec![point];
-    };
-    for [x, y] in lattice.symmetry().images(point) {
-        if !copies.iter().any(|[a, b]| (a - x).hypot(b - y) < near) {
-            copies.push([x, y]);
+/// Missing pillars are told within so many times the contact radius or the pitch.
+const VIEW: f64 = 3.0;
+
+/// The lattice with what is missing around a contact of a radius (m).
+pub(crate) fn drawn_lattice(system: &System, contact_radius: f64) -> DrawnLattice {
+    let (vectors, origin, cut) = match system.arrangement() {
+        Arrangement::Lattice(lattice) => (lattice.vectors(), lattice.origin(), Some(lattice)),
+        Arrangement::Hexagonal(lattice) => {
+            let vectors = [lattice.lattice_vector(1, 0), lattice.lattice_vector(0, 1)];
+            (vectors, lattice.centre(0, 0), None)
         }
+        _ => ([[0.0; 2]; 2], [0.0; 2], None),
+    };
+    let gappy = cut.filter(|lattice| lattice.disorder.missing > 0.0);
+    let missing = gappy.map_or(Vec::new(), |lattice| {
+        let radius = VIEW * contact_radius.max(2.0 * system.pitch());
+        let whole = PlaneLattice {
+            disorder: Disorder::default(),
+            ..*lattice
+        };
+        let all = system.with_arrangement(whole).ok();
+        let pillars = all.map_or(Vec::new(), |system| system.pillars_within(radius));
+        let indices = pillars.into_iter().map(|pillar| pillar.index);
+        indices
+            .filter(|index| lattice.disorder.height_ratio(*index).is_none())
+            .flat_map(|(i, j)| [i, j])
+            .collect()
+    });
+    DrawnLattice {
+        vectors_m: vectors,
+        origin_m: origin,
+        range: cut.and_then(PlaneLattice::ends),
+        missing,
     }
-    copies
 }
 
 /// The section of the state that is shown, of this half width (m); none of methods that do not resolve it.
@@ -466,7 +497,11 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
         .filter_map(|fraction| at_fraction(system, fraction))
         .collect();
     let method = curve_method(case.method);
-    let limit = closed_forms::small_contact_limit(system);
+    // The closed forms are of the endless hexagonal lattice.
+    let limit = match system.hexagonal_lattice() {
+        Some(_) => closed_forms::small_contact_limit(system),
+        None => f64::NAN,
+    };
     let formula = |wanted: &dyn Fn(f64) -> bool,
                    formula: &dyn Fn(&System) -> TransitionEstimate| {
         smooth
@@ -530,7 +565,7 @@ fn curve_method(method: Method) -> Method {
 
 /// Numbers evenly spaced on a logarithmic scale, ends included.
 fn spaced([first, last]: [f64; 2], count: usize) -> Vec<f64> {
-    let steps = (count - 1) as f64;
+    let steps = count.saturating_sub(1) as f64;
     (0..count)
         .map(|k| first * (last / first).powf(k as f64 / steps))
         .collect()
@@ -576,7 +611,10 @@ fn reduced(system: &System, force: f64, radius: f64) -> [f64; 2] {
 
 /// The transition curve of the phase diagram.
 pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
-    let curve = spaced([0.01, 1000.0], 200).into_iter().map(|ratio| {
+    // That of closed forms, which know the endless hexagonal lattice only.
+    let known = system.hexagonal_lattice().is_some();
+    let ratios = spaced([0.01, 1000.0], if known { 200 } else { 0 });
+    let curve = ratios.into_iter().map(|ratio| {
         let radius = ratio * system.pitch();
         let force = closed_forms::transition_force(system, radius);
         reduced(system, force, radius)

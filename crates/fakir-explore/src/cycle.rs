@@ -1,7 +1,7 @@
 //! Loading and unloading with adhesion: the curve while the lens goes along it, then states all along it, so that the page can go forth
 //! and back without another question.
 
-use crate::answers::{self, CaseLine, CriticalLine, Section};
+use crate::answers::{self, CaseLine, CriticalLine, DrawnLattice, Section};
 use crate::jobs::{Failure, Worker};
 use crate::request;
 use fakir::problem::{CyclePlan, Point, System};
@@ -238,7 +238,7 @@ struct Shown<'a> {
     largest_pull_N: f64,
     pitch_m: f64,
     diameter_m: f64,
-    offset_m: Point,
+    lattice: DrawnLattice,
 }
 
 #[derive(Serialize)]
@@ -321,7 +321,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             largest_pull_N: forces().fold(0.0, f64::min),
             pitch_m: system.pitch(),
             diameter_m: system.pillar().diameter,
-            offset_m: answers::offset(system),
+            lattice: answers::drawn_lattice(system, solved.cycle.turn.contact_radius),
         },
     });
     worker.send(&CaseLine {
@@ -352,7 +352,7 @@ fn station_state(
         pillar_forces_N: state.pillars.iter().map(|pillar| pillar.force).collect(),
         parts: parts(solved, place, &state),
         floor_contacts_m: floor_contact
-            .map_or_else(Vec::new, |point| answers::copies(&state.system, point)),
+            .map_or_else(Vec::new, |point| state.system.symmetric_copies(point)),
         section: answers::section(&state, half_width, floor_contact, worker)?,
     })
 }

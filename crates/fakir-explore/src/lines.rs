@@ -78,6 +78,10 @@ fn python(case: &Case, question: Question) -> String {
     let [lens, substrate, texture, pillar, method] =
         ["lens", "substrate", "texture", "texture.pillar", "method"]
             .map(|table| arguments(case, table));
+    let kind = match case.system.arrangement().name() {
+        "square" => "SquareTexture",
+        _ => "HexagonalTexture",
+    };
     let floor = match case.system.floor_model() {
         FloorModel::Contact => "",
         FloorModel::Ignored => "    floor_contact=False,\n",
@@ -106,7 +110,7 @@ fn python(case: &Case, question: Question) -> String {
          system = fakir.System(\n    \
              lens=fakir.Lens({lens}),\n    \
              substrate=fakir.Substrate({substrate}),\n    \
-             texture=fakir.HexagonalTexture(\n        \
+             texture=fakir.{kind}(\n        \
                  {pillar},\n        \
                  {texture},\n    \
              ),\n{floor}{adhesion}\
@@ -118,7 +122,18 @@ fn python(case: &Case, question: Question) -> String {
 /// has the same names, but for the name of the method.
 fn arguments(case: &Case, table: &str) -> String {
     let keys = Key::ALL.into_iter().filter(|key| key.table() == table);
-    let arguments = keys.filter(|key| is_on_page(*key)).filter_map(|key| {
+    // What tells lattices of equal pillars from others is said where it differs.
+    let plain = Case::example();
+    let is_said = |key: &Key| match key {
+        Key::Lattice => false,
+        Key::Rotation
+        | Key::Columns
+        | Key::TextureHeightSpread
+        | Key::TextureMissing
+        | Key::TextureSeed => case.value(*key) != plain.value(*key),
+        key => is_on_page(*key),
+    };
+    let arguments = keys.filter(is_said).filter_map(|key| {
         let name = match key {
             Key::MethodName => table,
             _ => key.name(),

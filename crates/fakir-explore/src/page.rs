@@ -1,7 +1,7 @@
 //! The page: a document, a style and scripts, built from `page/` and part of the program, so that
 //! nothing is loaded from elsewhere.
 
-use crate::request::{FARTHEST, MOST_PILLARS, is_on_page, of_case};
+use crate::request::{FARTHEST, LATTICES, MOST_PILLARS, is_on_page, of_case};
 use axum::body::Body;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::Response;
@@ -122,7 +122,7 @@ fn keys() -> Vec<Value> {
                 "greatest": bound(upper),
                 "usual": key.usual(),
                 "whole": key.is_whole(),
-                "words": key.words(),
+                "words": words(key),
                 "default": key.default(),
                 "alternative": key.alternative().map(Key::path),
                 "goes_with": key.goes_with().and_then(|(choice, words)| {
@@ -131,6 +131,13 @@ fn keys() -> Vec<Value> {
                 }),
             })
         })
+        .collect()
+}
+
+/// The words of a key that the page can show.
+fn words(key: Key) -> Vec<&'static str> {
+    let all = key.words().into_iter();
+    all.filter(|word| key != Key::Lattice || LATTICES.contains(word))
         .collect()
 }
 

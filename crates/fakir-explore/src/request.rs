@@ -2,7 +2,7 @@
 
 use crate::refusal::Refusal;
 use fakir::numerics::roots::{self, Point};
-use fakir::problem::{HexagonalLattice, System};
+use fakir::problem::{Arrangement, HexagonalLattice, System};
 use fakir::theory::homogenised;
 use fakir_case::{Case, CaseFile, Key, Setting};
 use serde::Deserialize;
@@ -104,20 +104,17 @@ impl LoadPoint {
     }
 }
 
-/// Whether the page has a key: it shows equal pillars on the endless hexagonal lattice, and so nothing of other arrangements.
+/// The lattices that the page shows. Others have keys that these have not.
+pub(crate) const LATTICES: [&str; 2] = ["hexagonal", "square"];
+
+/// Whether the page has a key: it shows [some lattices](LATTICES), and no pillars of a list.
 pub(crate) fn is_on_page(key: Key) -> bool {
     let of_other_arrangements = [
-        Key::Lattice,
         Key::Pillars,
         Key::AxisX,
         Key::AxisY,
         Key::PitchY,
         Key::LatticeAngle,
-        Key::Rotation,
-        Key::Columns,
-        Key::TextureHeightSpread,
-        Key::TextureMissing,
-        Key::TextureSeed,
     ];
     !of_other_arrangements.contains(&key)
 }
@@ -138,15 +135,22 @@ pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
         .map(|(path, value)| Ok((known(path)?, short(path, value)?.clone())))
         .collect();
     let case = CaseFile::from_settings("the page", settings?).case()?;
-    if case.system.hexagonal_lattice().is_none() {
+    if !is_shown(&case) {
         return Err(
-            Refusal::impossible("the page shows equal pillars on an endless hexagonal lattice")
+            Refusal::impossible("the page shows hexagonal and square lattices")
                 .at(Key::Lattice.path())
-                .accepted("hexagonal, not turned and without scatter; fakir transition and fakir press answer all others"),
+                .accepted(
+                    "hexagonal or square; fakir transition and fakir press answer all others",
+                ),
         );
     }
     check_size(&case)?;
     Ok(case)
+}
+
+/// Whether the page shows the arrangement of a case.
+pub(crate) fn is_shown(case: &Case) -> bool {
+    LATTICES.contains(&case.system.arrangement().name())
 }
 
 /// The key of that path.
@@ -185,8 +189,8 @@ fn check_size(case: &Case) -> Result<(), Refusal> {
         }
         Some(_) => {
             let limit = largest_fraction(&case.system, MOST_PILLARS);
-            let diameter = case.system.pillar().diameter;
-            let pitch = HexagonalLattice::with_surface_fraction(limit, diameter).pitch;
+            let system = at_fraction(&case.system, limit);
+            let pitch = system.map_or(f64::INFINITY, |system| system.pitch());
             (Key::Pitch, format!("from {:.4} um", pitch * 1e6))
         }
     };
@@ -239,14 +243,21 @@ pub(crate) fn largest_fraction(system: &System, pillars: f64) -> f64 {
     }
 }
 
-/// The same system at another surface fraction.
+/// The same system at another surface fraction; none of listed pillars.
 pub(crate) fn at_fraction(system: &System, fraction: f64) -> Option<System> {
-    let lattice = HexagonalLattice::with_surface_fraction(fraction, system.pillar().diameter);
-    let lattice = HexagonalLattice {
-        pitch: lattice.pitch,
-        ..*system.hexagonal_lattice()?
+    let diameter = system.pillar().diameter;
+    let arrangement = match system.arrangement() {
+        Arrangement::Hexagonal(lattice) => Arrangement::from(HexagonalLattice {
+            pitch: HexagonalLattice::with_surface_fraction(fraction, diameter).pitch,
+            ..*lattice
+        }),
+        Arrangement::Lattice(lattice) => {
+            let ratio = (system.arrangement().surface_fraction(diameter) / fraction).sqrt();
+            Arrangement::from(lattice.stretched(ratio))
+        }
+        _ => return None,
     };
-    system.with_arrangement(lattice).ok()
+    system.with_arrangement(arrangement).ok()
 }
 
 #[cfg(test)]

@@ -77,6 +77,14 @@ pub enum ExploreError {
         /// Why the system refused it.
         error: io::Error,
     },
+    /// Pillars that the page does not show.
+    #[error(
+        "texture.lattice is \"{name}\": the page shows hexagonal and square lattices; fakir transition and fakir press answer all others"
+    )]
+    Arrangement {
+        /// Name of the arrangement.
+        name: &'static str,
+    },
     /// The system has no random numbers.
     #[error("the system has no random numbers for the address: {0}")]
     Random(String),
@@ -111,6 +119,10 @@ impl Explorer {
     /// # Errors
     /// [`ExploreError`], for a port in use with the next one that is free.
     pub fn bind(options: &Options) -> Result<Self, ExploreError> {
+        if !request::is_shown(&options.case) {
+            let name = options.case.system.arrangement().name();
+            return Err(ExploreError::Arrangement { name });
+        }
         let port = options.port.unwrap_or(0);
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| {
             if error.kind() == ErrorKind::AddrInUse {

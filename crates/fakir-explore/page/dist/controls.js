@@ -1,6 +1,6 @@
 // The quantities of a case: a slider and a field with unit for each, and what is wrong with it.
 import { editable, engineeringText, parse } from "./numbers.js";
-import { FRACTION, PITCH, RECEDING, WORK } from "./store.js";
+import { FRACTION, LATTICE, PITCH, RECEDING, WORK } from "./store.js";
 const DEGREE = Math.PI / 180;
 const DIAMETER = "texture.pillar.diameter";
 /** The tables of a case file that stand first on the page, before all others in their order. */
@@ -56,7 +56,8 @@ export class Controls {
     withSpacing(values) {
         const [fraction, pitch, diameter] = [values[FRACTION], values[PITCH], values[DIAMETER]];
         // The surface fraction at which pillars touch each other: there the pitch is their diameter.
-        const most = this.keys.find(({ key }) => key === FRACTION)?.greatest ?? 1;
+        const hexagonal = this.keys.find(({ key }) => key === FRACTION)?.greatest ?? 1;
+        const most = values[LATTICE] === "square" ? Math.PI / 4 : hexagonal;
         if (typeof diameter !== "number")
             return values;
         if (typeof fraction === "number" && fraction > 0) {

@@ -1,6 +1,6 @@
 // The contact map: pillars from above, coloured by the force they bear, and the floor where it is in contact.
 import { engineeringText, significant } from "./numbers.js";
-import { centre, HALF_SQRT_3, touchesFloor } from "./scene.js";
+import { centre, pillarsWithin, touchesFloor } from "./scene.js";
 import { colour, letterSize, mixed, tint } from "./theme.js";
 /** Lengths of the scale bar are one of these times a power of ten. */
 const ROUND = [1, 2, 5];
@@ -100,22 +100,10 @@ function floorPressure(floor, x, y) {
 }
 /** Every pillar top in view, as if untouched. */
 function drawUntouched({ context, scene, halfWidth, pillar: radius }) {
-    const { pitch_m: pitch, offset_m: offset } = scene;
-    const limit = halfWidth + radius;
-    const reach = Math.ceil(limit / (HALF_SQRT_3 * pitch)) + 1;
-    const shift = Math.round(offset[0] / (HALF_SQRT_3 * pitch));
     context.beginPath();
-    for (let column = shift - reach; column <= shift + reach; column += 1) {
-        const x = HALF_SQRT_3 * pitch * column - offset[0];
-        if (Math.abs(x) > limit)
-            continue;
-        const first = Math.ceil((offset[1] - limit) / pitch - column / 2);
-        const last = Math.floor((offset[1] + limit) / pitch - column / 2);
-        for (let row = first; row <= last; row += 1) {
-            const y = pitch * (row + column / 2) - offset[1];
-            context.moveTo(x + radius, y);
-            context.arc(x, y, radius, 0, 2 * Math.PI);
-        }
+    for (const [, , x, y] of pillarsWithin(scene.lattice, halfWidth + radius)) {
+        context.moveTo(x + radius, y);
+        context.arc(x, y, radius, 0, 2 * Math.PI);
     }
     context.fillStyle = tint("--pillar");
     context.fill();

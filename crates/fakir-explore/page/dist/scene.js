@@ -1,6 +1,5 @@
 // What the map shows of a state, or of what is nearly one.
 import { engineeringText, radiusDigits, significant } from "./numbers.js";
-export const HALF_SQRT_3 = Math.sqrt(3) / 2;
 /** A state as it is drawn. */
 export function sceneOf(state) {
     const { summary } = state;
@@ -14,7 +13,7 @@ export function sceneOf(state) {
         fraction: state.fraction,
         pitch_m: state.pitch_m,
         diameter_m: state.diameter_m,
-        offset_m: state.offset_m,
+        lattice: state.lattice,
         contact_radius_m: summary.contact_radius_m,
         pillars: state.pillars,
         forces_N: state.pillar_forces_N,
@@ -42,7 +41,7 @@ export function sceneOfStation(cycle, state) {
         fraction: state.load,
         pitch_m: cycle.pitch_m,
         diameter_m: cycle.diameter_m,
-        offset_m: cycle.offset_m,
+        lattice: cycle.lattice,
         contact_radius_m: radius,
         pillars: state.pillars,
         forces_N: forces,
@@ -59,29 +58,24 @@ export function sceneOfStation(cycle, state) {
 }
 /** A preview as it is drawn: forces fall off as under a sphere, and bear the load together. */
 export function sceneOfPreview(preview) {
-    const { pitch_m: pitch, contact_radius_m: radius, offset_m: offset } = preview;
+    const { contact_radius_m: radius, lattice } = preview;
     const pillars = [];
     const forces = [];
-    const reach = Math.ceil((1.2 * (radius + Math.hypot(...offset))) / pitch) + 1;
     let sum = 0;
-    for (let i = -reach; i <= reach; i += 1) {
-        for (let j = -reach; j <= reach; j += 1) {
-            const x = HALF_SQRT_3 * pitch * (i + j) - offset[0];
-            const y = 0.5 * pitch * (i - j) - offset[1];
-            const squared = (x * x + y * y) / (radius * radius);
-            if (squared >= 1)
-                continue;
-            const force = Math.sqrt(1 - squared);
-            sum += force;
-            pillars.push(i, j);
-            forces.push(force);
-        }
+    for (const [i, j, x, y] of pillarsWithin(lattice, radius)) {
+        const squared = (x * x + y * y) / (radius * radius);
+        if (squared >= 1)
+            continue;
+        const force = Math.sqrt(1 - squared);
+        sum += force;
+        pillars.push(i, j);
+        forces.push(force);
     }
     return {
         fraction: preview.fraction,
-        pitch_m: pitch,
+        pitch_m: preview.pitch_m,
         diameter_m: preview.diameter_m,
-        offset_m: offset,
+        lattice,
         contact_radius_m: radius,
         pillars,
         forces_N: forces.map((force) => (force * preview.force_N) / sum),
@@ -96,7 +90,7 @@ export function sceneOfPreview(preview) {
 }
 /** A scene of the pillar tops alone, with the floor of the scene before, grey, if that has the same pillars. */
 export function withFloorBefore(scene, before) {
-    const pillars = ({ pitch_m, diameter_m, offset_m }) => [pitch_m, diameter_m, ...offset_m].join();
+    const pillars = ({ diameter_m, lattice: { vectors_m, origin_m } }) => [diameter_m, ...vectors_m.flat(), ...origin_m].join();
     if (before === null || before.floor === null || pillars(before) !== pillars(scene))
         return scene;
     return { ...scene, floor: before.floor, floorIsOlder: true, floor_contacts_m: [] };
@@ -107,12 +101,45 @@ export function touchesFloor({ fraction }) {
 }
 /** Centre of the k-th touched pillar, m. */
 export function centre(scene, k) {
-    const i = scene.pillars[2 * k] ?? 0;
-    const j = scene.pillars[2 * k + 1] ?? 0;
-    return [
-        HALF_SQRT_3 * scene.pitch_m * (i + j) - scene.offset_m[0],
-        0.5 * scene.pitch_m * (i - j) - scene.offset_m[1],
-    ];
+    return place(scene.lattice, scene.pillars[2 * k] ?? 0, scene.pillars[2 * k + 1] ?? 0);
+}
+function place({ vectors_m: [a, b], origin_m }, i, j) {
+    return [origin_m[0] + i * a[0] + j * b[0], origin_m[1] + i * a[1] + j * b[1]];
+}
+/** All pillars with centres in a square around the lens axis, of this half width (m): indices and centre of each. */
+export function* pillarsWithin(lattice, half) {
+    const [[a, b], [c, d]] = lattice.vectors_m;
+    const [x0, y0] = lattice.origin_m;
+    const area = a * d - b * c;
+    if (area === 0)
+        return;
+    const missing = new Set();
+    for (let k = 0; k + 1 < lattice.missing.length; k += 2) {
+        missing.add(`${lattice.missing[k] ?? 0} ${lattice.missing[k + 1] ?? 0}`);
+    }
+    // The indices of the corners of the square bound those of all pillars in it.
+    const corners = [-half, half].flatMap((x) => [-half, half].map((y) => [x - x0, y - y0]));
+    const rows = corners.map(([x, y]) => (x * d - y * c) / area);
+    const [low, high] = lattice.range ?? [-Infinity, Infinity];
+    const first = Math.max(low, Math.ceil(Math.min(...rows)));
+    const last = Math.min(high - 1, Math.floor(Math.max(...rows)));
+    for (let i = first; i <= last; i += 1) {
+        // Along a row the square is entered and left where x or y are at its sides.
+        const [x, y] = place(lattice, i, 0);
+        const [from, to] = within([x, c, half], within([y, d, half], [low, high - 1]));
+        for (let j = Math.ceil(from); j <= Math.floor(to); j += 1) {
+            if (missing.size > 0 && missing.has(`${i} ${j}`))
+                continue;
+            yield [i, j, x + j * c, y + j * d];
+        }
+    }
+}
+/** The part of a range of t in which start + t step is no farther from 0 than that. */
+function within([start, step, limit], [low, high]) {
+    if (step === 0)
+        return Math.abs(start) <= limit ? [low, high] : [1, 0];
+    const ends = [(-limit - start) / step, (limit - start) / step];
+    return [Math.max(low, Math.min(...ends)), Math.min(high, Math.max(...ends))];
 }
 /** The largest force on a pillar, N. */
 export function largestForceOf(scene) {

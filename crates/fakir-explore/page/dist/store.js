@@ -7,6 +7,7 @@ import { largestForceOf, sceneOf, sceneOfPreview, sceneOfStation, withFloorBefor
 export const FRACTION = "texture.surface_fraction";
 export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
+export const LATTICE = "texture.lattice";
 export const WORK = "adhesion.work";
 export const RECEDING = "adhesion.work_receding";
 /** With adhesion the load goes on to the last release, on the way back. */
@@ -80,7 +81,9 @@ export class Store {
     setValue(key, value, typed, asked) {
         const values = { ...this.#state.chosen.case };
         for (const other of this.#state.start.keys) {
-            if (other.alternative === key || other.goes_with?.key === key)
+            const condition = other.goes_with;
+            const leaves = condition?.key === key && !condition.words.includes(String(value));
+            if (other.alternative === key || leaves)
                 delete values[other.key];
         }
         values[key] = value;
