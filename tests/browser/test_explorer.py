@@ -47,6 +47,35 @@ def test_presets_are_the_substrates_of_the_paper(explore):
     assert page.page.input_value("#texture-surface_fraction") == "0.001"
 
 
+def test_a_square_lattice_with_scatter(explore, tmp_path):
+    """Another lattice keeps what it has in common; missing pillars and heights come from the seed, as in the program."""
+    page = explore("#" + "&".join(paper(0.02)))
+    hexagonal = page.results()
+    page.page.select_option("#texture-lattice", "square")
+    page.rest()
+    assert page.page.input_value("#texture-surface_fraction") == "0.02"
+    square = page.results()
+    assert square != hexagonal
+    page.enter("texture.missing", "0.1")
+    page.enter("texture.height_spread", "0.03")
+    page.enter("texture.seed", "5")
+    found = page.results()
+    assert found != square
+    case = tmp_path / "case.toml"
+    case.write_text(page.text("case-file"))
+    answer = subprocess.run(
+        [os.environ["FAKIR"], "transition", str(case), "--json"], check=True, capture_output=True
+    )
+    force = json.loads(answer.stdout)["critical_force_N"]
+    scale = {"mN": 1e3, "µN": 1e6}[page.text("force-unit")]
+    assert float(found[0]) == pytest.approx(scale * force, rel=1e-3)
+    assert "fakir.SquareTexture(" in page.text("python")
+    page.page.select_option("#texture-lattice", "hexagonal")
+    for key in ("missing", "height_spread", "seed"):
+        page.enter(f"texture.{key}", "0")
+    assert page.results() == hexagonal
+
+
 def test_sliders_change_the_result(explore):
     page = explore("#" + "&".join(paper(0.02)))
     before = page.results()
@@ -87,9 +116,11 @@ def test_the_controls_are_those_of_the_key_table(explore):
             assert control.locator("option").all_text_contents() == key["words"]
             continue
         assert key["dimension"] in units
-        # Only those of the method that is chosen are shown; where nothing sticks nothing recedes.
+        # Only those of the method and lattice that are chosen are shown; where nothing sticks nothing recedes.
         recedes = key["key"] == "adhesion.work_receding"
-        assert control.is_visible() == (key["goes_with"] is None and not recedes), name
+        condition = key["goes_with"]
+        belongs = condition is None or start["case"][condition["key"]] in condition["words"]
+        assert control.is_visible() == (belongs and not recedes), name
     for place, end in [(0, 0), (1000, 1)]:
         page.slide("lens-radius-slider", place)
         number, unit = page.page.input_value("#lens-radius").split()

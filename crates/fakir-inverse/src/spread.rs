@@ -780,9 +780,8 @@ mod tests {
 
     /// A square lattice of phi = 0.03 on which the lens stands beside every symmetry, of pillars that scatter.
     fn scattered(height_spread: f64, missing: f64) -> CaseFile {
-        let text = Case::example().to_toml();
-        let text = text.replace("[texture]", "[texture]\nlattice = \"square\"");
-        let mut file = CaseFile::parse("square", &text).unwrap();
+        let mut file = CaseFile::parse("square", &Case::example().to_toml()).unwrap();
+        file.set("texture.lattice=square").unwrap();
         file.set_number(Key::SurfaceFraction, 0.03);
         file.set_number(Key::Offset, 0.3);
         file.set_number(Key::OffsetAngle, 0.35);

@@ -40,11 +40,12 @@ function show(store) {
         if (!isBusy(state))
             document.body.dataset["busy"] = "no";
     });
+    const defaults = new Map(start.keys.map((key) => [key.key, key.default]));
     screen.add(({ chosen, typed }) => [chosen.case, typed], ({ chosen, typed }) => {
         controls.show(chosen.case, typed);
         for (const button of buttons("preset")) {
             const wanted = Object.entries(preset(start, button.dataset["preset"] ?? ""));
-            const same = wanted.every(([key, value]) => chosen.case[key] === value);
+            const same = wanted.every(([key, value]) => (chosen.case[key] ?? defaults.get(key)) === value);
             button.setAttribute("aria-pressed", String(same));
         }
     });
