@@ -827,7 +827,7 @@ mod tests {
         let table = spread.table(&sampling).to_csv();
         let head = table.lines().next().unwrap();
         assert!(
-            head.contains("texture_seed") && head.contains("force_at_3_um_N"),
+            head.contains("texture.seed") && head.contains("force_at_3_um_N"),
             "{head}"
         );
     }
