@@ -187,6 +187,19 @@ def test_design_and_spread_and_citations(system):
     assert any("104, 055007" in entry.text for entry in fakir.cite(found.critical))
 
 
+def test_spread_of_pillars_that_scatter(system):
+    square = fakir.System.from_file(EXAMPLES / "square.toml")
+    spread = fakir.spread(square, {}, samples=4, landing="as_given", force_at=["2 um", 3e-6])
+    assert len(set(spread.force)) == 4
+    assert (spread.force_at(0) < spread.force_at(1)).all()
+    # Pillars that are missing have no derivative.
+    assert spread.first_order is None
+    heights = square.replace({"texture.missing": 0})
+    spread = fakir.spread(heights, {}, samples=3, landing="as_given")
+    force, indentation = spread.first_order
+    assert 0.0 < force < 0.1 * spread.force[0] and 0.0 < indentation < 1e-6
+
+
 def test_design_of_a_floor_share(system):
     found = fakir.design(system, "pitch", floor_share="20 %", at_force="1 mN")
     floor = found.system.press(force="1 mN").floor
