@@ -3,7 +3,7 @@
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::surface::Indenter;
-use super::system::{Lens, Material};
+use super::lens::{Lens, Material};
 
 /// A rounded top: a paraboloid, or the top of a sphere that is as curved.
 #[derive(Debug, Clone, Copy, PartialEq)]

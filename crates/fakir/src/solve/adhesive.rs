@@ -122,10 +122,7 @@ pub(crate) fn cycle(
 /// The problem, if it is of the lattice on which tops stick.
 fn on_lattice(system: &System) -> Result<Problem, SolveError> {
     let problem = Scene::new(system).on_lattice();
-    problem.ok_or(SolveError::NotOnArrangement {
-        what: "adhesion",
-        arrangement: system.arrangement().name(),
-    })
+    problem.ok_or_else(|| SolveError::not_made_for("adhesion", system))
 }
 
 /// A lens that comes down on tops that stick.

@@ -216,7 +216,7 @@ impl<'a> Path<'a> {
         let degree = fronts.degree();
         let modes = mode_count(degree);
         let pair = PairCoupling::new(degree, problem.lattice.pitch);
-        let projector = LensProjector::new(&problem.lens, degree);
+        let projector = LensProjector::new(&problem.lens.into(), degree);
         let radius = problem.nearest_edge() + 1.0 + MARGIN * problem.lattice.pitch;
         let window = checked_window(&problem.lattice, radius, modes, run)?;
         let coupling = LatticeCoupling::new(&window, &pair, run.workers());
@@ -727,8 +727,9 @@ fn own_load(
 ) -> Vec<f64> {
     let mut own_load = vec![0.0; window.len() * modes];
     let loads = own_load.chunks_exact_mut(modes);
+    let lens = problem.lens.into();
     for (centre, load) in window.centres().iter().zip(loads) {
-        projector.project(&problem.lens, *centre, 1.0, load);
+        projector.project(&lens, *centre, 1.0, load);
     }
     own_load
 }
