@@ -104,7 +104,7 @@ impl LoadPoint {
     }
 }
 
-/// Whether the page has a key: it shows equal pillars on the endless hexagonal lattice, and so nothing of other arrangements.
+/// Whether the page has a key: it shows a sphere over equal pillars on the endless hexagonal lattice, and so nothing of other arrangements and lenses.
 pub(crate) fn is_on_page(key: Key) -> bool {
     let of_other_arrangements = [
         Key::Lattice,
@@ -119,7 +119,14 @@ pub(crate) fn is_on_page(key: Key) -> bool {
         Key::TextureMissing,
         Key::TextureSeed,
     ];
-    !of_other_arrangements.contains(&key)
+    let of_other_lenses = [
+        Key::LensShape,
+        Key::LensAngle,
+        Key::LensTilt,
+        Key::LensTiltDirection,
+        Key::LensProfile,
+    ];
+    !of_other_arrangements.contains(&key) && !of_other_lenses.contains(&key)
 }
 
 /// The values of a case, in SI units.
@@ -212,7 +219,7 @@ fn significant(value: f64) -> String {
 pub(crate) fn expected_pillars(system: &System) -> f64 {
     let radius = homogenised::dense_limit(system).contact_radius();
     // A contact cannot be wider than the lens.
-    let radius = radius.min(system.lens().radius);
+    let radius = radius.min(system.lens().sphere_radius());
     let pillars = PI * radius * radius / system.arrangement().cell_area();
     if pillars.is_finite() {
         pillars

@@ -50,7 +50,7 @@ pub use lens::{Lens, LensShape, Material, ShapedLens};
 pub use lens_profile::{InvalidProfile, LensProfile};
 pub use method::{Accuracy, ElementMesh, MeshLayout, Method, PunchForm};
 pub use point::Point;
-pub use quantity::{InvalidQuantity, Quantity, Requirement};
+pub use quantity::{InvalidQuantity, LARGEST_TILT, Quantity, Requirement};
 pub use surface::{Boundary, Floor, Indenter, SurfaceSystem};
 pub use system::{FloorModel, Pillar, PillarCompliance, System, Texture};
 pub use tops::Tops;

@@ -127,8 +127,8 @@ pub struct InvalidQuantity {
     pub requirement: Requirement,
 }
 
-/// Largest tilt of a plate, rad: 10 degrees, and what they are rounded by.
-const LARGEST_TILT: f64 = std::f64::consts::PI / 18.0 * (1.0 + 1e-12);
+/// Largest tilt of a plate, rad: 10 degrees, as far as slopes are small.
+pub const LARGEST_TILT: f64 = 0.175;
 
 /// What a quantity has to satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -214,7 +214,7 @@ impl fmt::Display for Requirement {
             Self::SurfaceFraction => f.write_str(
                 "greater than 0 and at most pi/(2 sqrt 3) = 0.9069, where neighbouring pillars touch",
             ),
-            Self::Tilt => f.write_str("between 0 and 10 deg (0.1745 rad), as far as slopes are small"),
+            Self::Tilt => f.write_str("from 0 to 10 deg (0.175 rad), as far as slopes are small"),
             Self::FiniteUnder(shape) => write!(
                 f,
                 "finite under a {shape}, which touches endlessly many pillars of a lattice without end: give `columns`, or a list of pillars"

@@ -129,7 +129,8 @@ mod tests {
             lens: Lens {
                 radius: lens / unit,
                 material: Material::new(1.0, 0.5),
-            },
+            }
+            .into(),
             height: height / unit,
             field,
             length: unit,
