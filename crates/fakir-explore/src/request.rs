@@ -152,6 +152,11 @@ pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
                 .accepted("hexagonal, not turned and without scatter; fakir transition and fakir press answer all others"),
         );
     }
+    if case.system.lens().sphere().is_none() {
+        return Err(Refusal::impossible("the page shows a spherical lens")
+            .at(Key::LensShape.path())
+            .accepted("sphere; fakir transition and fakir press answer all others"));
+    }
     check_size(&case)?;
     Ok(case)
 }
