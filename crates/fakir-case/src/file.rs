@@ -14,8 +14,8 @@ use crate::row::{Field, Presence, Range};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
-    Adhesion, Arrangement, InvalidQuantity, LensProfile, LensShape, Method, PillarList, Requirement,
-    ShapedLens, System, Texture,
+    Adhesion, Arrangement, InvalidQuantity, LensProfile, LensShape, Method, PillarList,
+    Requirement, ShapedLens, System, Texture,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -50,11 +50,29 @@ mod tests {
             let wrong = wrong(text);
             assert!(wrong.contains(told), "{wrong}");
         };
-        begins("radius_m\n0\n", "line 1: the column height_m is missing: a profile of a lens has");
-        begins("radius_m,height_m\n0,0\n1,1\n", "line 1: a profile of 2 rows is none");
-        begins("radius_m,height_m\n0,0\n# here\n1,high\n", "line 4: height_m is \"high\"");
-        begins("radius_m,height_m\n0,1\n1,2\n2,3\n3,4\n", "line 2: the first row is at radius 0e0 m and height 1e0 m");
-        begins("radius_m,height_m\n0,0\n1,2\n2,1\n3,4\n", "line 4: the height has to be larger");
-        begins("radius_m,height_m\n0,0\n1,2\n1,3\n3,4\n", "line 4: the radius has to be larger");
+        begins(
+            "radius_m\n0\n",
+            "line 1: the column height_m is missing: a profile of a lens has",
+        );
+        begins(
+            "radius_m,height_m\n0,0\n1,1\n",
+            "line 1: a profile of 2 rows is none",
+        );
+        begins(
+            "radius_m,height_m\n0,0\n# here\n1,high\n",
+            "line 4: height_m is \"high\"",
+        );
+        begins(
+            "radius_m,height_m\n0,1\n1,2\n2,3\n3,4\n",
+            "line 2: the first row is at radius 0e0 m and height 1e0 m",
+        );
+        begins(
+            "radius_m,height_m\n0,0\n1,2\n2,1\n3,4\n",
+            "line 4: the height has to be larger",
+        );
+        begins(
+            "radius_m,height_m\n0,0\n1,2\n1,3\n3,4\n",
+            "line 4: the radius has to be larger",
+        );
     }
 }

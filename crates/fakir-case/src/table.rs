@@ -6,8 +6,8 @@
 use crate::row::{
     Presence, Range, Row, angle, energy_per_area, fraction, length, number, pressure, text, word,
 };
-use fakir::problem::{LARGEST_TILT, Quantity};
 use fakir::problem::pattern::PatternQuantity as Q;
+use fakir::problem::{LARGEST_TILT, Quantity};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Bound::{Excluded, Included, Unbounded};
 

@@ -33,7 +33,11 @@ fn of_shape(
     arrangement: impl Into<Arrangement>,
 ) -> Result<System, InvalidQuantity> {
     let lens = ShapedLens::new(shape, MATERIAL);
-    System::new(lens, MATERIAL, Texture::new(pillar(compliance), arrangement))
+    System::new(
+        lens,
+        MATERIAL,
+        Texture::new(pillar(compliance), arrangement),
+    )
 }
 
 /// Without columns.
@@ -57,8 +61,8 @@ fn plate(tilt: f64, direction: f64) -> LensShape {
 }
 
 fn pressed_by(system: &System, control: Control, accuracy: Accuracy) -> ContactState {
-    let state =
-        fakir::press(system, control, Method::Spectral(accuracy), &Run::default()).expect("a solution");
+    let state = fakir::press(system, control, Method::Spectral(accuracy), &Run::default())
+        .expect("a solution");
     assert!(state.converged(), "{:?}", state.termination);
     state
 }
@@ -151,7 +155,10 @@ fn paraboloids_on_dense_lattices_are_those_of_the_homogenised_one() {
     };
     let differences = [0.05, 0.1, 0.2].map(difference);
     println!("{differences:?}");
-    assert!(differences.iter().all(|d| d.abs() < 3e-3), "{differences:?}");
+    assert!(
+        differences.iter().all(|d| d.abs() < 3e-3),
+        "{differences:?}"
+    );
 }
 
 /// Potential of a unit square lattice of unit charges in a neutralising background at a lattice site, its own left out: twice the energy of the square
@@ -224,9 +231,17 @@ fn line_contact(layer: f64, load: f64, radius: f64, places: &[f64]) -> (f64, Vec
     let at = |x: &f64| {
         let place = x.abs() / step;
         let node = (place as usize).min(NODES - 1);
-        let next = if node + 1 < NODES { pressures[node + 1] } else { 0.0 };
+        let next = if node + 1 < NODES {
+            pressures[node + 1]
+        } else {
+            0.0
+        };
         let rest = place - node as f64;
-        if rest > 1.0 { 0.0 } else { (1.0 - rest) * pressures[node] + rest * next }
+        if rest > 1.0 {
+            0.0
+        } else {
+            (1.0 - rest) * pressures[node] + rest * next
+        }
     };
     (high, places.iter().map(at).collect())
 }
@@ -236,7 +251,11 @@ fn eliminate(mut matrix: Vec<Vec<f64>>) -> Vec<f64> {
     let size = matrix.len();
     for column in 0..size {
         let pivot = (column..size)
-            .max_by(|a, b| matrix[*a][column].abs().total_cmp(&matrix[*b][column].abs()))
+            .max_by(|a, b| {
+                matrix[*a][column]
+                    .abs()
+                    .total_cmp(&matrix[*b][column].abs())
+            })
             .unwrap_or(column);
         matrix.swap(column, pivot);
         let (above, below) = matrix.split_at_mut(column + 1);
@@ -279,7 +298,10 @@ fn cylinders_on_dense_rows_are_line_contacts() {
         let width = 2 * rows + 1;
         let middle = |j: i32| force_on(&state, (i64::from(along * width + j + rows), 0));
         let forces: Vec<f64> = (-rows..=rows).map(middle).collect();
-        assert!(forces[0] == 0.0, "the outermost rows are beside the contact");
+        assert!(
+            forces[0] == 0.0,
+            "the outermost rows are beside the contact"
+        );
         // Per length, over E*.
         let load = forces.iter().sum::<f64>() / pitch / MODULUS;
         let cell = pitch * pitch;
@@ -293,7 +315,10 @@ fn cylinders_on_dense_rows_are_line_contacts() {
         let inside = forces.iter().zip(&pressures).zip(&places);
         let inside = inside.filter(|(_, place)| place.abs() < 0.7 * half);
         let off = inside.map(|(pair, _)| away(pair)).fold(0.0, f64::max) / largest;
-        println!("{rows} rows: half-width {:.2} pitches, {off:e}", half / pitch);
+        println!(
+            "{rows} rows: half-width {:.2} pitches, {off:e}",
+            half / pitch
+        );
         off
     };
     // The same contact on finer and finer lattices of one surface fraction would need other pillars: here it grows instead.
@@ -309,7 +334,12 @@ fn a_plate_on_one_pillar_is_a_flat_punch() {
     let place = [5e-6, -2e-6];
     let column = 4.0 * 2.2e-6 / (PI * 1.5e6 * 36e-12);
     for (tilt, direction) in [(0.0, 0.0), (0.002, 0.7), (0.004, -2.0)] {
-        let system = of_shape(plate(tilt, direction), PillarCompliance::Column, list(&[place])).unwrap();
+        let system = of_shape(
+            plate(tilt, direction),
+            PillarCompliance::Column,
+            list(&[place]),
+        )
+        .unwrap();
         let rise = f64::tan(tilt) * turned(place, -direction)[0];
         let depth = 0.4e-6;
         let state = pressed(&system, Control::Indentation(depth));
@@ -336,7 +366,11 @@ fn plates_on_listed_pillars_as_the_prototype() {
     let system = system(plate(0.0, 0.0), list);
     let state = pressed_by(&system, Control::Indentation(1e-6), Accuracy::Accurate);
     assert_eq!(state.pillars.len(), 9);
-    assert!((state.force / 27.8797845791e-6 - 1.0).abs() < 1e-7, "{}", state.force);
+    assert!(
+        (state.force / 27.8797845791e-6 - 1.0).abs() < 1e-7,
+        "{}",
+        state.force
+    );
     let back = pressed_by(&system, Control::Force(state.force), Accuracy::Accurate);
     assert!((back.indentation / 1e-6 - 1.0).abs() < 1e-9);
 }
@@ -444,7 +478,8 @@ fn a_profile_inside_a_wide_pillar_is_sneddon() {
     let system = system(shape, PillarList::new(vec![wide]).unwrap());
     let a: f64 = 35e-6;
     let depth = a * a / radius + 0.75 * PI * a.powi(3) / cube;
-    let force = 2.0 * MODULUS * (2.0 * a.powi(3) / (3.0 * radius) + 9.0 * PI * a.powi(4) / (16.0 * cube));
+    let force =
+        2.0 * MODULUS * (2.0 * a.powi(3) / (3.0 * radius) + 9.0 * PI * a.powi(4) / (16.0 * cube));
     let state = pressed(&system, Control::Indentation(depth));
     let away = state.force / force - 1.0;
     println!("{away:e}, claimed {:e}", state.error.force);
@@ -462,7 +497,12 @@ fn profiles_are_used_as_far_as_they_go() {
     let lattice = HexagonalLattice::new(20e-6);
     let short = system(profile(60e-6, 20, |r| exact.sag(r)), lattice);
     let press = |depth: f64| {
-        fakir::press(&short, Control::Indentation(depth), Method::default(), &Run::default())
+        fakir::press(
+            &short,
+            Control::Indentation(depth),
+            Method::default(),
+            &Run::default(),
+        )
     };
     assert!(press(0.3e-6).unwrap().converged());
     let error = press(6e-6).unwrap_err();
@@ -475,9 +515,15 @@ fn profiles_are_used_as_far_as_they_go() {
 
 #[test]
 fn turning_all_changes_nothing() {
-    let places: Vec<Point> = [[0.0, 3.0], [15.0, -4.0], [-14.0, 1.0], [3.0, 17.0], [30.0, 5.0]]
-        .map(|place| place.map(|x| 1e-6 * x))
-        .to_vec();
+    let places: Vec<Point> = [
+        [0.0, 3.0],
+        [15.0, -4.0],
+        [-14.0, 1.0],
+        [3.0, 17.0],
+        [30.0, 5.0],
+    ]
+    .map(|place| place.map(|x| 1e-6 * x))
+    .to_vec();
     let by = 0.83;
     let moved: Vec<Point> = places.iter().map(|place| turned(*place, by)).collect();
     type Turned<'a> = &'a dyn Fn(f64) -> LensShape;
@@ -487,8 +533,16 @@ fn turning_all_changes_nothing() {
     ];
     for (shape, depth) in shapes {
         let control = Control::Indentation(depth);
-        let straight = pressed_by(&system(shape(0.0), list(&places)), control, Accuracy::Accurate);
-        let copy = pressed_by(&system(shape(by), list(&moved)), control, Accuracy::Accurate);
+        let straight = pressed_by(
+            &system(shape(0.0), list(&places)),
+            control,
+            Accuracy::Accurate,
+        );
+        let copy = pressed_by(
+            &system(shape(by), list(&moved)),
+            control,
+            Accuracy::Accurate,
+        );
         let claimed = (straight.error.force + copy.error.force).max(1e-10);
         let away = copy.force / straight.force - 1.0;
         println!("{away:e} {claimed:e}");
@@ -544,7 +598,12 @@ fn elements_say_the_same_of_a_cylinder_and_a_tilted_plate() {
         surface.press(control, &Run::default()).unwrap().force
     };
     let exactly = |shape: LensShape| {
-        pressed_by(&system(shape, list(&places)), Control::Indentation(depth), Accuracy::Accurate).force
+        pressed_by(
+            &system(shape, list(&places)),
+            Control::Indentation(depth),
+            Accuracy::Accurate,
+        )
+        .force
     };
     let level = plate(0.0, 0.0);
     let of = |shape: &LensShape| by_elements(&ShapedLens::new(shape.clone(), MATERIAL));
@@ -607,24 +666,40 @@ fn gradients_know_the_shape() {
 fn what_cannot_be_is_refused_with_its_reason() {
     let lattice = PlaneLattice::new(LatticeForm::Square { pitch: 14e-6 });
     for shape in [cylinder(0.0), plate(0.0, 0.0)] {
-        for endless in [Arrangement::from(lattice), HexagonalLattice::new(14e-6).into()] {
+        for endless in [
+            Arrangement::from(lattice),
+            HexagonalLattice::new(14e-6).into(),
+        ] {
             let refused = of_shape(shape.clone(), PillarCompliance::None, endless).unwrap_err();
             assert!(matches!(refused.requirement, Requirement::FiniteUnder(_)));
-            assert!(refused.to_string().contains("endlessly many pillars"), "{refused}");
+            assert!(
+                refused.to_string().contains("endlessly many pillars"),
+                "{refused}"
+            );
         }
     }
     let cut = PlaneLattice {
         columns: Some(5),
         ..lattice
     };
-    let refused = |shape: LensShape| of_shape(shape, PillarCompliance::None, cut).unwrap_err().quantity;
+    let refused = |shape: LensShape| {
+        of_shape(shape, PillarCompliance::None, cut)
+            .unwrap_err()
+            .quantity
+    };
     for tilt in [-0.01, 0.2, f64::NAN] {
         assert_eq!(refused(plate(tilt, 0.0)), Quantity::LensTilt);
     }
-    assert_eq!(refused(plate(0.0, f64::INFINITY)), Quantity::LensTiltDirection);
+    assert_eq!(
+        refused(plate(0.0, f64::INFINITY)),
+        Quantity::LensTiltDirection
+    );
     assert_eq!(refused(cylinder(f64::NAN)), Quantity::LensAngle);
     for radius in [0.0, f64::NAN] {
-        assert_eq!(refused(LensShape::Paraboloid { radius }), Quantity::LensRadius);
+        assert_eq!(
+            refused(LensShape::Paraboloid { radius }),
+            Quantity::LensRadius
+        );
     }
     let low = LensShape::Cylinder {
         radius: 2e-6,
@@ -646,11 +721,25 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
         Method::Homogenised,
     ] {
         let error = fakir::press(&paraboloid, control, method, &run).unwrap_err();
-        assert!(matches!(error, SolveError::NotUnderShape { shape: "paraboloid", .. }), "{error}");
+        assert!(
+            matches!(
+                error,
+                SolveError::NotUnderShape {
+                    shape: "paraboloid",
+                    ..
+                }
+            ),
+            "{error}"
+        );
     }
     let sticky = paraboloid.with_adhesion(Adhesion::new(50e-3)).unwrap();
     let error = fakir::press(&sticky, control, Method::default(), &run).unwrap_err();
-    assert!(error.to_string().contains("adhesion is made for a spherical lens"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("adhesion is made for a spherical lens"),
+        "{error}"
+    );
     let plan = fakir::problem::CyclePlan::default();
     assert!(fakir::cycle(&sticky, plan, Method::default(), &run).is_err());
     // Past the transition the floor is left out, and that is said.
@@ -662,7 +751,8 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
         let few = system(shape, list(&[[0.0, 0.0], [20e-6, 0.0]]));
         let error = fakir::transition(&few, Method::default(), &run).unwrap_err();
         assert!(error.to_string().contains("has no transition"), "{error}");
-        let error = fakir::gradient(&few, Control::FloorContact, Method::default(), &run).unwrap_err();
+        let error =
+            fakir::gradient(&few, Control::FloorContact, Method::default(), &run).unwrap_err();
         assert!(matches!(error, SolveError::NoTransition { .. }));
         let deep = pressed(&few, Control::Indentation(2.5e-6));
         let beside = |warning: &Warning| matches!(warning, Warning::FloorBeside { .. });

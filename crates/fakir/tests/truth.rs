@@ -445,7 +445,8 @@ fn force_across_the_edge_of_a_top() {
         let lattice = HexagonalLattice::new(50e-6).offset_by(beside / 50e-6);
         let system = rubber(2.2e-3, paper_pillar(PillarCompliance::Column), lattice);
         let a = 3e-6 - beside;
-        let force = 4.0 * system.reduced_modulus() * a.powi(3) / (3.0 * system.lens().sphere_radius());
+        let force =
+            4.0 * system.reduced_modulus() * a.powi(3) / (3.0 * system.lens().sphere_radius());
         let zeta = a * a / system.lens().sphere_radius() + force * system.column_compliance();
         let mut previous = 0.0;
         for step in -5..50 {

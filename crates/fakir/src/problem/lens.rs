@@ -400,7 +400,11 @@ impl ShapedLens {
                 } else {
                     [1.0, 0.0]
                 };
-                let around = if distance > 0.0 { slope / distance } else { bend };
+                let around = if distance > 0.0 {
+                    slope / distance
+                } else {
+                    bend
+                };
                 Some(LensJet {
                     value,
                     gradient: [slope * u, slope * v],

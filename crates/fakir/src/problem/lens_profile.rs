@@ -247,7 +247,11 @@ impl LensProfile {
         let [width, start, square, cube] = self.cubic(interval);
         let slope = |along: f64| start + along * (2.0 * square + 3.0 * along * cube);
         let turn = -square / (3.0 * cube);
-        let turn = if turn > 0.0 && turn < width { turn } else { 0.0 };
+        let turn = if turn > 0.0 && turn < width {
+            turn
+        } else {
+            0.0
+        };
         let mean = (self.heights[interval + 1] - self.heights[interval]) / width;
         [0.0, turn, width]
             .iter()

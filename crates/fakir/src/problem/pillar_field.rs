@@ -288,15 +288,17 @@ impl PillarField {
         let common = PillarBody::of_column(column_compliance_ratio);
         let height = system.pillar().height / length;
         let on_plane = |lattice: &arrangement::PlaneLattice| {
-            let lattice = PlaneLattice::of(lattice, length, height, common)
-                .expect("its angle was checked");
+            let lattice =
+                PlaneLattice::of(lattice, length, height, common).expect("its angle was checked");
             let rotation = lattice.rotation;
             let field = Self::Lattice(Arc::new(lattice));
             (field.turned(-rotation), rotation)
         };
         let field = match system.arrangement() {
             // Under a table of heights the floor is looked at in all holes, not in those next to the lens axis.
-            Arrangement::Hexagonal(lattice) if matches!(system.lens().shape, LensShape::Profile(_)) => {
+            Arrangement::Hexagonal(lattice)
+                if matches!(system.lens().shape, LensShape::Profile(_)) =>
+            {
                 let HexagonalLattice {
                     pitch,
                     offset,
@@ -421,7 +423,9 @@ impl PillarField {
             Self::Lattice(lattice) => lattice.columns.map(|columns| {
                 let [first, end] = arrangement::PlaneLattice::range(columns);
                 let ends = [first, end - 1];
-                let corners = ends.iter().flat_map(|&i| ends.map(|j| lattice.centre((i, j))));
+                let corners = ends
+                    .iter()
+                    .flat_map(|&i| ends.map(|j| lattice.centre((i, j))));
                 corners.map(|[x, y]| x.hypot(y)).fold(0.0, f64::max)
             }),
             Self::Listed(list) => {

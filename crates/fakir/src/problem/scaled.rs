@@ -119,7 +119,11 @@ impl Scene {
         let [largest, highest] = self.field.bounds();
         // No pillar farther off than this is that high.
         let rise = indentation + highest;
-        let radius = self.lens.distance_of_rise(rise).unwrap_or(self.lens.widest()) + largest;
+        let radius = self
+            .lens
+            .distance_of_rise(rise)
+            .unwrap_or(self.lens.widest())
+            + largest;
         let (pillars, _) = self.listed_within(radius);
         pillars.iter().any(|(index, pillar)| {
             let least = self.lens.least_over(pillar.centre, pillar.body.radius);

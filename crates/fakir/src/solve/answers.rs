@@ -217,7 +217,10 @@ fn solve(
         }
         PillarMethod::Love(mesh) => {
             let Some(problem) = &lattice else {
-                return Err(SolveError::not_made_for("the method of elements on pillars", system));
+                return Err(SolveError::not_made_for(
+                    "the method of elements on pillars",
+                    system,
+                ));
             };
             let solution = pillars::solve(problem, target, guess, mesh, run)?;
             Ok(elements(system, problem, target, method, &solution))
@@ -476,7 +479,12 @@ fn patch_state(
         edge_coefficient: Some([0.0; 2]),
     };
     let indentation = patch.indentation * scene.length;
-    let error = patch_error(scene, patch, body.raised, body.column_compliance_ratio / body.radius);
+    let error = patch_error(
+        scene,
+        patch,
+        body.raised,
+        body.column_compliance_ratio / body.radius,
+    );
     floor_gap(
         scene,
         ContactState {

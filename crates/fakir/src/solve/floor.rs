@@ -11,8 +11,8 @@ use crate::halfspace::disc::exterior::{Exterior, FieldJet, LaneJets, MAXIMUM_DEG
 use crate::numerics::neighbours::Neighbours;
 use crate::numerics::vector::{LANES, Lanes, dot, widest};
 use crate::numerics::workers::CancelToken;
-use crate::problem::scaled::Problem;
 use crate::problem::lens::LensJet;
+use crate::problem::scaled::Problem;
 use crate::problem::{HexagonalLattice, Point, ShapedLens};
 use crate::state::Run;
 use std::borrow::Cow;
@@ -704,8 +704,8 @@ fn lowest_roughly(floor: &Uncovered<'_>, points: &[Point], rough: &[[f64; 2]]) -
 mod tests {
     use super::*;
     use crate::numerics::neighbours::tests::random_discs;
-    use crate::problem::{Lens, Material};
     use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
+    use crate::problem::{Lens, Material};
     use std::sync::Arc;
 
     /// Displacements with one number that is none.

@@ -48,13 +48,7 @@ impl LensProjector {
     }
 
     /// `- ∫ Y_i f dOmega` over the pillar top of that centre and radius, for as many modes as `load` holds.
-    pub(crate) fn project(
-        &self,
-        lens: &ShapedLens,
-        centre: Point,
-        radius: f64,
-        load: &mut [f64],
-    ) {
+    pub(crate) fn project(&self, lens: &ShapedLens, centre: Point, radius: f64, load: &mut [f64]) {
         self.project_function(centre, radius, |at, _| -lens.sag_with_brim(at), load);
     }
 

@@ -6,8 +6,7 @@ use super::surface_level::check_fields;
 use crate::problem::pattern::{Arrangement, InvalidPattern, Pattern, PillarShape};
 use crate::problem::{
     Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
-    Lens,
-    InvalidGrid, MeshLayout, Method, SurfaceSystem, System,
+    InvalidGrid, Lens, MeshLayout, Method, SurfaceSystem, System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
