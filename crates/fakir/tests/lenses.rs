@@ -483,8 +483,12 @@ fn a_profile_inside_a_wide_pillar_is_sneddon() {
     let state = pressed(&system, Control::Indentation(depth));
     let away = state.force / force - 1.0;
     println!("{away:e}, claimed {:e}", state.error.force);
-    // A cubic is no even function, which the modes meet slowly; the error says so.
-    assert!(away.abs() < state.error.force && state.error.force < 1e-3);
+    // Quadrature knows no better than 1e-7.
+    assert!(away.abs() < state.error.force && state.error.force < 3e-7);
+    let off = (state.contact_radius - a).abs();
+    println!("{off:e}, claimed {:e}", state.contact_radius_error);
+    // A cubic is no even function, which the modes meet slowly at the edge.
+    assert!(off < 1.01 * state.contact_radius_error && off < 0.01 * a);
 }
 
 /// A contact that comes to the end of the table is refused, and told where that is.
@@ -711,7 +715,7 @@ fn what_cannot_be_is_refused_with_its_reason() {
 /// What is made for a sphere says so.
 #[test]
 fn what_is_made_for_a_sphere_is_refused_under_others() {
-    let hexagonal = HexagonalLattice::new(20e-6);
+    let hexagonal = HexagonalLattice::new(40e-6);
     let paraboloid = system(LensShape::Paraboloid { radius: RADIUS }, hexagonal);
     let run = Run::default();
     let control = Control::Indentation(1e-6);

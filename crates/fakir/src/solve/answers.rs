@@ -18,7 +18,7 @@ use crate::numerics::convergence::{larger, smaller};
 use crate::numerics::workers::CancelToken;
 use crate::problem::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use crate::problem::scaled::{Problem, Scene};
-use crate::problem::{Accuracy, Control, FloorModel, LensShape, PunchForm, System};
+use crate::problem::{Accuracy, Control, FloorModel, LensProfile, LensShape, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::{
@@ -422,28 +422,38 @@ fn patch_floor(scene: &Scene, exterior: &Exterior, patch: &Patch) -> Option<Floo
     lowest_floor(scene, patch.radius, &discs)
 }
 
-/// Relative error of a contact inside one pillar top. That of a table of heights, whose third derivative has breaks, is how far it is from Sneddon's
-/// solution for the same contact radius (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)): a depth of `a ∫ f'(r)/sqrt(a^2 - r^2) dr` and a
-/// force of `2 ∫ r^2 f'(r)/sqrt(a^2 - r^2) dr`.
-fn patch_error(scene: &Scene, patch: &Patch, raised: f64, column: f64) -> f64 {
-    const POINTS: usize = 2000;
+/// Relative errors of force and radius of a contact inside one pillar top. Those of a table of heights, whose third derivative has breaks, are how far
+/// they are from Sneddon's solution of the same depth (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)).
+fn patch_errors(scene: &Scene, patch: &Patch, raised: f64, column: f64) -> [f64; 2] {
+    const STEPS: usize = 60;
     let LensShape::Profile(profile) = &scene.lens.shape else {
-        return PATCH_ERROR;
+        return [PATCH_ERROR; 2];
     };
-    let a = patch.radius;
+    let depth = patch.indentation + raised - 0.5 * column * patch.force;
+    let mut radius = patch.radius;
+    let [mut reached, mut force] = sneddon(profile, radius);
+    for _ in 0..STEPS {
+        // A depth that goes between as the radius and as its cube.
+        radius *= (depth / reached).sqrt();
+        [reached, force] = sneddon(profile, radius);
+    }
+    let off = (reached / depth - 1.0).abs();
+    let error = |own: f64, exact: f64| larger((own / exact - 1.0).abs() + off, PATCH_ERROR);
+    [error(patch.force, force), error(patch.radius, radius)]
+}
+
+/// Depth and force of an axisymmetric contact of radius `a` on a half-space: `a ∫ f'(r)/sqrt(a^2 - r^2) dr` and `2 ∫ r^2 f'(r)/sqrt(a^2 - r^2) dr`.
+fn sneddon(profile: &LensProfile, a: f64) -> [f64; 2] {
+    const POINTS: usize = 2000;
+    let step = FRAC_PI_2 / POINTS as f64;
     let [mut depth, mut force] = [0.0; 2];
     for k in 0..POINTS {
-        let sin = (FRAC_PI_2 * (k as f64 + 0.5) / POINTS as f64).sin();
+        let sin = (step * (k as f64 + 0.5)).sin();
         let [_, slope, _] = profile.at(a * sin);
         depth += slope;
         force += sin * sin * slope;
     }
-    let step = FRAC_PI_2 / POINTS as f64;
-    let (depth, force) = (step * a * depth, 2.0 * step * a * a * force);
-    let own_depth = patch.indentation + raised - 0.5 * column * patch.force;
-    // At a depth the force goes as its power 3/2, about.
-    let error = (patch.force / force - 1.0).abs() + 1.5 * (own_depth / depth - 1.0).abs();
-    larger(error, PATCH_ERROR)
+    [step * a * depth, 2.0 * step * a * a * force]
 }
 
 fn patch_state(
@@ -479,18 +489,14 @@ fn patch_state(
         edge_coefficient: Some([0.0; 2]),
     };
     let indentation = patch.indentation * scene.length;
-    let error = patch_error(
-        scene,
-        patch,
-        body.raised,
-        body.column_compliance_ratio / body.radius,
-    );
+    let column = body.column_compliance_ratio / body.radius;
+    let [error, radius_error] = patch_errors(scene, patch, body.raised, column);
     floor_gap(
         scene,
         ContactState {
             force,
             contact_radius: patch.radius * scene.length,
-            contact_radius_error: error * patch.radius * scene.length,
+            contact_radius_error: radius_error * patch.radius * scene.length,
             pillars_in_contact: 1,
             pillars_partially_in_contact: 1,
             pillars: vec![pillar],
