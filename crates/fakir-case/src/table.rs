@@ -73,14 +73,6 @@ keys! {
             number("Poisson's ratio, 0 to 0.5", |p| &mut p.lens.material.poisson_ratio)
                 .label("Poisson's ratio").symbol("ν_l")
                 .range(POISSON).of(Quantity::LensPoissonRatio);
-        SubstrateYoungModulus = "substrate.young_modulus" is
-            pressure("Young's modulus, of the pillars too", |p| &mut p.substrate.young_modulus)
-                .label("Young's modulus").symbol("E_s").usual(1e3, 1e11)
-                .positive().of(Quantity::SubstrateYoungModulus).of_pattern(Q::YoungModulus);
-        SubstratePoissonRatio = "substrate.poisson_ratio" is
-            number("Poisson's ratio, 0 to 0.5", |p| &mut p.substrate.poisson_ratio)
-                .label("Poisson's ratio").symbol("ν_s")
-                .range(POISSON).of(Quantity::SubstratePoissonRatio);
     }
     Texture {
         LensShape = "lens.shape" is
@@ -99,6 +91,18 @@ keys! {
         LensProfile = "lens.profile" is
             text("table of the heights of a lens: columns radius_m, height_m", |p| &mut p.shape.profile)
                 .with(Key::LensShape, &["profile"]);
+    }
+    Bodies {
+        SubstrateYoungModulus = "substrate.young_modulus" is
+            pressure("Young's modulus, of the pillars too", |p| &mut p.substrate.young_modulus)
+                .label("Young's modulus").symbol("E_s").usual(1e3, 1e11)
+                .positive().of(Quantity::SubstrateYoungModulus).of_pattern(Q::YoungModulus);
+        SubstratePoissonRatio = "substrate.poisson_ratio" is
+            number("Poisson's ratio, 0 to 0.5", |p| &mut p.substrate.poisson_ratio)
+                .label("Poisson's ratio").symbol("ν_s")
+                .range(POISSON).of(Quantity::SubstratePoissonRatio);
+    }
+    Texture {
         Lattice = "texture.lattice" is
             word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.arrangement)
                 .optional();

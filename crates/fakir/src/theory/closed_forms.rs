@@ -1,4 +1,4 @@
-//! The paper's formulas for the critical state, with the lens axis on a pillar.
+//! The paper's formulas for the critical state, with the lens axis on a pillar. Under a lens that is no sphere they give no numbers but NaN.
 //!
 //! Where the paper as printed contradicts itself or its own figures, both readings are here, chosen by [`Form`], and tested.
 #![doc = ""]
