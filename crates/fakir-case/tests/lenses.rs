@@ -18,15 +18,15 @@ height = '2.2 um'
 
 fn file(lens: &str) -> CaseFile {
     let text = format!("[lens]\nyoung_modulus = '2 MPa'\npoisson_ratio = 0.5\n{lens}\n{REST}");
-    CaseFile::parse("case.toml", &text).unwrap()
+    CaseFile::parse("case.toml", &text).expect("keys that are known")
 }
 
 fn case(lens: &str) -> Case {
-    file(lens).case().unwrap()
+    file(lens).case().expect("a valid case")
 }
 
 fn refused(lens: &str) -> CaseError {
-    file(lens).case().unwrap_err()
+    file(lens).case().expect_err("a case that cannot be")
 }
 
 /// A table of `r^2/(2R)` with R = 1 mm.
@@ -34,7 +34,7 @@ fn table(folder: &tempfile::TempDir) -> String {
     let path = folder.path().join("lens.csv");
     let rows = (0..9).map(|k| format!("{k}e-5,{:e}\n", f64::from(k * k) * 1e-10 / 2e-3));
     let text = format!("radius_m,height_m\n{}", rows.collect::<String>());
-    std::fs::write(&path, text).unwrap();
+    std::fs::write(&path, text).expect("a folder to write to");
     path.display().to_string()
 }
 

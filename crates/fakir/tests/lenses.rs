@@ -416,7 +416,8 @@ fn tilted_plates_press_linearly_and_symmetrically() {
 fn profile(range: f64, rows: usize, height: impl Fn(f64) -> f64) -> LensShape {
     let radii: Vec<f64> = (0..=rows).map(|k| range * k as f64 / rows as f64).collect();
     let heights = radii.iter().map(|r| height(*r)).collect();
-    LensShape::Profile(Arc::new(LensProfile::new(radii, heights).unwrap()))
+    let table = LensProfile::new(radii, heights).expect("heights that rise");
+    LensShape::Profile(Arc::new(table))
 }
 
 /// A sphere of a table: what its answers differ by falls with the fourth power of the distance of the rows, as the spline does.
