@@ -290,11 +290,8 @@ class ContactState:
     def _untouched(self, x: FloatArray, y: FloatArray) -> list[FloatArray]:
         """Fields of a lens that touches nothing."""
         system = self.system
-        distance = np.hypot(x, y)
-        radius = system.lens.radius
-        with np.errstate(invalid="ignore"):
-            below = np.sqrt((radius - distance) * (radius + distance))
-            sag = np.where(distance <= radius, distance * distance / (radius + below), np.inf)
+        points = zip(x.tolist(), y.tolist(), strict=True)
+        sag = np.array([system._case.sag(at_x, at_y) for at_x, at_y in points])
         height = np.where(self._state.on_pillar(x, y), 0.0, system._pillar[1])
         zero = np.zeros_like(x)
         return [zero, sag + height - self.indentation, zero]

@@ -30,18 +30,8 @@ Overrides = Mapping[str, Quantity]
 
 
 @dataclass(frozen=True, init=False)
-class Lens:
-    """A spherical lens.
-
-    Parameters
-    ----------
-    radius
-        Radius of curvature: a number in m, a text such as ``"2.2 mm"``, or a pint quantity.
-    young_modulus
-        Young's modulus (Pa).
-    poisson_ratio
-        Poisson's ratio, from 0 to 0.5.
-    """
+class _RoundLens:
+    """What the lenses with a radius have in common."""
 
     radius: float
     young_modulus: float
@@ -55,6 +45,146 @@ class Lens:
         object.__setattr__(self, "young_modulus", modulus)
         ratio = si(poisson_ratio, "number", "lens.poisson_ratio")
         object.__setattr__(self, "poisson_ratio", ratio)
+
+
+@dataclass(frozen=True, init=False)
+class Lens(_RoundLens):
+    """A spherical lens.
+
+    Parameters
+    ----------
+    radius
+        Radius of curvature: a number in m, a text such as ``"2.2 mm"``, or a pint quantity.
+    young_modulus
+        Young's modulus (Pa).
+    poisson_ratio
+        Poisson's ratio, from 0 to 0.5.
+    """
+
+
+@dataclass(frozen=True, init=False)
+class ParaboloidLens(_RoundLens):
+    """A lens of height r^2/(2R) over its lowest point; parameters as `Lens`.
+
+    Like all lenses but the sphere it is answered by the method ``"spectral"``, without adhesion and without a floor that bears a part.
+    """
+
+
+@dataclass(frozen=True, init=False)
+class CylinderLens(_RoundLens):
+    """A cylinder on its side, over finitely many pillars.
+
+    Parameters
+    ----------
+    radius, young_modulus, poisson_ratio
+        As of a `Lens`.
+    angle
+        Direction from x of the line along which it is lowest (rad, or a text such as ``"30 deg"``).
+
+    Examples
+    --------
+    >>> texture = SquareTexture("6 um", "2.2 um", pitch="20 um", columns=9)
+    >>> rubber = Substrate("2 MPa", 0.5)
+    >>> system = System(CylinderLens("2.2 mm", "2 MPa", 0.5, angle="90 deg"), rubber, texture)
+    >>> len(system.press(indentation="0.2 um").pillars)
+    27
+    """
+
+    angle: float
+
+    def __init__(
+        self,
+        radius: Quantity,
+        young_modulus: Quantity,
+        poisson_ratio: Quantity,
+        *,
+        angle: Quantity = 0.0,
+    ) -> None:
+        super().__init__(radius, young_modulus, poisson_ratio)
+        object.__setattr__(self, "angle", si(angle, "angle", "lens.angle"))
+
+
+@dataclass(frozen=True, init=False)
+class PlateLens:
+    """A flat plate that is kept from turning and reaches beyond all of finitely many pillars.
+
+    Parameters
+    ----------
+    young_modulus, poisson_ratio
+        As of a `Lens`.
+    tilt
+        Between the plate and the floor (rad, or a text such as ``"0.1 deg"``), up to 10 degrees. Indentations are those at the origin, the
+        place of the lens axis.
+    tilt_direction
+        In which it rises, from x (rad).
+    """
+
+    young_modulus: float
+    poisson_ratio: float
+    tilt: float
+    tilt_direction: float
+
+    def __init__(
+        self,
+        young_modulus: Quantity,
+        poisson_ratio: Quantity,
+        *,
+        tilt: Quantity = 0.0,
+        tilt_direction: Quantity = 0.0,
+    ) -> None:
+        modulus = si(young_modulus, "pressure", "lens.young_modulus")
+        object.__setattr__(self, "young_modulus", modulus)
+        ratio = si(poisson_ratio, "number", "lens.poisson_ratio")
+        object.__setattr__(self, "poisson_ratio", ratio)
+        object.__setattr__(self, "tilt", si(tilt, "angle", "lens.tilt"))
+        direction = si(tilt_direction, "angle", "lens.tilt_direction")
+        object.__setattr__(self, "tilt_direction", direction)
+
+
+@dataclass(frozen=True, init=False)
+class ProfileLens:
+    """An axisymmetric lens of any smooth shape that rises, by a table of its heights.
+
+    Parameters
+    ----------
+    profile
+        A file with the columns ``radius_m`` and ``height_m``, from the axis outwards. No contact may come to its end.
+    young_modulus, poisson_ratio
+        As of a `Lens`.
+    """
+
+    profile: str
+    young_modulus: float
+    poisson_ratio: float
+
+    def __init__(
+        self, profile: str | PathLike[str], young_modulus: Quantity, poisson_ratio: Quantity
+    ) -> None:
+        object.__setattr__(self, "profile", str(Path(fspath(profile)).absolute()))
+        modulus = si(young_modulus, "pressure", "lens.young_modulus")
+        object.__setattr__(self, "young_modulus", modulus)
+        ratio = si(poisson_ratio, "number", "lens.poisson_ratio")
+        object.__setattr__(self, "poisson_ratio", ratio)
+
+
+AnyLens = Lens | ParaboloidLens | CylinderLens | PlateLens | ProfileLens
+
+
+def _shape_of(lens: AnyLens) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
+    """The numbers and words of a lens by their keys, but those of its material."""
+    match lens:
+        case ParaboloidLens():
+            return [("lens.radius", lens.radius)], [("lens.shape", "paraboloid")]
+        case CylinderLens():
+            numbers = [("lens.radius", lens.radius), ("lens.angle", lens.angle)]
+            return numbers, [("lens.shape", "cylinder")]
+        case PlateLens():
+            numbers = [("lens.tilt", lens.tilt), ("lens.tilt_direction", lens.tilt_direction)]
+            return numbers, [("lens.shape", "plate")]
+        case ProfileLens():
+            return [], [("lens.shape", "profile"), ("lens.profile", lens.profile)]
+        case Lens():
+            return [("lens.radius", lens.radius)], []
 
 
 @dataclass(frozen=True, init=False)
@@ -373,7 +503,7 @@ class System:
     Parameters
     ----------
     lens, substrate, texture
-        What is pressed onto what.
+        What is pressed onto what. A lens is a `Lens`, a sphere, or another one: `ParaboloidLens`, `CylinderLens`, `PlateLens`, `ProfileLens`.
     floor_contact
         Whether the floor between the pillars bears its part past the transition. False is the fiction of the
         paper, in which the lens goes through the floor.
@@ -410,7 +540,7 @@ class System:
 
     def __init__(
         self,
-        lens: Lens,
+        lens: AnyLens,
         substrate: Substrate,
         texture: Texture,
         *,
@@ -422,7 +552,7 @@ class System:
                 f"floor_contact is of type {type(floor_contact).__name__}: give True or False"
             )
         kinds: list[tuple[object, type | tuple[type, ...], str]] = [
-            (lens, Lens, "Lens"),
+            (lens, (_RoundLens, PlateLens, ProfileLens), "Lens"),
             (substrate, Substrate, "Substrate"),
             (texture, (_LatticeTexture, Pillars), "HexagonalTexture"),
         ]
@@ -432,8 +562,9 @@ class System:
                     f"a system takes a Lens, a Substrate and a HexagonalTexture or another texture, in this "
                     f"order: found {type(part).__name__} for {name}"
                 )
+        of_shape, words_of_shape = _shape_of(lens)
         numbers: list[tuple[str, float | None]] = [
-            ("lens.radius", lens.radius),
+            *of_shape,
             ("lens.young_modulus", lens.young_modulus),
             ("lens.poisson_ratio", lens.poisson_ratio),
             ("substrate.young_modulus", substrate.young_modulus),
@@ -444,6 +575,7 @@ class System:
             numbers.append(("adhesion.work", sticks.work))
             numbers.append(("adhesion.work_receding", sticks.work_receding))
         words = [
+            *words_of_shape,
             ("texture.pillar.compliance", texture.compliance),
             ("floor.contact", "true" if floor_contact else "false"),
         ]
@@ -502,12 +634,22 @@ class System:
         return self._of(self._case.with_settings(_settings(set)))
 
     @property
-    def lens(self) -> Lens:
+    def lens(self) -> AnyLens:
         """The lens."""
         values = self._case.values()
-        return Lens(
-            values["lens.radius"], values["lens.young_modulus"], values["lens.poisson_ratio"]
-        )
+        modulus, ratio = values["lens.young_modulus"], values["lens.poisson_ratio"]
+        match values.get("lens.shape", "sphere"):
+            case "paraboloid":
+                return ParaboloidLens(values["lens.radius"], modulus, ratio)
+            case "cylinder":
+                angle = values["lens.angle"]
+                return CylinderLens(values["lens.radius"], modulus, ratio, angle=angle)
+            case "plate":
+                tilt, direction = values["lens.tilt"], values["lens.tilt_direction"]
+                return PlateLens(modulus, ratio, tilt=tilt, tilt_direction=direction)
+            case "profile":
+                return ProfileLens(values["lens.profile"], modulus, ratio)
+        return Lens(values["lens.radius"], modulus, ratio)
 
     @property
     def substrate(self) -> Substrate:
@@ -825,8 +967,19 @@ class System:
             modulus = engineering(values[f"{part}.young_modulus"], "Pa")
             return f"{modulus}, Poisson's ratio {values[f'{part}.poisson_ratio']:g}"
 
+        def shape() -> str:
+            match values.get("lens.shape", "sphere"):
+                case "plate":
+                    return f"plate, tilt {values['lens.tilt']:g} rad"
+                case "profile":
+                    return f"profile {values['lens.profile']}"
+                case "sphere":
+                    return f"radius {length('lens.radius')}"
+                case other:
+                    return f"{other} of radius {length('lens.radius')}"
+
         rows = [
-            ("lens", f"radius {length('lens.radius')}, {material('lens')}"),
+            ("lens", f"{shape()}, {material('lens')}"),
             ("substrate", material("substrate")),
             (
                 "pillars",

@@ -108,7 +108,7 @@ def _profile(axis: Axes, state: ContactState) -> None:
     of_lens = (1.0 - lens.poisson_ratio**2) / lens.young_modulus
     of_substrate = (1.0 - substrate.poisson_ratio**2) / substrate.young_modulus
     share = of_lens / (of_lens + of_substrate)
-    sag = x**2 / (lens.radius + np.sqrt(lens.radius**2 - x**2))
+    sag = np.array([system._case.sag(float(at), 0.0) for at in x])
     _, height = system._pillar
     under = height + sag - state.indentation + share * displacement
     ground = under - gap

@@ -3,16 +3,17 @@
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::{Key, Setting};
-use crate::parts::{Parts, TextureArrangement};
+use crate::parts::{Parts, ShapeForm, TextureArrangement};
 use crate::row::Range;
 use fakir::problem::{
-    Adhesion, Arrangement, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance,
-    Point, System, Texture,
+    Adhesion, Arrangement, HexagonalLattice, Lens, LensShape, Material, Method, Pillar,
+    PillarCompliance, Point, System, Texture,
 };
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::ops::Bound::{self, Excluded, Included};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A system and the method to solve it with: what a case file describes.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +26,8 @@ pub struct Case {
     pub(crate) spacing: Spacing,
     /// Where listed pillars come from.
     pub(crate) pillars: Option<PillarsOrigin>,
+    /// The file of the table of heights of the lens, if it has one that comes from a file.
+    pub(crate) profile: Option<PathBuf>,
 }
 
 /// A table of pillars.
@@ -67,6 +70,7 @@ impl Case {
             method,
             spacing,
             pillars: None,
+            profile: None,
         }
     }
 
@@ -92,6 +96,7 @@ impl Case {
             method: Method::default(),
             spacing: Spacing::SurfaceFraction(surface_fraction),
             pillars: None,
+            profile: None,
         }
     }
 
@@ -108,7 +113,10 @@ impl Case {
     /// # Errors
     /// None but of a case that was made of values which no file can have.
     pub fn to_file(&self, name: &str) -> Result<CaseFile, CaseError> {
-        let file = CaseFile::parse(name, &self.to_toml())?;
+        let mut file = CaseFile::parse(name, &self.to_toml())?;
+        if let (LensShape::Profile(profile), None) = (&self.system.lens().shape, &self.profile) {
+            file.profile = Some(Arc::clone(profile));
+        }
         let from_file = self.pillars.as_ref().is_some_and(|it| it.path.is_some());
         match self.system.arrangement() {
             Arrangement::Listed(list) if !from_file => {
@@ -133,6 +141,8 @@ impl Case {
             Key::RecedingWorkOfAdhesion => adhesion.work_receding.is_none(),
             Key::Columns => parts.texture.columns.is_nan(),
             Key::Pillars => parts.texture.pillars.is_empty(),
+            Key::LensShape => parts.shape.form == ShapeForm::Sphere,
+            Key::LensProfile => parts.shape.profile.is_empty(),
             _ if key.is_of_scatter() => parts.texture.is_plain(),
             _ => key == not_given,
         };

@@ -7,13 +7,18 @@ use crate::entries::{
 use crate::error::{CaseError, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting};
-use crate::parts::{Parts, TRUE_OR_FALSE, TextureArrangement, TextureParts};
+use crate::parts::{Parts, ShapeForm, TRUE_OR_FALSE, TextureArrangement, TextureParts};
 use crate::pillars::read_pillars;
+use crate::profile::read_profile;
 use crate::row::{Field, Presence, Range};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
-use fakir::problem::{Adhesion, Arrangement, InvalidQuantity, Method, PillarList, System, Texture};
+use fakir::problem::{
+    Adhesion, Arrangement, InvalidQuantity, LensProfile, LensShape, Method, PillarList,
+    Requirement, ShapedLens, System, Texture,
+};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A case file that has been read, with the overrides applied so far.
 ///
@@ -33,6 +38,8 @@ pub struct CaseFile {
     pub(crate) folder: PathBuf,
     /// Listed pillars that come from no file.
     pub(crate) pillars: Option<PillarList>,
+    /// A table of the heights of the lens that comes from no file.
+    pub(crate) profile: Option<Arc<LensProfile>>,
 }
 
 impl CaseFile {
@@ -93,6 +100,7 @@ impl CaseFile {
             entries,
             folder: PathBuf::new(),
             pillars: None,
+            profile: None,
         })
     }
 
@@ -121,6 +129,7 @@ impl CaseFile {
             entries,
             folder: PathBuf::new(),
             pillars: None,
+            profile: None,
         }
     }
 
@@ -231,7 +240,9 @@ impl CaseFile {
             }
         };
         let texture = Texture::new(pillar, arrangement);
-        let system = System::new(parts.lens, parts.substrate, texture)
+        let (shape, profile) = self.lens_shape(&parts)?;
+        let lens = ShapedLens::new(shape, parts.lens.material);
+        let system = System::new(lens, parts.substrate, texture)
             .map_err(|invalid| self.impossible(&invalid))?
             .with_floor(parts.texture.floor);
         let spacing = match spacing {
@@ -249,7 +260,27 @@ impl CaseFile {
             method,
             spacing,
             pillars,
+            profile,
         })
+    }
+
+    /// The shape of the lens, and the file of its table of heights, if it has one: next to the case file, or in the current folder if an override
+    /// named it.
+    fn lens_shape(&self, parts: &Parts) -> Result<(LensShape, Option<PathBuf>), CaseError> {
+        if let Some(shape) = parts.shape.shape(parts.lens.radius) {
+            return Ok((shape, None));
+        }
+        if let (Some(profile), None) = (&self.profile, self.entry(Key::LensProfile)) {
+            return Ok((LensShape::Profile(Arc::clone(profile)), None));
+        }
+        let path = self.named_file(Key::LensProfile, &parts.shape.profile);
+        let profile = read_profile(&path).map_err(|error| {
+            self.problem(Key::LensProfile, error.to_string())
+                .accepted("a table next to the case file, of columns radius_m and height_m")
+        })?;
+        // As it is found from everywhere.
+        let path = std::path::absolute(&path).unwrap_or(path);
+        Ok((LensShape::Profile(Arc::new(profile)), Some(path)))
     }
 
     /// The pillars of a table next to the case file, or in the current folder if an override named it.
@@ -355,6 +386,10 @@ impl CaseFile {
                 self.read_value(key, entry, &mut parts)?;
             }
         }
+        // A table of heights says what shape the lens has.
+        if self.entry(Key::LensProfile).is_some() && self.entry(Key::LensShape).is_none() {
+            parts.shape.form = ShapeForm::Profile;
+        }
         // A table of pillars says what the arrangement is.
         if self.entry(Key::Pillars).is_some() && self.entry(Key::Lattice).is_none() {
             parts.texture.arrangement = TextureArrangement::Listed;
@@ -431,7 +466,10 @@ impl CaseFile {
 
     /// The error for a key that does not go with the word of the key that it depends on.
     fn idle(&self, key: Key, choice: Key, word: &str) -> CaseError {
-        let words = key.goes_with().map_or(&[][..], |(_, words)| words);
+        let mut choices = key.choices();
+        let words = choices
+            .find(|(own, _)| *own == choice)
+            .map_or(&[][..], |(_, words)| words);
         match (choice, words) {
             (Key::MethodName, [method]) => self
                 .problem(key, format!("only the method \"{method}\" has this key"))
@@ -449,6 +487,7 @@ impl CaseFile {
     fn check_absence(&self, key: Key, parts: &mut Parts) -> Result<(), CaseError> {
         match key.row().presence {
             Presence::Required if key == Key::Pillars && self.pillars.is_some() => Ok(()),
+            Presence::Required if key == Key::LensProfile && self.profile.is_some() => Ok(()),
             Presence::Required => Err(self.missing(key)),
             Presence::OneOf(other) if other.idle_with(parts).is_some() => Err(self.missing(key)),
             Presence::OneOf(other) if self.entry(other).is_none() => Err(self
@@ -507,6 +546,18 @@ impl CaseFile {
 
     /// The error for a value that the solver refuses. It points at the key that set the value.
     pub(crate) fn impossible(&self, invalid: &InvalidQuantity) -> CaseError {
+        if let Requirement::FiniteUnder(shape) = invalid.requirement {
+            return self
+                .problem(
+                    Key::LensShape,
+                    format!("a {shape} touches endlessly many pillars of a lattice without end"),
+                )
+                .accepted(format!(
+                    "give {}, or a list of pillars as {}",
+                    Key::Columns,
+                    Key::Pillars
+                ));
+        }
         let key = Key::of(invalid.quantity);
         // A pitch that was not given follows from the surface fraction.
         let by_fraction = key == Some(Key::Pitch) && self.entry(Key::Pitch).is_none();

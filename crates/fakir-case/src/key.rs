@@ -261,18 +261,24 @@ impl Key {
 
     /// The word of the key that it depends on, if that is none with which it can be given.
     pub(crate) fn idle_with(self, parts: &mut Parts) -> Option<(Self, String)> {
-        let (choice, words) = self.goes_with()?;
-        match choice.get(parts) {
-            Setting::Word(word) if !words.contains(&word.as_str()) => Some((choice, word)),
-            _ => None,
-        }
+        self.choices()
+            .find_map(|(choice, words)| match choice.get(parts) {
+                Setting::Word(word) if !words.contains(&word.as_str()) => Some((choice, word)),
+                _ => None,
+            })
+    }
+
+    /// The keys that it depends on, with the words of each with which it can be given.
+    pub(crate) fn choices(self) -> impl Iterator<Item = (Self, &'static [&'static str])> {
+        let row = self.row();
+        row.goes_with.into_iter().chain(row.goes_also_with)
     }
 
     /// The keys that depend on this one.
     pub(crate) fn dependents(self) -> impl Iterator<Item = (Self, &'static [&'static str])> {
         Self::ALL.into_iter().filter_map(move |key| {
-            let (choice, words) = key.goes_with()?;
-            (choice == self).then_some((key, words))
+            let (_, words) = key.choices().find(|(choice, _)| *choice == self)?;
+            Some((key, words))
         })
     }
 }

@@ -31,7 +31,7 @@
 //! accuracy = "default"          # or "accurate"
 //! "#;
 //! let case = fakir_case::CaseFile::parse("case.toml", text)?.case()?;
-//! assert_eq!(case.system.lens().radius, 2.2e-3);
+//! assert_eq!(case.system.lens().sphere_radius(), 2.2e-3);
 //! # Ok::<(), fakir_case::CaseError>(())
 //! ```
 //!
@@ -82,6 +82,7 @@
 //! [`CaseError`] points at the line, or at the override, that is to blame.
 
 mod case;
+mod columns;
 mod entries;
 mod error;
 mod file;
@@ -90,6 +91,7 @@ pub mod input;
 mod key;
 mod parts;
 pub mod pillars;
+mod profile;
 mod reference;
 mod row;
 pub mod study;

@@ -5,20 +5,32 @@
 use crate::case::{Case, Spacing};
 use fakir::problem::{
     Accuracy, Arrangement, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice,
-    LatticeForm, Lens, Material, MeshLayout, Method, Pillar, PillarCompliance, PlaneLattice, Point,
-    PunchForm,
+    LatticeForm, Lens, LensShape, Material, MeshLayout, Method, Pillar, PillarCompliance,
+    PlaneLattice, Point, PunchForm, ShapedLens,
 };
 
 /// The values of all keys. Required values are not numbers until they are set, all others have
 /// their default.
 #[derive(Debug, Clone)]
 pub(crate) struct Parts {
+    /// Its radius is that of other shapes too.
     pub(crate) lens: Lens,
+    pub(crate) shape: ShapeParts,
     pub(crate) substrate: Material,
     pub(crate) texture: TextureParts,
     pub(crate) method: MethodParts,
     pub(crate) surface: SurfaceParts,
     pub(crate) outline: OutlineParts,
+}
+
+/// What the shape of a lens takes besides a radius.
+#[derive(Debug, Clone)]
+pub(crate) struct ShapeParts {
+    pub(crate) form: ShapeForm,
+    pub(crate) angle: f64,
+    pub(crate) tilt: f64,
+    pub(crate) tilt_direction: f64,
+    pub(crate) profile: String,
 }
 
 #[derive(Debug, Clone)]
@@ -109,6 +121,13 @@ impl Default for Parts {
                 radius: NOT_GIVEN,
                 material,
             },
+            shape: ShapeParts {
+                form: ShapeForm::Sphere,
+                angle: 0.0,
+                tilt: 0.0,
+                tilt_direction: 0.0,
+                profile: String::new(),
+            },
             substrate: material,
             texture: TextureParts {
                 arrangement: TextureArrangement::Hexagonal,
@@ -183,10 +202,13 @@ impl Parts {
     /// The values of a case with a texture.
     pub(crate) fn of(case: &Case) -> Self {
         let mut parts = Self {
-            lens: *case.system.lens(),
             substrate: *case.system.substrate(),
             ..Self::default()
         };
+        let ShapedLens { shape, material } = case.system.lens();
+        parts.lens.material = *material;
+        parts.lens.radius = case.system.lens().radius().unwrap_or(NOT_GIVEN);
+        parts.shape.set(shape, case);
         parts.texture.set_arrangement(case);
         parts.texture.pillar = *case.system.pillar();
         parts.texture.floor = case.system.floor_model();
@@ -219,6 +241,48 @@ impl Parts {
             other => unreachable!("case files have no method \"{}\"", other.name()),
         }
         parts
+    }
+}
+
+impl ShapeParts {
+    fn set(&mut self, shape: &LensShape, case: &Case) {
+        self.form = match shape {
+            LensShape::Sphere { .. } => ShapeForm::Sphere,
+            LensShape::Paraboloid { .. } => ShapeForm::Paraboloid,
+            LensShape::Cylinder { angle, .. } => {
+                self.angle = *angle;
+                ShapeForm::Cylinder
+            }
+            LensShape::Plate { tilt, direction } => {
+                self.tilt = *tilt;
+                self.tilt_direction = *direction;
+                ShapeForm::Plate
+            }
+            LensShape::Profile(_) => {
+                let path = case.profile.as_deref();
+                self.profile =
+                    path.map_or_else(String::new, |path| path.to_string_lossy().into_owned());
+                ShapeForm::Profile
+            }
+            other => unreachable!("case files have no lens of shape {other:?}"),
+        };
+    }
+
+    /// The shape that they describe, of a radius; none of a table.
+    pub(crate) fn shape(&self, radius: f64) -> Option<LensShape> {
+        Some(match self.form {
+            ShapeForm::Sphere => LensShape::Sphere { radius },
+            ShapeForm::Paraboloid => LensShape::Paraboloid { radius },
+            ShapeForm::Cylinder => LensShape::Cylinder {
+                radius,
+                angle: self.angle,
+            },
+            ShapeForm::Plate => LensShape::Plate {
+                tilt: self.tilt,
+                direction: self.tilt_direction,
+            },
+            ShapeForm::Profile => return None,
+        })
     }
 }
 
@@ -371,6 +435,25 @@ impl<T: Words> Choice for T {
             None => false,
         }
     }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum ShapeForm {
+    Sphere,
+    Paraboloid,
+    Cylinder,
+    Plate,
+    Profile,
+}
+
+impl Words for ShapeForm {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("sphere", Self::Sphere),
+        ("paraboloid", Self::Paraboloid),
+        ("cylinder", Self::Cylinder),
+        ("plate", Self::Plate),
+        ("profile", Self::Profile),
+    ];
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,38 +1,14 @@
 //! Tables of pillars: where each stands and, where they differ, how it is made.
 
-use crate::input;
+use crate::columns::{Columns, Table, TableError};
 use fakir::problem::{InvalidPillars, ListedPillar, Pillar, PillarList};
 use std::path::Path;
 
-/// Largest table of pillars, bytes: that of some million pillars.
-pub const LARGEST_TABLE: u64 = 256_000_000;
-
-/// The columns that a table of pillars can have.
-const COLUMNS: [&str; 4] = ["x_m", "y_m", "height_m", "diameter_m"];
-
-/// Why a table of pillars was not read.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PillarsError {
-    /// The file cannot be read.
-    #[error("cannot read {path}: {error}")]
-    Unreadable {
-        /// Its name.
-        path: String,
-        /// What was wrong.
-        error: std::io::Error,
-    },
-    /// A line that is no row of the table.
-    #[error("{path}, line {line}: {problem}")]
-    Line {
-        /// The file.
-        path: String,
-        /// Line, from 1.
-        line: u64,
-        /// What was wrong, and what would be right.
-        problem: String,
-    },
-}
+const COLUMNS: Columns<4> = Columns {
+    names: ["x_m", "y_m", "height_m", "diameter_m"],
+    required: 2,
+    told: "a table of pillars has x_m and y_m, and optionally height_m and diameter_m",
+};
 
 /// Reads a table of pillars: values separated by commas under a line with the names of the columns, `x_m` and `y_m`, and optionally
 /// `height_m` and `diameter_m` (m), which are those of the common pillar where they are not given. Lines that begin with `#` are left out.
@@ -40,139 +16,52 @@ pub enum PillarsError {
 /// # Errors
 /// A file that cannot be read, columns that are not known or missing, values that are no numbers, and pillars that cannot stand so,
 /// with the line.
-pub fn read_pillars(path: &Path, common: &Pillar) -> Result<PillarList, PillarsError> {
-    let name = path.display().to_string();
-    let unreadable = |error| PillarsError::Unreadable {
-        path: name.clone(),
-        error,
-    };
-    let bytes = input::read(path, LARGEST_TABLE).map_err(unreadable)?;
-    parse_pillars(&name, &bytes, common)
+pub(crate) fn read_pillars(path: &Path, common: &Pillar) -> Result<PillarList, TableError> {
+    listed(&COLUMNS.read(path, otherwise(common))?)
 }
 
-/// [`read_pillars`] from the contents of a file; `name` is what errors call it.
-///
-/// # Errors
-/// As [`read_pillars`].
-pub fn parse_pillars(
-    name: &str,
-    bytes: &[u8],
-    common: &Pillar,
-) -> Result<PillarList, PillarsError> {
-    let wrong = |line: u64, problem: String| PillarsError::Line {
-        path: name.to_owned(),
-        line,
-        problem,
+fn otherwise(common: &Pillar) -> [f64; 4] {
+    [f64::NAN, f64::NAN, common.height, common.diameter]
+}
+
+fn listed(table: &Table<4>) -> Result<PillarList, TableError> {
+    let pillar = |[x, y, height, diameter]: &[f64; 4]| ListedPillar {
+        centre: [*x, *y],
+        height: *height,
+        diameter: *diameter,
     };
-    let mut table = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(bytes);
-    let csv_line = |error: &csv::Error| error.position().map_or(1, csv::Position::line);
-    let headings = table
-        .headers()
-        .map_err(|e| wrong(csv_line(&e), e.to_string()))?;
-    let heading_line = headings.position().map_or(1, csv::Position::line);
-    let mut places = [None; COLUMNS.len()];
-    for (place, heading) in headings.iter().enumerate() {
-        let known = COLUMNS.iter().position(|column| *column == heading);
-        let Some(column) = known else {
-            let problem = format!("there is no column \"{heading}\": {}", one_of_columns());
-            return Err(wrong(heading_line, problem));
-        };
-        if places[column].replace(place).is_some() {
-            return Err(wrong(
-                heading_line,
-                format!("two columns are \"{heading}\""),
-            ));
-        }
-    }
-    for column in 0..2 {
-        if places[column].is_none() {
-            let problem = format!(
-                "the column {} is missing: {}",
-                COLUMNS[column],
-                one_of_columns()
-            );
-            return Err(wrong(heading_line, problem));
-        }
-    }
-    let otherwise = [f64::NAN, f64::NAN, common.height, common.diameter];
-    let (mut pillars, mut lines) = (Vec::new(), Vec::new());
-    for row in table.records() {
-        let row = row.map_err(|error| wrong(csv_line(&error), error.to_string()))?;
-        let line = row
-            .position()
-            .map_or(0, |position| line_of_row(bytes, position));
-        let mut values = otherwise;
-        for (column, place) in places.iter().enumerate() {
-            let Some(text) = place.and_then(|place| row.get(place)) else {
-                continue;
-            };
-            values[column] = text.parse().map_err(|_| {
-                let column = COLUMNS[column];
-                wrong(
-                    line,
-                    format!("{column} is \"{text}\", and has to be a number of metres"),
-                )
-            })?;
-        }
-        let [x, y, height, diameter] = values;
-        pillars.push(ListedPillar {
-            centre: [x, y],
-            height,
-            diameter,
-        });
-        lines.push(line);
-    }
-    PillarList::new(pillars).map_err(|invalid| {
-        let line = |pillar: usize| lines.get(pillar).copied().unwrap_or(heading_line);
-        match invalid {
-            InvalidPillars::NoPlace {
-                pillar,
-                axis,
-                value,
-            } => wrong(line(pillar), format!("{axis}_m is {value}, and has to be a finite number")),
-            InvalidPillars::NoSize {
-                pillar,
-                what,
-                value,
-            } => wrong(
-                line(pillar),
-                format!("{what}_m is {value}, and has to be a finite number greater than 0"),
+    let pillars = table.rows.iter().map(pillar).collect();
+    PillarList::new(pillars).map_err(|invalid| match invalid {
+        InvalidPillars::NoPlace {
+            pillar,
+            axis,
+            value,
+        } => table.wrong(
+            Some(pillar),
+            format!("{axis}_m is {value}, and has to be a finite number"),
+        ),
+        InvalidPillars::NoSize {
+            pillar,
+            what,
+            value,
+        } => table.wrong(
+            Some(pillar),
+            format!("{what}_m is {value}, and has to be a finite number greater than 0"),
+        ),
+        InvalidPillars::Overlap {
+            pillars: [one, other],
+            distance,
+            radii,
+        } => table.wrong(
+            Some(other),
+            format!(
+                "this pillar overlaps with that of line {}: their centres are {distance:.4e} m apart, and their \
+                 radii add up to {radii:.4e} m",
+                table.line(Some(one))
             ),
-            InvalidPillars::Overlap {
-                pillars: [one, other],
-                distance,
-                radii,
-            } => wrong(
-                line(other),
-                format!(
-                    "this pillar overlaps with that of line {}: their centres are {distance:.4e} m apart, and their \
-                     radii add up to {radii:.4e} m",
-                    line(one)
-                ),
-            ),
-            other => wrong(heading_line, other.to_string()),
-        }
+        ),
+        other => table.wrong(None, other.to_string()),
     })
-}
-
-/// The line of a row, from 1: after the comments and empty lines that are skipped before it.
-fn line_of_row(bytes: &[u8], start: &csv::Position) -> u64 {
-    let rest = bytes.get(start.byte() as usize..).unwrap_or_default();
-    let skipped = rest.split(|byte| *byte == b'\n').take_while(|line| {
-        let text = line.trim_ascii();
-        text.is_empty() || text.starts_with(b"#")
-    });
-    start.line() + skipped.count() as u64
-}
-
-fn one_of_columns() -> String {
-    format!(
-        "a table of pillars has {} and {}, and optionally {} and {}",
-        COLUMNS[0], COLUMNS[1], COLUMNS[2], COLUMNS[3]
-    )
 }
 
 #[cfg(test)]
@@ -186,7 +75,10 @@ mod tests {
             height: 2.2e-6,
             compliance: PillarCompliance::Column,
         };
-        parse_pillars("pillars.csv", text.as_bytes(), &common).map_err(|error| error.to_string())
+        let table = COLUMNS.parse("pillars.csv", text.as_bytes(), otherwise(&common));
+        table
+            .and_then(|table| listed(&table))
+            .map_err(|error| error.to_string())
     }
 
     #[test]

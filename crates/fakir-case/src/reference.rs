@@ -53,7 +53,13 @@ fn presence(key: Key) -> String {
         }
     };
     let condition = match (key.goes_with(), key.part()) {
-        (Some((choice, own)), _) => format!("only if `{choice}` is {}; ", words(own)),
+        (Some(_), _) => {
+            let conditions: Vec<String> = key
+                .choices()
+                .map(|(choice, own)| format!("`{choice}` is {}", words(own)))
+                .collect();
+            format!("only if {}; ", conditions.join(" and "))
+        }
         (None, Part::HeightMap) if key != Key::HeightMap => {
             format!("only with `{}`; ", Key::HeightMap.name())
         }

@@ -25,6 +25,8 @@ pub(crate) struct Row {
     pub(crate) presence: Presence,
     /// The key can only be given where this other key has one of these words.
     pub(crate) goes_with: Option<(Key, &'static [&'static str])>,
+    /// And where this one has one of these.
+    pub(crate) goes_also_with: Option<(Key, &'static [&'static str])>,
     /// How the solver calls the quantity, if it checks its value.
     pub(crate) quantity: Option<Quantity>,
     /// How the patterns of pillars call the quantity, if they check its value.
@@ -175,6 +177,7 @@ impl Row {
             field,
             presence: Presence::Required,
             goes_with: None,
+            goes_also_with: None,
             quantity: None,
             pattern_quantity: None,
         }
@@ -256,6 +259,12 @@ impl Row {
     /// It can only be given where another key has one of these words.
     pub(super) const fn with(mut self, choice: Key, words: &'static [&'static str]) -> Self {
         self.goes_with = Some((choice, words));
+        self
+    }
+
+    /// It can only be given where yet another key has one of these words.
+    pub(super) const fn also_with(mut self, choice: Key, words: &'static [&'static str]) -> Self {
+        self.goes_also_with = Some((choice, words));
         self
     }
 

@@ -197,6 +197,21 @@ impl CaseFile {
         {
             return Err(texture_and_surface(surface, texture));
         }
+        let of_shape = [
+            Key::LensShape,
+            Key::LensAngle,
+            Key::LensTilt,
+            Key::LensTiltDirection,
+            Key::LensProfile,
+        ];
+        if let Some(key) = of_shape.into_iter().find(|key| self.entry(*key).is_some()) {
+            return Err(self
+                .problem(key, "only a [texture] has lenses of other shapes")
+                .accepted(format!(
+                    "leave it out: a [surface] is touched by a sphere, or by a plate with {} = \"plate\"",
+                    Key::Indenter
+                )));
+        }
         if let Some(floor) = self.place_of("floor") {
             return Err(CaseError::at(
                 floor,

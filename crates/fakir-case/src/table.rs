@@ -6,8 +6,8 @@
 use crate::row::{
     Presence, Range, Row, angle, energy_per_area, fraction, length, number, pressure, text, word,
 };
-use fakir::problem::Quantity;
 use fakir::problem::pattern::PatternQuantity as Q;
+use fakir::problem::{LARGEST_TILT, Quantity};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
@@ -50,6 +50,8 @@ pub(crate) enum Part {
 
 const FRACTION: Range = Range::Between(Included(0.0), Excluded(1.0));
 const POISSON: Range = Range::Between(Included(0.0), Included(0.5));
+/// The shapes of a lens that have a radius.
+const ROUND_LENSES: &[&str] = &["sphere", "paraboloid", "cylinder"];
 /// The arrangements of a texture that are lattices, and those that a surface fraction makes.
 const PLANE_LATTICES: &[&str] = &["hexagonal", "square", "rectangular", "oblique"];
 const EVEN_LATTICES: &[&str] = &["hexagonal", "square"];
@@ -62,7 +64,7 @@ keys! {
         LensRadius = "lens.radius" is
             length("radius of curvature", |p| &mut p.lens.radius)
                 .symbol("R").usual(1e-5, 1e-1)
-                .positive().with(Key::Indenter, &["lens"]).of(Quantity::LensRadius);
+                .positive().with(Key::Indenter, &["lens"]).also_with(Key::LensShape, ROUND_LENSES).of(Quantity::LensRadius);
         LensYoungModulus = "lens.young_modulus" is
             pressure("Young's modulus", |p| &mut p.lens.material.young_modulus)
                 .label("Young's modulus").symbol("E_l").usual(1e3, 1e11)
@@ -71,6 +73,26 @@ keys! {
             number("Poisson's ratio, 0 to 0.5", |p| &mut p.lens.material.poisson_ratio)
                 .label("Poisson's ratio").symbol("ν_l")
                 .range(POISSON).of(Quantity::LensPoissonRatio);
+    }
+    Texture {
+        LensShape = "lens.shape" is
+            word("sphere, paraboloid, cylinder, plate or profile", |p| &mut p.shape.form)
+                .optional();
+        LensAngle = "lens.angle" is
+            angle("direction of a cylinder from x: of the line along which it is lowest", |p| &mut p.shape.angle)
+                .optional().with(Key::LensShape, &["cylinder"]).of(Quantity::LensAngle);
+        LensTilt = "lens.tilt" is
+            angle("of a plate: between it and the floor", |p| &mut p.shape.tilt)
+                .range(Range::Between(Included(0.0), Included(LARGEST_TILT))).optional().with(Key::LensShape, &["plate"])
+                .of(Quantity::LensTilt);
+        LensTiltDirection = "lens.tilt_direction" is
+            angle("of a plate: direction from x in which it rises", |p| &mut p.shape.tilt_direction)
+                .optional().with(Key::LensShape, &["plate"]).of(Quantity::LensTiltDirection);
+        LensProfile = "lens.profile" is
+            text("table of the heights of a lens: columns radius_m, height_m", |p| &mut p.shape.profile)
+                .with(Key::LensShape, &["profile"]);
+    }
+    Bodies {
         SubstrateYoungModulus = "substrate.young_modulus" is
             pressure("Young's modulus, of the pillars too", |p| &mut p.substrate.young_modulus)
                 .label("Young's modulus").symbol("E_s").usual(1e3, 1e11)

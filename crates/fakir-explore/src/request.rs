@@ -116,7 +116,14 @@ pub(crate) fn is_on_page(key: Key) -> bool {
         Key::PitchY,
         Key::LatticeAngle,
     ];
-    !of_other_arrangements.contains(&key)
+    let of_other_lenses = [
+        Key::LensShape,
+        Key::LensAngle,
+        Key::LensTilt,
+        Key::LensTiltDirection,
+        Key::LensProfile,
+    ];
+    !of_other_arrangements.contains(&key) && !of_other_lenses.contains(&key)
 }
 
 /// The values of a case, in SI units.
@@ -143,6 +150,11 @@ pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
                     "hexagonal or square; fakir transition and fakir press answer all others",
                 ),
         );
+    }
+    if case.system.lens().sphere().is_none() {
+        return Err(Refusal::impossible("the page shows a spherical lens")
+            .at(Key::LensShape.path())
+            .accepted("sphere; fakir transition and fakir press answer all others"));
     }
     check_size(&case)?;
     Ok(case)
@@ -216,7 +228,7 @@ fn significant(value: f64) -> String {
 pub(crate) fn expected_pillars(system: &System) -> f64 {
     let radius = homogenised::dense_limit(system).contact_radius();
     // A contact cannot be wider than the lens.
-    let radius = radius.min(system.lens().radius);
+    let radius = radius.min(system.lens().sphere_radius());
     let pillars = PI * radius * radius / system.arrangement().cell_area();
     if pillars.is_finite() {
         pillars

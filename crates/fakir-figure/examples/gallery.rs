@@ -150,7 +150,7 @@ fn spread() -> Result<Figure, Box<dyn Error>> {
         let system = system(2e6, 0.02, 0.0)?;
         let mut texture = system.texture().clone();
         texture.pillar.height *= 1.0 + 0.05 * normal;
-        let system = System::new(*system.lens(), *system.substrate(), texture)?;
+        let system = System::new(system.lens().clone(), *system.substrate(), texture)?;
         let critical = fakir::transition(&system, Method::Homogenised, &Run::default())?;
         values.push(critical.contact.force * 1e6);
     }

@@ -595,6 +595,8 @@ const GUESSES: [f64; 9] = [1e6, 0.1, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7];
 /// Values between which a free quantity is sought: all that are allowed, as far as a factor of a million from the first.
 fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
     const FARTHEST: f64 = 1e6;
+    /// Of a plate, which is as wide as it likes.
+    const LARGEST_PITCHES: f64 = 1e6;
     /// Relative distance from an end of the range that is not allowed itself.
     const MARGIN: f64 = 1e-3;
     let (least, greatest) = case.allowed(free);
@@ -609,7 +611,8 @@ fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
         Bound::Unbounded => first * FARTHEST,
     };
     // Pillars as wide as the lens, or as far apart, are no texture.
-    let widest = case.system.lens().radius;
+    let widest = case.system.lens().widest();
+    let widest = widest.min(LARGEST_PITCHES * case.system.pitch());
     match free {
         Key::Pitch | Key::PillarDiameter => [least, greatest.min(widest)],
         Key::SurfaceFraction => {

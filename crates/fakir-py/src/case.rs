@@ -89,6 +89,11 @@ impl Case {
         Ok(values)
     }
 
+    /// Height of the undeformed lens over its lowest point, at a point from its axis, m.
+    fn sag(&self, x: f64, y: f64) -> f64 {
+        self.case.system.lens().sag([x, y])
+    }
+
     /// Centre of a pillar, m from the lens axis.
     fn centre(&self, i: i64, j: i64) -> PyResult<[f64; 2]> {
         let centre = self.case.system.arrangement().centre((i, j));

@@ -3,6 +3,7 @@
 use crate::case::Case;
 use crate::error::{solve_error, value_error};
 use fakir::problem::System;
+use fakir::state::SolveError;
 use fakir::theory::closed_forms as forms;
 use fakir::theory::closed_forms::{Region, TransitionEstimate};
 use fakir::theory::homogenised::HomogenisedLattice;
@@ -41,6 +42,17 @@ fn of_theory(case: &Case) -> PyResult<&System> {
     let system = &case.case.system;
     check_arrangement(system).map_err(|error| value_error(error.to_string()))?;
     Ok(system)
+}
+
+/// The system of a case, if its lens is a sphere.
+fn of_sphere(case: &Case) -> PyResult<&System> {
+    let system = &case.case.system;
+    match system.lens().sphere() {
+        Some(_) => Ok(system),
+        None => Err(value_error(
+            SolveError::not_made_for("the theory", system).to_string(),
+        )),
+    }
 }
 
 /// One formula for the critical state, whether it applies or not.
@@ -93,25 +105,29 @@ pub(crate) fn homogenised(case: &Case) -> PyResult<(f64, f64, f64)> {
 
 /// The transition curve: force (N) at a contact radius (m).
 #[pyfunction]
-pub(crate) fn transition_force(case: &Case, contact_radius: f64) -> f64 {
-    forms::transition_force(&case.case.system, contact_radius)
+pub(crate) fn transition_force(case: &Case, contact_radius: f64) -> PyResult<f64> {
+    Ok(forms::transition_force(of_sphere(case)?, contact_radius))
 }
 
 /// Contact radius (m) of a lens on a smooth half-space under a force (N).
 #[pyfunction]
-pub(crate) fn hertz_contact_radius(case: &Case, force: f64) -> f64 {
-    forms::hertz_contact_radius(&case.case.system, force)
+pub(crate) fn hertz_contact_radius(case: &Case, force: f64) -> PyResult<f64> {
+    Ok(forms::hertz_contact_radius(of_sphere(case)?, force))
 }
 
 /// Region of the phase diagram, and whether the two numbers decide it.
 #[pyfunction]
-pub(crate) fn phase(case: &Case, force: f64, contact_radius: f64) -> (&'static str, bool) {
-    let phase = forms::phase(&case.case.system, force, contact_radius);
+pub(crate) fn phase(
+    case: &Case,
+    force: f64,
+    contact_radius: f64,
+) -> PyResult<(&'static str, bool)> {
+    let phase = forms::phase(of_sphere(case)?, force, contact_radius);
     let region = match phase.region {
         Region::Top => "top",
         Region::Mixed => "mixed",
     };
-    (region, phase.deterministic)
+    Ok((region, phase.deterministic))
 }
 
 type Sums = (f64, f64, f64);

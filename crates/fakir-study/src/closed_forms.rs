@@ -117,15 +117,13 @@ pub struct ClosedForm {
 /// Refuses what the formulas are not made for.
 ///
 /// # Errors
-/// [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice.
+/// [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice, and [`SolveError::NotUnderShape`] of a lens that is
+/// no sphere.
 pub fn check_arrangement(system: &System) -> Result<(), SolveError> {
-    match system.hexagonal_lattice() {
-        Some(_) => Ok(()),
-        None => Err(SolveError::NotOnArrangement {
-            what: "the theory",
-            arrangement: system.arrangement().name(),
-        }),
+    if system.hexagonal_lattice().is_none() || system.lens().sphere().is_none() {
+        return Err(SolveError::not_made_for("the theory", system));
     }
+    Ok(())
 }
 
 /// Every formula that gives numbers for this system.

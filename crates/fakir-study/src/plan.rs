@@ -183,10 +183,16 @@ pub(crate) fn longest_first(
 /// through its own events.
 fn cost(system: &System, method: Method) -> f64 {
     const OVERHEAD: f64 = 20.0;
+    const SOME_PILLARS: f64 = 500.0;
     let pillar = system.pillar();
-    let growth = 4.0 * system.lens().radius * pillar.height / pillar.diameter.powi(2);
+    let lens = system.lens().widest();
+    if lens.is_infinite() {
+        // A plate, which touches all pillars there are.
+        return OVERHEAD + SOME_PILLARS;
+    }
+    let growth = 4.0 * lens * pillar.height / pillar.diameter.powi(2);
     let radius = (growth * system.texture().surface_fraction()).hypot(1.0); // in pitches
-    let radius = radius.min(0.5 * system.lens().radius / system.pitch());
+    let radius = radius.min(0.5 * lens / system.pitch());
     let pillars = radius * radius;
     match method {
         Method::Love(mesh) => OVERHEAD + pillars * (mesh.cells_per_diameter as f64).powi(2),

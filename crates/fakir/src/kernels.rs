@@ -265,7 +265,8 @@ pub fn press_discs(
         lens: Lens {
             radius,
             material: Material::new(1.0, 0.5),
-        },
+        }
+        .into(),
         height: indentation,
         field: PillarField::Listed(Arc::new(list)),
         length: 1.0,

@@ -28,6 +28,7 @@ pub fn press(
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
+    refuse_transition(system, control)?;
     if !system.adhesion().is_none() {
         return adhesive::press(system, control, with_adhesion(method)?, run)?.checked();
     }
@@ -72,6 +73,7 @@ pub fn gradient(
     run: &Run<'_>,
 ) -> Result<Gradient, SolveError> {
     let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
+    refuse_transition(system, control)?;
     if !system.adhesion().is_none() {
         let why =
             "with adhesion the contact depends on the way there; leave out the works of adhesion";
@@ -150,6 +152,16 @@ pub fn follow_cycle(
         return Err(SolveError::NothingSticks);
     }
     adhesive::cycle(system, plan, with_adhesion(method)?, run, follower)?.checked()
+}
+
+/// Refuses the critical state under what comes nearest to the floor beyond the pillars.
+fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError> {
+    if control == Control::FloorContact && !system.lens().is_axisymmetric() {
+        return Err(SolveError::NoTransition {
+            shape: system.lens().shape_name(),
+        });
+    }
+    Ok(())
 }
 
 /// The accuracy of the one method that has adhesion.

@@ -123,7 +123,7 @@ fn indented() -> impl Strategy<Value = (System, f64)> {
             // Their tops, however deep: what the floor bears has tests of its own.
             let system = system(radius, materials, lattice, height, compliance)
                 .with_floor(FloorModel::Ignored);
-            let first_touch = system.lens().sag(nearest_edge(&system));
+            let first_touch = system.lens().sag([nearest_edge(&system), 0.0]);
             let reach = reach * lattice.pitch;
             (system, first_touch + 0.5 * reach * reach / radius)
         },
@@ -167,7 +167,7 @@ fn summary(state: &ContactState) -> String {
         "phi = {:.3e}, kappa = {:.3e}, R/d = {:.3e}; {} pillars, {} partially; {:?}",
         state.system.texture().surface_fraction(),
         state.system.column_compliance_ratio(),
-        state.system.lens().radius / DIAMETER,
+        state.system.lens().sphere_radius() / DIAMETER,
         state.pillars_in_contact,
         state.pillars_partially_in_contact,
         state.error
@@ -482,7 +482,7 @@ fn critical_states_just_reach_the_floor() {
         };
         let state = &critical.contact;
         check_numbers(state)?;
-        let floor_first = system.lens().sag(nearest_edge(&system)) >= system.pillar().height;
+        let floor_first = system.lens().sag([nearest_edge(&system), 0.0]) >= system.pillar().height;
         prop_assert_eq!(critical.regime == Regime::BottomFirst, floor_first);
         if !tally.counts(state, state.error.force) {
             return Ok(());

@@ -29,7 +29,7 @@ fn beside_a_pillar() -> System {
 
 fn first_touch(system: &System) -> f64 {
     let nearest = 0.3 * system.pitch() - 0.5 * system.pillar().diameter;
-    system.lens().sag(nearest)
+    system.lens().sag([nearest, 0.0])
 }
 
 fn press(system: &System, indentation: f64, accuracy: Accuracy) -> ContactState {

@@ -168,7 +168,7 @@ fn hertz_inside_a_pillar_top() {
             // 0.01 of a pitch of 50 um is 0.5 um, a sixth of the pillar radius.
             let lattice = HexagonalLattice::new(50e-6).offset_by(offset);
             let system = rubber(2.2e-3, pillar, lattice);
-            let (radius, stiffness) = (system.lens().radius, system.reduced_modulus());
+            let (radius, stiffness) = (system.lens().sphere_radius(), system.reduced_modulus());
             for fraction in [0.2, 0.5, 0.8_f64] {
                 let a = fraction * 3e-6;
                 let force = 4.0 * stiffness * a.powi(3) / (3.0 * radius);
@@ -328,7 +328,7 @@ fn work_is_reciprocal() {
         });
         assert_eq!(one.pillars_in_contact, two.pillars_in_contact);
         let work = |of: &ContactState, on: &ContactState| -> f64 {
-            let displacement = |point| on.indentation - system.lens().sag(distance(point));
+            let displacement = |point| on.indentation - system.lens().sag([distance(point), 0.0]);
             (0..of.pillars.len())
                 .map(|pillar| integrate_pressure(of, pillar, displacement))
                 .sum()
@@ -346,7 +346,7 @@ fn lengths_and_moduli_scale() {
         let pillar = paper_pillar(PillarCompliance::Column);
         System::new(
             Lens {
-                radius: base.lens().radius * length,
+                radius: base.lens().sphere_radius() * length,
                 material,
             },
             material,
@@ -405,7 +405,7 @@ fn force_rises_with_indentation() {
             // Finer at the start, where the contact grows over the first pillar.
             let zeta = 2e-6 * (f64::from(step) / 400.0).powi(3);
             let state = press(&system, Control::Indentation(zeta), Method::default());
-            let touched = zeta > system.lens().sag(nearest_edge(&system));
+            let touched = zeta > system.lens().sag([nearest_edge(&system), 0.0]);
             if touched {
                 assert!(state.force > previous, "{phi} {offset}: {zeta:e} m");
             } else {
@@ -438,8 +438,9 @@ fn force_across_the_edge_of_a_top() {
         let lattice = HexagonalLattice::new(50e-6).offset_by(beside / 50e-6);
         let system = rubber(2.2e-3, paper_pillar(PillarCompliance::Column), lattice);
         let a = 3e-6 - beside;
-        let force = 4.0 * system.reduced_modulus() * a.powi(3) / (3.0 * system.lens().radius);
-        let zeta = a * a / system.lens().radius + force * system.column_compliance();
+        let force =
+            4.0 * system.reduced_modulus() * a.powi(3) / (3.0 * system.lens().sphere_radius());
+        let zeta = a * a / system.lens().sphere_radius() + force * system.column_compliance();
         let mut previous = 0.0;
         for step in -5..50 {
             let load = Control::Indentation(zeta * (1.0 + 0.002 * f64::from(step)));
@@ -457,7 +458,7 @@ fn force_across_the_edge_of_a_top() {
 fn force_and_indentation_invert_each_other() {
     for (phi, offset) in [(0.002, 0.02), (0.03, 0.0), (0.1, 0.4)] {
         let system = intermediate(phi, offset, 0.0);
-        let first_touch = system.lens().sag(nearest_edge(&system));
+        let first_touch = system.lens().sag([nearest_edge(&system), 0.0]);
         for rise in [1e-9, 2e-8, 0.3e-6, 3e-6] {
             let zeta = first_touch + rise;
             for method in [Method::default(), ACCURATE, Method::Homogenised] {
@@ -726,7 +727,7 @@ fn contacts_large_for_the_lens() {
             let load = Control::Indentation(f64::from(step) * 2e-6);
             match fakir::press(&system, load, method, &Run::default()) {
                 Ok(state) => {
-                    let ratio = state.contact_radius / system.lens().radius;
+                    let ratio = state.contact_radius / system.lens().sphere_radius();
                     assert!(ratio <= 0.5, "{method:?}");
                     if ratio > 0.2 {
                         warned += 1;
@@ -798,7 +799,7 @@ fn a_touch_too_light_for_the_nodes_is_resolved() {
         .expect("a hexagonal lattice")
         .centre(i, j);
     let edge = x.hypot(y) - 0.5 * system.pillar().diameter;
-    let first_touch = system.lens().sag(edge);
+    let first_touch = system.lens().sag([edge, 0.0]);
     for above in [1e-6, 1e-5, 1e-4, 1e-3] {
         let load = Control::Indentation(first_touch * (1.0 + above));
         let [state, accurate] = [Accuracy::Default, Accuracy::Accurate]

@@ -47,6 +47,7 @@ pub(super) fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseErro
             entries,
             folder: folder.to_owned(),
             pillars: None,
+            profile: None,
         },
         Some((name, place)) => {
             if let Some((name, _)) = beside(document) {

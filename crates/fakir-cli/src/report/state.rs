@@ -3,7 +3,7 @@
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
 use fakir::Difference;
-use fakir::problem::{Arrangement, Disorder, Method, System};
+use fakir::problem::{Arrangement, Disorder, LensShape, Method, System};
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::Dimension;
 use fakir_study::result::GradientObject;
@@ -32,7 +32,7 @@ pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) 
 pub(crate) fn texture_line(system: &System) -> String {
     let fraction = plain(system.texture().surface_fraction());
     let pitch = with_unit(system.pitch(), Dimension::Length, DIGITS);
-    match system.arrangement() {
+    let line = match system.arrangement() {
         Arrangement::Hexagonal(lattice) => format!(
             "surface fraction {fraction}, pitch {pitch}, {}",
             axis(lattice.offset, lattice.offset_angle)
@@ -78,6 +78,36 @@ pub(crate) fn texture_line(system: &System) -> String {
             list.pillars().len()
         ),
         other => format!("{} pillars, surface fraction {fraction}", other.name()),
+    };
+    format!("{line}{}", lens_part(system))
+}
+
+/// What there is to say of a lens that is no sphere: `, under a cylinder of radius 2.2 mm`.
+fn lens_part(system: &System) -> String {
+    let length = |value: f64| with_unit(value, Dimension::Length, DIGITS);
+    let degrees = |angle: f64| plain(angle.to_degrees());
+    match &system.lens().shape {
+        LensShape::Sphere { .. } => String::new(),
+        LensShape::Paraboloid { radius } => {
+            format!(", under a paraboloid of radius {}", length(*radius))
+        }
+        LensShape::Cylinder { radius, angle } => format!(
+            ", under a cylinder of radius {} along {} deg from x",
+            length(*radius),
+            degrees(*angle)
+        ),
+        LensShape::Plate { tilt, .. } if *tilt == 0.0 => ", under a plate".to_owned(),
+        LensShape::Plate { tilt, direction } => format!(
+            ", under a plate that rises by {} deg towards {} deg from x",
+            degrees(*tilt),
+            degrees(*direction)
+        ),
+        LensShape::Profile(profile) => format!(
+            ", under a lens of {} rows up to {}",
+            profile.radii().len(),
+            length(profile.range())
+        ),
+        _ => format!(", under a {}", system.lens().shape_name()),
     }
 }
 

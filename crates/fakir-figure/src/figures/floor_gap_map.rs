@@ -44,7 +44,7 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     let gaps: Vec<f64> = points
         .clone()
         .zip(&samples.displacement)
-        .map(|([x, y], w)| pillar.height + system.lens().sag(x.hypot(y)) + w - state.indentation)
+        .map(|([x, y], w)| pillar.height + system.lens().sag([x, y]) + w - state.indentation)
         .collect();
     let on_floor = points
         .zip(&gaps)

@@ -265,7 +265,7 @@ fn axis_around(state: &ContactState, points: Option<usize>) -> Axis {
     } else {
         BARE_PITCHES * pitch
     };
-    let half_width = half_width.min(LARGEST_WIDTH * state.system.lens().radius);
+    let half_width = half_width.min(LARGEST_WIDTH * state.system.lens().widest());
     let count = points.unwrap_or_else(|| {
         let wanted = half_width / state.system.pillar().diameter * POINTS_PER_DIAMETER;
         (2 * wanted.ceil() as usize + 1).min(USUAL_POINTS)

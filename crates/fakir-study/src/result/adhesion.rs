@@ -87,7 +87,7 @@ impl AdhesionObject {
         let dugdale = match range {
             Some(range) => Some(dugdale_pull_off(
                 system.reduced_modulus(),
-                system.lens().radius,
+                system.lens().sphere_radius(),
                 adhesion.receding(),
                 range,
             )?),
@@ -106,7 +106,7 @@ impl AdhesionObject {
 
 /// The formulas; `dugdale` is the force of the one that needs a range.
 fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
-    let (modulus, lens) = (system.reduced_modulus(), system.lens().radius);
+    let (modulus, lens) = (system.reduced_modulus(), system.lens().sphere_radius());
     let (radius, diameter) = (0.5 * system.pillar().diameter, system.pillar().diameter);
     let work = system.adhesion().receding();
     let kendall = kendall_pull_off(modulus, radius, work);
@@ -189,7 +189,7 @@ mod tests {
         let modulus = system.reduced_modulus();
         let by_hand = -(8.0 * PI * 50e-3 * modulus * 3e-6f64.powi(3)).sqrt();
         assert!((of("kendall").force_N / by_hand - 1.0).abs() < 1e-12);
-        let smooth = -1.5 * PI * 50e-3 * system.lens().radius;
+        let smooth = -1.5 * PI * 50e-3 * system.lens().sphere_radius();
         assert!((of("jkr_by_force").force_N / smooth - 1.0).abs() < 1e-12);
         assert!(
             found
@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(found.tabor_number, Some(system.tabor_number(5e-9)));
         let force = found.pull_off.last().unwrap();
         assert_eq!(force.formula, "maugis_dugdale");
-        let unit = PI * 50e-3 * system.lens().radius;
+        let unit = PI * 50e-3 * system.lens().sphere_radius();
         assert!((-2.0..-1.5).contains(&(force.force_N / unit)));
         assert!(AdhesionObject::new(&system, Some(0.0)).is_err());
     }

@@ -2,6 +2,7 @@
 
 use super::{GradientObject, LimitObject, RelativeErrors};
 use crate::VERSION;
+use fakir::problem::System;
 use fakir::state::{ContactState, FloorContact};
 use serde::Serialize;
 
@@ -54,11 +55,20 @@ pub fn of_floor(state: &ContactState, number: impl Fn(&FloorContact) -> f64) -> 
     }
 }
 
+/// The shape of a lens that is no sphere.
+pub(super) fn lens_shape(system: &System) -> Option<&'static str> {
+    let lens = system.lens();
+    lens.sphere().is_none().then(|| lens.shape_name())
+}
+
 /// A contact under a load: what `fakir press --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 pub struct PressSummary {
     method: &'static str,
+    /// Of a lens that is no sphere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lens_shape: Option<&'static str>,
     force_N: f64,
     indentation_m: f64,
     contact_radius_m: f64,
@@ -87,6 +97,7 @@ impl PressSummary {
     pub fn new(state: &ContactState, wall_time: f64) -> Self {
         Self {
             method: state.method.name(),
+            lens_shape: lens_shape(&state.system),
             force_N: state.force,
             indentation_m: state.indentation,
             contact_radius_m: state.contact_radius,

@@ -1,5 +1,6 @@
 //! The critical state.
 
+use super::contact::lens_shape;
 use super::{GradientObject, LimitObject, ReducedVariables, RelativeErrors};
 use crate::VERSION;
 use fakir::problem::Point;
@@ -11,6 +12,9 @@ use serde::Serialize;
 #[allow(non_snake_case)] // names end in the symbol of the unit
 pub struct TransitionSummary {
     method: &'static str,
+    /// Of a lens that is no sphere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lens_shape: Option<&'static str>,
     regime: &'static str,
     surface_fraction: f64,
     pitch_m: f64,
@@ -43,6 +47,7 @@ impl TransitionSummary {
         let state = &critical.contact;
         Self {
             method: state.method.name(),
+            lens_shape: lens_shape(&state.system),
             regime: critical.regime.name(),
             surface_fraction: state.system.texture().surface_fraction(),
             pitch_m: state.system.pitch(),

@@ -278,7 +278,7 @@ fn units(drawn: &Drawn, control: Control, state: &ContactState, findings: &mut F
     let pillar = system.pillar();
     let larger = System::new(
         Lens {
-            radius: system.lens().radius * LENGTH,
+            radius: system.lens().sphere_radius() * LENGTH,
             material: scaled(&system.lens().material),
         },
         scaled(system.substrate()),

@@ -74,7 +74,7 @@ impl Drawn {
             self.seed,
             self.number,
             self.asked,
-            lens.radius,
+            lens.sphere_radius(),
             lens.material.young_modulus,
             lens.material.poisson_ratio,
             system.substrate().young_modulus,
@@ -176,9 +176,9 @@ impl Random {
         if self.one_in(2.0) {
             return Asked::Transition;
         }
-        let first_touch = system.lens().sag(nearest_edge(system));
+        let first_touch = system.lens().sag([nearest_edge(system), 0.0]);
         let reach = system.pitch() * self.logarithmic(0.05, 6.0);
-        let radius = system.lens().radius;
+        let radius = system.lens().sphere_radius();
         // Light touches are the hardest: the contact is a sliver of one pillar top.
         let lightly = self.one_in(4.0) && first_touch > 0.0 && first_touch.is_finite();
         let indentation = if lightly {
@@ -209,7 +209,7 @@ pub(crate) fn nearest_edge(system: &System) -> f64 {
 
 /// Squares of half a pillar radius within the circle in which the undeformed lens would be below the floor.
 fn expected_floor(system: &System, asked: Asked) -> f64 {
-    let (lens, pillar) = (system.lens().radius, system.pillar());
+    let (lens, pillar) = (system.lens().sphere_radius(), system.pillar());
     match asked {
         Asked::Transition => 0.0,
         Asked::Indentation(indentation) | Asked::ForceNear(indentation) => {
@@ -223,7 +223,7 @@ fn expected_floor(system: &System, asked: Asked) -> f64 {
 /// transition, of the paper's `e sqrt(1 + (R h/e^2)^2)`; none where the contact outgrows the lens.
 fn expected_pillars(system: &System, asked: Asked) -> f64 {
     let lattice = system.hexagonal_lattice().expect("a hexagonal lattice");
-    let (lens, pitch) = (system.lens().radius, lattice.pitch);
+    let (lens, pitch) = (system.lens().sphere_radius(), lattice.pitch);
     let contact = match asked {
         Asked::Transition => pitch.hypot(lens * system.pillar().height / pitch),
         Asked::Indentation(indentation) | Asked::ForceNear(indentation) => {

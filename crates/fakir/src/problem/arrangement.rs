@@ -134,6 +134,16 @@ impl Arrangement {
         }
     }
 
+    /// Whether there are finitely many pillars.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Self::Hexagonal(_) => false,
+            Self::Lattice(lattice) => lattice.columns.is_some(),
+            Self::Listed(_) => true,
+        }
+    }
+
     pub(super) fn check(&self, diameter: f64, lens_radius: f64) -> Result<(), InvalidQuantity> {
         match self {
             Self::Hexagonal(lattice) => {

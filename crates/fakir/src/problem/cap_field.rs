@@ -1,9 +1,9 @@
 //! Pillars with rounded tops.
 
+use super::lens::{Lens, Material};
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::surface::Indenter;
-use super::system::{Lens, Material};
 
 /// A rounded top: a paraboloid, or the top of a sphere that is as curved.
 #[derive(Debug, Clone, Copy, PartialEq)]

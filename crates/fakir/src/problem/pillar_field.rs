@@ -2,6 +2,7 @@
 
 use super::arrangement::{self, Arrangement, Disorder, reduced};
 use super::lattice::HexagonalLattice;
+use super::lens::LensShape;
 use super::point::{Point, turned};
 use super::system::System;
 use crate::numerics::neighbours::{Nearest, Neighbours};
@@ -286,7 +287,30 @@ impl PillarField {
         let column_compliance_ratio = system.column_compliance_ratio();
         let common = PillarBody::of_column(column_compliance_ratio);
         let height = system.pillar().height / length;
+        let on_plane = |lattice: &arrangement::PlaneLattice| {
+            let lattice =
+                PlaneLattice::of(lattice, length, height, common).expect("its angle was checked");
+            let rotation = lattice.rotation;
+            let field = Self::Lattice(Arc::new(lattice));
+            (field.turned(-rotation), rotation)
+        };
         let field = match system.arrangement() {
+            // Under a table of heights the floor is looked at in all holes, not in those next to the lens axis.
+            Arrangement::Hexagonal(lattice)
+                if matches!(system.lens().shape, LensShape::Profile(_)) =>
+            {
+                let HexagonalLattice {
+                    pitch,
+                    offset,
+                    offset_angle,
+                } = *lattice;
+                let form = arrangement::LatticeForm::Hexagonal { pitch };
+                return on_plane(&arrangement::PlaneLattice {
+                    offset,
+                    offset_angle,
+                    ..arrangement::PlaneLattice::new(form)
+                });
+            }
             Arrangement::Hexagonal(lattice) => Self::Hexagonal {
                 lattice: HexagonalLattice {
                     pitch: lattice.pitch / length,
@@ -294,13 +318,7 @@ impl PillarField {
                 },
                 column_compliance_ratio,
             },
-            Arrangement::Lattice(lattice) => {
-                let lattice = PlaneLattice::of(lattice, length, height, common)
-                    .expect("its angle was checked");
-                let rotation = lattice.rotation;
-                let field = Self::Lattice(Arc::new(lattice));
-                return (field.turned(-rotation), rotation);
-            }
+            Arrangement::Lattice(lattice) => return on_plane(lattice),
             Arrangement::Listed(list) => {
                 let pillar = |pillar: &arrangement::ListedPillar| {
                     let radius = 0.5 * pillar.diameter / length;
@@ -421,6 +439,27 @@ impl PillarField {
                 bodies.fold(least, largest)
             }
         }
+    }
+
+    /// A distance from the lens axis within which all pillars stand; none of a lattice without end.
+    pub(crate) fn extent(&self) -> Option<f64> {
+        const ROUNDING: f64 = 1e-9;
+        let farthest = match self {
+            Self::Hexagonal { .. } => None,
+            Self::Lattice(lattice) => lattice.columns.map(|columns| {
+                let [first, end] = arrangement::PlaneLattice::range(columns);
+                let ends = [first, end - 1];
+                let corners = ends
+                    .iter()
+                    .flat_map(|&i| ends.map(|j| lattice.centre((i, j))));
+                corners.map(|[x, y]| x.hypot(y)).fold(0.0, f64::max)
+            }),
+            Self::Listed(list) => {
+                let away = |pillar: &ListedPillar| pillar.centre[0].hypot(pillar.centre[1]);
+                Some(list.pillars.iter().map(away).fold(0.0, f64::max))
+            }
+        };
+        farthest.map(|farthest| (1.0 + ROUNDING) * farthest + self.spacing())
     }
 
     /// About how many pillars stand within a radius of the lens axis.

@@ -12,6 +12,12 @@ use std::fmt;
 pub enum Quantity {
     /// Radius of the lens, m.
     LensRadius,
+    /// Direction of the axis of a cylindrical lens from x, rad.
+    LensAngle,
+    /// Between a plate and the floor, rad.
+    LensTilt,
+    /// Direction from x in which a plate rises, rad.
+    LensTiltDirection,
     /// Young's modulus of the lens, Pa.
     LensYoungModulus,
     /// Poisson's ratio of the lens.
@@ -74,6 +80,9 @@ impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::LensRadius => "lens radius",
+            Self::LensAngle => "direction of the lens",
+            Self::LensTilt => "tilt of the plate",
+            Self::LensTiltDirection => "direction of the tilt",
             Self::LensYoungModulus => "Young's modulus of the lens",
             Self::LensPoissonRatio => "Poisson's ratio of the lens",
             Self::SubstrateYoungModulus => "Young's modulus of the substrate",
@@ -118,6 +127,9 @@ pub struct InvalidQuantity {
     pub requirement: Requirement,
 }
 
+/// Largest tilt of a plate, rad: 10 degrees, as far as slopes are small.
+pub const LARGEST_TILT: f64 = 0.175;
+
 /// What a quantity has to satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -159,6 +171,10 @@ pub enum Requirement {
     SurfaceFraction,
     /// Above zero and below the lens radius (m).
     BelowLensRadius(f64),
+    /// Of a plate: from zero to 10 degrees.
+    Tilt,
+    /// Finite, under a lens of this shape, which touches endlessly many pillars of a lattice without end.
+    FiniteUnder(&'static str),
 }
 
 impl fmt::Display for Requirement {
@@ -198,6 +214,11 @@ impl fmt::Display for Requirement {
             Self::SurfaceFraction => f.write_str(
                 "greater than 0 and at most pi/(2 sqrt 3) = 0.9069, where neighbouring pillars touch",
             ),
+            Self::Tilt => f.write_str("from 0 to 10 deg (0.175 rad), as far as slopes are small"),
+            Self::FiniteUnder(shape) => write!(
+                f,
+                "finite under a {shape}, which touches endlessly many pillars of a lattice without end: give `columns`, or a list of pillars"
+            ),
             Self::BelowLensRadius(radius) => {
                 write!(f, "greater than 0 and below the lens radius, {radius:e} m")
             }
@@ -226,6 +247,8 @@ impl Requirement {
                 Self::NoOverlap { distance, diameter } => distance >= diameter,
                 Self::SurfaceFraction => value > 0.0 && value <= MAXIMUM_SURFACE_FRACTION,
                 Self::BelowLensRadius(radius) => value > 0.0 && value < radius,
+                Self::Tilt => (0.0..=LARGEST_TILT).contains(&value),
+                Self::FiniteUnder(_) => true,
             };
         if accepted {
             Ok(value)

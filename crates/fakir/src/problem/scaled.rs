@@ -2,19 +2,19 @@
 //! reduced modulus, so that forces are in units of `E* (d/2)^2`.
 
 use super::lattice::HexagonalLattice;
+use super::lens::{Lens, ShapedLens};
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use super::point::{Point, turned};
-use super::system::{Lens, System};
+use super::system::System;
 use crate::numerics::convergence::smaller;
 
 /// Lens radius, in pillar radii, below which the sphere differs from a paraboloid over a single pillar top:
 /// by `1/(2R)^2`, so that truncation at degree 2 makes an error of 2e-5 at 8 and 1e-6 here.
 pub(crate) const SMALL_LENS: f64 = 40.0;
 
-/// Equal pillars on the endless hexagonal lattice, in scaled units.
+/// A sphere over equal pillars on the endless hexagonal lattice, in scaled units.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem {
-    /// Lens radius.
     pub(crate) lens: Lens,
     /// Pillar height.
     pub(crate) height: f64,
@@ -30,8 +30,7 @@ pub(crate) struct Problem {
 /// A lens over pillars of any arrangement on a floor. Lengths are in units of the common pillar radius.
 #[derive(Debug, Clone)]
 pub(crate) struct Scene {
-    /// A [plate](Lens::is_flat) has an infinite radius.
-    pub(crate) lens: Lens,
+    pub(crate) lens: ShapedLens,
     /// Common height of the pillars: the depth of the floor.
     pub(crate) height: f64,
     pub(crate) field: PillarField,
@@ -49,10 +48,7 @@ impl Scene {
         let length = 0.5 * system.pillar().diameter;
         let (field, rotation) = PillarField::new(system, length);
         Self {
-            lens: Lens {
-                radius: system.lens().radius / length,
-                ..*system.lens()
-            },
+            lens: system.lens().in_unit(length).turned(-rotation),
             height: system.pillar().height / length,
             field,
             length,
@@ -64,6 +60,7 @@ impl Scene {
     /// The same as it was asked for.
     pub(crate) fn as_asked(&self) -> Self {
         Self {
+            lens: self.lens.turned(self.rotation),
             field: self.field.turned(self.rotation),
             rotation: 0.0,
             ..self.clone()
@@ -81,18 +78,19 @@ impl Scene {
     }
 
     /// Height of the undeformed lens at a point, above its lowest point.
-    pub(crate) fn sag(&self, [x, y]: Point) -> f64 {
-        self.lens.sag_at_square(x * x + y * y)
+    pub(crate) fn sag(&self, point: Point) -> f64 {
+        self.lens.sag(point)
     }
 
-    /// The problem of the hexagonal lattice, if it is that.
+    /// The problem of a sphere on the hexagonal lattice, if it is that.
     pub(crate) fn on_lattice(&self) -> Option<Problem> {
+        let lens = self.lens.sphere()?;
         match self.field {
             PillarField::Hexagonal {
                 lattice,
                 column_compliance_ratio,
             } => Some(Problem {
-                lens: self.lens,
+                lens,
                 height: self.height,
                 lattice,
                 column_compliance_ratio,
@@ -116,16 +114,20 @@ impl Scene {
                 x.hypot(y)
             });
             let nearest = next.into_iter().fold(f64::INFINITY, smaller);
-            return self.lens.sag((nearest - 1.0).max(0.0)) <= indentation;
+            return self.lens.sag([(nearest - 1.0).max(0.0), 0.0]) <= indentation;
         }
         let [largest, highest] = self.field.bounds();
         // No pillar farther off than this is that high.
-        let radius = self.lens.reach_at(indentation + highest) + largest;
-        let (pillars, _) = self.field.listed_within(radius);
+        let rise = indentation + highest;
+        let radius = self
+            .lens
+            .distance_of_rise(rise)
+            .unwrap_or(self.lens.widest())
+            + largest;
+        let (pillars, _) = self.listed_within(radius);
         pillars.iter().any(|(index, pillar)| {
-            let [x, y] = pillar.centre;
-            let edge = (x.hypot(y) - pillar.body.radius).max(0.0);
-            *index != one && self.lens.sag(edge) - pillar.body.raised <= indentation
+            let least = self.lens.least_over(pillar.centre, pillar.body.radius);
+            *index != one && least - pillar.body.raised <= indentation
         })
     }
 
@@ -136,7 +138,7 @@ impl Scene {
         }
         let mut radius = self.field.spacing();
         loop {
-            let (pillars, all) = self.field.listed_within(radius);
+            let (pillars, all) = self.listed_within(radius);
             let edges = pillars
                 .iter()
                 .map(|(_, ListedPillar { centre, body })| centre[0].hypot(centre[1]) - body.radius);
@@ -155,23 +157,26 @@ impl Scene {
         if highest <= 0.0 {
             return 0.0;
         }
-        self.lens.reach_at(indentation + highest) + largest
+        let rise = indentation + highest;
+        let reach = self.lens.distance_of_rise(rise);
+        reach.unwrap_or(self.lens.widest()) + largest
     }
 
     /// The indentation at which the first top is touched.
     pub(crate) fn first_touch(&self) -> f64 {
         if let PillarField::Hexagonal { lattice, .. } = &self.field {
-            return self.lens.sag(nearest_edge(lattice));
+            return self.lens.sag([nearest_edge(lattice), 0.0]);
         }
         let [largest, highest] = self.field.bounds();
-        let lens = self.lens.radius;
         let among = |pillars: &[IndexedPillar]| {
             let tops = pillars.iter().map(|(_, ListedPillar { centre, body })| {
-                let edge = centre[0].hypot(centre[1]) - body.radius;
-                self.lens.sag(edge.max(0.0)) - body.raised
+                self.lens.least_over(*centre, body.radius) - body.raised
             });
             tops.fold(f64::INFINITY, smaller)
         };
+        if !self.lens.is_axisymmetric() {
+            return among(&self.listed_within(f64::INFINITY).0);
+        }
         let mut radius = self.field.spacing();
         let near = loop {
             let (pillars, all) = self.field.listed_within(radius);
@@ -185,12 +190,20 @@ impl Scene {
             radius *= 2.0;
         };
         // One farther off is touched before these only if it is higher by what the lens rises.
-        let rise = near + highest;
-        if self.lens.is_flat() || rise >= lens {
+        if self.lens.is_flat() {
             return near.min(-highest);
         }
-        let radius = self.lens.reach_at(rise) + largest;
-        among(&self.field.listed_within(radius).0).min(near)
+        match self.lens.distance_of_rise(near + highest) {
+            None => near.min(-highest),
+            Some(radius) => among(&self.field.listed_within(radius + largest).0).min(near),
+        }
+    }
+
+    /// The pillars that a lens may touch which touches none farther off than this from where it is lowest: those within that distance of the lens
+    /// axis, or all under a lens that is not axisymmetric. Whether these are all that there are.
+    fn listed_within(&self, distance: f64) -> (Vec<IndexedPillar>, bool) {
+        let all = self.field.extent().filter(|_| !self.lens.is_axisymmetric());
+        self.field.listed_within(all.unwrap_or(distance))
     }
 }
 
@@ -215,7 +228,7 @@ impl Problem {
     /// What the solvers of pillars need of it.
     pub(crate) fn scene(&self) -> Scene {
         Scene {
-            lens: self.lens,
+            lens: self.lens.into(),
             height: self.height,
             field: PillarField::Hexagonal {
                 lattice: self.lattice,

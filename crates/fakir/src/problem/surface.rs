@@ -1,8 +1,8 @@
 //! A lens or a plate above any surface.
 
 use super::height_map::HeightMap;
+use super::lens::{Lens, Material};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
-use super::system::{Lens, Material};
 
 /// What is pressed onto a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,87 +3,9 @@
 use super::adhesion::Adhesion;
 use super::arrangement::Arrangement;
 use super::lattice::HexagonalLattice;
-use super::point::Point;
+use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
-use crate::numerics::convergence::smaller;
 use std::f64::consts::PI;
-
-/// A linear elastic, isotropic material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Material {
-    /// Young's modulus, Pa.
-    pub young_modulus: f64,
-    /// Poisson's ratio, 0 to 0.5.
-    pub poisson_ratio: f64,
-}
-
-impl Material {
-    /// Material with the given Young's modulus (Pa) and Poisson's ratio.
-    #[must_use]
-    pub fn new(young_modulus: f64, poisson_ratio: f64) -> Self {
-        Self {
-            young_modulus,
-            poisson_ratio,
-        }
-    }
-
-    /// `(1 - nu^2)/E`, 1/Pa.
-    #[must_use]
-    pub fn plane_strain_compliance(&self) -> f64 {
-        (1.0 - self.poisson_ratio * self.poisson_ratio) / self.young_modulus
-    }
-}
-
-/// The lens: a sphere of an elastic material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lens {
-    /// Radius of curvature `R`, m.
-    pub radius: f64,
-    /// What it is made of.
-    pub material: Material,
-}
-
-impl Lens {
-    /// Height of the undeformed lens above its lowest point, at distance
-    /// `distance` from the axis: `R - sqrt(R^2 - r^2)`, the exact sphere, m.
-    ///
-    /// Written as `r^2/(R + sqrt(R^2 - r^2))`, which does not cancel. Infinite
-    /// beyond the equator, where the lens has no lower surface.
-    #[must_use]
-    pub fn sag(&self, distance: f64) -> f64 {
-        self.sag_at_square(distance * distance)
-    }
-
-    /// Whether it is a plate. A [`System`] has none.
-    pub(crate) fn is_flat(&self) -> bool {
-        self.radius.is_infinite()
-    }
-
-    /// Height of the undeformed lens at a point from its axis, with a level brim at its equator, beyond which it has no lower
-    /// side: what presses on pillars. It is a number everywhere, and no contact that is allowed comes near the brim.
-    pub(crate) fn sag_with_brim(&self, [x, y]: Point) -> f64 {
-        smaller(self.sag_at_square(x * x + y * y), self.radius)
-    }
-
-    /// Distance from the axis up to which the lens is no higher than that above its lowest point; of a height above the equator the radius.
-    pub(crate) fn reach_at(&self, height: f64) -> f64 {
-        let rise = height.max(0.0);
-        if rise < self.radius {
-            (rise * (2.0 * self.radius - rise)).sqrt()
-        } else {
-            self.radius
-        }
-    }
-
-    /// [`sag`](Self::sag) from the square of the distance to the axis.
-    pub(crate) fn sag_at_square(&self, squared: f64) -> f64 {
-        let rest = self.radius * self.radius - squared;
-        if rest < 0.0 {
-            return f64::INFINITY;
-        }
-        squared / (self.radius + rest.sqrt())
-    }
-}
 
 /// Whether a pillar gives way as a column, besides indenting at its top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -150,7 +72,7 @@ impl Texture {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct System {
-    lens: Lens,
+    lens: ShapedLens,
     substrate: Material,
     texture: Texture,
     floor: FloorModel,
@@ -168,24 +90,37 @@ pub enum FloorModel {
 }
 
 impl System {
-    /// Checks every quantity and the relations between them.
+    /// Checks every quantity and the relations between them. The lens is a [`Lens`](super::lens::Lens), a sphere, or a [`ShapedLens`].
     ///
     /// # Errors
     /// The first [`InvalidQuantity`]: lengths and moduli must be positive and
     /// finite, Poisson's ratios between 0 and 0.5, the pitch at least the
-    /// diameter, the pillars lower than the lens radius, a scatter within its limits.
-    pub fn new(lens: Lens, substrate: Material, texture: Texture) -> Result<Self, InvalidQuantity> {
+    /// diameter, the pillars lower than the lens radius, a scatter within its limits, a plate tilted by 10 degrees at the most; and under a
+    /// cylinder or a plate, which touch endlessly many pillars of a lattice without end, these have to be finitely many.
+    pub fn new(
+        lens: impl Into<ShapedLens>,
+        substrate: Material,
+        texture: Texture,
+    ) -> Result<Self, InvalidQuantity> {
         use Quantity as Q;
         use Requirement as R;
+        let lens = lens.into();
         let pillar = texture.pillar;
-        R::Positive.check(Q::LensRadius, lens.radius)?;
-        R::Positive.check(Q::LensYoungModulus, lens.material.young_modulus)?;
-        R::PoissonRatio.check(Q::LensPoissonRatio, lens.material.poisson_ratio)?;
+        lens.check()?;
         R::Positive.check(Q::SubstrateYoungModulus, substrate.young_modulus)?;
         R::PoissonRatio.check(Q::SubstratePoissonRatio, substrate.poisson_ratio)?;
         R::Positive.check(Q::PillarDiameter, pillar.diameter)?;
-        R::BelowLensRadius(lens.radius).check(Q::PillarHeight, pillar.height)?;
-        texture.arrangement.check(pillar.diameter, lens.radius)?;
+        let lens_height = lens.height();
+        let height = if lens_height.is_finite() {
+            R::BelowLensRadius(lens_height)
+        } else {
+            R::Positive
+        };
+        height.check(Q::PillarHeight, pillar.height)?;
+        texture.arrangement.check(pillar.diameter, lens_height)?;
+        if !lens.is_axisymmetric() && !texture.arrangement.is_finite() {
+            R::FiniteUnder(lens.shape_name()).check(Q::Columns, f64::INFINITY)?;
+        }
         Ok(Self {
             lens,
             substrate,
@@ -238,7 +173,7 @@ impl System {
 
     /// The lens.
     #[must_use]
-    pub fn lens(&self) -> &Lens {
+    pub fn lens(&self) -> &ShapedLens {
         &self.lens
     }
 
@@ -373,7 +308,7 @@ impl System {
         arrangement: impl Into<Arrangement>,
     ) -> Result<Self, InvalidQuantity> {
         let texture = Texture::new(self.texture.pillar, arrangement);
-        let system = Self::new(self.lens, self.substrate, texture)?;
+        let system = Self::new(self.lens.clone(), self.substrate, texture)?;
         Ok(Self {
             floor: self.floor,
             adhesion: self.adhesion,
@@ -385,6 +320,7 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::super::lattice::MAXIMUM_SURFACE_FRACTION;
+    use super::super::lens::Lens;
     use super::*;
 
     fn paper(young_modulus: f64) -> Result<System, InvalidQuantity> {
@@ -420,7 +356,7 @@ mod tests {
 
     #[test]
     fn sag_is_the_exact_sphere() {
-        let lens = *paper(2.0e6).unwrap().lens();
+        let lens = paper(2.0e6).unwrap().lens().sphere().unwrap();
         let r: f64 = 1.0e-3;
         let sphere = lens.radius - (lens.radius.powi(2) - r * r).sqrt();
         assert!((lens.sag(r) - sphere).abs() < 1e-15);

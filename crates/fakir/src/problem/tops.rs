@@ -76,8 +76,8 @@ impl Tops {
 #[cfg(test)]
 mod tests {
     use super::super::lattice::HexagonalLattice;
-    use super::super::system::{Lens, Material, Pillar, PillarCompliance, System, Texture};
     use crate::problem::InvalidQuantity;
+    use crate::problem::{Lens, Material, Pillar, PillarCompliance, System, Texture};
 
     #[test]
     fn copies_of_a_hollow_site() -> Result<(), InvalidQuantity> {

@@ -121,6 +121,9 @@ pub(crate) fn cycle(
 
 /// The scene, if its tops can stick: these are of one size and on columns that are alike, whatever their heights.
 fn sticking_scene(system: &System) -> Result<Scene, SolveError> {
+    if system.lens().sphere().is_none() {
+        return Err(SolveError::not_made_for("adhesion", system));
+    }
     let scene = Scene::new(system);
     let [sizes, columns] = scene.field.are_common();
     if !sizes {
@@ -269,7 +272,7 @@ impl<'a> Loading<'a> {
             error,
             termination,
             iterations: path.events.len(),
-            warnings: warnings(system, radius / scene.lens.radius),
+            warnings: warnings(system, radius / scene.lens.sphere_radius()),
             ..ContactState::untouched(
                 system,
                 Method::Spectral(self.accuracy),

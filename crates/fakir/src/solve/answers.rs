@@ -14,11 +14,11 @@ use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::degree_with;
 use crate::halfspace::disc::exterior::Exterior;
-use crate::numerics::convergence::larger;
+use crate::numerics::convergence::{larger, smaller};
 use crate::numerics::workers::CancelToken;
 use crate::problem::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use crate::problem::scaled::{Problem, Scene};
-use crate::problem::{Accuracy, Control, FloorModel, PunchForm, System};
+use crate::problem::{Accuracy, Control, FloorModel, LensProfile, LensShape, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::{
@@ -26,6 +26,7 @@ use crate::state::{
     Warning,
 };
 use crate::theory::homogenised;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 /// Relative error claimed for a contact inside one pillar top.
@@ -58,10 +59,7 @@ pub(crate) fn press(
             PillarMethod::Love(_) => Some("the method of elements on pillars"),
         };
         if let Some(what) = what {
-            return Err(SolveError::NotOnArrangement {
-                what,
-                arrangement: system.arrangement().name(),
-            });
+            return Err(SolveError::not_made_for(what, system));
         }
     }
     let target = match control {
@@ -135,7 +133,11 @@ fn solve(
         let depth = -state.smallest_floor_gap;
         let mut state = state;
         if borne && bears.is_none() && depth > 0.0 {
-            state.warnings.push(Warning::FloorLeftOut { depth });
+            state.warnings.push(if scene.lens.is_axisymmetric() {
+                Warning::FloorLeftOut { depth }
+            } else {
+                Warning::FloorBeside { depth }
+            });
         }
         state
     };
@@ -215,10 +217,10 @@ fn solve(
         }
         PillarMethod::Love(mesh) => {
             let Some(problem) = &lattice else {
-                return Err(SolveError::NotOnArrangement {
-                    what: "the method of elements on pillars",
-                    arrangement: system.arrangement().name(),
-                });
+                return Err(SolveError::not_made_for(
+                    "the method of elements on pillars",
+                    system,
+                ));
             };
             let solution = pillars::solve(problem, target, guess, mesh, run)?;
             Ok(elements(system, problem, target, method, &solution))
@@ -338,14 +340,14 @@ fn lowest_floor(scene: &Scene, reach: f64, discs: &LoadedDiscs<'_>) -> Option<Fl
             Surroundings::of_sites(&sites, spacing, reach)
         }
     };
-    if reach == 0.0 && around.clearance([0.0; 2]) > 0.0 {
+    if scene.lens.is_axisymmetric() && reach == 0.0 && around.clearance([0.0; 2]) > 0.0 {
         return Some(FloorPoint {
             position: [0.0; 2],
             indentation: scene.height,
         });
     }
     let uncovered = Uncovered {
-        lens: &scene.lens,
+        lens: scene.lens.clone(),
         height: scene.height,
         around,
     };
@@ -357,17 +359,20 @@ const SEARCHED: f64 = 4.0;
 
 /// The contact as a circle inside the pillar top under the lens axis, if it is one, with that pillar.
 pub(super) fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPillar, Patch)> {
+    if !scene.lens.is_axisymmetric() {
+        return None;
+    }
     let pillar = scene.field.under([0.0, 0.0])?;
     let (index, ListedPillar { centre, body }) = pillar;
     // In units of the radius of its top, and down from its own height.
     let unit = body.radius;
     let [x, y] = centre;
-    let largest = 1.0 - x.hypot(y) / unit;
+    let largest = smaller(1.0 - x.hypot(y) / unit, scene.lens.widest() / unit);
     if largest <= 0.0 {
         return None;
     }
     let solver = PatchSolver::new(body.column_compliance_ratio);
-    let sag = |r: f64| scene.lens.sag(r * unit) / unit;
+    let sag = |r: f64| scene.lens.sag([r * unit, 0.0]) / unit;
     let height = (scene.height + body.raised) / unit;
     let own = match target {
         Control::Indentation(value) => {
@@ -417,6 +422,40 @@ fn patch_floor(scene: &Scene, exterior: &Exterior, patch: &Patch) -> Option<Floo
     lowest_floor(scene, patch.radius, &discs)
 }
 
+/// Relative errors of force and radius of a contact inside one pillar top. Those of a table of heights, whose third derivative has breaks, are how far
+/// they are from Sneddon's solution of the same depth (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)).
+fn patch_errors(scene: &Scene, patch: &Patch, raised: f64, column: f64) -> [f64; 2] {
+    const STEPS: usize = 60;
+    let LensShape::Profile(profile) = &scene.lens.shape else {
+        return [PATCH_ERROR; 2];
+    };
+    let depth = patch.indentation + raised - 0.5 * column * patch.force;
+    let mut radius = patch.radius;
+    let [mut reached, mut force] = sneddon(profile, radius);
+    for _ in 0..STEPS {
+        // A depth that goes between as the radius and as its cube.
+        radius *= (depth / reached).sqrt();
+        [reached, force] = sneddon(profile, radius);
+    }
+    let off = (reached / depth - 1.0).abs();
+    let error = |own: f64, exact: f64| larger((own / exact - 1.0).abs() + off, PATCH_ERROR);
+    [error(patch.force, force), error(patch.radius, radius)]
+}
+
+/// Depth and force of an axisymmetric contact of radius `a` on a half-space: `a ∫ f'(r)/sqrt(a^2 - r^2) dr` and `2 ∫ r^2 f'(r)/sqrt(a^2 - r^2) dr`.
+fn sneddon(profile: &LensProfile, a: f64) -> [f64; 2] {
+    const POINTS: usize = 2000;
+    let step = FRAC_PI_2 / POINTS as f64;
+    let [mut depth, mut force] = [0.0; 2];
+    for k in 0..POINTS {
+        let sin = (step * (k as f64 + 0.5)).sin();
+        let [_, slope, _] = profile.at(a * sin);
+        depth += slope;
+        force += sin * sin * slope;
+    }
+    [step * a * depth, 2.0 * step * a * a * force]
+}
+
 fn patch_state(
     system: &System,
     scene: &Scene,
@@ -450,19 +489,21 @@ fn patch_state(
         edge_coefficient: Some([0.0; 2]),
     };
     let indentation = patch.indentation * scene.length;
+    let column = body.column_compliance_ratio / body.radius;
+    let [error, radius_error] = patch_errors(scene, patch, body.raised, column);
     floor_gap(
         scene,
         ContactState {
             force,
             contact_radius: patch.radius * scene.length,
-            contact_radius_error: PATCH_ERROR * patch.radius * scene.length,
+            contact_radius_error: radius_error * patch.radius * scene.length,
             pillars_in_contact: 1,
             pillars_partially_in_contact: 1,
             pillars: vec![pillar],
             fields: Some(Arc::new(fields)),
             error: ErrorEstimate {
-                force: PATCH_ERROR,
-                indentation: PATCH_ERROR,
+                force: error,
+                indentation: error,
             },
             ..ContactState::untouched(system, method.into(), indentation)
         },

@@ -65,7 +65,9 @@ mod tests {
     use crate::problem::pillar_field::{
         ListedPillar, PillarBody, PillarField, PillarList, PlaneLattice,
     };
-    use crate::problem::{HexagonalLattice, Lens, Material, PillarCompliance};
+    use crate::problem::{
+        HexagonalLattice, Lens, LensShape, Material, PillarCompliance, ShapedLens,
+    };
     use crate::solve::answers;
     use crate::solve::assembled::PillarMethod;
     use crate::theory::reference;
@@ -87,7 +89,8 @@ mod tests {
             lens: Lens {
                 radius: lens / unit,
                 material: Material::new(1.0, 0.5),
-            },
+            }
+            .into(),
             height: height / unit,
             field,
             length: unit,
@@ -393,6 +396,46 @@ mod tests {
         assert!((nearly / level - 1.0).abs() < 1e-8, "{nearly} {level}");
         let (softer, _) = force(&with(0.0, [0.4, 0.8]), 0.35);
         assert!(softer < 0.98 * level);
+    }
+
+    /// Where pillars act on each other by their force alone, a tilted plate is a level one on pillars whose heights differ by the tilt: the mean of a
+    /// plane over a disc, by any weight that is as heavy at opposite places, is that in its middle.
+    #[test]
+    fn a_tilted_plate_is_a_level_one_on_pillars_of_other_heights() {
+        let (tilt, direction) = (0.02, 0.6);
+        let level = scene(listed(nine(3.0)), f64::INFINITY, 2.2, 3.0);
+        let plate = ShapedLens::new(
+            LensShape::Plate { tilt, direction },
+            Material::new(1.0, 0.5),
+        );
+        let tilted = Scene {
+            lens: plate,
+            ..level.clone()
+        };
+        let mut pillars = nine(3.0);
+        for ListedPillar { centre, body } in &mut pillars {
+            body.raised -=
+                f64::tan(tilt) * (direction.cos() * centre[0] + direction.sin() * centre[1]);
+        }
+        let moved = scene(listed(pillars), f64::INFINITY, 2.2, 3.0);
+        for target in [Control::Indentation(0.3), Control::Force(3.0)] {
+            let run = Run::default();
+            let [one, other] = [&tilted, &moved].map(|scene| {
+                let (form, purpose) = (PunchForm::Corrected, Purpose::Answer);
+                let solution = solve_punch(scene, target, None, form, purpose, &run).unwrap();
+                assert_eq!(solution.outcome.termination, Termination::Converged);
+                let newton = &solution.newton;
+                (
+                    newton.force(),
+                    solution.outcome.indentation,
+                    newton.touched(),
+                )
+            });
+            println!("{one:?} {other:?}");
+            assert!((one.0 / other.0 - 1.0).abs() < 1e-10);
+            assert!((one.1 / other.1 - 1.0).abs() < 1e-10);
+            assert_eq!(one.2, other.2);
+        }
     }
 
     /// `F = 2 E* a zeta/(1 + kappa)` (Johnson, Contact Mechanics, eq. 3.36), and the column by Hooke.

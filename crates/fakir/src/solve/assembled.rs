@@ -4,11 +4,11 @@ use super::estimate::{estimate, unknowns_only};
 use super::floor::FloorPoint;
 use super::newton::MISMATCH_TOLERANCE;
 use super::reach::{Reach, contact_reach, punch_reach};
-use super::spectral::{LARGEST_CONTACT, Solution};
+use super::spectral::{Solution, exceeds_lens};
 use super::touched::{TouchedPillar, touched_pillars};
 use crate::halfspace::disc::basis::degree_with;
 use crate::problem::scaled::Scene;
-use crate::problem::{Accuracy, Control, ElementMesh, Method, PunchForm, System};
+use crate::problem::{Accuracy, Control, ElementMesh, LensShape, Method, Point, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::{
     ContactState, ErrorEstimate, Fields, FloorContact, PillarStatus, Progress, Run, SolveError,
@@ -61,6 +61,14 @@ pub(super) fn floor_gap(
     lowest: Option<FloorPoint>,
 ) -> ContactState {
     match lowest {
+        None if !scene.lens.is_axisymmetric() => {
+            let (place, sag) = lowest_over_pillars(scene);
+            ContactState {
+                smallest_floor_gap: (scene.height + sag - indentation) * scene.length,
+                smallest_gap_position: scene.metres(place),
+                ..state
+            }
+        }
         None => state,
         Some(point) => ContactState {
             smallest_floor_gap: (point.indentation - indentation) * scene.length,
@@ -68,6 +76,25 @@ pub(super) fn floor_gap(
             ..state
         },
     }
+}
+
+/// The middle of a pillar where a lens that is not axisymmetric is lowest, and how low it is there, undeformed. Far along the line on which a cylinder is
+/// lowest, and beyond the edge of the pillars under a plate, it comes as near to the floor as that.
+fn lowest_over_pillars(scene: &Scene) -> (Point, f64) {
+    let (pillars, _) = scene
+        .field
+        .listed_within(scene.field.extent().unwrap_or(0.0));
+    let sag = |centre: Point| match scene.lens.shape {
+        LensShape::Plate { .. } => scene.lens.sag(centre),
+        _ => 0.0,
+    };
+    let places = pillars.iter().map(|(_, pillar)| pillar.centre);
+    let lowest = places.min_by(|one, other| {
+        let [a, b] = [one, other].map(|at| (sag(*at), scene.lens.distance(*at)));
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    let place = lowest.unwrap_or([0.0; 2]);
+    (place, sag(place))
 }
 
 /// What there is to say of the floor.
@@ -120,13 +147,15 @@ pub(super) fn assemble(
         contact_radius
     };
     let floor_radius = floor.as_ref().map_or(0.0, |floor| floor.radius) / scene.length;
-    let farthest = contact_radius.max(floor_radius);
-    let ratio = farthest / scene.lens.radius;
-    if ratio > LARGEST_CONTACT {
-        return Err(SolveError::ContactExceedsLens {
-            contact_radius: farthest * scene.length,
-            lens_radius: system.lens().radius,
-        });
+    let farthest = from_lowest(scene, contact_radius.max(floor_radius), &touched);
+    if farthest > scene.lens.largest_contact() {
+        return Err(exceeds_lens(scene, farthest));
+    }
+    if let (LensShape::Profile(profile), Some(point)) = (&scene.lens.shape, lowest) {
+        let [x, y] = point.position;
+        if x.hypot(y) > profile.range() {
+            return Err(exceeds_lens(scene, x.hypot(y)));
+        }
     }
     let partial = touched
         .iter()
@@ -164,10 +193,23 @@ pub(super) fn assemble(
         error,
         termination: outcome.termination,
         iterations: *steps,
-        warnings: contact_warnings(ratio),
+        warnings: contact_warnings(scene.lens.slope_at(farthest)),
         ..ContactState::untouched(system, method.into(), indentation * scene.length)
     };
     Ok(floor_gap(scene, state, indentation, lowest))
+}
+
+/// How far the contact reaches from where the lens is lowest, where it reaches so far from the lens axis. Under a table of heights it is to be
+/// known over all of the tops that are touched.
+fn from_lowest(scene: &Scene, contact_radius: f64, touched: &[TouchedPillar]) -> f64 {
+    if matches!(
+        scene.lens.shape,
+        LensShape::Sphere { .. } | LensShape::Paraboloid { .. }
+    ) {
+        return contact_radius;
+    }
+    let end = |pillar: &TouchedPillar| scene.lens.distance(pillar.disc.centre) + pillar.disc.radius;
+    touched.iter().map(end).fold(0.0, f64::max)
 }
 
 /// Relative difference between the prescribed force and the sum over pillars that is rounding of the solver:

@@ -20,7 +20,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::vector::widest;
-use crate::problem::{Control, Lens, Point};
+use crate::problem::{Control, Point, ShapedLens};
 use crate::state::{ErrorEstimate, PillarStatus, SolveError, Termination};
 use std::f64::consts::PI;
 
@@ -346,8 +346,8 @@ impl OwnLoad {
     /// changes results by less than what is never claimed: 2e-5 at 8, as the inverse square.
     const SMALL_LENS: f64 = 1000.0;
 
-    fn new(lens: &Lens, degree: usize) -> Self {
-        let small = lens.radius < Self::SMALL_LENS;
+    fn new(lens: &ShapedLens, degree: usize) -> Self {
+        let small = lens.quadratic_radius() < Self::SMALL_LENS;
         Self {
             projector: small.then(|| LensProjector::new(lens, degree)),
         }

@@ -11,8 +11,9 @@ use crate::halfspace::disc::exterior::{Exterior, FieldJet, LaneJets, MAXIMUM_DEG
 use crate::numerics::neighbours::Neighbours;
 use crate::numerics::vector::{LANES, Lanes, dot, widest};
 use crate::numerics::workers::CancelToken;
+use crate::problem::lens::LensJet;
 use crate::problem::scaled::Problem;
-use crate::problem::{HexagonalLattice, Lens, Point};
+use crate::problem::{HexagonalLattice, Point, ShapedLens};
 use crate::state::Run;
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -232,9 +233,9 @@ fn circumcentre([[x, y], b, c]: [Point; 3]) -> Point {
 }
 
 /// The floor beside the pillars, and the lens over it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Uncovered<'a> {
-    pub(crate) lens: &'a Lens,
+    pub(crate) lens: ShapedLens,
     /// Depth of the floor.
     pub(crate) height: f64,
     pub(crate) around: Surroundings<'a>,
@@ -243,7 +244,7 @@ pub(crate) struct Uncovered<'a> {
 impl<'a> Uncovered<'a> {
     pub(crate) fn of(problem: &'a Problem) -> Self {
         Self {
-            lens: &problem.lens,
+            lens: problem.lens.into(),
             height: problem.height,
             around: Surroundings::Lattice(&problem.lattice),
         }
@@ -424,7 +425,7 @@ pub(crate) struct FloorSearch {
 
 impl FloorSearch {
     /// The lowest point of `zeta(x)`. `None` if the floor cannot be reached anywhere (nothing
-    /// of it has `w1 < 1`), if what presses is a plate, which comes nearest to the floor far from all pillars, or if it is cancelled.
+    /// of it has `w1 < 1`), if what presses is a cylinder or a plate, which come nearest to the floor far from all pillars, or if it is cancelled.
     ///
     /// The first call looks everywhere near the lens axis, the following ones start from the
     /// lowest points found before, of which there is one for all that are alike.
@@ -434,7 +435,7 @@ impl FloorSearch {
         loaded: &impl FloorDisplacement,
         cancel: &CancelToken,
     ) -> Option<FloorPoint> {
-        if floor.lens.is_flat() {
+        if floor.lens.is_flat() || !floor.lens.is_axisymmetric() {
             return None;
         }
         if self.starts.is_empty() {
@@ -481,7 +482,7 @@ fn indentation_of_contact(
         return None;
     }
     let [unit, rest] = loaded.displacement(position);
-    let sag = sag_jet(floor.lens, position)?;
+    let sag = sag_jet(&floor.lens, position)?;
     let denominator = 1.0 - unit.value;
     if denominator <= 0.0 {
         return None;
@@ -508,18 +509,16 @@ fn indentation_of_contact(
     })
 }
 
-fn sag_jet(lens: &Lens, [x, y]: Point) -> Option<FieldJet> {
-    let radius = lens.radius;
-    let depth_squared = radius * radius - x * x - y * y;
-    if depth_squared <= 0.0 {
-        return None;
-    }
-    let slope = depth_squared.sqrt().recip();
-    let cubed = slope.powi(3);
+fn sag_jet(lens: &ShapedLens, position: Point) -> Option<FieldJet> {
+    let LensJet {
+        value,
+        gradient,
+        hessian,
+    } = lens.jet(position)?;
     Some(FieldJet {
-        value: lens.sag_at_square(x * x + y * y),
-        gradient: [x * slope, y * slope],
-        hessian: [slope + x * x * cubed, x * y * cubed, slope + y * y * cubed],
+        value,
+        gradient,
+        hessian,
     })
 }
 
@@ -705,8 +704,8 @@ fn lowest_roughly(floor: &Uncovered<'_>, points: &[Point], rough: &[[f64; 2]]) -
 mod tests {
     use super::*;
     use crate::numerics::neighbours::tests::random_discs;
-    use crate::problem::Material;
     use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
+    use crate::problem::{Lens, Material};
     use std::sync::Arc;
 
     /// Displacements with one number that is none.
@@ -781,7 +780,7 @@ mod tests {
             material: Material::new(1.0, 0.5),
         };
         let floor = Uncovered {
-            lens: &lens,
+            lens: lens.into(),
             height: 3.0,
             around: Surroundings::of_sites(&sites, field.spacing(), 60.0),
         };

@@ -477,9 +477,9 @@ impl<'a> Newton<'a> {
         if self.touched() > 0 {
             return self.tops.reach() + REACH_MARGIN * self.scene.field.spacing();
         }
-        let lens = self.scene.lens.radius;
-        let depth = (1.1 * self.contact.indentation()).clamp(0.0, lens);
-        (depth * (2.0 * lens - depth)).sqrt() + 1.0
+        let depth = 1.1 * self.contact.indentation();
+        let lens = &self.scene.lens;
+        lens.distance_of_rise(depth).unwrap_or(lens.widest()) + 1.0
     }
 
     /// Whether a pillar is touched that is not coupled with the floor.
@@ -666,7 +666,7 @@ impl<'a> Newton<'a> {
     /// The floor beside the pillars, and the lens over it.
     fn uncovered(&self) -> Uncovered<'_> {
         Uncovered {
-            lens: &self.scene.lens,
+            lens: self.scene.lens.clone(),
             height: self.scene.height,
             around: Surroundings::of_sites(
                 &self.tops.sites,

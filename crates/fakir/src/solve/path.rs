@@ -349,7 +349,7 @@ impl<'a> Path<'a> {
             }
             self.advance(sign * step);
             self.record(course);
-            if self.indentation() > LARGEST_CONTACT * self.scene.lens.radius {
+            if self.indentation() > LARGEST_CONTACT * self.scene.lens.sphere_radius() {
                 return Err(self.too_large(self.indentation()));
             }
             let past = beyond * self.indentation().abs().max(1.0);
@@ -657,7 +657,7 @@ impl<'a> Path<'a> {
     /// More pillars where the contact comes near the farthest ones, and fewer where it needs much less.
     fn fit_sites(&mut self, course: Course) -> Result<(), SolveError> {
         let (reach, pitch) = (self.reach(), self.scene.field.spacing());
-        let lens = self.scene.lens.radius;
+        let lens = self.scene.lens.sphere_radius();
         if reach - 1.0 > LARGEST_CONTACT * lens {
             return Err(self.too_large(reach));
         }
@@ -707,7 +707,7 @@ impl<'a> Path<'a> {
     fn too_large(&self, radius: f64) -> SolveError {
         SolveError::ContactExceedsLens {
             contact_radius: radius * self.scene.length,
-            lens_radius: self.scene.lens.radius * self.scene.length,
+            lens_radius: self.scene.lens.sphere_radius() * self.scene.length,
         }
     }
 
@@ -750,7 +750,7 @@ impl<'a> Path<'a> {
         };
         let spacing = self.scene.field.spacing();
         let floor = Uncovered {
-            lens: &self.scene.lens,
+            lens: self.scene.lens.clone(),
             height: self.scene.height,
             around: Surroundings::of_sites(&self.sites, spacing, self.contact_radius()),
         };
@@ -807,7 +807,12 @@ mod tests {
     fn seven_tops_pull_each_other_off() {
         let run = Run::default();
         let mut scene = scene(0.1, 0.0, PillarCompliance::None);
-        scene.lens.radius = 1e9;
+        let material = scene.lens.material;
+        scene.lens = crate::problem::Lens {
+            radius: 1e9,
+            material,
+        }
+        .into();
         for (degree, expected) in [(2, 0.89620), (3, 0.89674), (4, 0.89674)] {
             let fronts = fronts(&scene, degree, 0.05, false);
             let work = fronts.works().receding;

@@ -322,7 +322,7 @@ pub(super) fn punch_reach(
             PunchForm::Corrected => corrected,
         };
     // Loads at centres, and how much more the lens comes down over the nearest point of the rim.
-    let sag = |distance: f64| newton.scene.lens.sag(distance);
+    let sag = |distance: f64| newton.scene.lens.sag([distance, 0.0]);
     let outer = radius + 2.0 * newton.scene.field.spacing();
     let mut error = 2.0_f64;
     for (pillar, [x, y]) in newton.tops.sites.centres().iter().enumerate() {

@@ -9,13 +9,12 @@ use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::nodes::Resolution;
-use crate::problem::pillar_field::PillarField;
+use crate::problem::pillar_field::{ListedPillar, PillarField};
 use crate::problem::scaled::{SMALL_LENS, Scene};
-use crate::problem::{Accuracy, Control, HexagonalLattice, PunchForm};
+use crate::problem::{Accuracy, Control, HexagonalLattice, LensShape, PunchForm};
 use crate::state::{Run, SolveError, Stage, Termination};
 
-/// Largest contact radius over lens radius that is still solved.
-pub(crate) const LARGEST_CONTACT: f64 = 0.5;
+pub(crate) use crate::problem::lens::LARGEST_CONTACT;
 
 /// Degrees for an accuracy: of the coupling, which has to be finer the denser the texture and the more the
 /// lens differs from a paraboloid over a pillar top, and of the nodes on partially touched pillars.
@@ -24,7 +23,7 @@ pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {
     // pitch is 4.26 pillar radii.
     // Of discs of several radii the gap counts, over the smaller of the two.
     let pitch = 2.0 + scene.field.least_gap();
-    let small_lens = scene.lens.radius < SMALL_LENS;
+    let small_lens = scene.lens.quadratic_radius() < SMALL_LENS;
     match accuracy {
         Accuracy::Default => Degrees {
             coupling: if pitch > 3.9 && !small_lens { 2 } else { 4 },
@@ -72,6 +71,7 @@ pub(crate) fn solve_punch<'a>(
     let pitch = scene.field.spacing();
     let mut contact = contact_radius.unwrap_or_else(|| rough_contact_radius(scene, target));
     let mut radius = 1.05 * contact + 1.5 * pitch + 1.0;
+    let mut entered = entered_at(scene, target);
     let pair = match form {
         PunchForm::Plain => PairCoupling::of_flat_punches(pitch),
         PunchForm::Corrected => PairCoupling::new(0, pitch),
@@ -85,7 +85,10 @@ pub(crate) fn solve_punch<'a>(
         if form == PunchForm::Plain {
             newton.load_at_centres();
         }
-        newton.tops.touch_within(contact);
+        match entered.take() {
+            Some(indentation) => newton.tops.touch_entered(indentation),
+            None => newton.tops.touch_within(contact),
+        }
         let outcome = newton.solve(target, purpose)?;
         steps += outcome.steps;
         match growth(&newton)? {
@@ -149,7 +152,36 @@ pub(crate) fn solve_spectral<'a>(
 
 /// A radius near that of the contact, by the roughest of means.
 pub(crate) fn rough_contact_radius(scene: &Scene, target: Control) -> f64 {
-    let lens = scene.lens.radius;
+    let pitch = scene.field.spacing();
+    let lens = match &scene.lens.shape {
+        LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => *radius,
+        // All pillars there are.
+        LensShape::Cylinder { .. } | LensShape::Plate { .. } => {
+            return scene.field.extent().unwrap_or(pitch);
+        }
+        LensShape::Profile(profile) => {
+            // That of a paraboloid as high at the end of the contact, which is found by halving: a contact grows with the radius of that.
+            let (mut low, mut high) = (0.0, profile.range());
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                let radius = scene.lens.radius_through(middle);
+                if radius_under_paraboloid(scene, radius, target) > middle {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            return high;
+        }
+    };
+    radius_under_paraboloid(scene, lens, target)
+}
+
+/// Steps to a rough radius.
+const HALVINGS: usize = 30;
+
+/// [`rough_contact_radius`] under a sphere or a paraboloid of this radius.
+fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Control) -> f64 {
     let pitch = scene.field.spacing();
     match target {
         // Half the area in which the undeformed lens enters pillar tops, as in Hertz's contact.
@@ -167,8 +199,57 @@ pub(crate) fn rough_contact_radius(scene: &Scene, target: Control) -> f64 {
     }
 }
 
+/// The indentation at which a lens that is not axisymmetric enters about the pillars that it touches in the end; none of others, which touch those
+/// next to their axis.
+fn entered_at(scene: &Scene, target: Control) -> Option<f64> {
+    let extent = scene
+        .field
+        .extent()
+        .filter(|_| !scene.lens.is_axisymmetric())?;
+    Some(match target {
+        Control::Indentation(indentation) => indentation,
+        Control::FloorContact => 2.0 * scene.height,
+        Control::Force(force) => {
+            // Under which pillars that do not act on each other bear as much: the force grows with the indentation, so that halving finds it.
+            let (pillars, _) = scene.field.listed_within(extent);
+            let springs: Vec<[f64; 2]> = pillars
+                .iter()
+                .map(|(_, ListedPillar { centre, body })| {
+                    let stiffness = 2.0 * body.radius / (1.0 + body.column_compliance_ratio);
+                    let touched_at = scene.lens.sag_with_brim(*centre) - body.raised;
+                    [stiffness, touched_at]
+                })
+                .collect();
+            let borne = |indentation: f64| -> f64 {
+                let one = |[stiffness, touched_at]: &[f64; 2]| {
+                    stiffness * (indentation - touched_at).max(0.0)
+                };
+                springs.iter().map(one).sum()
+            };
+            let first = scene.first_touch();
+            let mut high = scene.height;
+            while high < f64::MAX && borne(first + high) < force {
+                high *= 2.0;
+            }
+            let mut low = 0.0;
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                if borne(first + middle) < force {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            first + high
+        }
+    })
+}
+
 fn limited(scene: &Scene, radius: f64) -> f64 {
-    radius.min(LARGEST_CONTACT * scene.lens.radius + 2.0 * scene.field.spacing())
+    if !scene.lens.is_axisymmetric() {
+        return radius;
+    }
+    radius.min(scene.lens.largest_contact() + 2.0 * scene.field.spacing())
 }
 
 /// The window of a radius, if it fits the memory allowed.
@@ -260,15 +341,28 @@ pub(crate) fn untouched<'a>(
     })
 }
 
+/// The error of a contact that reaches too far from where the lens is lowest.
+pub(crate) fn exceeds_lens(scene: &Scene, reach: f64) -> SolveError {
+    let metres = |length: f64| length * scene.length;
+    match &scene.lens.shape {
+        LensShape::Profile(profile) => SolveError::ProfileEnds {
+            reach: metres(reach),
+            end: metres(profile.range()),
+        },
+        _ => SolveError::ContactExceedsLens {
+            contact_radius: metres(reach),
+            lens_radius: metres(scene.lens.widest()),
+        },
+    }
+}
+
 /// A larger radius if the contact comes close to the edge of the sites.
 fn growth(newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
     let scene = &newton.scene;
     let reach = newton.tops.reach();
-    if reach - 1.0 > LARGEST_CONTACT * scene.lens.radius {
-        return Err(SolveError::ContactExceedsLens {
-            contact_radius: reach * scene.length,
-            lens_radius: scene.lens.radius * scene.length,
-        });
+    let from_lowest = newton.tops.reach_from_lowest();
+    if from_lowest - 1.0 > scene.lens.largest_contact() {
+        return Err(exceeds_lens(scene, from_lowest));
     }
     let radius = newton.tops.sites.radius();
     let pitch = scene.field.spacing();
@@ -283,7 +377,7 @@ mod tests {
     use crate::halfspace::coupling::on_grid::GridCoupling;
     use crate::numerics::convergence::Judgement;
     use crate::numerics::neighbours::tests::random_discs;
-    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarList};
+    use crate::problem::pillar_field::{PillarBody, PillarList};
     use crate::problem::{Lens, Material};
     use crate::solve::frozen::{FrozenContact, Source};
     use crate::solve::rules::floor::Places;
@@ -305,7 +399,8 @@ mod tests {
             lens: Lens {
                 radius: f64::INFINITY,
                 material: Material::new(1.0, 0.5),
-            },
+            }
+            .into(),
             height: 1.0,
             field: PillarField::Listed(Arc::new(PillarList::new(pillars.collect()).unwrap())),
             length: 1.0,

@@ -92,8 +92,13 @@ pub enum Warning {
         /// The longer side of a cell, m.
         cell: f64,
     },
-    /// The lens is below the floor, which bears its part on the hexagonal lattice only.
+    /// The lens is below the floor, which bears its part under a sphere on the hexagonal lattice only.
     FloorLeftOut {
+        /// How far below, m.
+        depth: f64,
+    },
+    /// Under a cylinder or a plate: undeformed it would be below the floor beside the pillars, which bears nothing.
+    FloorBeside {
         /// How far below, m.
         depth: f64,
     },
@@ -133,7 +138,11 @@ impl std::fmt::Display for Warning {
             Self::FloorLeftOut { depth } => write!(
                 f,
                 "the lens has passed the transition, by {depth:.2e} m at the lowest point of the floor: what \
-                 the floor bears is known for equal pillars on an endless hexagonal lattice only, so that the force here is too low"
+                 the floor bears is known for a sphere over equal pillars on an endless hexagonal lattice only, so that the force here is too low"
+            ),
+            Self::FloorBeside { depth } => write!(
+                f,
+                "beside the pillars the lens is {depth:.2e} m below the floor, if it reaches beyond them: what the floor would bear is left out"
             ),
             Self::AdhesiveStretch { ratio } => write!(
                 f,
@@ -159,7 +168,7 @@ pub struct ContactState {
     pub indentation: f64,
     /// Normal force `F`, N.
     pub force: f64,
-    /// Distance from the lens axis of the farthest point of a pillar top in contact, m.
+    /// Distance from the lens axis of the farthest point of a pillar top in contact, m; under a cylinder or a plate too, from the origin.
     pub contact_radius: f64,
     /// Estimated error of the contact radius, m: how well the edge of the contact is known on the pillar tops
     /// that it crosses, and by how much the radius would change with a pillar that is about to be touched, or
@@ -175,7 +184,8 @@ pub struct ContactState {
     /// What the floor bears; none where it is not touched, or was to be ignored.
     pub floor: Option<FloorContact>,
     /// Smallest gap between lens and floor, m; zero where the floor is in contact. Negative past the transition if the floor was to be
-    /// ignored: the state is then computed as if it were not there.
+    /// ignored: the state is then computed as if it were not there. Under a cylinder or a plate, which come nearest to the floor beyond the pillars, how
+    /// far the lowest of the undeformed lens is above it, between the farthest pillars.
     pub smallest_floor_gap: f64,
     /// Where the floor gap is smallest, m from the lens axis (one of its symmetric copies).
     pub smallest_gap_position: Point,

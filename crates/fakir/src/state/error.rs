@@ -1,6 +1,6 @@
 //! Why a question has no answer.
 
-use crate::problem::InvalidQuantity;
+use crate::problem::{InvalidQuantity, System};
 
 /// So many bytes for a person: `1.2 GB`.
 pub(crate) fn memory(bytes: usize) -> String {
@@ -137,6 +137,36 @@ pub enum SolveError {
         /// What is different, and what can be done.
         what: &'static str,
     },
+    /// What is made for a spherical lens, asked of another shape.
+    #[error(
+        "{what} is made for a spherical lens, not for this shape ({shape}): use the spectral method, without adhesion, \
+         or lens.shape = \"sphere\""
+    )]
+    NotUnderShape {
+        /// `"adhesion"`, `"the punch lattice"` and others.
+        what: &'static str,
+        /// Name of the shape.
+        shape: &'static str,
+    },
+    /// A table of heights that ends within reach of the contact.
+    #[error(
+        "the lens is needed up to {reach:.3e} m from its axis, and its table of heights ends at {end:.3e} m: give a longer \
+         table or lower the load"
+    )]
+    ProfileEnds {
+        /// How far out it is needed, m, or a lower bound.
+        reach: f64,
+        /// Where the table ends, m.
+        end: f64,
+    },
+    /// The critical state under a cylinder or a plate.
+    #[error(
+        "a {shape} has no transition: it comes nearest to the floor beyond the pillars; prescribe an indentation or a force"
+    )]
+    NoTransition {
+        /// Name of the shape.
+        shape: &'static str,
+    },
     /// A method that knows no adhesion.
     #[error(
         "the {method} method has no adhesion: use the spectral method, which has, or a work of \
@@ -227,4 +257,21 @@ pub enum SolveError {
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl SolveError {
+    /// Of what is made for a sphere over equal pillars on the endless hexagonal lattice, asked of this system.
+    #[must_use]
+    pub fn not_made_for(what: &'static str, system: &System) -> Self {
+        match system.lens().sphere() {
+            None => Self::NotUnderShape {
+                what,
+                shape: system.lens().shape_name(),
+            },
+            Some(_) => Self::NotOnArrangement {
+                what,
+                arrangement: system.arrangement().name(),
+            },
+        }
+    }
 }

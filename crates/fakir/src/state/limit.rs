@@ -30,7 +30,7 @@ pub struct Limit {
 /// if it is known.
 pub(super) fn limits(system: &System, farthest: f64, range: Option<f64>) -> Vec<Limit> {
     let strain = system.kendall_strain();
-    let slope = farthest / system.lens().radius;
+    let slope = system.lens().slope_at(farthest);
     let mut limits = vec![
         Limit {
             name: "kendall_strain",

@@ -1,4 +1,4 @@
-//! The paper's formulas for the critical state, with the lens axis on a pillar.
+//! The paper's formulas for the critical state, with the lens axis on a pillar. Under a lens that is no sphere they give no numbers but NaN.
 //!
 //! Where the paper as printed contradicts itself or its own figures, both readings are here, chosen by [`Form`], and tested.
 #![doc = ""]
@@ -63,7 +63,7 @@ pub fn central_gap(
         Form::Corrected => 2.0 * gamma_int / d,
     };
     let others = distance.powi(2) * sums.curvature / (2.0 * e.powi(3));
-    h + distance.powi(2) / (2.0 * system.lens().radius)
+    h + distance.powi(2) / (2.0 * system.lens().sphere_radius())
         + 0.5 * central_force * (gamma_ext * (distance.recip() + others) - own)
 }
 
@@ -87,7 +87,7 @@ pub fn from_gap_expansion(
 ) -> TransitionEstimate {
     let (gamma_int, gamma_ext) = compliances(system);
     let (h, d) = (system.pillar().height, system.pillar().diameter);
-    let (radius, e) = (system.lens().radius, system.pitch());
+    let (radius, e) = (system.lens().sphere_radius(), system.pitch());
     let cubic = 2.0 * gamma_int / (gamma_ext * d) + h * radius * sums.curvature / e.powi(3);
     let r_c = positive_root(h * radius, 1.5, cubic);
     let g = sums.curvature * (r_c / e).powi(3);
@@ -143,7 +143,7 @@ pub fn small_contact(system: &System) -> TransitionEstimate {
 #[must_use]
 pub fn small_contact_limit(system: &System) -> f64 {
     let (h, d) = (system.pillar().height, system.pillar().diameter);
-    let reach = 0.5 + (2.0 * system.lens().radius * h).sqrt() / d;
+    let reach = 0.5 + (2.0 * system.lens().sphere_radius() * h).sqrt() / d;
     MAXIMUM_SURFACE_FRACTION / (reach * reach)
 }
 
@@ -180,7 +180,7 @@ pub fn large_contact(system: &System, form: Form) -> TransitionEstimate {
 #[must_use]
 pub fn large_contact_radius(system: &System, form: Form) -> f64 {
     let phi = system.texture().surface_fraction();
-    let (radius, h) = (system.lens().radius, system.pillar().height);
+    let (radius, h) = (system.lens().sphere_radius(), system.pillar().height);
     let e = system.pitch();
     match form {
         Form::AsPrinted => (e * e + phi * radius * h).sqrt(),
@@ -215,7 +215,7 @@ pub fn transition_from_exact_sums(system: &System, contact_radius: f64) -> Trans
 /// `a = ((3 pi/8) gamma_ext R F)^(1/3)`.
 #[must_use]
 pub fn hertz_contact_radius(system: &System, force: f64) -> f64 {
-    (0.375 * PI * system.external_compliance() * system.lens().radius * force).cbrt()
+    (0.375 * PI * system.external_compliance() * system.lens().sphere_radius() * force).cbrt()
 }
 
 /// The two states of contact in the phase diagram.
@@ -265,13 +265,13 @@ fn eta() -> f64 {
 fn leading_floor_contact_distance(system: &System) -> f64 {
     let (gamma_int, gamma_ext) = compliances(system);
     let (h, d) = (system.pillar().height, system.pillar().diameter);
-    (system.lens().radius * h * d * gamma_ext / (2.0 * gamma_int)).cbrt()
+    (system.lens().sphere_radius() * h * d * gamma_ext / (2.0 * gamma_int)).cbrt()
 }
 
 /// `1 + 3 mu_c` with `mu_c = r_c^2/(2 R h)`.
 fn small_contact_factor(system: &System) -> f64 {
     let r_c = leading_floor_contact_distance(system);
-    1.0 + 1.5 * r_c * r_c / (system.lens().radius * system.pillar().height)
+    1.0 + 1.5 * r_c * r_c / (system.lens().sphere_radius() * system.pillar().height)
 }
 
 #[cfg(test)]
@@ -296,8 +296,8 @@ mod tests {
         pillar.diameter *= factor;
         pillar.height *= factor;
         let lens = Lens {
-            radius: system.lens().radius * factor,
-            ..*system.lens()
+            radius: system.lens().sphere_radius() * factor,
+            ..system.lens().sphere().unwrap()
         };
         let lattice = HexagonalLattice {
             pitch: system.pitch() * factor,
@@ -332,7 +332,7 @@ mod tests {
             pillar,
             ..system.texture().clone()
         };
-        let narrow = System::new(*system.lens(), *system.substrate(), texture).unwrap();
+        let narrow = System::new(system.lens().clone(), *system.substrate(), texture).unwrap();
         let mu_c = (small_contact_factor(&narrow) - 1.0) / 3.0;
         let excess = one_pillar(&narrow).floor_contact_distance
             / small_contact(&narrow).floor_contact_distance
@@ -477,7 +477,7 @@ mod tests {
         // K. L. Johnson, Contact Mechanics, equation 4.22: a^3 = 3 F R/(4 E*).
         let system = intermediate(0.1);
         let force = 3e-4;
-        let cube = 0.75 * force * system.lens().radius / system.reduced_modulus();
+        let cube = 0.75 * force * system.lens().sphere_radius() / system.reduced_modulus();
         assert!((hertz_contact_radius(&system, force).powi(3) / cube - 1.0).abs() < 1e-13);
     }
 }

@@ -38,13 +38,11 @@ impl HomogenisedLattice {
     ///
     /// # Errors
     /// [`SolveError::TextureTooDense`] where `beta` is not positive: at and above the
-    /// [`largest_surface_fraction`]. [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice.
+    /// [`largest_surface_fraction`]. [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice, and [`SolveError::NotUnderShape`] of a lens that is
+    /// no sphere.
     pub fn new(system: &System) -> Result<Self, SolveError> {
-        if system.hexagonal_lattice().is_none() {
-            return Err(SolveError::NotOnArrangement {
-                what: "the homogenised lattice",
-                arrangement: system.arrangement().name(),
-            });
+        if system.hexagonal_lattice().is_none() || system.lens().sphere().is_none() {
+            return Err(SolveError::not_made_for("the homogenised lattice", system));
         }
         let neighbours = neighbour_compliance(system);
         let own = system.internal_compliance() / system.pillar().diameter;
@@ -100,7 +98,7 @@ pub fn largest_surface_fraction(system: &System) -> f64 {
 /// 7 % low at a surface fraction of 0.2, 16 % to 30 % at 0.1.
 #[must_use]
 pub fn dense_limit(system: &System) -> TransitionEstimate {
-    let (c, radius) = (system.contact_compliance(), system.lens().radius);
+    let (c, radius) = (system.contact_compliance(), system.lens().sphere_radius());
     let pillar = system.pillar();
     let phi = system.texture().surface_fraction();
     let contact_radius =
@@ -181,7 +179,7 @@ struct LayerContact {
 impl LayerContact {
     fn new(system: &System, layer_compliance: f64, modes: &LayerModes, radius: f64) -> Self {
         let c = system.contact_compliance();
-        let lens_radius = system.lens().radius;
+        let lens_radius = system.lens().sphere_radius();
         let UnitContact {
             indentation,
             force,
@@ -219,7 +217,7 @@ fn contact_at(
     modes: &LayerModes,
     control: Control,
 ) -> Result<(LayerContact, usize), SolveError> {
-    let lens_radius = system.lens().radius;
+    let lens_radius = system.lens().sphere_radius();
     let largest = LARGEST_CONTACT * lens_radius;
     let at = |radius: f64| LayerContact::new(system, lattice.layer_compliance, modes, radius);
     let exceeds = SolveError::ContactExceedsLens {
@@ -267,7 +265,7 @@ fn solve(
             Termination::Stagnated
         },
         iterations,
-        warnings: contact_warnings(contact.radius / system.lens().radius),
+        warnings: contact_warnings(contact.radius / system.lens().sphere_radius()),
         ..ContactState::untouched(system, Method::Homogenised, 0.0)
     })
 }
@@ -333,7 +331,7 @@ mod tests {
     fn with_height(system: &System, factor: f64) -> System {
         let mut texture = system.texture().clone();
         texture.pillar.height *= factor;
-        System::new(*system.lens(), *system.substrate(), texture).unwrap()
+        System::new(system.lens().clone(), *system.substrate(), texture).unwrap()
     }
 
     #[test]
@@ -424,7 +422,7 @@ mod tests {
         let lattice = HexagonalLattice::with_surface_fraction(0.07, pillar.diameter);
         let material = Material::new(modulus * system.substrate().young_modulus, 0.5);
         let lens = Lens {
-            radius: length * system.lens().radius,
+            radius: length * system.lens().sphere_radius(),
             material,
         };
         let scaled = System::new(lens, material, Texture::new(pillar, lattice)).unwrap();
@@ -531,7 +529,7 @@ mod tests {
     #[test]
     fn wide_contacts_are_warned_of() {
         let system = intermediate(0.1);
-        let radius = system.lens().radius;
+        let radius = system.lens().sphere_radius();
         // Between a Hertz and a Winkler contact: zeta R/a^2 from 1/2 to 1.
         for (ratio, warned) in [(0.1, false), (0.3, true)] {
             let zeta = ratio * ratio * radius;

@@ -39,7 +39,7 @@ impl CoveredPillars {
             .collect();
         let gap: Vec<f64> = cells
             .iter()
-            .map(|[x, y]| indentation - system.lens().sag(x.hypot(*y)))
+            .map(|[x, y]| indentation - system.lens().sag([x.hypot(*y), 0.0]))
             .collect();
         let compliance = system.contact_compliance();
         let column = system.column_compliance() * mesh.cell * mesh.cell;

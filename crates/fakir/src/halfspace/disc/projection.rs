@@ -3,13 +3,17 @@
 use super::basis::{BasisEvaluator, mode_count};
 use crate::numerics::quadrature::hemisphere;
 use crate::problem::scaled::SMALL_LENS;
-use crate::problem::{Lens, Point};
+use crate::problem::{Point, ShapedLens};
 
 /// Degree up to which the lens shape is projected on the modes of a pillar top. The sag is
 /// quadratic over a pillar top but for terms of order `(d/2R)^2`, which degree 4 carries, and of `(d/2R)^4` and
 /// more, which matter for small lenses only.
-fn load_degree(lens: &Lens) -> usize {
-    if lens.radius < SMALL_LENS { 8 } else { 4 }
+fn load_degree(lens: &ShapedLens) -> usize {
+    if lens.quadratic_radius() < SMALL_LENS {
+        8
+    } else {
+        4
+    }
 }
 
 /// Projects the lens shape over pillar tops on their modes.
@@ -21,7 +25,7 @@ pub(crate) struct LensProjector {
 }
 
 impl LensProjector {
-    pub(crate) fn new(lens: &Lens, degree: usize) -> Self {
+    pub(crate) fn new(lens: &ShapedLens, degree: usize) -> Self {
         let degree = degree.max(load_degree(lens));
         let count = mode_count(degree);
         let mut basis = BasisEvaluator::new(degree);
@@ -44,7 +48,7 @@ impl LensProjector {
     }
 
     /// `- ∫ Y_i f dOmega` over the pillar top of that centre and radius, for as many modes as `load` holds.
-    pub(crate) fn project(&self, lens: &Lens, centre: Point, radius: f64, load: &mut [f64]) {
+    pub(crate) fn project(&self, lens: &ShapedLens, centre: Point, radius: f64, load: &mut [f64]) {
         self.project_function(centre, radius, |at, _| -lens.sag_with_brim(at), load);
     }
 
@@ -76,7 +80,7 @@ mod tests {
     use super::*;
     use crate::halfspace::disc::basis::UNIT_FORCE;
     use crate::problem::scaled::Scene;
-    use crate::problem::{HexagonalLattice, System};
+    use crate::problem::{HexagonalLattice, Lens, System};
 
     #[test]
     fn mean_sag_over_a_pillar_top() {
@@ -86,7 +90,7 @@ mod tests {
             height: 0.7,
             compliance: crate::problem::system::PillarCompliance::None,
         };
-        let material = crate::problem::system::Material::new(1.0, 0.3);
+        let material = crate::problem::Material::new(1.0, 0.3);
         let radius = 1.0e7;
         let system = System::new(
             Lens { radius, material },

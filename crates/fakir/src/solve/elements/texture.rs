@@ -6,7 +6,7 @@ use super::surface_level::check_fields;
 use crate::problem::pattern::{Arrangement, InvalidPattern, Pattern, PillarShape};
 use crate::problem::{
     Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
-    InvalidGrid, MeshLayout, Method, SurfaceSystem, System,
+    InvalidGrid, Lens, MeshLayout, Method, SurfaceSystem, System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
@@ -26,19 +26,16 @@ pub(crate) fn press_with_floor(
     reach: f64,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let lattice = system
-        .hexagonal_lattice()
-        .ok_or(SolveError::NotOnArrangement {
-            what: "the method of elements with a floor",
-            arrangement: system.arrangement().name(),
-        })?;
+    let not_made_for = || SolveError::not_made_for("the method of elements with a floor", system);
+    let sphere = system.lens().sphere().ok_or_else(not_made_for)?;
+    let lattice = system.hexagonal_lattice().ok_or_else(not_made_for)?;
     let impossible = SolveError::NotFinite {
         what: "cell of the surface",
     };
     let grid = grid(system, cells_per_diameter, reach).map_err(|_| impossible.clone())?;
     // Better known before the surface is drawn.
     check_fields(&grid, run)?;
-    let surface = surface_system(system, lattice, &grid).map_err(|_| impossible)?;
+    let surface = surface_system(system, sphere, lattice, &grid).map_err(|_| impossible)?;
     let contact = surface.press(control, run)?;
     Ok(state(
         system,
@@ -60,6 +57,7 @@ fn grid(system: &System, cells_per_diameter: usize, reach: f64) -> Result<Grid, 
 /// The texture on cells.
 fn surface_system(
     system: &System,
+    sphere: Lens,
     lattice: &HexagonalLattice,
     grid: &Grid,
 ) -> Result<SurfaceSystem, Box<dyn std::error::Error>> {
@@ -70,7 +68,7 @@ fn surface_system(
     };
     let pattern = Pattern::new(shape, Arrangement::Hexagonal(*lattice));
     let heights: Result<HeightMap, InvalidPattern> = pattern.height_map(grid, system.substrate());
-    let lens = Indenter::Lens(*system.lens());
+    let lens = Indenter::Lens(sphere);
     let surface = SurfaceSystem::new(lens, *system.substrate(), heights?, Boundary::FreeSpace)?;
     let surface = surface.continued().with_round_tops(pillar.diameter)?;
     Ok(surface.with_floor(Floor::OffPillars))

@@ -174,8 +174,12 @@ impl Units<'_, '_> {
             -by_compliance * 2.0 * material.poisson_ratio / material.young_modulus
         };
         let (lens, substrate) = (&system.lens().material, system.substrate());
-        let mut quantities = vec![
-            (Quantity::LensRadius, unit * of_scene.lens_radius / length),
+        let mut quantities = Vec::new();
+        if system.lens().radius().is_some() {
+            let by_radius = unit * of_scene.lens_radius / length;
+            quantities.push((Quantity::LensRadius, by_radius));
+        }
+        quantities.extend([
             (Quantity::LensYoungModulus, young(lens)),
             (Quantity::LensPoissonRatio, poisson(lens)),
             (
@@ -183,7 +187,7 @@ impl Units<'_, '_> {
                 young(substrate) - columns / substrate.young_modulus,
             ),
             (Quantity::SubstratePoissonRatio, poisson(substrate)),
-        ];
+        ]);
         // Listed pillars have heights, diameters and places of their own.
         if !matches!(system.arrangement(), Arrangement::Listed(_)) {
             let by_diameter = (unit * of_scene.all_radii - columns) / pillar.diameter;

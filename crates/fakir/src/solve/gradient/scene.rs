@@ -25,7 +25,7 @@ use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::convergence::{larger, within};
 use crate::numerics::vector::{add_scaled, dot, subtract};
-use crate::problem::{Lens, Point};
+use crate::problem::Point;
 use crate::solve::floor::{FloorDisplacement, FloorPoint, LoadedDiscs};
 use crate::solve::newton::{LINEAR_TOLERANCE, Newton};
 use crate::solve::rules::rim::Motion;
@@ -257,13 +257,13 @@ fn by_load_and_operator(
             tops.project_function(place, change, &mut changes);
             changes
         };
-        let by_lens = project(&|at, _| -sag_by_radius(lens, at));
+        let by_lens = project(&|at, _| -lens.by_radius(at));
         let by_distance = project(&|at, _| {
-            let [u, v] = sag_gradient(lens, at);
+            let [u, v] = lens.gradient(at);
             -(u * x + v * y)
         });
         let by_radius = project(&|at, on_disc| {
-            let [u, v] = sag_gradient(lens, at);
+            let [u, v] = lens.gradient(at);
             -body.radius * (u * on_disc[0] + v * on_disc[1])
         });
         let of_adjoint = |(number, adjoint): (usize, &Adjoint)| {
@@ -335,7 +335,7 @@ fn add_floor(newton: &Newton<'_>, places: &[usize], point: Point, of_scene: &mut
     let lens = &newton.scene.lens;
     let modes = newton.contact.modes();
     of_scene.depth += 1.0;
-    of_scene.lens_radius += sag_by_radius(lens, point);
+    of_scene.lens_radius += lens.by_radius(point);
     for (number, &place) in places.iter().enumerate() {
         let centre = newton.tops.sites.centres()[place];
         let radius = newton.tops.sites.body(place).radius;
@@ -359,20 +359,4 @@ fn add_floor(newton: &Newton<'_>, places: &[usize], point: Point, of_scene: &mut
             radii[number] += by_radius / radius;
         }
     }
-}
-
-/// The derivative of the lens shape with its radius: `1 - R/sqrt(R^2 - r^2)`, written so that nothing cancels.
-fn sag_by_radius(lens: &Lens, [x, y]: Point) -> f64 {
-    let squared = x * x + y * y;
-    if lens.is_flat() {
-        return 0.0;
-    }
-    let root = (lens.radius * lens.radius - squared).sqrt();
-    -squared / ((lens.radius + root) * root)
-}
-
-/// The gradient of the lens shape.
-fn sag_gradient(lens: &Lens, [x, y]: Point) -> Point {
-    let root = (lens.radius * lens.radius - x * x - y * y).sqrt();
-    [x / root, y / root]
 }

@@ -173,7 +173,8 @@ impl Listed {
             lens: Lens {
                 radius: self.lens,
                 material: Material::new(1.0, 0.5),
-            },
+            }
+            .into(),
             height: self.depth,
             field: PillarField::Listed(Arc::new(list)),
             length: 1.0,
@@ -692,7 +693,7 @@ fn many_pillars() {
         let pillar = system.pillar();
         let hexagonal = Hexagonal {
             values: [
-                system.lens().radius,
+                system.lens().sphere_radius(),
                 2e6,
                 0.5,
                 2e6,

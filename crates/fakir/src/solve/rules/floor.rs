@@ -52,7 +52,7 @@ impl<'a> FloorCells<'a> {
     pub(crate) fn lens_load(&self, scene: &Scene) -> impl Iterator<Item = f64> {
         let [width, height] = self.grid.division.cell;
         let root = self.unit_cell();
-        let mean = (width * width + height * height) / (24.0 * scene.lens.radius);
+        let mean = (width * width + height * height) / (24.0 * scene.lens.apex_radius());
         self.grid
             .cells
             .centres()

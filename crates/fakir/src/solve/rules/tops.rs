@@ -12,7 +12,7 @@ use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::convergence::larger;
 use crate::numerics::vector::{dot, subtract};
 use crate::numerics::workers::Workers;
-use crate::problem::{Lens, Point};
+use crate::problem::{Point, ShapedLens};
 use crate::solve::frozen::Rule;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
@@ -56,7 +56,7 @@ pub(crate) type Incident<'l> = dyn Fn(usize, &mut [f64]) + Sync + 'l;
 ///
 /// A top of radius `a` gives way as one of radius 1, but that its moments are `a` times as large.
 pub(crate) struct Tops {
-    lens: Lens,
+    lens: ShapedLens,
     pub(crate) sites: Sites,
     /// Of unit radius, on the column that is common.
     pub(crate) top: PillarTop,
@@ -93,9 +93,9 @@ const NOT_PARTIAL: u32 = u32::MAX;
 
 impl Tops {
     /// All pillars untouched; they act on each other by the modes up to a degree.
-    pub(crate) fn new(lens: &Lens, sites: Sites, top: PillarTop, degree: usize) -> Self {
+    pub(crate) fn new(lens: &ShapedLens, sites: Sites, top: PillarTop, degree: usize) -> Self {
         Self {
-            lens: *lens,
+            lens: lens.clone(),
             projector: LensProjector::new(lens, degree),
             modes: mode_count(degree),
             degree,
@@ -161,6 +161,34 @@ impl Tops {
             .filter(|(_, status)| **status != PillarStatus::Untouched)
             .map(|([x, y], _)| x.hypot(*y))
             .fold(0.0, f64::max)
+    }
+
+    /// Distance of the farthest touched pillar centre from where the lens is lowest.
+    pub(crate) fn reach_from_lowest(&self) -> f64 {
+        self.sites
+            .centres()
+            .iter()
+            .zip(&self.status)
+            .filter(|(_, status)| **status != PillarStatus::Untouched)
+            .map(|(centre, _)| self.lens.distance(*centre))
+            .fold(0.0, f64::max)
+    }
+
+    /// Marks the pillars as touched whose middle the undeformed lens enters at an indentation, and at least the first.
+    pub(crate) fn touch_entered(&mut self, indentation: f64) {
+        let mut first = (f64::INFINITY, 0);
+        for (pillar, centre) in self.sites.centres().iter().enumerate() {
+            let touched_at = self.lens.sag_with_brim(*centre) - self.sites.body(pillar).raised;
+            if touched_at < first.0 {
+                first = (touched_at, pillar);
+            }
+            if touched_at < indentation {
+                self.status[pillar] = PillarStatus::Full;
+            }
+        }
+        if let Some(status) = self.status.get_mut(first.1) {
+            *status = PillarStatus::Full;
+        }
     }
 
     /// Marks the pillars within a radius of the lens axis as touched, and at least the nearest.

@@ -1,0 +1,180 @@
+//! Lenses of other shapes in case files.
+
+use fakir::problem::LensShape;
+use fakir_case::{Case, CaseError, CaseFile, Key};
+
+const REST: &str = "
+[substrate]
+young_modulus = '2 MPa'
+poisson_ratio = 0.5
+[texture]
+lattice = 'square'
+pitch = '20 um'
+columns = 7
+[texture.pillar]
+diameter = '6 um'
+height = '2.2 um'
+";
+
+fn file(lens: &str) -> CaseFile {
+    let text = format!("[lens]\nyoung_modulus = '2 MPa'\npoisson_ratio = 0.5\n{lens}\n{REST}");
+    CaseFile::parse("case.toml", &text).expect("keys that are known")
+}
+
+fn case(lens: &str) -> Case {
+    file(lens).case().expect("a valid case")
+}
+
+fn refused(lens: &str) -> CaseError {
+    file(lens).case().expect_err("a case that cannot be")
+}
+
+/// A table of `r^2/(2R)` with R = 1 mm.
+fn table(folder: &tempfile::TempDir) -> String {
+    let path = folder.path().join("lens.csv");
+    let rows = (0..9).map(|k| format!("{k}e-5,{:e}\n", f64::from(k * k) * 1e-10 / 2e-3));
+    let text = format!("radius_m,height_m\n{}", rows.collect::<String>());
+    std::fs::write(&path, text).expect("a folder to write to");
+    path.display().to_string()
+}
+
+#[test]
+fn shapes_are_read_and_written_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let profile = format!("profile = '{}'", table(&folder));
+    for (lens, name) in [
+        ("radius = '2.2 mm'", "sphere"),
+        ("shape = 'sphere'\nradius = '2.2 mm'", "sphere"),
+        ("shape = 'paraboloid'\nradius = '2.2 mm'", "paraboloid"),
+        (
+            "shape = 'cylinder'\nradius = '2.2 mm'\nangle = '33.3 deg'",
+            "cylinder",
+        ),
+        ("shape = 'plate'", "plate"),
+        (
+            "shape = 'plate'\ntilt = '0.3 deg'\ntilt_direction = '-70 deg'",
+            "plate",
+        ),
+        (profile.as_str(), "profile"),
+    ] {
+        let case = case(lens);
+        assert_eq!(case.system.lens().shape_name(), name);
+        let again = CaseFile::parse("again", &case.to_toml()).unwrap();
+        assert_eq!(again.case().unwrap(), case, "{lens}");
+        assert_eq!(case.to_file("again").unwrap().case().unwrap(), case);
+    }
+    // The sphere needs no word, and is written without one.
+    assert!(!case("radius = '2.2 mm'").to_toml().contains("shape"));
+    let LensShape::Profile(profile) = case(&profile).system.lens().shape.clone() else {
+        panic!("a profile")
+    };
+    assert!((profile.apex_radius() / 1e-3 - 1.0).abs() < 1e-9);
+}
+
+/// An override of the shape takes the place of the keys that the new one does not have.
+#[test]
+fn shapes_are_overridden() {
+    let mut file = file("radius = '2.2 mm'");
+    file.set("lens.shape=plate").unwrap();
+    file.set("lens.tilt=1deg").unwrap();
+    let case = file.case().unwrap();
+    let LensShape::Plate { tilt, .. } = case.system.lens().shape else {
+        panic!("a plate")
+    };
+    assert!((tilt / 1f64.to_radians() - 1.0).abs() < 1e-15);
+    assert_eq!(case.setting(Key::LensRadius), None);
+}
+
+#[track_caller]
+fn assert_refused(lens: &str, key: &str, problem: &str, accepted: &str) {
+    let error = refused(lens);
+    assert_eq!(error.key_path(), Some(key), "{}", error.one_line());
+    assert!(error.problem().contains(problem), "{}", error.one_line());
+    let told = error.what_is_accepted().unwrap_or("");
+    assert!(told.contains(accepted), "{told}");
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused() {
+    assert_refused(
+        "shape = 'plate'\nradius = '2 mm'",
+        "lens.radius",
+        "with lens.shape = \"plate\" there is no such key",
+        "leave it out, or give sphere, paraboloid or cylinder as lens.shape",
+    );
+    assert_refused(
+        "radius = '2 mm'\nangle = '1 deg'",
+        "lens.angle",
+        "lens.shape = \"sphere\"",
+        "cylinder",
+    );
+    assert_refused(
+        "shape = 'cylinder'\nradius = '2 mm'\ntilt = 0.1",
+        "lens.tilt",
+        "no such key",
+        "plate",
+    );
+    assert_refused(
+        "radius = '2 mm'\nprofile = 'a.csv'",
+        "lens.radius",
+        "lens.shape = \"profile\"",
+        "leave it out",
+    );
+    assert_refused("shape = 'cylinder'", "lens.radius", "missing", "");
+    assert_refused("shape = 'profile'", "lens.profile", "missing", "");
+    assert_refused(
+        "shape = 'cone'",
+        "lens.shape",
+        "\"cone\" is not known",
+        "sphere",
+    );
+    assert_refused(
+        "shape = 'plate'\ntilt = '11 deg'",
+        "lens.tilt",
+        "cannot be 11 deg",
+        "from 0 to 10 deg",
+    );
+    assert_refused(
+        "profile = 'nowhere.csv'",
+        "lens.profile",
+        "cannot read nowhere.csv",
+        "radius_m and height_m",
+    );
+}
+
+#[test]
+fn endless_lattices_are_refused_under_cylinders_and_plates() {
+    for lens in ["shape = 'plate'", "shape = 'cylinder'\nradius = '2.2 mm'"] {
+        let text = format!("[lens]\nyoung_modulus = '2 MPa'\npoisson_ratio = 0.5\n{lens}\n{REST}");
+        let text = text.replace("columns = 7", "");
+        let error = CaseFile::parse("case.toml", &text)
+            .unwrap()
+            .case()
+            .unwrap_err();
+        assert!(
+            error.one_line().starts_with("case.toml:4:9: lens.shape: "),
+            "{}",
+            error.one_line()
+        );
+        assert!(error.problem().contains("touches endlessly many pillars"));
+        assert!(
+            error
+                .what_is_accepted()
+                .unwrap()
+                .contains("texture.columns")
+        );
+    }
+}
+
+#[test]
+fn surfaces_take_spheres_and_plates_of_their_own() {
+    let text = "[lens]\nshape = 'paraboloid'\nradius = 1e-3\nyoung_modulus = 2e6\npoisson_ratio = 0.5\n\
+                [substrate]\nyoung_modulus = 2e6\npoisson_ratio = 0.5\n\
+                [surface]\nheight_map = 'map.npy'\ncell_size = 1e-6\n";
+    let error = CaseFile::parse("case.toml", text)
+        .unwrap()
+        .surface_case(1 << 30)
+        .unwrap_err();
+    assert_eq!(error.key_path(), Some("lens.shape"));
+    assert!(error.problem().contains("only a [texture]"));
+}

@@ -1,0 +1,504 @@
+//! What is pressed: lenses of several shapes.
+
+use super::lens_profile::LensProfile;
+use super::point::{Point, turned};
+use super::quantity::{InvalidQuantity, Quantity, Requirement};
+use crate::numerics::convergence::smaller;
+use std::sync::Arc;
+
+/// A linear elastic, isotropic material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus, Pa.
+    pub young_modulus: f64,
+    /// Poisson's ratio, 0 to 0.5.
+    pub poisson_ratio: f64,
+}
+
+impl Material {
+    /// Material with the given Young's modulus (Pa) and Poisson's ratio.
+    #[must_use]
+    pub fn new(young_modulus: f64, poisson_ratio: f64) -> Self {
+        Self {
+            young_modulus,
+            poisson_ratio,
+        }
+    }
+
+    /// `(1 - nu^2)/E`, 1/Pa.
+    #[must_use]
+    pub fn plane_strain_compliance(&self) -> f64 {
+        (1.0 - self.poisson_ratio * self.poisson_ratio) / self.young_modulus
+    }
+}
+
+/// A spherical lens of an elastic material: the paper's. Others are a [`ShapedLens`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lens {
+    /// Radius of curvature `R`, m.
+    pub radius: f64,
+    /// What it is made of.
+    pub material: Material,
+}
+
+impl Lens {
+    /// Height of the undeformed lens above its lowest point, at distance
+    /// `distance` from the axis: `R - sqrt(R^2 - r^2)`, the exact sphere, m.
+    ///
+    /// Written as `r^2/(R + sqrt(R^2 - r^2))`, which does not cancel. Infinite
+    /// beyond the equator, where the lens has no lower surface.
+    #[must_use]
+    pub fn sag(&self, distance: f64) -> f64 {
+        sphere_at_square(self.radius, distance * distance)
+    }
+
+    /// Height of the undeformed lens at a point from its axis, with a level brim at its equator, beyond which it has no lower
+    /// side: what presses on pillars. It is a number everywhere, and no contact that is allowed comes near the brim.
+    pub(crate) fn sag_with_brim(&self, [x, y]: Point) -> f64 {
+        smaller(sphere_at_square(self.radius, x * x + y * y), self.radius)
+    }
+}
+
+/// [`Lens::sag`] from the square of the distance to the axis.
+fn sphere_at_square(radius: f64, squared: f64) -> f64 {
+    let rest = radius * radius - squared;
+    if rest < 0.0 {
+        return f64::INFINITY;
+    }
+    squared / (radius + rest.sqrt())
+}
+
+/// The shape of the lower side of a lens. Its lowest point, or line, passes through the origin of coordinates, where the lens axis is.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum LensShape {
+    /// `R - sqrt(R^2 - r^2)`
+    Sphere {
+        /// Radius of curvature `R`, m.
+        radius: f64,
+    },
+    /// `r^2/(2R)`
+    Paraboloid {
+        /// Radius of curvature `R` on the axis, m.
+        radius: f64,
+    },
+    /// `R - sqrt(R^2 - u^2)` with the distance `u` from a line through the origin.
+    Cylinder {
+        /// Radius `R`, m.
+        radius: f64,
+        /// Direction of that line from x, rad.
+        angle: f64,
+    },
+    /// A plate that reaches beyond all pillars and is kept from turning: `s tan(tilt)` with the distance `s` along the direction in which it rises.
+    Plate {
+        /// Between the plate and the floor, rad.
+        tilt: f64,
+        /// In which it rises, from x, rad.
+        direction: f64,
+    },
+    /// Axisymmetric, by a table of heights.
+    Profile(Arc<LensProfile>),
+}
+
+/// Contact radius over lens radius up to which a contact is solved.
+pub(crate) const LARGEST_CONTACT: f64 = 0.5;
+
+/// Height, slope and bend of the undeformed lens at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LensJet {
+    pub(crate) value: f64,
+    pub(crate) gradient: Point,
+    /// Along x twice, along x and y, along y twice.
+    pub(crate) hessian: [f64; 3],
+}
+
+/// A lens of any shape, of an elastic material.
+///
+/// ```
+/// use fakir::problem::{LensShape, Material, ShapedLens};
+///
+/// let rubber = Material::new(2.0e6, 0.5);
+/// let rod = ShapedLens::new(LensShape::Cylinder { radius: 1e-3, angle: 0.0 }, rubber);
+/// // Along its axis, x, it is level.
+/// assert_eq!(rod.sag([0.5, 0.0]), 0.0);
+/// assert!((rod.sag([0.0, 1e-4]) / 5e-6 - 1.0).abs() < 1e-2);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapedLens {
+    /// Its lower side.
+    pub shape: LensShape,
+    /// What it is made of.
+    pub material: Material,
+}
+
+impl From<Lens> for ShapedLens {
+    fn from(lens: Lens) -> Self {
+        let Lens { radius, material } = lens;
+        Self::new(LensShape::Sphere { radius }, material)
+    }
+}
+
+impl ShapedLens {
+    /// A lens of a shape and a material.
+    #[must_use]
+    pub fn new(shape: LensShape, material: Material) -> Self {
+        Self { shape, material }
+    }
+
+    /// `"sphere"`, `"paraboloid"`, `"cylinder"`, `"plate"` or `"profile"`.
+    #[must_use]
+    pub fn shape_name(&self) -> &'static str {
+        match self.shape {
+            LensShape::Sphere { .. } => "sphere",
+            LensShape::Paraboloid { .. } => "paraboloid",
+            LensShape::Cylinder { .. } => "cylinder",
+            LensShape::Plate { .. } => "plate",
+            LensShape::Profile(_) => "profile",
+        }
+    }
+
+    /// The lens, if it is a sphere.
+    #[must_use]
+    pub fn sphere(&self) -> Option<Lens> {
+        let material = self.material;
+        match self.shape {
+            LensShape::Sphere { radius } => Some(Lens { radius, material }),
+            _ => None,
+        }
+    }
+
+    /// Radius of the sphere, m; of no other shape a number, so that what is made for a sphere gives none.
+    #[must_use]
+    pub fn sphere_radius(&self) -> f64 {
+        self.sphere().map_or(f64::NAN, |sphere| sphere.radius)
+    }
+
+    /// Radius of curvature of a sphere, a paraboloid or a cylinder, m.
+    #[must_use]
+    pub fn radius(&self) -> Option<f64> {
+        match self.shape {
+            LensShape::Sphere { radius }
+            | LensShape::Paraboloid { radius }
+            | LensShape::Cylinder { radius, .. } => Some(radius),
+            LensShape::Plate { .. } | LensShape::Profile(_) => None,
+        }
+    }
+
+    /// Distance from the lens axis, or from the line on which a cylinder is lowest, up to which there is a lens: its radius, or where its table
+    /// ends, m. Infinite of a plate.
+    #[must_use]
+    pub fn widest(&self) -> f64 {
+        match &self.shape {
+            LensShape::Plate { .. } => f64::INFINITY,
+            LensShape::Profile(profile) => profile.range(),
+            LensShape::Sphere { radius }
+            | LensShape::Paraboloid { radius }
+            | LensShape::Cylinder { radius, .. } => *radius,
+        }
+    }
+
+    /// Height of the undeformed lens at a point (m from its axis) above the origin, its lowest point unless it is a tilted plate, m.
+    ///
+    /// Infinite beyond the equator of a sphere or a cylinder, where it has no lower side.
+    #[must_use]
+    pub fn sag(&self, point: Point) -> f64 {
+        let [x, y] = point;
+        match &self.shape {
+            LensShape::Sphere { radius } => sphere_at_square(*radius, x * x + y * y),
+            LensShape::Paraboloid { radius } => (x * x + y * y) / (2.0 * radius),
+            LensShape::Cylinder { radius, angle } => {
+                let away = across(point, *angle);
+                sphere_at_square(*radius, away * away)
+            }
+            LensShape::Plate { tilt, direction } => tilt.tan() * along(point, *direction),
+            LensShape::Profile(profile) => profile.height(x.hypot(y)),
+        }
+    }
+
+    /// Checks the numbers of the shape and the material.
+    pub(super) fn check(&self) -> Result<(), InvalidQuantity> {
+        use Quantity as Q;
+        use Requirement as R;
+        match &self.shape {
+            LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => {
+                R::Positive.check(Q::LensRadius, *radius)?;
+            }
+            LensShape::Cylinder { radius, angle } => {
+                R::Positive.check(Q::LensRadius, *radius)?;
+                R::Finite.check(Q::LensAngle, *angle)?;
+            }
+            LensShape::Plate { tilt, direction } => {
+                R::Tilt.check(Q::LensTilt, *tilt)?;
+                R::Finite.check(Q::LensTiltDirection, *direction)?;
+            }
+            LensShape::Profile(_) => {}
+        }
+        R::Positive.check(Q::LensYoungModulus, self.material.young_modulus)?;
+        R::PoissonRatio.check(Q::LensPoissonRatio, self.material.poisson_ratio)?;
+        Ok(())
+    }
+
+    /// Below which height pillars have to be: that of the lens; infinite of a shape without an equator.
+    pub(super) fn height(&self) -> f64 {
+        self.radius().unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether it is as high at all places of one distance from the axis.
+    pub(crate) fn is_axisymmetric(&self) -> bool {
+        !matches!(
+            self.shape,
+            LensShape::Cylinder { .. } | LensShape::Plate { .. }
+        )
+    }
+
+    /// Whether it is a plate.
+    pub(crate) fn is_flat(&self) -> bool {
+        match self.shape {
+            LensShape::Plate { .. } => true,
+            LensShape::Sphere { radius } => radius.is_infinite(),
+            _ => false,
+        }
+    }
+
+    /// [`sag`](Self::sag) with a [brim](Lens::sag_with_brim) at an equator: a number everywhere.
+    pub(crate) fn sag_with_brim(&self, point: Point) -> f64 {
+        match self.shape {
+            LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => {
+                smaller(self.sag(point), radius)
+            }
+            _ => self.sag(point),
+        }
+    }
+
+    /// The least of the undeformed lens over a disc.
+    pub(crate) fn least_over(&self, centre: Point, radius: f64) -> f64 {
+        match &self.shape {
+            LensShape::Plate { tilt, .. } => self.sag(centre) - tilt.tan() * radius,
+            _ => self.sag_at_distance((self.distance(centre) - radius).max(0.0)),
+        }
+    }
+
+    /// Distance of a point from where the lens is lowest; 0 of a plate, which has no such place.
+    pub(crate) fn distance(&self, point: Point) -> f64 {
+        match &self.shape {
+            LensShape::Cylinder { angle, .. } => across(point, *angle).abs(),
+            LensShape::Plate { .. } => 0.0,
+            _ => point[0].hypot(point[1]),
+        }
+    }
+
+    /// Height at a [distance](Self::distance) from where it is lowest.
+    fn sag_at_distance(&self, distance: f64) -> f64 {
+        match &self.shape {
+            LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => {
+                sphere_at_square(*radius, distance * distance)
+            }
+            LensShape::Paraboloid { radius } => distance * distance / (2.0 * radius),
+            LensShape::Plate { .. } => 0.0,
+            LensShape::Profile(profile) => profile.height(distance),
+        }
+    }
+
+    /// The [distance](Self::distance) up to which the undeformed lens is no higher than this; `None` where that is beyond its equator, or everywhere.
+    pub(crate) fn distance_of_rise(&self, rise: f64) -> Option<f64> {
+        let rise = rise.max(0.0);
+        match &self.shape {
+            LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => {
+                (rise < *radius).then(|| (rise * (2.0 * radius - rise)).sqrt())
+            }
+            LensShape::Paraboloid { radius } => Some((2.0 * radius * rise).sqrt()),
+            LensShape::Plate { .. } => None,
+            LensShape::Profile(profile) => Some(profile.distance_of(rise)),
+        }
+    }
+
+    /// The [distance](Self::distance) from where the lens is lowest up to which a contact is solved.
+    pub(crate) fn largest_contact(&self) -> f64 {
+        match &self.shape {
+            LensShape::Profile(profile) => profile.range(),
+            _ => LARGEST_CONTACT * self.widest(),
+        }
+    }
+
+    /// The slope of the lens where a contact ends that reaches so far from where it is lowest, about: over the radius, as results have it.
+    pub(crate) fn slope_at(&self, distance: f64) -> f64 {
+        match &self.shape {
+            LensShape::Sphere { radius }
+            | LensShape::Paraboloid { radius }
+            | LensShape::Cylinder { radius, .. } => distance / radius,
+            LensShape::Plate { tilt, .. } => tilt.tan(),
+            LensShape::Profile(profile) => profile.at(distance)[1],
+        }
+    }
+
+    /// Radius of curvature where it is lowest; infinite of a plate.
+    pub(crate) fn apex_radius(&self) -> f64 {
+        match &self.shape {
+            LensShape::Profile(profile) => profile.apex_radius(),
+            _ => self.radius().unwrap_or(f64::INFINITY),
+        }
+    }
+
+    /// The radius of the paraboloid that is as high at a distance from the axis.
+    pub(crate) fn radius_through(&self, distance: f64) -> f64 {
+        distance * distance / (2.0 * self.sag_at_distance(distance))
+    }
+
+    /// The radius below which the lens differs from a quadratic surface over a pillar top: infinite of those that do not differ, 0 of a table,
+    /// of which it is not known.
+    pub(crate) fn quadratic_radius(&self) -> f64 {
+        match &self.shape {
+            LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => *radius,
+            LensShape::Paraboloid { .. } | LensShape::Plate { .. } => f64::INFINITY,
+            LensShape::Profile(_) => 0.0,
+        }
+    }
+
+    /// Height and derivatives; `None` beyond an equator.
+    pub(crate) fn jet(&self, point: Point) -> Option<LensJet> {
+        let [x, y] = point;
+        match &self.shape {
+            LensShape::Sphere { radius } => {
+                let slope = inverse_depth(*radius, x * x + y * y)?;
+                let cubed = slope.powi(3);
+                Some(LensJet {
+                    value: self.sag(point),
+                    gradient: [x * slope, y * slope],
+                    hessian: [slope + x * x * cubed, x * y * cubed, slope + y * y * cubed],
+                })
+            }
+            LensShape::Paraboloid { radius } => Some(LensJet {
+                value: self.sag(point),
+                gradient: [x / radius, y / radius],
+                hessian: [radius.recip(), 0.0, radius.recip()],
+            }),
+            LensShape::Cylinder { radius, angle } => {
+                let (sin, cos) = angle.sin_cos();
+                let away = across(point, *angle);
+                let slope = inverse_depth(*radius, away * away)?;
+                let bend = slope + away * away * slope.powi(3);
+                Some(LensJet {
+                    value: self.sag(point),
+                    gradient: [-sin * away * slope, cos * away * slope],
+                    hessian: [sin * sin * bend, -sin * cos * bend, cos * cos * bend],
+                })
+            }
+            LensShape::Plate { tilt, direction } => {
+                let (sin, cos) = direction.sin_cos();
+                let slope = tilt.tan();
+                Some(LensJet {
+                    value: self.sag(point),
+                    gradient: [slope * cos, slope * sin],
+                    hessian: [0.0; 3],
+                })
+            }
+            LensShape::Profile(profile) => {
+                let distance = x.hypot(y);
+                let [value, slope, bend] = profile.at(distance);
+                let [u, v] = if distance > 0.0 {
+                    [x / distance, y / distance]
+                } else {
+                    [1.0, 0.0]
+                };
+                let around = if distance > 0.0 {
+                    slope / distance
+                } else {
+                    bend
+                };
+                Some(LensJet {
+                    value,
+                    gradient: [slope * u, slope * v],
+                    hessian: [
+                        bend * u * u + around * v * v,
+                        (bend - around) * u * v,
+                        bend * v * v + around * u * u,
+                    ],
+                })
+            }
+        }
+    }
+
+    /// The gradient of the lens shape.
+    pub(crate) fn gradient(&self, point: Point) -> Point {
+        if let LensShape::Sphere { radius } = self.shape {
+            let [x, y] = point;
+            let root = (radius * radius - x * x - y * y).sqrt();
+            return [x / root, y / root];
+        }
+        self.jet(point).map_or([f64::NAN; 2], |jet| jet.gradient)
+    }
+
+    /// The derivative of the lens shape with its radius; 0 of a shape that has none. Of a circle it is `1 - R/sqrt(R^2 - r^2)`, written so that nothing
+    /// cancels.
+    pub(crate) fn by_radius(&self, point: Point) -> f64 {
+        if self.is_flat() {
+            return 0.0;
+        }
+        let [x, y] = point;
+        let of_circle = |radius: f64, squared: f64| {
+            let root = (radius * radius - squared).sqrt();
+            -squared / ((radius + root) * root)
+        };
+        match &self.shape {
+            LensShape::Sphere { radius } => of_circle(*radius, x * x + y * y),
+            LensShape::Cylinder { radius, angle } => {
+                of_circle(*radius, across(point, *angle).powi(2))
+            }
+            LensShape::Paraboloid { radius } => -(x * x + y * y) / (2.0 * radius * radius),
+            LensShape::Plate { .. } | LensShape::Profile(_) => 0.0,
+        }
+    }
+
+    /// The same in another unit of length, given in the old one.
+    pub(crate) fn in_unit(&self, unit: f64) -> Self {
+        let shape = match &self.shape {
+            LensShape::Sphere { radius } => LensShape::Sphere {
+                radius: radius / unit,
+            },
+            LensShape::Paraboloid { radius } => LensShape::Paraboloid {
+                radius: radius / unit,
+            },
+            LensShape::Cylinder { radius, angle } => LensShape::Cylinder {
+                radius: radius / unit,
+                angle: *angle,
+            },
+            LensShape::Plate { tilt, direction } => LensShape::Plate {
+                tilt: *tilt,
+                direction: *direction,
+            },
+            LensShape::Profile(profile) => LensShape::Profile(Arc::new(profile.in_unit(unit))),
+        };
+        Self::new(shape, self.material)
+    }
+
+    /// The same turned about its axis by an angle, rad.
+    pub(crate) fn turned(&self, by: f64) -> Self {
+        let shape = match &self.shape {
+            LensShape::Cylinder { radius, angle } => LensShape::Cylinder {
+                radius: *radius,
+                angle: angle + by,
+            },
+            LensShape::Plate { tilt, direction } => LensShape::Plate {
+                tilt: *tilt,
+                direction: direction + by,
+            },
+            other => other.clone(),
+        };
+        Self::new(shape, self.material)
+    }
+}
+
+/// The inverse of the depth of the centre of a circle below its equator; `None` beyond that.
+fn inverse_depth(radius: f64, squared: f64) -> Option<f64> {
+    let depth_squared = radius * radius - squared;
+    (depth_squared > 0.0).then(|| depth_squared.sqrt().recip())
+}
+
+/// The coordinates of a point along a direction (rad from x), and across it.
+fn along(point: Point, direction: f64) -> f64 {
+    turned(point, -direction)[0]
+}
+
+fn across(point: Point, direction: f64) -> f64 {
+    turned(point, -direction)[1]
+}

@@ -1,0 +1,360 @@
+//! The shape of an axisymmetric lens as a table of heights.
+
+use std::fmt;
+
+/// Heights of an axisymmetric lens over its lowest point, at some distances from its axis, and smoothly between them.
+///
+/// Between the rows it is a cubic spline that is level on the axis, twice continuously differentiable, and rises everywhere. Of a smooth lens its
+/// error falls with the fourth power of the distance of the rows. It is known up to the last row and used no farther.
+///
+/// ```
+/// use fakir::problem::LensProfile;
+///
+/// // A paraboloid, r^2/(2R) with R = 1 mm, is met at all places.
+/// let radii: Vec<f64> = (0..20).map(|k| 10e-6 * f64::from(k)).collect();
+/// let heights = radii.iter().map(|r| r * r / 2e-3).collect();
+/// let profile = LensProfile::new(radii, heights)?;
+/// assert!((profile.height(33e-6) / (33e-6f64.powi(2) / 2e-3) - 1.0).abs() < 1e-9);
+/// # Ok::<(), fakir::problem::InvalidProfile>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct LensProfile {
+    radii: Vec<f64>,
+    heights: Vec<f64>,
+    /// Of the spline at the rows.
+    slopes: Vec<f64>,
+}
+
+/// Why a table is no profile. Rows are counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum InvalidProfile {
+    /// Fewer rows than a spline takes, or not as many heights as radii.
+    TooFew {
+        /// How many there are.
+        rows: usize,
+    },
+    /// A radius or a height that is no number.
+    NoNumber {
+        /// In which row.
+        row: usize,
+    },
+    /// The first row is not the lowest point on the axis.
+    NoApex {
+        /// Its radius, m.
+        radius: f64,
+        /// Its height, m.
+        height: f64,
+    },
+    /// A radius that is not larger than the one before.
+    NoOrder {
+        /// In which row.
+        row: usize,
+    },
+    /// A height that is not larger than the one before.
+    NotRising {
+        /// In which row.
+        row: usize,
+    },
+    /// The curve through the rows comes down before this one.
+    Uneven {
+        /// Before which row.
+        row: usize,
+    },
+}
+
+impl InvalidProfile {
+    /// The row that is wrong, from 0, if it is one of them.
+    #[must_use]
+    pub fn row(&self) -> Option<usize> {
+        match self {
+            Self::TooFew { .. } => None,
+            Self::NoApex { .. } => Some(0),
+            Self::NoNumber { row }
+            | Self::NoOrder { row }
+            | Self::NotRising { row }
+            | Self::Uneven { row } => Some(*row),
+        }
+    }
+}
+
+impl fmt::Display for InvalidProfile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFew { rows } => write!(
+                f,
+                "a profile of {rows} rows is none: it needs at least {FEWEST_ROWS}, each with a radius and a height"
+            ),
+            Self::NoNumber { .. } => f.write_str("radius and height have to be finite numbers"),
+            Self::NoApex { radius, height } => write!(
+                f,
+                "the first row is at radius {radius:e} m and height {height:e} m, and has to be the lowest point on the axis, at 0 and 0"
+            ),
+            Self::NoOrder { .. } => f.write_str("the radius has to be larger than that of the row before"),
+            Self::NotRising { .. } => f.write_str("the height has to be larger than that of the row before"),
+            Self::Uneven { .. } => f.write_str(
+                "the smooth curve through the rows comes down before this one: the rows are too rough or too far apart here for a lens that rises",
+            ),
+        }
+    }
+}
+
+impl std::error::Error for InvalidProfile {}
+
+/// Rows that a spline takes.
+const FEWEST_ROWS: usize = 4;
+
+impl LensProfile {
+    /// Of distances from the axis and heights over the lowest point, m, row by row from the axis outwards.
+    ///
+    /// # Errors
+    /// Rows that do not begin on the axis at height 0, do not rise, or are too few or too rough for a curve that rises.
+    pub fn new(radii: Vec<f64>, heights: Vec<f64>) -> Result<Self, InvalidProfile> {
+        let rows = radii.len().min(heights.len());
+        if rows < FEWEST_ROWS || radii.len() != heights.len() {
+            return Err(InvalidProfile::TooFew { rows });
+        }
+        let is_number = |(radius, height): (&f64, &f64)| radius.is_finite() && height.is_finite();
+        if let Some(row) = radii.iter().zip(&heights).position(|row| !is_number(row)) {
+            return Err(InvalidProfile::NoNumber { row });
+        }
+        if radii[0].abs() > 0.0 || heights[0].abs() > 0.0 {
+            return Err(InvalidProfile::NoApex {
+                radius: radii[0],
+                height: heights[0],
+            });
+        }
+        let falls = |values: &[f64]| values.windows(2).position(|pair| pair[1] <= pair[0]);
+        if let Some(row) = falls(&radii) {
+            return Err(InvalidProfile::NoOrder { row: row + 1 });
+        }
+        if let Some(row) = falls(&heights) {
+            return Err(InvalidProfile::NotRising { row: row + 1 });
+        }
+        let slopes = slopes(&radii, &heights);
+        let profile = Self {
+            radii,
+            heights,
+            slopes,
+        };
+        match (0..rows - 1).find(|interval| !profile.rises_in(*interval)) {
+            Some(interval) => Err(InvalidProfile::Uneven { row: interval + 1 }),
+            None => Ok(profile),
+        }
+    }
+
+    /// Distances of the rows from the axis, m.
+    #[must_use]
+    pub fn radii(&self) -> &[f64] {
+        &self.radii
+    }
+
+    /// Their heights, m.
+    #[must_use]
+    pub fn heights(&self) -> &[f64] {
+        &self.heights
+    }
+
+    /// Distance from the axis up to which it is known: that of the last row, m.
+    #[must_use]
+    pub fn range(&self) -> f64 {
+        self.radii[self.radii.len() - 1]
+    }
+
+    /// Height over the lowest point at a distance from the axis, m. Beyond the last row it goes straight on, which no answer makes use of.
+    #[must_use]
+    pub fn height(&self, distance: f64) -> f64 {
+        let [height, ..] = self.at(distance);
+        height
+    }
+
+    /// The radius of curvature on the axis, m.
+    #[must_use]
+    pub fn apex_radius(&self) -> f64 {
+        let [_, _, bend] = self.at(0.0);
+        bend.recip()
+    }
+
+    /// Height, slope and bend at a distance from the axis.
+    pub(crate) fn at(&self, distance: f64) -> [f64; 3] {
+        let last = self.radii.len() - 1;
+        let beyond = distance - self.radii[last];
+        if beyond >= 0.0 {
+            let slope = self.slopes[last].max(self.heights[last] / self.radii[last]);
+            return [self.heights[last] + slope * beyond, slope, 0.0];
+        }
+        let next = self.radii.partition_point(|radius| *radius <= distance);
+        let [_, start, square, cube] = self.cubic(next.max(1) - 1);
+        let along = distance - self.radii[next.max(1) - 1];
+        let height = self.heights[next.max(1) - 1];
+        [
+            height + along * (start + along * (square + along * cube)),
+            start + along * (2.0 * square + 3.0 * along * cube),
+            2.0 * square + 6.0 * along * cube,
+        ]
+    }
+
+    /// The distance from the axis up to which it is no higher than this.
+    pub(crate) fn distance_of(&self, height: f64) -> f64 {
+        if height <= 0.0 {
+            return 0.0;
+        }
+        let last = self.radii.len() - 1;
+        if height >= self.heights[last] {
+            let [_, slope, _] = self.at(self.radii[last]);
+            return self.radii[last] + (height - self.heights[last]) / slope;
+        }
+        let next = self.heights.partition_point(|other| *other <= height);
+        let (mut low, mut high) = (self.radii[next - 1], self.radii[next]);
+        // It rises, so that halving finds the place to the last digit.
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if self.height(middle) <= height {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    }
+
+    /// The same in another unit of length, given in the old one.
+    pub(crate) fn in_unit(&self, unit: f64) -> Self {
+        let scaled = |values: &[f64]| values.iter().map(|value| value / unit).collect();
+        Self {
+            radii: scaled(&self.radii),
+            heights: scaled(&self.heights),
+            slopes: self.slopes.clone(),
+        }
+    }
+
+    /// Width of an interval, and the coefficients of its cubic but the height.
+    fn cubic(&self, interval: usize) -> [f64; 4] {
+        let width = self.radii[interval + 1] - self.radii[interval];
+        let mean = (self.heights[interval + 1] - self.heights[interval]) / width;
+        let (start, end) = (self.slopes[interval], self.slopes[interval + 1]);
+        [
+            width,
+            start,
+            (3.0 * mean - 2.0 * start - end) / width,
+            (start + end - 2.0 * mean) / (width * width),
+        ]
+    }
+
+    /// Whether the curve comes down nowhere in an interval, but for rounding.
+    fn rises_in(&self, interval: usize) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        let [width, start, square, cube] = self.cubic(interval);
+        let slope = |along: f64| start + along * (2.0 * square + 3.0 * along * cube);
+        let turn = -square / (3.0 * cube);
+        let turn = if turn > 0.0 && turn < width {
+            turn
+        } else {
+            0.0
+        };
+        let mean = (self.heights[interval + 1] - self.heights[interval]) / width;
+        [0.0, turn, width]
+            .iter()
+            .all(|along| slope(*along) >= -ROUNDING * mean)
+    }
+}
+
+/// Slopes at the rows of the cubic spline that is level on the axis and has no break of its third derivative at the last row but one (C. de Boor,
+/// A Practical Guide to Splines, ch. IV: "not a knot").
+fn slopes(radii: &[f64], heights: &[f64]) -> Vec<f64> {
+    let last = radii.len() - 1;
+    let width: Vec<f64> = radii.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mean: Vec<f64> = (0..last)
+        .map(|k| (heights[k + 1] - heights[k]) / width[k])
+        .collect();
+    // Rows `below s[k-1] + middle s[k] + above s[k+1] = right`, reduced from the axis outwards to `s[k] = right - above s[k+1]`.
+    let (mut above, mut right) = (vec![0.0; last + 1], vec![0.0; last + 1]);
+    for k in 1..last {
+        let [below, middle] = [width[k], 2.0 * (width[k - 1] + width[k])];
+        let pivot = middle - below * above[k - 1];
+        above[k] = width[k - 1] / pivot;
+        let wanted = 3.0 * (width[k] * mean[k - 1] + width[k - 1] * mean[k]);
+        right[k] = (wanted - below * right[k - 1]) / pivot;
+    }
+    let [before, end] = [width[last - 2], width[last - 1]];
+    let both = before + end;
+    let wanted = (end * end * mean[last - 2] + (2.0 * both + end) * before * mean[last - 1]) / both;
+    let mut slopes = vec![0.0; last + 1];
+    slopes[last] = (wanted - both * right[last - 1]) / (before - both * above[last - 1]);
+    for k in (1..last).rev() {
+        slopes[k] = right[k] - above[k] * slopes[k + 1];
+    }
+    slopes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(function: impl Fn(f64) -> f64, radii: &[f64]) -> LensProfile {
+        let heights = radii.iter().map(|r| function(*r)).collect();
+        LensProfile::new(radii.to_vec(), heights).unwrap()
+    }
+
+    /// `r^2 + r^3/5` is a cubic that is level on the axis: the spline is that, on any rows.
+    #[test]
+    fn cubics_are_met_at_every_place() {
+        let cubic = |r: f64| r * r + 0.2 * r.powi(3);
+        let profile = of(cubic, &[0.0, 0.3, 0.4, 1.1, 1.5, 2.0]);
+        for k in 0..40 {
+            let r = 0.05 * f64::from(k);
+            let [height, slope, bend] = profile.at(r);
+            assert!((height - cubic(r)).abs() < 1e-13, "{r}");
+            assert!((slope - 2.0 * r - 0.6 * r * r).abs() < 1e-12, "{r}");
+            assert!((bend - 2.0 - 1.2 * r).abs() < 1e-11, "{r}");
+            assert!((profile.distance_of(cubic(r)) - r).abs() < 1e-7, "{r}");
+        }
+        assert!((profile.apex_radius() - 0.5).abs() < 1e-12);
+        // Beyond the last row it goes on with its slope there: 2 r + 0.6 r^2 = 6.4.
+        assert!((profile.height(2.5) - cubic(2.0) - 3.2).abs() < 1e-12);
+        assert!((profile.distance_of(cubic(2.0) + 3.2) - 2.5).abs() < 1e-12);
+    }
+
+    /// The error of a cubic spline falls with the fourth power of the width of its intervals (de Boor, ch. V).
+    #[test]
+    fn spheres_are_met_to_the_fourth_order() {
+        let sphere = |r: f64| 3.0 - (9.0 - r * r).sqrt();
+        let error = |rows: u32| {
+            let radii: Vec<f64> = (0..=rows).map(|k| f64::from(k) / f64::from(rows)).collect();
+            let profile = of(sphere, &radii);
+            let away = |k: u32| {
+                let r = 1e-3 * f64::from(k);
+                (profile.height(r) - sphere(r)).abs()
+            };
+            (0..1000).map(away).fold(0.0, f64::max)
+        };
+        let errors = [10, 20, 40].map(error);
+        println!("{errors:?}");
+        for pair in errors.windows(2) {
+            assert!((12.0..20.0).contains(&(pair[0] / pair[1])), "{errors:?}");
+        }
+    }
+
+    #[test]
+    fn tables_that_are_no_profile_are_refused_at_their_row() {
+        let refused = |radii: &[f64], heights: &[f64]| {
+            LensProfile::new(radii.to_vec(), heights.to_vec()).unwrap_err()
+        };
+        let row = |radii: &[f64], heights: &[f64]| refused(radii, heights).row();
+        assert_eq!(row(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0]), None);
+        assert_eq!(row(&[0.0, 1.0, 2.0, 3.0], &[0.0, 1.0, 2.0]), None);
+        assert_eq!(row(&[0.1, 1.0, 2.0, 3.0], &[0.0, 1.0, 2.0, 3.0]), Some(0));
+        assert_eq!(row(&[0.0, 1.0, 2.0, 3.0], &[0.1, 1.0, 2.0, 3.0]), Some(0));
+        assert_eq!(row(&[0.0, 1.0, 1.0, 3.0], &[0.0, 1.0, 2.0, 3.0]), Some(2));
+        assert_eq!(row(&[0.0, 1.0, 2.0, 3.0], &[0.0, 1.0, 1.0, 3.0]), Some(2));
+        let odd = refused(&[0.0, 1.0, 2.0, f64::NAN], &[0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(odd, InvalidProfile::NoNumber { row: 3 });
+        // A step: the spline swings after it.
+        let step = refused(
+            &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
+            &[0.0, 0.001, 0.002, 1.0, 1.001, 1.002],
+        );
+        assert!(matches!(step, InvalidProfile::Uneven { .. }), "{step:?}");
+        assert!(step.to_string().contains("too rough"));
+    }
+}

@@ -1,0 +1,63 @@
+"""Lenses of other shapes in the package."""
+
+import json
+import os
+import pickle
+import subprocess
+from pathlib import Path
+
+import fakir
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+RUBBER = ("2 MPa", 0.5)
+CUT = fakir.SquareTexture("6 um", "2.2 um", pitch="20 um", columns=7)
+LENSES = [
+    fakir.Lens("2.2 mm", *RUBBER),
+    fakir.ParaboloidLens("2.2 mm", *RUBBER),
+    fakir.CylinderLens("2.2 mm", *RUBBER, angle="30 deg"),
+    fakir.PlateLens(*RUBBER, tilt="0.1 deg", tilt_direction="60 deg"),
+    fakir.ProfileLens(EXAMPLES / "profile.csv", *RUBBER),
+]
+
+
+@pytest.mark.parametrize("lens", LENSES, ids=lambda lens: type(lens).__name__)
+def test_a_lens_is_what_was_given(lens):
+    system = fakir.System(lens, fakir.Substrate(*RUBBER), CUT)
+    assert system.lens == lens
+    assert pickle.loads(pickle.dumps(system)) == system
+    state = system.press(force="20 uN")
+    assert state.converged
+    shape = state.to_dict().get("lens_shape")
+    assert shape == (None if isinstance(lens, fakir.Lens) else shape)
+    assert (shape is None) == isinstance(lens, fakir.Lens)
+    # Nothing of the lens is below the pillars that it touches.
+    assert np.all(state.gap(np.linspace(-4e-5, 4e-5, 81), 0.0) > -1e-9)
+
+
+def test_the_program_says_the_same():
+    case = str(EXAMPLES / "cylinder.toml")
+    run = [os.environ["FAKIR"], "press", case, "--indentation", "1um", "--json", "--quiet"]
+    done = subprocess.run(run, capture_output=True, text=True)
+    told = json.loads(done.stdout)
+    state = fakir.System.from_file(case).press(indentation="1 um")
+    assert told["lens_shape"] == "cylinder"
+    assert told["force_N"] == state.force
+
+
+def test_what_cannot_be_is_refused():
+    endless = fakir.HexagonalTexture("6 um", "2.2 um", pitch="20 um")
+    with pytest.raises(fakir.CaseError, match="endlessly many pillars"):
+        fakir.System(fakir.PlateLens(*RUBBER), fakir.Substrate(*RUBBER), endless)
+    system = fakir.System(LENSES[2], fakir.Substrate(*RUBBER), CUT)
+    with pytest.raises(fakir.SolveError, match="has no transition"):
+        system.transition()
+    # A height map is touched by a sphere or a plate of its own.
+    with pytest.raises(TypeError, match="give a Lens or a Plate"):
+        fakir.love.Surface(np.zeros((4, 4)), LENSES[1], fakir.Substrate(*RUBBER), cell_size=1e-6)
+    # What is made for a sphere gives no number.
+    paper = fakir.HexagonalTexture("6 um", "2.2 um", surface_fraction=0.1)
+    other = fakir.System(LENSES[1], fakir.Substrate(*RUBBER), paper)
+    with pytest.raises(ValueError, match="made for a spherical lens"):
+        fakir.theory.phase(other, 1e-3, 1e-4)
