@@ -76,7 +76,7 @@ keys! {
     }
     Texture {
         LensShape = "lens.shape" is
-            word("sphere, paraboloid, cylinder, plate or profile", |p| &mut p.shape.form)
+            word("shape of the lens; under a cylinder or a plate there are finitely many pillars", |p| &mut p.shape.form)
                 .optional();
         LensAngle = "lens.angle" is
             angle("direction of a cylinder from x: of the line along which it is lowest", |p| &mut p.shape.angle)
