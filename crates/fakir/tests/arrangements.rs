@@ -285,11 +285,7 @@ fn finite_arrays_end() {
 fn what_is_made_for_the_lattice_of_the_paper_says_so() {
     let system = system(PlaneLattice::new(form_of(0.03)));
     let refused = |error: SolveError| matches!(error, SolveError::NotOnArrangement { .. });
-    for method in [
-        Method::Homogenised,
-        Method::Punch(Default::default()),
-        Method::Love(Default::default()),
-    ] {
+    for method in [Method::Homogenised, Method::Punch(Default::default())] {
         let error = fakir::press(&system, Control::Indentation(1e-6), method, &Run::default());
         let error = error.unwrap_err();
         assert!(error.to_string().contains("(square)"), "{error}");

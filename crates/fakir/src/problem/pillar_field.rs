@@ -397,6 +397,36 @@ impl PillarField {
         }
     }
 
+    /// The smallest radius of a top.
+    pub(crate) fn smallest_radius(&self) -> f64 {
+        match self {
+            Self::Hexagonal { .. } => 1.0,
+            Self::Lattice(lattice) => lattice.body.radius,
+            Self::Listed(list) => {
+                let radii = list.pillars.iter().map(|pillar| pillar.body.radius);
+                radii.fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
+    /// Points of any but the hexagonal lattice, as rows and columns of an array that begins with the first of both, and the vectors from row to row
+    /// and from column to column.
+    pub(crate) fn counted(&self, points: &[Point]) -> Option<(Vec<(usize, usize)>, [Point; 2])> {
+        let Self::Lattice(lattice) = self else {
+            return None;
+        };
+        let indices: Vec<[i64; 2]> = points
+            .iter()
+            .map(|point| {
+                let from_origin = [0, 1].map(|k| point[k] - lattice.origin[k]);
+                coordinates(from_origin, lattice.basis).map(|number| number.round() as i64)
+            })
+            .collect();
+        let first = [0, 1].map(|k| indices.iter().map(|index| index[k]).min().unwrap_or(0));
+        let place = |[i, j]: &[i64; 2]| ((i - first[0]) as usize, (j - first[1]) as usize);
+        Some((indices.iter().map(place).collect(), lattice.basis))
+    }
+
     /// About how many pillars stand within a radius of the lens axis.
     pub(crate) fn expected_len(&self, radius: f64) -> f64 {
         let on_lattice = |area: f64| PI * radius * radius / area;

@@ -184,11 +184,6 @@ impl Problem {
         self.pressure * self.length * self.length
     }
 
-    /// The same with a [brim](Lens::sag_with_brim).
-    pub(crate) fn sag_with_brim(&self, point: Point) -> f64 {
-        self.lens.sag_with_brim(point)
-    }
-
     /// What the solvers of pillars need of it.
     pub(crate) fn scene(&self) -> Scene {
         Scene {

@@ -96,6 +96,20 @@ impl Sites {
         }
     }
 
+    /// Where they stand in an array of points of the lattice that they are of, and the vectors of that by its rows and columns; none of a list.
+    pub(crate) fn on_lattice(
+        &self,
+        field: &PillarField,
+    ) -> Option<(Vec<(usize, usize)>, [Point; 2])> {
+        match &self.places {
+            Places::Window { window, lattice } => {
+                let vectors = [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j));
+                Some((window.places().to_vec(), vectors))
+            }
+            Places::Listed { centres, .. } => field.counted(centres),
+        }
+    }
+
     /// Number of pillars.
     pub(crate) fn len(&self) -> usize {
         self.centres().len()
