@@ -397,6 +397,19 @@ impl PillarField {
         }
     }
 
+    /// Whether some pillars may be higher than others.
+    pub(crate) fn has_unlike_heights(&self) -> bool {
+        match self {
+            Self::Hexagonal { .. } => false,
+            Self::Lattice(lattice) => lattice.highest() > lattice.body.raised,
+            Self::Listed(list) => {
+                let first = list.pillars[0].body.raised;
+                let is_other = |pillar: &ListedPillar| pillar.body.raised.total_cmp(&first).is_ne();
+                list.pillars.iter().any(is_other)
+            }
+        }
+    }
+
     /// The smallest radius of a top.
     pub(crate) fn smallest_radius(&self) -> f64 {
         match self {

@@ -2,6 +2,7 @@
 //! [`Newton`](super::newton::Newton).
 
 use super::newton::{Degrees, Newton, Outcome, Purpose};
+use super::outside::farthest_entered;
 use super::rules::unilateral::PillarTop;
 use crate::halfspace::coupling::lattice::{memory_estimate, memory_estimate_of_sites};
 use crate::halfspace::coupling::pair::PairCoupling;
@@ -167,7 +168,8 @@ pub(crate) fn rough_contact_radius(scene: &Scene, target: Control) -> f64 {
     }
 }
 
-fn limited(scene: &Scene, radius: f64) -> f64 {
+/// A radius, but no larger than any contact that is still solved.
+pub(super) fn limited(scene: &Scene, radius: f64) -> f64 {
     radius.min(LARGEST_CONTACT * scene.lens.radius + 2.0 * scene.field.spacing())
 }
 
@@ -260,19 +262,33 @@ pub(crate) fn untouched<'a>(
     })
 }
 
-/// A larger radius if the contact comes close to the edge of the sites.
+/// A larger radius if the contact comes close to the edge of the sites, or if the lens enters a pillar beyond.
 fn growth(newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
     let scene = &newton.scene;
     let reach = newton.tops.reach();
-    if reach - 1.0 > LARGEST_CONTACT * scene.lens.radius {
+    check_contact(scene, reach)?;
+    let radius = newton.tops.sites.radius();
+    let pitch = scene.field.spacing();
+    if reach + pitch > radius {
+        return Ok(Some((1.3 * radius).max(reach + 2.0 * pitch)));
+    }
+    let indentation = newton.contact.indentation();
+    let entered = farthest_entered(scene, radius, indentation, &newton.forces());
+    if let Some(distance) = entered {
+        check_contact(scene, distance)?;
+    }
+    Ok(entered.map(|distance| distance + pitch))
+}
+
+/// Whether a pillar at a distance from the lens axis is near enough to be in a contact that is still solved.
+pub(super) fn check_contact(scene: &Scene, distance: f64) -> Result<(), SolveError> {
+    if distance - 1.0 > LARGEST_CONTACT * scene.lens.radius {
         return Err(SolveError::ContactExceedsLens {
-            contact_radius: reach * scene.length,
+            contact_radius: distance * scene.length,
             lens_radius: scene.lens.radius * scene.length,
         });
     }
-    let radius = newton.tops.sites.radius();
-    let pitch = scene.field.spacing();
-    Ok((reach + pitch > radius).then(|| (1.3 * radius).max(reach + 2.0 * pitch)))
+    Ok(())
 }
 
 #[cfg(test)]

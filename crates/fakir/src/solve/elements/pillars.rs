@@ -28,7 +28,8 @@ use crate::problem::scaled::Scene;
 use crate::problem::{Cells, Control, ElementMesh, Grid, MeshLayout, Point};
 use crate::solve::elements::solver;
 use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch, Surroundings, Uncovered};
-use crate::solve::spectral::{LARGEST_CONTACT, rough_contact_radius};
+use crate::solve::outside::farthest_entered;
+use crate::solve::spectral::{check_contact, limited, rough_contact_radius};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -264,6 +265,22 @@ impl<'a> Level<'a> {
             .filter(|(touched, _)| *touched)
             .map(|(_, [x, y])| x.hypot(*y))
             .fold(0.0, f64::max)
+    }
+
+    /// Distance of the farthest pillar beyond these that the lens enters.
+    fn farthest_entered(&self, contact: &ElementContact) -> Option<f64> {
+        let mut forces: Vec<(Point, f64)> =
+            self.sites.centres().iter().map(|at| (*at, 0.0)).collect();
+        let area = self.elements.size * self.elements.size;
+        for (pillar, pressure) in self.elements.pillars.iter().zip(&contact.pressure) {
+            forces[*pillar as usize].1 += area * pressure;
+        }
+        farthest_entered(
+            self.scene,
+            self.sites.radius(),
+            contact.indentation,
+            &forces,
+        )
     }
 
     fn lowest(&mut self, contact: &ElementContact) -> Result<Option<FloorPoint>, SolveError> {
@@ -713,10 +730,15 @@ pub(crate) fn solve<'a>(
             let (contact, floor) = level.find(target, &mut search)?;
             let reach = level.reach(&contact);
             check_contact(scene, reach)?;
-            if reach + pitch <= level.sites.radius() {
+            let present = level.sites.radius();
+            radius = if reach + pitch > present {
+                (1.3 * present).max(reach + 2.0 * pitch)
+            } else if let Some(entered) = level.farthest_entered(&contact) {
+                check_contact(scene, entered)?;
+                entered + pitch
+            } else {
                 break (contact, floor);
-            }
-            radius = (1.3 * level.sites.radius()).max(reach + 2.0 * pitch);
+            };
             level = level.successor(mesh, limited(scene, radius))?;
         };
         radius = level.reach(&contact) + 1.5 * pitch;
@@ -732,20 +754,6 @@ pub(crate) fn solve<'a>(
         });
     }
     Ok(solved.expect("there is at least one level"))
-}
-
-fn limited(scene: &Scene, radius: f64) -> f64 {
-    radius.min(LARGEST_CONTACT * scene.lens.radius + 2.0 * scene.field.spacing())
-}
-
-fn check_contact(scene: &Scene, reach: f64) -> Result<(), SolveError> {
-    if reach - 1.0 > LARGEST_CONTACT * scene.lens.radius {
-        return Err(SolveError::ContactExceedsLens {
-            contact_radius: reach * scene.length,
-            lens_radius: scene.lens.radius * scene.length,
-        });
-    }
-    Ok(())
 }
 
 /// What is known of the critical indentation before a level is solved.
