@@ -38,6 +38,14 @@ pub(crate) struct ListedPillar {
     pub(crate) body: PillarBody,
 }
 
+/// Points of a lattice as rows and columns of an array that begins with the first of both.
+#[derive(Debug, Clone)]
+pub(crate) struct Counted {
+    pub(crate) places: Vec<(usize, usize)>,
+    /// From row to row, and from column to column.
+    pub(crate) vectors: [Point; 2],
+}
+
 /// What a pillar is known by, and the pillar.
 pub(crate) type IndexedPillar = ((i64, i64), ListedPillar);
 
@@ -422,9 +430,8 @@ impl PillarField {
         }
     }
 
-    /// Points of any but the hexagonal lattice, as rows and columns of an array that begins with the first of both, and the vectors from row to row
-    /// and from column to column.
-    pub(crate) fn counted(&self, points: &[Point]) -> Option<(Vec<(usize, usize)>, [Point; 2])> {
+    /// Points of any but the hexagonal lattice; none of a list.
+    pub(crate) fn counted(&self, points: &[Point]) -> Option<Counted> {
         let Self::Lattice(lattice) = self else {
             return None;
         };
@@ -437,7 +444,10 @@ impl PillarField {
             .collect();
         let first = [0, 1].map(|k| indices.iter().map(|index| index[k]).min().unwrap_or(0));
         let place = |[i, j]: &[i64; 2]| ((i - first[0]) as usize, (j - first[1]) as usize);
-        Some((indices.iter().map(place).collect(), lattice.basis))
+        Some(Counted {
+            places: indices.iter().map(place).collect(),
+            vectors: lattice.basis,
+        })
     }
 
     /// About how many pillars stand within a radius of the lens axis.

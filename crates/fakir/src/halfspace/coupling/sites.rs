@@ -2,7 +2,7 @@
 
 use super::window::Window;
 use crate::numerics::neighbours::{Nearest, Neighbours};
-use crate::problem::pillar_field::{PillarBody, PillarField};
+use crate::problem::pillar_field::{Counted, PillarBody, PillarField};
 use crate::problem::{HexagonalLattice, Point};
 use std::sync::OnceLock;
 
@@ -96,16 +96,13 @@ impl Sites {
         }
     }
 
-    /// Where they stand in an array of points of the lattice that they are of, and the vectors of that by its rows and columns; none of a list.
-    pub(crate) fn on_lattice(
-        &self,
-        field: &PillarField,
-    ) -> Option<(Vec<(usize, usize)>, [Point; 2])> {
+    /// Where they stand on the lattice that they are of; none of a list.
+    pub(crate) fn on_lattice(&self, field: &PillarField) -> Option<Counted> {
         match &self.places {
-            Places::Window { window, lattice } => {
-                let vectors = [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j));
-                Some((window.places().to_vec(), vectors))
-            }
+            Places::Window { window, lattice } => Some(Counted {
+                places: window.places().to_vec(),
+                vectors: [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j)),
+            }),
             Places::Listed { centres, .. } => field.counted(centres),
         }
     }

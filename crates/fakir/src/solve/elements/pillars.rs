@@ -23,7 +23,7 @@ use crate::halfspace::elements::{
 };
 use crate::numerics::convergence::{Judgement, larger, within};
 use crate::numerics::workers::CancelToken;
-use crate::problem::pillar_field::ListedPillar;
+use crate::problem::pillar_field::{Counted, ListedPillar};
 use crate::problem::scaled::Scene;
 use crate::problem::{Cells, Control, ElementMesh, Grid, MeshLayout, Point};
 use crate::solve::elements::solver;
@@ -389,7 +389,7 @@ fn on_pillars<'a>(
         .map(|pillar| (sites.centres()[pillar], sites.body(pillar).radius))
         .collect();
     let operator: Box<dyn Operator + 'a> =
-        if let Some((places, vectors)) = sites.on_lattice(&scene.field) {
+        if let Some(Counted { places, vectors }) = sites.on_lattice(&scene.field) {
             let extent =
                 |pick: fn(&(usize, usize)) -> usize| places.iter().map(pick).max().unwrap_or(0) + 1;
             let shape = (extent(|place| place.0), extent(|place| place.1));
