@@ -183,8 +183,8 @@ fn random_arrangements_agree_with_the_spectral_method() {
         largest = largest.max(ratio);
     }
     println!("{told} of 100 agree; the largest difference over the estimates is {largest:.2}");
-    // Of the others, light touches of one or two tops at a slope, the estimates leave no digit.
-    assert!(told >= 90, "{told}");
+    // Of light touches of one top at a slope, the estimates may leave no digit.
+    assert!(told >= 98, "{told}");
 }
 
 /// One lattice as that, and as a list of its pillars: two operators for the same elements.
