@@ -151,6 +151,15 @@ def test_methods_side_by_side(system):
     assert abs(verification.force.relative) <= verification.force.allowed
 
 
+def test_a_second_opinion_on_listed_pillars():
+    angle = np.linspace(0.0, 2.0 * np.pi, 6, endpoint=False)
+    ring = fakir.Pillars(20e-6 * np.cos(angle), 20e-6 * np.sin(angle), 2.2e-6, np.linspace(5e-6, 7e-6, 6))
+    rubber = {"young_modulus": "2 MPa", "poisson_ratio": 0.5}
+    pillars = fakir.System(fakir.Lens("2.2 mm", **rubber), fakir.Substrate(**rubber), ring)
+    verification = pillars.verify(force="20 uN")
+    assert verification.agrees and abs(verification.indentation.relative) < 1e-3
+
+
 def test_theory(system):
     # Ewald sums and exact limits of the design document.
     assert fakir.theory.site_potential() == pytest.approx(-4.213422636, rel=1e-9)

@@ -3,6 +3,8 @@
 //!
 //! Orders of convergence are printed (`cargo test --test love -- --nocapture`).
 
+#[path = "love/arranged.rs"]
+mod arranged;
 mod common;
 #[path = "love/half_space.rs"]
 mod half_space;

@@ -51,12 +51,6 @@ impl Lens {
     pub fn sag(&self, distance: f64) -> f64 {
         sphere_at_square(self.radius, distance * distance)
     }
-
-    /// Height of the undeformed lens at a point from its axis, with a level brim at its equator, beyond which it has no lower
-    /// side: what presses on pillars. It is a number everywhere, and no contact that is allowed comes near the brim.
-    pub(crate) fn sag_with_brim(&self, [x, y]: Point) -> f64 {
-        smaller(sphere_at_square(self.radius, x * x + y * y), self.radius)
-    }
 }
 
 /// [`Lens::sag`] from the square of the distance to the axis.
@@ -260,7 +254,7 @@ impl ShapedLens {
         }
     }
 
-    /// [`sag`](Self::sag) with a [brim](Lens::sag_with_brim) at an equator: a number everywhere.
+    /// [`sag`](Self::sag) with a level brim at an equator: a number everywhere.
     pub(crate) fn sag_with_brim(&self, point: Point) -> f64 {
         match self.shape {
             LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => {

@@ -39,6 +39,14 @@ pub(crate) struct ListedPillar {
     pub(crate) body: PillarBody,
 }
 
+/// Points of a lattice as rows and columns of an array that begins with the first of both.
+#[derive(Debug, Clone)]
+pub(crate) struct Counted {
+    pub(crate) places: Vec<(usize, usize)>,
+    /// From row to row, and from column to column.
+    pub(crate) vectors: [Point; 2],
+}
+
 /// What a pillar is known by, and the pillar.
 pub(crate) type IndexedPillar = ((i64, i64), ListedPillar);
 
@@ -460,6 +468,51 @@ impl PillarField {
             }
         };
         farthest.map(|farthest| (1.0 + ROUNDING) * farthest + self.spacing())
+    }
+
+    /// Whether some pillars may be higher than others.
+    pub(crate) fn has_unlike_heights(&self) -> bool {
+        match self {
+            Self::Hexagonal { .. } => false,
+            Self::Lattice(lattice) => lattice.highest() > lattice.body.raised,
+            Self::Listed(list) => {
+                let first = list.pillars[0].body.raised;
+                let is_other = |pillar: &ListedPillar| pillar.body.raised.total_cmp(&first).is_ne();
+                list.pillars.iter().any(is_other)
+            }
+        }
+    }
+
+    /// The smallest radius of a top.
+    pub(crate) fn smallest_radius(&self) -> f64 {
+        match self {
+            Self::Hexagonal { .. } => 1.0,
+            Self::Lattice(lattice) => lattice.body.radius,
+            Self::Listed(list) => {
+                let radii = list.pillars.iter().map(|pillar| pillar.body.radius);
+                radii.fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
+    /// Points of any but the hexagonal lattice; none of a list.
+    pub(crate) fn counted(&self, points: &[Point]) -> Option<Counted> {
+        let Self::Lattice(lattice) = self else {
+            return None;
+        };
+        let indices: Vec<[i64; 2]> = points
+            .iter()
+            .map(|point| {
+                let from_origin = [0, 1].map(|k| point[k] - lattice.origin[k]);
+                coordinates(from_origin, lattice.basis).map(|number| number.round() as i64)
+            })
+            .collect();
+        let first = [0, 1].map(|k| indices.iter().map(|index| index[k]).min().unwrap_or(0));
+        let place = |[i, j]: &[i64; 2]| ((i - first[0]) as usize, (j - first[1]) as usize);
+        Some(Counted {
+            places: indices.iter().map(place).collect(),
+            vectors: lattice.basis,
+        })
     }
 
     /// About how many pillars stand within a radius of the lens axis.

@@ -220,11 +220,6 @@ impl Problem {
         self.pressure * self.length * self.length
     }
 
-    /// The same with a [brim](Lens::sag_with_brim).
-    pub(crate) fn sag_with_brim(&self, point: Point) -> f64 {
-        self.lens.sag_with_brim(point)
-    }
-
     /// What the solvers of pillars need of it.
     pub(crate) fn scene(&self) -> Scene {
         Scene {
@@ -238,10 +233,5 @@ impl Problem {
             pressure: self.pressure,
             rotation: 0.0,
         }
-    }
-
-    /// A point in metres.
-    pub(crate) fn metres(&self, point: Point) -> Point {
-        [point[0] * self.length, point[1] * self.length]
     }
 }

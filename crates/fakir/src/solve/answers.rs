@@ -17,7 +17,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::convergence::{larger, smaller};
 use crate::numerics::workers::CancelToken;
 use crate::problem::pillar_field::{IndexedPillar, ListedPillar, PillarField};
-use crate::problem::scaled::{Problem, Scene};
+use crate::problem::scaled::Scene;
 use crate::problem::{Accuracy, Control, FloorModel, LensProfile, LensShape, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
@@ -52,15 +52,15 @@ pub(crate) fn press(
 ) -> Result<ContactState, SolveError> {
     let scene = Scene::new(system);
     let lattice = scene.on_lattice();
-    if lattice.is_none() {
-        let what = match method {
-            PillarMethod::Spectral(_) => None,
-            PillarMethod::Punch(_) => Some("the punch lattice"),
-            PillarMethod::Love(_) => Some("the method of elements on pillars"),
-        };
-        if let Some(what) = what {
-            return Err(SolveError::not_made_for(what, system));
+    let what = match method {
+        PillarMethod::Punch(_) if lattice.is_none() => Some("the punch lattice"),
+        PillarMethod::Love(_) if system.lens().sphere().is_none() => {
+            Some("the method of elements on pillars")
         }
+        _ => None,
+    };
+    if let Some(what) = what {
+        return Err(SolveError::not_made_for(what, system));
     }
     let target = match control {
         Control::Indentation(indentation) => Control::Indentation(indentation / scene.length),
@@ -216,14 +216,8 @@ fn solve(
             assembled(&solution, lowest, error)
         }
         PillarMethod::Love(mesh) => {
-            let Some(problem) = &lattice else {
-                return Err(SolveError::not_made_for(
-                    "the method of elements on pillars",
-                    system,
-                ));
-            };
-            let solution = pillars::solve(problem, target, guess, mesh, run)?;
-            Ok(elements(system, problem, target, method, &solution))
+            let solution = pillars::solve(scene, target, guess, mesh, run)?;
+            Ok(warned(elements(system, scene, target, method, &solution)))
         }
     }
 }
@@ -515,7 +509,7 @@ fn patch_state(
 /// The answer from a solution on elements.
 fn elements(
     system: &System,
-    problem: &Problem,
+    scene: &Scene,
     target: Control,
     method: PillarMethod,
     solution: &ElementSolution<'_>,
@@ -531,34 +525,34 @@ fn elements(
     let mut pillars: Vec<PillarState> = touched
         .iter()
         .map(|pillar| PillarState {
-            diameter: system.pillar().diameter,
-            height: system.pillar().height,
+            diameter: 2.0 * pillar.pillar.body.radius * scene.length,
+            height: system.pillar().height + pillar.pillar.body.raised * scene.length,
             index: pillar.index,
-            centre: problem.metres(problem.lattice.centre(pillar.index.0, pillar.index.1)),
+            centre: scene.metres(pillar.pillar.centre),
             status: pillar.status,
-            force: pillar.force * problem.force(),
-            centre_pressure: pillar.centre_pressure * problem.pressure,
+            force: pillar.force * scene.force(),
+            centre_pressure: pillar.centre_pressure * scene.pressure,
             edge_coefficient: None,
         })
         .collect();
-    nearest_first(&mut pillars, |pillar| pillar, problem.length);
+    nearest_first(&mut pillars, |pillar| pillar, scene.length);
     let partial = pillars
         .iter()
         .filter(|pillar| pillar.status == PillarStatus::Partial)
         .count();
     let indentation = contact.indentation;
     let state = ContactState {
-        force: contact.force * problem.force(),
-        contact_radius: contact_radius * problem.length,
-        contact_radius_error: radius_error * problem.length,
+        force: contact.force * scene.force(),
+        contact_radius: contact_radius * scene.length,
+        contact_radius_error: radius_error * scene.length,
         pillars_in_contact: pillars.len(),
         pillars_partially_in_contact: partial,
         pillars,
         error: unknowns_only(target, contact.termination, solution.errors()),
         termination: contact.termination,
         iterations: solution.products,
-        warnings: contact_warnings(contact_radius / problem.lens.radius),
-        ..ContactState::untouched(system, method.into(), indentation * problem.length)
+        warnings: contact_warnings(contact_radius / scene.lens.sphere_radius()),
+        ..ContactState::untouched(system, method.into(), indentation * scene.length)
     };
-    floor_gap(&problem.scene(), state, indentation, solution.floor)
+    floor_gap(scene, state, indentation, solution.floor)
 }

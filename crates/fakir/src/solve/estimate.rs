@@ -64,7 +64,9 @@ pub(crate) fn estimate(
     target: Control,
 ) -> Result<ErrorEstimate, SolveError> {
     let force = newton.force();
-    if force <= 0.0 || outcome.indentation <= 0.0 {
+    // Pillars higher than the common height are touched above it.
+    let indentation = outcome.indentation.abs();
+    if force <= 0.0 || indentation <= 0.0 {
         // The contact is smaller than the distance of nodes: nothing is known of it.
         return Ok(unknowns_only(target, outcome.termination, [1.0; 2]));
     }
@@ -78,7 +80,7 @@ pub(crate) fn estimate(
         let changes = nodes[k] + degree[k] + floor[k];
         FLOOR + outcome.mismatch + SAFETY * changes / value
     };
-    let errors = [relative(0, force), relative(1, outcome.indentation)];
+    let errors = [relative(0, force), relative(1, indentation)];
     Ok(unknowns_only(target, outcome.termination, errors))
 }
 

@@ -12,7 +12,6 @@ use crate::numerics::neighbours::Neighbours;
 use crate::numerics::vector::{LANES, Lanes, dot, widest};
 use crate::numerics::workers::CancelToken;
 use crate::problem::lens::LensJet;
-use crate::problem::scaled::Problem;
 use crate::problem::{HexagonalLattice, Point, ShapedLens};
 use crate::state::Run;
 use std::borrow::Cow;
@@ -239,16 +238,6 @@ pub(crate) struct Uncovered<'a> {
     /// Depth of the floor.
     pub(crate) height: f64,
     pub(crate) around: Surroundings<'a>,
-}
-
-impl<'a> Uncovered<'a> {
-    pub(crate) fn of(problem: &'a Problem) -> Self {
-        Self {
-            lens: problem.lens.into(),
-            height: problem.height,
-            around: Surroundings::Lattice(&problem.lattice),
-        }
-    }
 }
 
 /// What the pressures do to the floor.
@@ -723,8 +712,12 @@ mod tests {
     fn no_point_is_the_lowest_among_undefined_ones() {
         let problem = crate::solve::newton::tests::problem();
         let cancel = CancelToken::default();
-        let lowest =
-            |odd| FloorSearch::default().lowest(&Uncovered::of(&problem), &Odd(odd), &cancel);
+        let floor = Uncovered {
+            lens: problem.lens.into(),
+            height: problem.height,
+            around: Surroundings::Lattice(&problem.lattice),
+        };
+        let lowest = |odd| FloorSearch::default().lowest(&floor, &Odd(odd), &cancel);
         assert!(lowest(|_| ()).is_some());
         for odd in [
             |jet: &mut FieldJet| jet.value = f64::NAN,

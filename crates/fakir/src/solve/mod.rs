@@ -20,6 +20,7 @@ mod frozen;
 pub(crate) mod gradient;
 mod mixed;
 pub(crate) mod newton;
+mod outside;
 pub(crate) mod path;
 mod reach;
 pub(crate) mod rules;

@@ -676,6 +676,17 @@ impl<'a> Newton<'a> {
         }
     }
 
+    /// The touched pillars, each with the force that it bears.
+    pub(crate) fn forces(&self) -> Vec<(Point, f64)> {
+        let modes = self.contact.modes();
+        let moments = self.contact.coefficients().chunks_exact(modes);
+        let centres = self.tops.sites.centres().iter();
+        let all = centres.zip(moments).zip(&self.tops.status);
+        all.filter(|(_, status)| **status != PillarStatus::Untouched)
+            .map(|((centre, moments), _)| (*centre, UNIT_FORCE * moments[0]))
+            .collect()
+    }
+
     /// Gaps to the floor at points beside pillars, by the pressures on the pillars alone.
     pub(crate) fn gaps_under_tops(&self, points: &[Point]) -> Vec<f64> {
         let above = self.scene.height - self.contact.indentation();

@@ -2,6 +2,7 @@
 //! [`Newton`](super::newton::Newton).
 
 use super::newton::{Degrees, Newton, Outcome, Purpose};
+use super::outside::farthest_entered;
 use super::rules::unilateral::PillarTop;
 use crate::halfspace::coupling::lattice::{memory_estimate, memory_estimate_of_sites};
 use crate::halfspace::coupling::pair::PairCoupling;
@@ -245,7 +246,8 @@ fn entered_at(scene: &Scene, target: Control) -> Option<f64> {
     })
 }
 
-fn limited(scene: &Scene, radius: f64) -> f64 {
+/// A radius, but no larger than any contact that is still solved.
+pub(super) fn limited(scene: &Scene, radius: f64) -> f64 {
     if !scene.lens.is_axisymmetric() {
         return radius;
     }
@@ -356,17 +358,30 @@ pub(crate) fn exceeds_lens(scene: &Scene, reach: f64) -> SolveError {
     }
 }
 
-/// A larger radius if the contact comes close to the edge of the sites.
+/// A larger radius if the contact comes close to the edge of the sites, or if the lens enters a pillar beyond.
 fn growth(newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
     let scene = &newton.scene;
     let reach = newton.tops.reach();
-    let from_lowest = newton.tops.reach_from_lowest();
-    if from_lowest - 1.0 > scene.lens.largest_contact() {
-        return Err(exceeds_lens(scene, from_lowest));
-    }
+    check_contact(scene, newton.tops.reach_from_lowest())?;
     let radius = newton.tops.sites.radius();
     let pitch = scene.field.spacing();
-    Ok((reach + pitch > radius).then(|| (1.3 * radius).max(reach + 2.0 * pitch)))
+    if reach + pitch > radius {
+        return Ok(Some((1.3 * radius).max(reach + 2.0 * pitch)));
+    }
+    let indentation = newton.contact.indentation();
+    let entered = farthest_entered(scene, radius, indentation, &newton.forces());
+    if let Some(distance) = entered {
+        check_contact(scene, distance)?;
+    }
+    Ok(entered.map(|distance| distance + pitch))
+}
+
+/// Whether a pillar at a distance from the lens axis is near enough to be in a contact that is still solved.
+pub(super) fn check_contact(scene: &Scene, distance: f64) -> Result<(), SolveError> {
+    if distance - 1.0 > scene.lens.largest_contact() {
+        return Err(exceeds_lens(scene, distance));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

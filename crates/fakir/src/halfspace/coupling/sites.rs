@@ -2,7 +2,7 @@
 
 use super::window::Window;
 use crate::numerics::neighbours::{Nearest, Neighbours};
-use crate::problem::pillar_field::{PillarBody, PillarField};
+use crate::problem::pillar_field::{Counted, PillarBody, PillarField};
 use crate::problem::{HexagonalLattice, Point};
 use std::sync::OnceLock;
 
@@ -93,6 +93,17 @@ impl Sites {
         match &self.places {
             Places::Window { lattice, .. } => Some(lattice),
             Places::Listed { .. } => None,
+        }
+    }
+
+    /// Where they stand on the lattice that they are of; none of a list.
+    pub(crate) fn on_lattice(&self, field: &PillarField) -> Option<Counted> {
+        match &self.places {
+            Places::Window { window, lattice } => Some(Counted {
+                places: window.places().to_vec(),
+                vectors: [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j)),
+            }),
+            Places::Listed { centres, .. } => field.counted(centres),
         }
     }
 

@@ -19,6 +19,7 @@ pub(crate) mod lattice;
 pub(crate) mod operator;
 pub(crate) mod periodic;
 pub(crate) mod rectangle;
+pub(crate) mod scattered;
 
 pub use free_space::FreeSpaceConvolution;
 pub use lattice::LatticeOfGrids;

@@ -1,7 +1,7 @@
-//! The contact on a hexagonal lattice of pillars, by elements.
+//! The contact with the tops of pillars of any arrangement, by elements.
 //!
-//! Two meshes: a grid of its own centred on each pillar, or the paper's one grid over the whole
-//! pattern. Either way a solution starts from that on cells twice as large, and that from one on
+//! Two meshes: a grid of its own centred on each pillar, as large as its top, or the paper's one grid over the
+//! whole pattern. Either way a solution starts from that on cells twice as large, and that from one on
 //! cells twice as large again: it saves work, and their differences give the error estimate.
 //!
 //! Squares cover a disc badly, so that the force under them converges only as the size of a
@@ -10,22 +10,26 @@
 //! resized a little, those of one grid get what is missing as a compliance of their pillar. That
 //! removes most of the error.
 //!
-//! Units are those of [`Problem`]: lengths in pillar radii, pressures in `E*`.
+//! Units are those of [`Scene`]: lengths in pillar radii, pressures in `E*`. The unknowns are forces over the
+//! area of a cell of a pillar of unit radius, which on such a pillar are pressures.
 
 use super::closing::Closing;
 use super::solver::{ElementContact, Prescribed, Settings};
-use crate::halfspace::coupling::window::Window;
+use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::exterior::FieldJet;
+use crate::halfspace::elements::scattered::{Interactions, PlacedGrid, ScatteredGrids};
 use crate::halfspace::elements::{
     Columns, Dense, FreeSpaceConvolution, LatticeOfGrids, Operator, Preconditioned,
 };
 use crate::numerics::convergence::{Judgement, larger, within};
 use crate::numerics::workers::CancelToken;
-use crate::problem::scaled::Problem;
+use crate::problem::pillar_field::{Counted, ListedPillar};
+use crate::problem::scaled::Scene;
 use crate::problem::{Cells, Control, ElementMesh, Grid, MeshLayout, Point};
 use crate::solve::elements::solver;
-use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch, Uncovered};
-use crate::solve::spectral::{LARGEST_CONTACT, rough_contact_radius};
+use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch, Surroundings, Uncovered};
+use crate::solve::outside::farthest_entered;
+use crate::solve::spectral::{check_contact, limited, rough_contact_radius};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -45,10 +49,10 @@ const SEARCH_LIMIT: usize = 60;
 /// Relative energy error of every solution: its force is then good to about as much.
 const TOLERANCE: f64 = 1e-9;
 
-/// The elements on the pillars of a window, and the contact on them.
+/// The elements on the pillars within a radius, and the contact on them.
 pub(crate) struct Level<'a> {
-    problem: &'a Problem,
-    window: Window,
+    scene: &'a Scene,
+    sites: Sites,
     run: &'a Run<'a>,
     operator: Box<dyn Operator + 'a>,
     elements: Elements,
@@ -61,11 +65,11 @@ pub(crate) struct Level<'a> {
 /// Where the elements are.
 struct Elements {
     centres: Vec<Point>,
-    /// The pillar of each, as its place in the window.
+    /// The pillar of each, as its place among the sites.
     pillars: Vec<u32>,
-    /// Side of a cell.
+    /// Side of a cell, of a grid centred on a pillar for a unit radius of that.
     size: f64,
-    /// Half the side of a pillar's grid.
+    /// Half the side of such a grid.
     half_width: f64,
     /// Elements by pillar, column and row.
     lookup: HashMap<(u32, i64, i64), usize>,
@@ -73,7 +77,7 @@ struct Elements {
 }
 
 impl Elements {
-    fn new(mesh: ElementMesh, size: f64, window: &Window, cells: &[(Point, u32)]) -> Self {
+    fn new(mesh: ElementMesh, size: f64, sites: &Sites, cells: &[(Point, u32)]) -> Self {
         let mut elements = Self {
             half_width: 0.5 * mesh.cells_per_diameter as f64 * size,
             centres: cells.iter().map(|(centre, _)| *centre).collect(),
@@ -83,23 +87,32 @@ impl Elements {
             layout: mesh.layout,
         };
         for (element, (centre, pillar)) in cells.iter().enumerate() {
-            let key = elements.key(window, *pillar, *centre);
+            let key = elements.key(sites, *pillar, *centre);
             elements.lookup.insert(key, element);
         }
         elements
     }
 
     /// Columns and rows count from the corner of the pillar's grid, or from the lens axis.
-    fn key(&self, window: &Window, pillar: u32, [x, y]: Point) -> (u32, i64, i64) {
+    fn key(&self, sites: &Sites, pillar: u32, [x, y]: Point) -> (u32, i64, i64) {
+        let scale = self.scale(sites, pillar as usize);
         let [x0, y0] = match self.layout {
             MeshLayout::Pillars => {
-                let [x, y] = window.centres()[pillar as usize];
-                [x - self.half_width, y - self.half_width]
+                let [x, y] = sites.centres()[pillar as usize];
+                [x, y].map(|at| at - scale * self.half_width)
             }
             MeshLayout::Pattern => [0.0, 0.0],
         };
-        let count = |offset: f64| (offset / self.size).floor() as i64;
+        let count = |offset: f64| (offset / (scale * self.size)).floor() as i64;
         (pillar, count(x - x0), count(y - y0))
+    }
+
+    /// By how much the cells on a pillar are larger than those of a unit radius.
+    fn scale(&self, sites: &Sites, pillar: usize) -> f64 {
+        match self.layout {
+            MeshLayout::Pillars => sites.body(pillar).radius,
+            MeshLayout::Pattern => 1.0,
+        }
     }
 
     fn len(&self) -> usize {
@@ -107,19 +120,20 @@ impl Elements {
     }
 }
 
-/// Cells in a disc of radius 1, `across` of them along its diameter; resized to bear the force
+/// Cells in a disc of a radius, `across` of them along its diameter; resized to bear the force
 /// of a flat punch if `matched`.
-fn disc_cells(across: usize, matched: bool) -> Cells {
+fn disc_cells(across: usize, matched: bool, radius: f64) -> Cells {
     let of_size = |size: f64| {
         let radius = 0.5 * across as f64 * size;
         let grid = Grid::centred(across, across, size).expect("cells have a size");
         Cells::where_centre(&grid, |[x, y]| x.hypot(y) < radius)
     };
-    if matched {
-        of_size(2.0 / capacity(of_size(1.0)))
+    let size = if matched {
+        2.0 / capacity(of_size(1.0))
     } else {
-        of_size(2.0 / across as f64)
-    }
+        2.0 / across as f64
+    };
+    of_size(radius * size)
 }
 
 /// Force that a flat punch of these cells bears at indentation 1.
@@ -149,30 +163,31 @@ fn punch_error(mesh: ElementMesh) -> f64 {
     if mesh.matched {
         return 0.0;
     }
-    (0.5 * capacity(disc_cells(mesh.cells_per_diameter, false)) - 1.0).abs()
+    (0.5 * capacity(disc_cells(mesh.cells_per_diameter, false, 1.0)) - 1.0).abs()
 }
 
 impl<'a> Level<'a> {
     /// Elements on all pillars with centres within `radius` of the lens axis.
     fn new(
-        problem: &'a Problem,
+        scene: &'a Scene,
         mesh: ElementMesh,
         radius: f64,
         run: &'a Run<'a>,
     ) -> Result<Self, SolveError> {
-        let window = Window::new(&problem.lattice, radius);
+        let sites = Sites::within(&scene.field, radius);
         let (operator, elements): (Box<dyn Operator + 'a>, _) = match mesh.layout {
-            MeshLayout::Pillars => on_pillars(problem, mesh, &window, run)?,
-            MeshLayout::Pattern => on_pattern(problem, mesh, &window, run)?,
+            MeshLayout::Pillars => on_pillars(scene, mesh, &sites, run)?,
+            MeshLayout::Pattern => on_pattern(scene, mesh, &sites, run)?,
         };
         let separation = elements
             .centres
             .iter()
-            .map(|at| problem.sag_with_brim(*at))
+            .zip(&elements.pillars)
+            .map(|(at, pillar)| scene.lens.sag_with_brim(*at) - sites.body(*pillar as usize).raised)
             .collect();
         Ok(Self {
-            problem,
-            window,
+            scene,
+            sites,
             run,
             operator,
             start: vec![0.0; elements.len()],
@@ -185,17 +200,17 @@ impl<'a> Level<'a> {
 
     /// Finer or wider elements that start from the pressures found on these.
     fn successor(&self, mesh: ElementMesh, radius: f64) -> Result<Self, SolveError> {
-        let mut next = Self::new(self.problem, mesh, radius, self.run)?;
-        let known: Vec<Option<usize>> = (0..next.window.len())
-            .map(|pillar| self.window.find(next.window.index(pillar)))
+        let mut next = Self::new(self.scene, mesh, radius, self.run)?;
+        let known: Vec<Option<usize>> = (0..next.sites.len())
+            .map(|pillar| self.sites.find(next.sites.index(pillar)))
             .collect();
         for element in 0..next.elements.len() {
             let Some(pillar) = known[next.elements.pillars[element] as usize] else {
                 continue;
             };
-            let key =
-                self.elements
-                    .key(&self.window, pillar as u32, next.elements.centres[element]);
+            let key = self
+                .elements
+                .key(&self.sites, pillar as u32, next.elements.centres[element]);
             if let Some(parent) = self.elements.lookup.get(&key) {
                 next.start[element] = self.start[*parent];
             }
@@ -226,7 +241,7 @@ impl<'a> Level<'a> {
         self.run.report(Progress {
             stage: Stage::Elements,
             step: self.products,
-            pillars: self.window.len(),
+            pillars: self.sites.len(),
             touched: self.touched(&contact).iter().filter(|p| **p).count(),
         });
         self.start.copy_from_slice(&contact.pressure);
@@ -235,7 +250,7 @@ impl<'a> Level<'a> {
 
     /// Whether each pillar bears anything.
     fn touched(&self, contact: &ElementContact) -> Vec<bool> {
-        let mut touched = vec![false; self.window.len()];
+        let mut touched = vec![false; self.sites.len()];
         for (pillar, pressure) in self.elements.pillars.iter().zip(&contact.pressure) {
             touched[*pillar as usize] |= *pressure > 0.0;
         }
@@ -246,17 +261,41 @@ impl<'a> Level<'a> {
     fn reach(&self, contact: &ElementContact) -> f64 {
         self.touched(contact)
             .into_iter()
-            .zip(self.window.centres())
+            .zip(self.sites.centres())
             .filter(|(touched, _)| *touched)
             .map(|(_, [x, y])| x.hypot(*y))
             .fold(0.0, f64::max)
     }
 
+    /// Distance of the farthest pillar beyond these that the lens enters.
+    fn farthest_entered(&self, contact: &ElementContact) -> Option<f64> {
+        let mut forces: Vec<(Point, f64)> =
+            self.sites.centres().iter().map(|at| (*at, 0.0)).collect();
+        let area = self.elements.size * self.elements.size;
+        for (pillar, pressure) in self.elements.pillars.iter().zip(&contact.pressure) {
+            forces[*pillar as usize].1 += area * pressure;
+        }
+        farthest_entered(
+            self.scene,
+            self.sites.radius(),
+            contact.indentation,
+            &forces,
+        )
+    }
+
     fn lowest(&mut self, contact: &ElementContact) -> Result<Option<FloorPoint>, SolveError> {
-        let cells = FloorUnderCells::new(&self.elements, &contact.pressure);
-        let lowest = self
-            .floor
-            .lowest(&Uncovered::of(self.problem), &cells, &self.run.cancel);
+        let cells = FloorUnderCells::new(&self.elements, &self.sites, &contact.pressure);
+        if self.sites.window().is_none() {
+            // Of unlike pillars other points may become the lowest as the contact grows.
+            self.floor = FloorSearch::default();
+        }
+        let spacing = self.scene.field.spacing();
+        let floor = Uncovered {
+            lens: self.scene.lens.clone(),
+            height: self.scene.height,
+            around: Surroundings::of_sites(&self.sites, spacing, self.reach(contact)),
+        };
+        let lowest = self.floor.lowest(&floor, &cells, &self.run.cancel);
         self.run.check_cancelled()?;
         Ok(lowest)
     }
@@ -265,24 +304,32 @@ impl<'a> Level<'a> {
 /// The floor under loaded cells, each taken as a point charge with the second moment of a
 /// square: at the distances of the floor from most cells the rest is below 1e-6.
 struct FloorUnderCells {
-    /// Place and charge over pi.
-    charges: Vec<(Point, f64)>,
+    loaded: Vec<LoadedCell>,
+}
+
+struct LoadedCell {
+    place: Point,
+    /// Force over pi.
+    charge: f64,
     /// `h^2/24`, the second moment over the area.
     moment: f64,
 }
 
 impl FloorUnderCells {
-    fn new(elements: &Elements, pressure: &[f64]) -> Self {
+    fn new(elements: &Elements, sites: &Sites, pressure: &[f64]) -> Self {
         let area = elements.size * elements.size;
+        let cells = elements.centres.iter().zip(&elements.pillars);
+        let loaded = cells.zip(pressure).filter(|(_, pressure)| **pressure > 0.0);
+        let one = |((centre, pillar), pressure): ((&Point, &u32), &f64)| {
+            let scale = elements.scale(sites, *pillar as usize);
+            LoadedCell {
+                place: *centre,
+                charge: area * pressure / PI,
+                moment: area * (scale * scale) / 24.0,
+            }
+        };
         Self {
-            charges: elements
-                .centres
-                .iter()
-                .zip(pressure)
-                .filter(|(_, pressure)| **pressure > 0.0)
-                .map(|(centre, pressure)| (*centre, area * pressure / PI))
-                .collect(),
-            moment: area / 24.0,
+            loaded: loaded.map(one).collect(),
         }
     }
 }
@@ -290,12 +337,13 @@ impl FloorUnderCells {
 impl FloorDisplacement for FloorUnderCells {
     fn displacement(&self, [x0, y0]: Point) -> [FieldJet; 2] {
         let mut sum = FieldJet::default();
-        for ([x, y], charge) in &self.charges {
+        for cell in &self.loaded {
+            let [x, y] = cell.place;
             let (x, y) = (x0 - x, y0 - y);
             let inverse_square = (x * x + y * y).recip();
-            let inverse = charge * inverse_square.sqrt();
+            let inverse = cell.charge * inverse_square.sqrt();
             // 1/r + m/r^3 and its derivatives.
-            let moment = self.moment * inverse_square;
+            let moment = cell.moment * inverse_square;
             let slope = -(1.0 + 3.0 * moment) * inverse * inverse_square;
             let curvature = (3.0 + 15.0 * moment) * inverse * inverse_square * inverse_square;
             sum.value += inverse * (1.0 + moment);
@@ -328,100 +376,136 @@ const BYTES_PER_ELEMENT: usize = 300;
 
 /// A grid centred on each pillar.
 fn on_pillars<'a>(
-    problem: &Problem,
+    scene: &Scene,
     mesh: ElementMesh,
-    window: &Window,
+    sites: &Sites,
     run: &'a Run<'a>,
 ) -> Result<Mesh<'a>, SolveError> {
     let across = mesh.cells_per_diameter;
-    let bytes = LatticeOfGrids::memory_estimate(across, window.len(), window.shape())
-        + BYTES_PER_ELEMENT * across * across * window.len();
-    check_memory(window.len(), bytes, run)?;
-    let cells = disc_cells(across, mesh.matched);
+    let own_bytes = BYTES_PER_ELEMENT * across * across * sites.len();
+    let cells = disc_cells(across, mesh.matched, 1.0);
     let size = cells.grid().cell()[0];
-    let vectors = [
-        problem.lattice.lattice_vector(1, 0),
-        problem.lattice.lattice_vector(0, 1),
-    ];
-    let operator = LatticeOfGrids::new(&cells, window.places().to_vec(), vectors, 1.0, run.pool);
-    let placed: Vec<(Point, u32)> = window
-        .centres()
+    let grids: Vec<PlacedGrid> = (0..sites.len())
+        .map(|pillar| (sites.centres()[pillar], sites.body(pillar).radius))
+        .collect();
+    let operator: Box<dyn Operator + 'a> =
+        if let Some(Counted { places, vectors }) = sites.on_lattice(&scene.field) {
+            let extent =
+                |pick: fn(&(usize, usize)) -> usize| places.iter().map(pick).max().unwrap_or(0) + 1;
+            let shape = (extent(|place| place.0), extent(|place| place.1));
+            let bytes = LatticeOfGrids::memory_estimate(across, sites.len(), shape) + own_bytes;
+            check_memory(sites.len(), bytes, run)?;
+            // All are alike. The unknowns are pressures times the square of this.
+            let radius = sites.common_body().radius;
+            let cells = disc_cells(across, mesh.matched, radius);
+            let compliance = (radius * radius).recip();
+            let pool = run.pool;
+            Box::new(LatticeOfGrids::new(
+                &cells, places, vectors, compliance, pool,
+            ))
+        } else {
+            check_memory(sites.len(), own_bytes, run)?;
+            let interactions = Interactions::new(&cells, &grids);
+            let bytes = interactions.memory_estimate() + own_bytes;
+            check_memory(sites.len(), bytes, run)?;
+            Box::new(ScatteredGrids::new(&cells, &grids, interactions, 1.0))
+        };
+    let placed: Vec<(Point, u32)> = grids
         .iter()
         .zip(0..)
-        .flat_map(|([x, y], pillar)| cells.centres().map(move |[u, v]| ([x + u, y + v], pillar)))
+        .flat_map(|(([x, y], scale), pillar)| {
+            let around = cells.centres();
+            around.map(move |[u, v]| ([x + scale * u, y + scale * v], pillar))
+        })
         .collect();
-    let elements = Elements::new(mesh, size, window, &placed);
-    let column = 0.5 * problem.column_compliance_ratio * size * size;
-    let operator = Columns::new(
-        operator,
-        elements.pillars.clone(),
-        vec![column; window.len()],
-    );
+    let elements = Elements::new(mesh, size, sites, &placed);
+    let columns = (0..sites.len())
+        .map(|pillar| column_compliance(sites, pillar) * size * size)
+        .collect();
+    let operator = Columns::new(operator, elements.pillars.clone(), columns);
     Ok((Box::new(operator), elements))
+}
+
+/// How far a pillar is shortened by a unit force.
+fn column_compliance(sites: &Sites, pillar: usize) -> f64 {
+    let body = sites.body(pillar);
+    0.5 * body.column_compliance_ratio / body.radius
 }
 
 /// One grid over the pattern, with a corner of cells on the lens axis.
 fn on_pattern<'a>(
-    problem: &Problem,
+    scene: &Scene,
     mesh: ElementMesh,
-    window: &Window,
+    sites: &Sites,
     run: &'a Run<'a>,
 ) -> Result<Mesh<'a>, SolveError> {
-    let size = 2.0 / mesh.cells_per_diameter as f64;
+    let size = 2.0 * scene.field.smallest_radius() / mesh.cells_per_diameter as f64;
     let extent = |axis: usize| {
-        let reach = window.centres().iter().map(|c| c[axis].abs() + 1.0);
+        let reach = (0..sites.len())
+            .map(|pillar| sites.centres()[pillar][axis].abs() + sites.body(pillar).radius);
         2 * (reach.fold(0.0, f64::max) / size).ceil() as usize
     };
     let (columns, rows) = (extent(0), extent(1));
-    let grid = Grid::centred(columns, rows, size).expect("the window has a size");
+    let grid = Grid::centred(columns, rows, size).map_err(|_| SolveError::NotFinite {
+        what: "cell of the surface",
+    })?;
     let pillar_at = |point: Point| {
-        let (i, j) = problem.lattice.nearest_pillar(point);
-        let [x, y] = problem.lattice.centre(i, j);
-        let inside = (point[0] - x).hypot(point[1] - y) < 1.0;
-        inside.then(|| window.find((i, j))).flatten()
+        let (index, pillar) = scene.field.under(point)?;
+        let [x, y] = pillar.centre;
+        let inside = (point[0] - x).hypot(point[1] - y) < pillar.body.radius;
+        inside.then(|| sites.find(index)).flatten()
     };
     let cells = Cells::where_centre(&grid, |point| pillar_at(point).is_some());
     let threads = run.pool.map_or(1, rayon::ThreadPool::current_num_threads);
     let bytes = Preconditioned::<FreeSpaceConvolution<'_>>::memory_estimate(&cells)
         + FreeSpaceConvolution::memory_estimate(&cells, threads)
         + BYTES_PER_ELEMENT * cells.len();
-    check_memory(window.len(), bytes, run)?;
+    check_memory(sites.len(), bytes, run)?;
     let placed: Vec<(Point, u32)> = cells
         .centres()
         .filter_map(|point| Some((point, pillar_at(point)? as u32)))
         .collect();
-    let elements = Elements::new(mesh, size, window, &placed);
+    let elements = Elements::new(mesh, size, sites, &placed);
     let area = size * size;
-    let column = 0.5 * problem.column_compliance_ratio;
     let missing = if mesh.matched {
-        missing_compliance(&elements, window)
+        missing_compliance(&elements, sites)
     } else {
-        vec![0.0; window.len()]
+        vec![0.0; sites.len()]
     };
-    let compliance = missing.iter().map(|c| area * (c + column)).collect();
+    let compliance = missing
+        .iter()
+        .enumerate()
+        .map(|(pillar, c)| area * (c + column_compliance(sites, pillar)))
+        .collect();
     let operator = FreeSpaceConvolution::new(cells.clone(), 1.0, run.pool);
     let operator = Preconditioned::new(operator, cells, run.pool);
     let operator = Columns::new(operator, elements.pillars.clone(), compliance);
     Ok((Box::new(operator), elements))
 }
 
-/// What each pillar's cells lack of the compliance `1/2` of a flat punch.
-fn missing_compliance(elements: &Elements, window: &Window) -> Vec<f64> {
-    let mut patterns: Vec<Vec<(i64, i64)>> = vec![Vec::new(); window.len()];
+/// What each pillar's cells lack of the compliance `1/(2 a)` of a flat punch.
+fn missing_compliance(elements: &Elements, sites: &Sites) -> Vec<f64> {
+    let mut patterns: Vec<Vec<(i64, i64)>> = vec![Vec::new(); sites.len()];
     for (centre, pillar) in elements.centres.iter().zip(&elements.pillars) {
-        let (_, column, row) = elements.key(window, *pillar, *centre);
+        let (_, column, row) = elements.key(sites, *pillar, *centre);
         patterns[*pillar as usize].push((column, row));
     }
-    missing_compliances(patterns, [elements.size; 2])
+    let radius = |pillar: usize| sites.body(pillar).radius;
+    missing_compliances(patterns, [elements.size; 2], radius)
 }
 
-/// What each pattern of cells, given by columns and rows, lacks of the compliance `1/2` of a flat
-/// punch of radius 1; nothing where there are no cells.
-pub(super) fn missing_compliances(patterns: Vec<Vec<(i64, i64)>>, cell: [f64; 2]) -> Vec<f64> {
+/// What each pattern of cells, given by columns and rows, lacks of the compliance `1/(2 a)` of a flat
+/// punch of its radius; nothing where there are no cells.
+pub(super) fn missing_compliances(
+    patterns: Vec<Vec<(i64, i64)>>,
+    cell: [f64; 2],
+    radius: impl Fn(usize) -> f64,
+) -> Vec<f64> {
     let mut known: HashMap<Vec<(i64, i64)>, f64> = HashMap::new();
     patterns
         .into_iter()
-        .map(|mut pattern| {
+        .enumerate()
+        .map(|(punch, mut pattern)| {
             let Some(left) = pattern.iter().map(|c| c.0).min() else {
                 return 0.0;
             };
@@ -430,9 +514,10 @@ pub(super) fn missing_compliances(patterns: Vec<Vec<(i64, i64)>>, cell: [f64; 2]
                 *column -= left;
                 *row -= bottom;
             }
-            *known
+            let compliance = *known
                 .entry(pattern)
-                .or_insert_with_key(|pattern| 0.5 - 1.0 / pattern_capacity(pattern, cell))
+                .or_insert_with_key(|pattern| 1.0 / pattern_capacity(pattern, cell));
+            0.5 / radius(punch) - compliance
         })
         .collect()
 }
@@ -464,6 +549,7 @@ pub(crate) struct ElementSolution<'a> {
 /// A pillar that bears pressure.
 pub(crate) struct TouchedPillar {
     pub(crate) index: (i64, i64),
+    pub(crate) pillar: ListedPillar,
     pub(crate) status: PillarStatus,
     pub(crate) force: f64,
     /// That of the cell at its centre, or around it.
@@ -508,7 +594,7 @@ impl ElementSolution<'_> {
             let difference = self
                 .levels
                 .windows(2)
-                .map(|pair| (value(&pair[1]) - value(&pair[0])).abs() / last)
+                .map(|pair| (value(&pair[1]) - value(&pair[0])).abs() / last.abs())
                 .fold(0.0, |error, difference| larger(difference, 0.5 * error));
             larger(
                 safety * larger(difference, self.punch_error),
@@ -524,28 +610,30 @@ impl ElementSolution<'_> {
         const CELLS: f64 = 2.0;
         /// Touched only just: this part of the reach of a pillar, in cells.
         const FEW: f64 = 3.0;
-        let size = self.level.elements.size;
-        let centre = |pillar: &TouchedPillar| {
-            let [x, y] = self
-                .level
-                .problem
-                .lattice
-                .centre(pillar.index.0, pillar.index.1);
-            x.hypot(y)
+        let elements = &self.level.elements;
+        let size = |touched: &TouchedPillar| match elements.layout {
+            MeshLayout::Pillars => elements.size * touched.pillar.body.radius,
+            MeshLayout::Pattern => elements.size,
+        };
+        let within = |touched: &&TouchedPillar| {
+            let ListedPillar { centre, body } = touched.pillar;
+            let near_edge = centre[0].hypot(centre[1]) - body.radius;
+            touched.reach - near_edge > FEW * size(touched)
         };
         let certain = touched
             .iter()
-            .filter(|pillar| pillar.reach - (centre(pillar) - 1.0) > FEW * size)
+            .filter(within)
             .map(|pillar| pillar.reach)
             .fold(0.0, f64::max);
-        (CELLS * size).max(radius - certain)
+        let largest = touched.iter().map(size).reduce(f64::max);
+        (CELLS * largest.unwrap_or(elements.size)).max(radius - certain)
     }
 
     /// The pillars that bear pressure.
     pub(crate) fn touched_pillars(&self) -> Vec<TouchedPillar> {
-        let window = &self.level.window;
+        let sites = &self.level.sites;
         let elements = &self.level.elements;
-        let mut tallies = vec![Tally::default(); window.len()];
+        let mut tallies = vec![Tally::default(); sites.len()];
         for ((centre, pillar), pressure) in elements
             .centres
             .iter()
@@ -553,17 +641,18 @@ impl ElementSolution<'_> {
             .zip(&self.contact.pressure)
         {
             let pillar = *pillar as usize;
-            let [x, y] = window.centres()[pillar];
+            let [x, y] = sites.centres()[pillar];
+            let size = elements.scale(sites, pillar) * elements.size;
             let tally = &mut tallies[pillar];
             tally.cells += 1;
             tally.pressure += pressure;
-            if (centre[0] - x).hypot(centre[1] - y) < elements.size {
+            if (centre[0] - x).hypot(centre[1] - y) < size {
                 tally.central[0] += pressure;
                 tally.central[1] += 1.0;
             }
             if *pressure > 0.0 {
                 tally.loaded += 1;
-                let outer = centre[0].hypot(centre[1]) + 0.5 * elements.size;
+                let outer = centre[0].hypot(centre[1]) + 0.5 * size;
                 tally.farthest = tally.farthest.max(outer);
             }
         }
@@ -572,20 +661,26 @@ impl ElementSolution<'_> {
             .iter()
             .enumerate()
             .filter(|(_, tally)| tally.loaded > 0)
-            .map(|(pillar, tally)| {
-                let [x, y] = window.centres()[pillar];
+            .map(|(number, tally)| {
+                let pillar = ListedPillar {
+                    centre: sites.centres()[number],
+                    body: *sites.body(number),
+                };
+                let [x, y] = pillar.centre;
                 let full = tally.loaded == tally.cells;
+                let scale = elements.scale(sites, number);
                 TouchedPillar {
-                    index: window.index(pillar),
+                    index: sites.index(number),
+                    pillar,
                     status: if full {
                         PillarStatus::Full
                     } else {
                         PillarStatus::Partial
                     },
                     force: area * tally.pressure,
-                    centre_pressure: tally.central[0] / tally.central[1].max(1.0),
+                    centre_pressure: tally.central[0] / tally.central[1].max(1.0) / (scale * scale),
                     reach: if full {
-                        x.hypot(y) + 1.0
+                        x.hypot(y) + pillar.body.radius
                     } else {
                         tally.farthest
                     },
@@ -597,7 +692,7 @@ impl ElementSolution<'_> {
 
 /// Solves for a target level by level, up to the mesh.
 pub(crate) fn solve<'a>(
-    problem: &'a Problem,
+    scene: &'a Scene,
     target: Control,
     contact_radius: Option<f64>,
     mesh: ElementMesh,
@@ -618,28 +713,33 @@ pub(crate) fn solve<'a>(
             ..last
         });
     }
-    let pitch = problem.lattice.pitch;
-    let guess = contact_radius.unwrap_or_else(|| rough_contact_radius(&problem.scene(), target));
+    let pitch = scene.field.spacing();
+    let guess = contact_radius.unwrap_or_else(|| rough_contact_radius(scene, target));
     let mut radius = 1.05 * guess + 1.5 * pitch + 1.0;
     let mut search = Search {
-        indentation: problem.height,
+        indentation: scene.height,
         slope: None,
     };
     let mut solved: Option<ElementSolution<'a>> = None;
     while let Some(mesh) = levels.pop() {
         let mut level = match &solved {
-            None => Level::new(problem, mesh, limited(problem, radius), run)?,
-            Some(coarse) => coarse.level.successor(mesh, limited(problem, radius))?,
+            None => Level::new(scene, mesh, limited(scene, radius), run)?,
+            Some(coarse) => coarse.level.successor(mesh, limited(scene, radius))?,
         };
         let (contact, floor) = loop {
             let (contact, floor) = level.find(target, &mut search)?;
             let reach = level.reach(&contact);
-            check_contact(problem, reach)?;
-            if reach + pitch <= level.window.radius() {
+            check_contact(scene, reach)?;
+            let present = level.sites.radius();
+            radius = if reach + pitch > present {
+                (1.3 * present).max(reach + 2.0 * pitch)
+            } else if let Some(entered) = level.farthest_entered(&contact) {
+                check_contact(scene, entered)?;
+                entered + pitch
+            } else {
                 break (contact, floor);
-            }
-            radius = (1.3 * level.window.radius()).max(reach + 2.0 * pitch);
-            level = level.successor(mesh, limited(problem, radius))?;
+            };
+            level = level.successor(mesh, limited(scene, radius))?;
         };
         radius = level.reach(&contact) + 1.5 * pitch;
         let mut found = solved.map_or_else(Vec::new, |coarse| coarse.levels);
@@ -654,20 +754,6 @@ pub(crate) fn solve<'a>(
         });
     }
     Ok(solved.expect("there is at least one level"))
-}
-
-fn limited(problem: &Problem, radius: f64) -> f64 {
-    radius.min(LARGEST_CONTACT * problem.lens.radius + 2.0 * problem.lattice.pitch)
-}
-
-fn check_contact(problem: &Problem, reach: f64) -> Result<(), SolveError> {
-    if reach - 1.0 > LARGEST_CONTACT * problem.lens.radius {
-        return Err(SolveError::ContactExceedsLens {
-            contact_radius: reach * problem.length,
-            lens_radius: problem.lens.radius * problem.length,
-        });
-    }
-    Ok(())
 }
 
 /// What is known of the critical indentation before a level is solved.
@@ -699,12 +785,12 @@ impl Level<'_> {
         &mut self,
         search: &mut Search,
     ) -> Result<(ElementContact, Option<FloorPoint>), SolveError> {
-        let tolerance = FLOOR_TOLERANCE * self.problem.height;
+        let tolerance = FLOOR_TOLERANCE * self.scene.height;
         let mut closing = Closing::new(search.indentation, 0.0, search.slope);
         for _ in 0..SEARCH_LIMIT {
             let indentation = closing.indentation();
             let mut contact = self.press(Prescribed::Indentation(indentation))?;
-            check_contact(self.problem, self.reach(&contact))?;
+            check_contact(self.scene, self.reach(&contact))?;
             let floor = self.lowest(&contact)?;
             let gap = floor.map_or(f64::INFINITY, |point| point.indentation - indentation);
             let judged = closing.take(gap, tolerance);
@@ -728,13 +814,14 @@ impl Level<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::halfspace::coupling::window::Window;
 
     #[test]
     fn matched_cells_bear_the_force_of_a_flat_punch() {
         // F = 2 E* a zeta, Johnson, Contact Mechanics, eq. 3.36, with a = E* = zeta = 1.
         for across in [4, 5, 8, 11, 16] {
-            assert!((capacity(disc_cells(across, true)) / 2.0 - 1.0).abs() < 1e-9);
-            let plain = capacity(disc_cells(across, false)) / 2.0 - 1.0;
+            assert!((capacity(disc_cells(across, true, 1.0)) / 2.0 - 1.0).abs() < 1e-9);
+            let plain = capacity(disc_cells(across, false, 1.0)) / 2.0 - 1.0;
             assert!(
                 plain.abs() > 1e-4 && plain.abs() < 0.5 / across as f64,
                 "{plain}"
@@ -745,14 +832,14 @@ mod tests {
     #[test]
     fn displacement_of_the_floor_is_that_of_its_cells() {
         // Against Love's rectangle, at the distance of a floor contact in a dense texture.
-        let cells = disc_cells(16, true);
+        let cells = disc_cells(16, true, 1.0);
         let [size, _] = cells.grid().cell();
         let placed: Vec<(Point, u32)> = cells.centres().map(|centre| (centre, 0)).collect();
         let lattice = crate::problem::lattice::HexagonalLattice::new(4.0);
-        let window = Window::new(&lattice, 0.1);
-        let elements = Elements::new(ElementMesh::default(), size, &window, &placed);
+        let sites = Sites::of_window(Window::new(&lattice, 0.1), lattice, 0.0);
+        let elements = Elements::new(ElementMesh::default(), size, &sites, &placed);
         let pressure: Vec<f64> = placed.iter().map(|([x, y], _)| 2.0 + x - y * y).collect();
-        let floor = FloorUnderCells::new(&elements, &pressure);
+        let floor = FloorUnderCells::new(&elements, &sites, &pressure);
         for point in [[2.0, 0.4], [0.0, -1.7], [5.0, 9.0]] {
             let expected =
                 crate::halfspace::elements::displacement_at(&cells, 1.0, &pressure, point);

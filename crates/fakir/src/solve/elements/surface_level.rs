@@ -775,7 +775,7 @@ fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
         }
     }
     let unit = 0.5 * diameter;
-    let missing = missing_compliances(patterns, grid.cell().map(|side| side / unit));
+    let missing = missing_compliances(patterns, grid.cell().map(|side| side / unit), |_| 1.0);
     let scale = system.contact_compliance() / unit;
     pillars
         .compliance

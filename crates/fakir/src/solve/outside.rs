@@ -1,0 +1,90 @@
+//! Tall pillars far from the others: whether the lens enters any beyond those that are solved.
+//!
+//! The pillars that may be touched are sought outwards from the lens axis. Where all are alike, those beyond untouched ones are not
+//! touched either. Where heights differ, a tall one may be.
+
+use crate::problem::Point;
+use crate::problem::scaled::Scene;
+use std::f64::consts::PI;
+
+/// Distance from the lens axis of the farthest pillar with its centre beyond a radius that the lens enters at an indentation, while pillars
+/// at some places bear some forces. None if there is no such pillar.
+///
+/// Each force acts as if at one point, which is exact to a few parts in a hundred a pitch away.
+pub(super) fn farthest_entered(
+    scene: &Scene,
+    beyond: f64,
+    indentation: f64,
+    forces: &[(Point, f64)],
+) -> Option<f64> {
+    if beyond.is_infinite() || !scene.field.has_unlike_heights() {
+        return None;
+    }
+    let [largest, highest] = scene.field.bounds();
+    // No pillar farther off than this is that high.
+    let reach = scene.lens.distance_of_rise(indentation + highest);
+    let reached = reach.unwrap_or(scene.lens.widest()) + largest;
+    if reached <= beyond {
+        return None;
+    }
+    let (pillars, _) = scene.field.listed_within(reached);
+    let distances = pillars.iter().filter_map(|(_, pillar)| {
+        let [x, y] = pillar.centre;
+        let distance = x.hypot(y);
+        let least = scene.lens.least_over(pillar.centre, pillar.body.radius);
+        let entered = indentation + pillar.body.raised - least;
+        if distance <= beyond || entered <= 0.0 {
+            return None;
+        }
+        let away = forces
+            .iter()
+            .map(|([u, v], force)| force / (PI * (x - u).hypot(y - v)));
+        (entered > away.sum()).then_some(distance)
+    });
+    distances.reduce(f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
+    use crate::problem::{Lens, Material};
+    use std::sync::Arc;
+
+    #[test]
+    fn a_tall_pillar_beyond_others_is_seen() {
+        let pillar = |x: f64, raised: f64| ListedPillar {
+            centre: [x, 0.0],
+            body: PillarBody {
+                raised,
+                ..PillarBody::of_column(0.0)
+            },
+        };
+        let scene = |pillars: Vec<ListedPillar>| Scene {
+            lens: Lens {
+                radius: 1000.0,
+                material: Material::new(1.0, 0.5),
+            }
+            .into(),
+            height: 1.0,
+            field: PillarField::Listed(Arc::new(PillarList::new(pillars).unwrap())),
+            length: 1.0,
+            pressure: 1.0,
+            rotation: 0.0,
+        };
+        // A sphere of radius 1000 is 4.9 higher at 99, the edge of the farthest.
+        let near = [pillar(0.0, 0.0), pillar(5.0, 0.0), pillar(95.0, 0.0)];
+        let found = |raised: f64, forces: &[(Point, f64)]| {
+            let mut pillars = near.to_vec();
+            pillars.push(pillar(100.0, raised));
+            farthest_entered(&scene(pillars), 20.0, 0.5, forces)
+        };
+        assert_eq!(found(0.0, &[]), None);
+        assert_eq!(found(4.3, &[]), None);
+        assert_eq!(found(4.5, &[]), Some(100.0));
+        // It gives way by 0.1 to a force of 10 pi at a distance of 100.
+        let pressed = [([0.0; 2], 10.0 * PI)];
+        assert_eq!(found(4.47, &pressed), None);
+        assert_eq!(found(4.53, &pressed), Some(100.0));
+    }
+}
