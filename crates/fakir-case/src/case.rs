@@ -133,6 +133,8 @@ impl Case {
             Key::RecedingWorkOfAdhesion => adhesion.work_receding.is_none(),
             Key::Columns => parts.texture.columns.is_nan(),
             Key::Pillars => parts.texture.pillars.is_empty(),
+            // Flat tops under a lens have neither.
+            Key::LensShape | Key::TopRadius => true,
             _ if key.is_of_scatter() => parts.texture.is_plain(),
             _ => key == not_given,
         };

@@ -1,6 +1,6 @@
 //! What can be asked about a key: the answers are in the [table](crate::table).
 
-use crate::parts::{Parts, TRUE_OR_FALSE};
+use crate::parts::{Choice, LensShape, Parts, TRUE_OR_FALSE};
 use crate::row::{Field, Presence, Range, Row};
 use crate::table::{Part, TABLE};
 use crate::unit::{Dimension, format_quantity};
@@ -261,6 +261,10 @@ impl Key {
 
     /// The word of the key that it depends on, if that is none with which it can be given.
     pub(crate) fn idle_with(self, parts: &mut Parts) -> Option<(Self, String)> {
+        // A plate has no radius.
+        if self == Self::LensRadius && parts.lens_shape == LensShape::Plate {
+            return Some((Self::LensShape, parts.lens_shape.chosen().to_owned()));
+        }
         let (choice, words) = self.goes_with()?;
         match choice.get(parts) {
             Setting::Word(word) if !words.contains(&word.as_str()) => Some((choice, word)),

@@ -13,6 +13,7 @@ use fakir::problem::{
 /// their default.
 #[derive(Debug, Clone)]
 pub(crate) struct Parts {
+    pub(crate) lens_shape: LensShape,
     pub(crate) lens: Lens,
     pub(crate) substrate: Material,
     pub(crate) texture: TextureParts,
@@ -33,6 +34,7 @@ pub(crate) struct TextureParts {
     /// But for the seed, which is a number in a case file.
     pub(crate) disorder: Disorder,
     pub(crate) seed: f64,
+    pub(crate) top_radius: f64,
     pub(crate) surface_fraction: f64,
     pub(crate) lattice: HexagonalLattice,
     pub(crate) pillar: Pillar,
@@ -105,6 +107,7 @@ impl Default for Parts {
         let material = Material::new(NOT_GIVEN, NOT_GIVEN);
         let mesh = ElementMesh::default();
         Self {
+            lens_shape: LensShape::Sphere,
             lens: Lens {
                 radius: NOT_GIVEN,
                 material,
@@ -120,6 +123,7 @@ impl Default for Parts {
                 columns: NOT_GIVEN,
                 disorder: Disorder::default(),
                 seed: 0.0,
+                top_radius: NOT_GIVEN,
                 surface_fraction: NOT_GIVEN,
                 lattice: HexagonalLattice::new(NOT_GIVEN),
                 pillar: Pillar {
@@ -371,6 +375,18 @@ impl<T: Words> Choice for T {
             None => false,
         }
     }
+}
+
+/// What is pressed onto the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum LensShape {
+    Sphere,
+    Plate,
+}
+
+impl Words for LensShape {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("sphere", Self::Sphere), ("plate", Self::Plate)];
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,7 @@
 
 use crate::input;
 use fakir::problem::{InvalidPillars, ListedPillar, Pillar, PillarList};
+use std::fmt::Display;
 use std::path::Path;
 
 /// Largest table of pillars, bytes: that of some million pillars.
@@ -59,103 +60,177 @@ pub fn parse_pillars(
     bytes: &[u8],
     common: &Pillar,
 ) -> Result<PillarList, PillarsError> {
-    let wrong = |line: u64, problem: String| PillarsError::Line {
-        path: name.to_owned(),
-        line,
-        problem,
-    };
-    let mut table = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(bytes);
-    let csv_line = |error: &csv::Error| error.position().map_or(1, csv::Position::line);
-    let headings = table
-        .headers()
-        .map_err(|e| wrong(csv_line(&e), e.to_string()))?;
-    let heading_line = headings.position().map_or(1, csv::Position::line);
-    let mut places = [None; COLUMNS.len()];
-    for (place, heading) in headings.iter().enumerate() {
-        let known = COLUMNS.iter().position(|column| *column == heading);
-        let Some(column) = known else {
-            let problem = format!("there is no column \"{heading}\": {}", one_of_columns());
-            return Err(wrong(heading_line, problem));
-        };
-        if places[column].replace(place).is_some() {
-            return Err(wrong(
-                heading_line,
-                format!("two columns are \"{heading}\""),
-            ));
-        }
-    }
-    for column in 0..2 {
-        if places[column].is_none() {
-            let problem = format!(
-                "the column {} is missing: {}",
-                COLUMNS[column],
-                one_of_columns()
-            );
-            return Err(wrong(heading_line, problem));
-        }
-    }
-    let otherwise = [f64::NAN, f64::NAN, common.height, common.diameter];
-    let (mut pillars, mut lines) = (Vec::new(), Vec::new());
-    for row in table.records() {
-        let row = row.map_err(|error| wrong(csv_line(&error), error.to_string()))?;
-        let line = row
-            .position()
-            .map_or(0, |position| line_of_row(bytes, position));
-        let mut values = otherwise;
-        for (column, place) in places.iter().enumerate() {
-            let Some(text) = place.and_then(|place| row.get(place)) else {
-                continue;
-            };
-            values[column] = text.parse().map_err(|_| {
-                let column = COLUMNS[column];
-                wrong(
-                    line,
-                    format!("{column} is \"{text}\", and has to be a number of metres"),
-                )
-            })?;
-        }
-        let [x, y, height, diameter] = values;
-        pillars.push(ListedPillar {
-            centre: [x, y],
-            height,
-            diameter,
-        });
-        lines.push(line);
-    }
-    PillarList::new(pillars).map_err(|invalid| {
-        let line = |pillar: usize| lines.get(pillar).copied().unwrap_or(heading_line);
-        match invalid {
-            InvalidPillars::NoPlace {
-                pillar,
-                axis,
-                value,
-            } => wrong(line(pillar), format!("{axis}_m is {value}, and has to be a finite number")),
-            InvalidPillars::NoSize {
-                pillar,
-                what,
-                value,
-            } => wrong(
-                line(pillar),
-                format!("{what}_m is {value}, and has to be a finite number greater than 0"),
-            ),
-            InvalidPillars::Overlap {
-                pillars: [one, other],
-                distance,
-                radii,
-            } => wrong(
-                line(other),
-                format!(
-                    "this pillar overlaps with that of line {}: their centres are {distance:.4e} m apart, and their \
-                     radii add up to {radii:.4e} m",
-                    line(one)
-                ),
-            ),
-            other => wrong(heading_line, other.to_string()),
-        }
+    let rows = Rows::parse(name, bytes, [common.height, common.diameter])?;
+    let pillars = rows.values.iter().map(|[x, y, height, diameter]| ListedPillar {
+        centre: [*x, *y],
+        height: *height,
+        diameter: *diameter,
+    });
+    PillarList::new(pillars.collect()).map_err(|invalid| match invalid {
+        InvalidPillars::NoPlace {
+            pillar,
+            axis,
+            value,
+        } => rows.wrong(pillar, no_place(axis, value)),
+        InvalidPillars::NoSize {
+            pillar,
+            what,
+            value,
+        } => rows.wrong(pillar, no_size(what, value)),
+        InvalidPillars::Overlap {
+            pillars,
+            distance,
+            radii,
+        } => rows.overlap(pillars, distance, radii),
+        other => rows.problem(rows.heading_line, other.to_string()),
     })
+}
+
+fn no_place(axis: impl Display, value: f64) -> String {
+    format!("{axis}_m is {value}, and has to be a finite number")
+}
+
+fn no_size(what: impl Display, value: f64) -> String {
+    format!("{what}_m is {value}, and has to be a finite number greater than 0")
+}
+
+/// The numbers of a table of pillars, before it is known what they are for.
+pub(crate) struct Rows {
+    name: String,
+    heading_line: u64,
+    /// Of every row.
+    lines: Vec<u64>,
+    /// x, y, height and diameter of every row, m.
+    pub(crate) values: Vec<[f64; 4]>,
+}
+
+impl Rows {
+    /// Reads a table. The common height and diameter are those of pillars of which the table does not say it.
+    pub(crate) fn read(path: &Path, common: [f64; 2]) -> Result<Self, PillarsError> {
+        let name = path.display().to_string();
+        let bytes = input::read(path, LARGEST_TABLE).map_err(|error| PillarsError::Unreadable {
+            path: name.clone(),
+            error,
+        })?;
+        Self::parse(&name, &bytes, common)
+    }
+
+    fn parse(name: &str, bytes: &[u8], [height, diameter]: [f64; 2]) -> Result<Self, PillarsError> {
+        let wrong = |line: u64, problem: String| PillarsError::Line {
+            path: name.to_owned(),
+            line,
+            problem,
+        };
+        let mut table = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .from_reader(bytes);
+        let csv_line = |error: &csv::Error| error.position().map_or(1, csv::Position::line);
+        let headings = table
+            .headers()
+            .map_err(|e| wrong(csv_line(&e), e.to_string()))?;
+        let heading_line = headings.position().map_or(1, csv::Position::line);
+        let mut places = [None; COLUMNS.len()];
+        for (place, heading) in headings.iter().enumerate() {
+            let known = COLUMNS.iter().position(|column| *column == heading);
+            let Some(column) = known else {
+                let problem = format!("there is no column \"{heading}\": {}", one_of_columns());
+                return Err(wrong(heading_line, problem));
+            };
+            if places[column].replace(place).is_some() {
+                return Err(wrong(
+                    heading_line,
+                    format!("two columns are \"{heading}\""),
+                ));
+            }
+        }
+        for column in 0..2 {
+            if places[column].is_none() {
+                let problem = format!(
+                    "the column {} is missing: {}",
+                    COLUMNS[column],
+                    one_of_columns()
+                );
+                return Err(wrong(heading_line, problem));
+            }
+        }
+        let otherwise = [f64::NAN, f64::NAN, height, diameter];
+        let mut rows = Self {
+            name: name.to_owned(),
+            heading_line,
+            lines: Vec::new(),
+            values: Vec::new(),
+        };
+        for row in table.records() {
+            let row = row.map_err(|error| wrong(csv_line(&error), error.to_string()))?;
+            let line = row
+                .position()
+                .map_or(0, |position| line_of_row(bytes, position));
+            let mut values = otherwise;
+            for (column, place) in places.iter().enumerate() {
+                let Some(text) = place.and_then(|place| row.get(place)) else {
+                    continue;
+                };
+                values[column] = text.parse().map_err(|_| {
+                    let column = COLUMNS[column];
+                    wrong(
+                        line,
+                        format!("{column} is \"{text}\", and has to be a number of metres"),
+                    )
+                })?;
+            }
+            rows.values.push(values);
+            rows.lines.push(line);
+        }
+        Ok(rows)
+    }
+
+    /// Refuses places that are none, and heights and diameters that are not above 0. A diameter that is not given is none.
+    pub(crate) fn check_rounded(&self) -> Result<(), PillarsError> {
+        if self.values.is_empty() {
+            return Err(self.problem(self.heading_line, InvalidPillars::Empty.to_string()));
+        }
+        for (row, [x, y, height, diameter]) in self.values.iter().enumerate() {
+            for (axis, value) in [("x", *x), ("y", *y)] {
+                if !value.is_finite() {
+                    return Err(self.wrong(row, no_place(axis, value)));
+                }
+            }
+            for (what, value) in [("height", *height), ("diameter", *diameter)] {
+                let not_given = what == "diameter" && value.is_nan();
+                if !(not_given || value > 0.0 && value.is_finite()) {
+                    return Err(self.wrong(row, no_size(what, value)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The error for pillars that overlap.
+    pub(crate) fn overlap(&self, [one, other]: [usize; 2], distance: f64, radii: f64) -> PillarsError {
+        let problem = format!(
+            "this pillar overlaps with that of line {}: their centres are {distance:.4e} m apart, and their \
+             radii add up to {radii:.4e} m",
+            self.line(one)
+        );
+        self.wrong(other, problem)
+    }
+
+    fn line(&self, row: usize) -> u64 {
+        self.lines.get(row).copied().unwrap_or(self.heading_line)
+    }
+
+    fn wrong(&self, row: usize, problem: String) -> PillarsError {
+        self.problem(self.line(row), problem)
+    }
+
+    fn problem(&self, line: u64, problem: String) -> PillarsError {
+        PillarsError::Line {
+            path: self.name.clone(),
+            line,
+            problem,
+        }
+    }
 }
 
 /// The line of a row, from 1: after the comments and empty lines that are skipped before it.

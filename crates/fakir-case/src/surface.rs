@@ -6,7 +6,7 @@ use crate::file::{CaseFile, both_given};
 use crate::height_map::{BYTES_PER_POINT, HeightMapError, MapScale, MapSize, read_height_map};
 use crate::key::{Key, root};
 use crate::parts::{
-    IndenterForm, OutlineForm, OutlineParts, Parts, Placement, SurfaceParts, TopForm,
+    IndenterForm, LensShape, OutlineForm, OutlineParts, Parts, Placement, SurfaceParts, TopForm,
 };
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity};
@@ -168,6 +168,11 @@ impl CaseFile {
         self.refuse_texture()?;
         let kind = self.kind_of_surface()?;
         let parts = self.parts(&[Part::Bodies, Part::Surface, kind])?;
+        if parts.lens_shape == LensShape::Plate {
+            return Err(self
+                .problem(Key::LensShape, "what is pressed onto a [surface] is not said here")
+                .accepted(format!("leave it out, and give {} = \"plate\"", Key::Indenter)));
+        }
         Ok((kind, parts))
     }
 
@@ -441,10 +446,15 @@ impl CaseFile {
     }
 
     /// All keys that were given and their values, as they are written in a case file.
-    fn settings(&self, mut parts: Parts) -> Vec<(Key, String)> {
-        let path = self.named_file(Key::HeightMap, &parts.surface.height_map);
-        let path = std::path::absolute(&path).unwrap_or(path);
-        parts.surface.height_map = path.to_string_lossy().into_owned();
+    pub(crate) fn settings(&self, mut parts: Parts) -> Vec<(Key, String)> {
+        for (key, place) in [
+            (Key::HeightMap, &mut parts.surface.height_map),
+            (Key::Pillars, &mut parts.texture.pillars),
+        ] {
+            let path = self.named_file(key, place);
+            let path = std::path::absolute(&path).unwrap_or(path);
+            *place = path.to_string_lossy().into_owned();
+        }
         let keys = self.entries.keys.keys();
         keys.map(|key| (*key, key.written(&key.get(&mut parts))))
             .collect()

@@ -59,6 +59,9 @@ const LATTICES: &[&str] = &["hexagonal", "square"];
 #[rustfmt::skip]
 keys! {
     Bodies {
+        LensShape = "lens.shape" is
+            word("sphere; or plate, flat and without a radius, on pillars with rounded tops", |p| &mut p.lens_shape)
+                .label("lens shape").optional();
         LensRadius = "lens.radius" is
             length("radius of curvature", |p| &mut p.lens.radius)
                 .symbol("R").usual(1e-5, 1e-1)
@@ -132,6 +135,9 @@ keys! {
         TextureSeed = "texture.seed" is
             number("whole number that decides which heights and which pillars", |p| &mut p.texture.seed)
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES);
+        TopRadius = "texture.top_radius" is
+            length("radius of curvature of rounded pillar tops, which then need no diameter; fakir press and fakir design --free heights know them", |p| &mut p.texture.top_radius)
+                .label("top radius").positive().otherwise("tops are flat");
         PillarDiameter = "texture.pillar.diameter" is
             length("diameter of a pillar", |p| &mut p.texture.pillar.diameter)
                 .symbol("d").usual(1e-7, 1e-4)

@@ -118,6 +118,8 @@ pub(crate) fn is_on_page(key: Key) -> bool {
         Key::TextureHeightSpread,
         Key::TextureMissing,
         Key::TextureSeed,
+        Key::LensShape,
+        Key::TopRadius,
     ];
     !of_other_arrangements.contains(&key)
 }

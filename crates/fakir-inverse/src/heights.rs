@@ -46,6 +46,9 @@ const TOUCHED_AT: f64 = 0.9;
 /// `sqrt(pi rho/s)` is the area over the force, times the reduced modulus, of exponential heights of scale `s`.
 const EXPONENTIAL: f64 = PI;
 
+/// What interactions change of the area under a force, at the most.
+const INTERACTIONS: f64 = 0.05;
+
 /// Which curve is wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Curve {
@@ -55,6 +58,50 @@ pub enum Curve {
     ForceOfIndentation,
     /// Area (m^2) of the indentation (m).
     AreaOfIndentation,
+}
+
+impl Curve {
+    /// What is prescribed: `"force"` or `"indentation"`.
+    #[must_use]
+    pub fn load_name(self) -> &'static str {
+        match self {
+            Self::AreaOfForce => "force",
+            Self::ForceOfIndentation | Self::AreaOfIndentation => "indentation",
+        }
+    }
+
+    /// What is wanted there: `"area"` or `"force"`.
+    #[must_use]
+    pub fn value_name(self) -> &'static str {
+        match self {
+            Self::AreaOfForce | Self::AreaOfIndentation => "area",
+            Self::ForceOfIndentation => "force",
+        }
+    }
+
+    /// The curve in words: `"area of the force"`.
+    #[must_use]
+    pub fn words(self) -> String {
+        format!("{} of the {}", self.value_name(), self.load_name())
+    }
+
+    /// The load that is prescribed.
+    #[must_use]
+    pub fn control(self, load: f64) -> Control {
+        match self {
+            Self::AreaOfForce => Control::Force(load),
+            Self::ForceOfIndentation | Self::AreaOfIndentation => Control::Indentation(load),
+        }
+    }
+
+    /// The value of a contact.
+    #[must_use]
+    pub fn value(self, contact: &CapContact) -> f64 {
+        match self {
+            Self::AreaOfForce | Self::AreaOfIndentation => contact.area,
+            Self::ForceOfIndentation => contact.force,
+        }
+    }
 }
 
 /// A load with the value that is wanted there.
@@ -69,7 +116,7 @@ pub struct WantedPoint {
 /// What heights come to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightDesign {
-    /// Of every cap, above the common level, m.
+    /// Of every cap, above the common level, m. For the area of the force, where a common shift changes nothing, the highest is on that level.
     pub heights: Vec<f64>,
     /// What they come to at every load.
     pub points: Vec<DesignedPoint>,
@@ -90,9 +137,19 @@ pub struct DesignedPoint {
     pub independent: f64,
     /// Caps that are touched.
     pub touched: usize,
+    /// Root of the sum of squares of the derivatives of the value with all heights, m^2/m or N/m: what errors of the heights of 1 m, independent and normal,
+    /// would scatter the value by.
+    pub with_heights: f64,
 }
 
 impl DesignedPoint {
+    /// Relative standard deviation of the value if all heights have independent errors of that standard deviation (m), as long as these are small: no
+    /// contact begins or ends by them.
+    #[must_use]
+    pub fn scatter(&self, height_error: f64) -> f64 {
+        self.with_heights * height_error / self.value
+    }
+
     /// Relative difference of the value from what was wanted.
     #[must_use]
     pub fn residual(&self) -> f64 {
@@ -120,6 +177,13 @@ impl HeightDesign {
     #[must_use]
     pub fn is_reached(&self) -> bool {
         self.largest_residual() <= REACHED
+    }
+
+    /// How many caps are touched at some load.
+    #[must_use]
+    pub fn touched(&self) -> usize {
+        let touched = self.points.iter().map(|point| point.touched);
+        touched.max().unwrap_or(0)
     }
 
     /// What was reached in words.
@@ -156,6 +220,45 @@ pub enum HeightDesignError {
     /// Nothing is wanted.
     #[error("the wanted curve has no points: give one at least")]
     NoPoints,
+    /// A curve that falls or stays.
+    #[error(
+        "the wanted {} does not rise from {before:e} to {value:e} between the {} {from:e} and {load:e} (SI units): contacts only \
+         grow with the load; the nearest that can be had is a curve that rises little there", .curve.value_name(), .curve.load_name()
+    )]
+    Falls {
+        /// Which curve.
+        curve: Curve,
+        /// Which point, counted from 0: the second of the two.
+        number: usize,
+        /// The load before.
+        from: f64,
+        /// The value before.
+        before: f64,
+        /// The load.
+        load: f64,
+        /// The value, which is not larger.
+        value: f64,
+    },
+    /// An area that these caps do not have under a force, whatever their heights.
+    #[error(
+        "an area of {value:e} m^2 is wanted under a force of {load:e} N: whatever their heights, these {caps} caps have from \
+         {least:.4e} m^2, where one bears it all, to {most:.4e} m^2, where all bear the same; other areas take another radius of curvature, \
+         another number of caps or another modulus"
+    )]
+    AreaOutOfReach {
+        /// Which point, counted from 0.
+        number: usize,
+        /// Its force, N.
+        load: f64,
+        /// The wanted area, m^2.
+        value: f64,
+        /// How many caps there are.
+        caps: usize,
+        /// The least area, m^2.
+        least: f64,
+        /// The largest area, m^2.
+        most: f64,
+    },
     /// Heights that are no numbers.
     #[error(transparent)]
     Caps(#[from] InvalidCaps),
@@ -179,8 +282,9 @@ pub fn design_heights(
     seed: u64,
     run: &Run<'_>,
 ) -> Result<HeightDesign, HeightDesignError> {
-    check(wanted)?;
+    check(curve, wanted)?;
     let independent = Independent::new(field, curve);
+    independent.check_areas(wanted)?;
     let (start, overlap) = independent.start(wanted, seed);
     let by_itself = |heights: &[f64]| Ok(Some(independent.rows(wanted, heights)));
     let rows = independent.rows(wanted, &start);
@@ -205,19 +309,33 @@ pub fn design_heights(
         of_independent_design: of_independent_design[k],
         independent: alone.rows[k].value,
         touched: designed.rows[k].touched,
+        with_heights: {
+            let squares = designed.rows[k].slopes.iter().map(|slope| slope * slope);
+            squares.sum::<f64>().sqrt()
+        },
     });
+    let mut heights = designed.heights;
+    if curve == Curve::AreaOfForce {
+        // A common shift changes nothing: the highest counts as the common level.
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        heights.iter_mut().for_each(|height| *height -= highest);
+    }
     Ok(HeightDesign {
         points: points.collect(),
-        heights: designed.heights,
+        heights,
         rounds: designed.rounds,
     })
 }
 
-fn check(wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
+fn check(curve: Curve, wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
     if wanted.is_empty() {
         return Err(HeightDesignError::NoPoints);
     }
     let mut before = 0.0;
+    let mut last = WantedPoint {
+        load: 0.0,
+        value: 0.0,
+    };
     for (number, WantedPoint { load, value }) in wanted.iter().copied().enumerate() {
         let possible = load > before && load.is_finite() && value > 0.0 && value.is_finite();
         if !possible {
@@ -227,6 +345,17 @@ fn check(wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
                 value,
             });
         }
+        if value <= last.value {
+            return Err(HeightDesignError::Falls {
+                curve,
+                number,
+                from: last.load,
+                before: last.value,
+                load,
+                value,
+            });
+        }
+        last = WantedPoint { load, value };
         before = load;
     }
     Ok(())
@@ -435,12 +564,7 @@ impl Interacting<'_> {
         let field = self.field.with_heights(heights)?;
         let mut contacts: Vec<CapContact> = Vec::with_capacity(self.wanted.len());
         for (number, wanted) in self.wanted.iter().enumerate() {
-            let control = match self.curve {
-                Curve::AreaOfForce => Control::Force(wanted.load),
-                Curve::ForceOfIndentation | Curve::AreaOfIndentation => {
-                    Control::Indentation(wanted.load)
-                }
-            };
+            let control = self.curve.control(wanted.load);
             let near = self.last.get(number).or(contacts.last());
             let contact = field.press_quickly(control, Accuracy::Default, near, self.run);
             match contact {
@@ -461,17 +585,15 @@ impl Interacting<'_> {
     fn row(&self, contact: &CapContact) -> Row {
         let slopes = &contact.slopes;
         let caps = 0..contact.caps.len();
-        let (value, slopes) = match self.curve {
-            Curve::AreaOfForce => (
-                contact.area,
-                caps.map(|cap| slopes.area_with_height_at_force(cap))
-                    .collect(),
-            ),
-            Curve::ForceOfIndentation => (contact.force, slopes.force_with_height.clone()),
-            Curve::AreaOfIndentation => (contact.area, slopes.area_with_height.clone()),
+        let slopes = match self.curve {
+            Curve::AreaOfForce => caps
+                .map(|cap| slopes.area_with_height_at_force(cap))
+                .collect(),
+            Curve::ForceOfIndentation => slopes.force_with_height.clone(),
+            Curve::AreaOfIndentation => slopes.area_with_height.clone(),
         };
         Row {
-            value,
+            value: self.curve.value(contact),
             slopes,
             touched: contact.touched(),
             gaps: contact.caps.iter().map(|cap| cap.gap).collect(),
@@ -554,6 +676,33 @@ impl Independent {
                 .map(|cap| Lone::new(cap, radius))
                 .collect(),
         }
+    }
+
+    /// Refuses areas that caps do not have under a force. Without interactions the area on a cap is `pi (3 F_n/(4 E* k_n))^(2/3)` (Hertz), and the
+    /// sum of these is largest where the forces are as `k_n^-2`, and least where the most curved cap bears all. Interactions change them by some per cent.
+    fn check_areas(&self, wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
+        if self.curve != Curve::AreaOfForce {
+            return Ok(());
+        }
+        let curvatures = || self.caps.iter().map(|cap| cap.curvature);
+        let sharpest = curvatures().fold(0.0, f64::max);
+        let widest: f64 = curvatures().map(|curvature| curvature.powi(-2)).sum();
+        for (number, WantedPoint { load, value }) in wanted.iter().copied().enumerate() {
+            let of_one = PI * (0.75 * load / self.modulus).powf(2.0 / 3.0);
+            let least = of_one * sharpest.powf(-2.0 / 3.0);
+            let most = of_one * widest.cbrt();
+            if value < (1.0 - INTERACTIONS) * least || value > (1.0 + INTERACTIONS) * most {
+                return Err(HeightDesignError::AreaOutOfReach {
+                    number,
+                    load,
+                    value,
+                    caps: self.caps.len(),
+                    least,
+                    most,
+                });
+            }
+        }
+        Ok(())
     }
 
     fn total(&self, overlaps: impl Iterator<Item = f64>) -> Pressed {
