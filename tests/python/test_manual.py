@@ -103,7 +103,7 @@ QUESTIONS = {
     "compare": ["compare", CASE, *WIDE],
     "design": ["design", CASE, "--free", "pitch", "--critical-force", "1mN", *TOLERANCE],
     "fit": ["fit", "examples/fit/loading.csv", "--case", "examples/fit/case.toml", *FREE],
-    "rounded": ["press", "examples/asperities.toml", "--force", "44mN"],
+    "rounded": ["press", "examples/asperities.toml", "--force", "69mN"],
     "heights": [
         "design",
         "examples/asperities.toml",

@@ -260,9 +260,8 @@ impl CaseFile {
 
     /// The error for a table of pillars that was not read.
     pub(crate) fn no_pillars(&self, error: &PillarsError) -> CaseError {
-        self.problem(Key::Pillars, error.to_string()).accepted(
-            "a table next to the case file, of columns x_m, y_m, height_m and diameter_m",
-        )
+        self.problem(Key::Pillars, error.to_string())
+            .accepted("a table next to the case file, of columns x_m, y_m, height_m and diameter_m")
     }
 
     /// The pillars of a table next to the case file, or in the current folder if an override named it.
@@ -444,7 +443,10 @@ impl CaseFile {
         let words = key.goes_with().map_or(&[][..], |(_, words)| words);
         match (choice, words) {
             (Key::LensShape, _) => self
-                .problem(key, format!("with {choice} = \"{word}\" there is no such key"))
+                .problem(
+                    key,
+                    format!("with {choice} = \"{word}\" there is no such key"),
+                )
                 .accepted(format!("leave it out, or {choice} = \"sphere\"")),
             (Key::MethodName, [method]) => self
                 .problem(key, format!("only the method \"{method}\" has this key"))

@@ -61,11 +61,14 @@ pub fn parse_pillars(
     common: &Pillar,
 ) -> Result<PillarList, PillarsError> {
     let rows = Rows::parse(name, bytes, [common.height, common.diameter])?;
-    let pillars = rows.values.iter().map(|[x, y, height, diameter]| ListedPillar {
-        centre: [*x, *y],
-        height: *height,
-        diameter: *diameter,
-    });
+    let pillars = rows
+        .values
+        .iter()
+        .map(|[x, y, height, diameter]| ListedPillar {
+            centre: [*x, *y],
+            height: *height,
+            diameter: *diameter,
+        });
     PillarList::new(pillars.collect()).map_err(|invalid| match invalid {
         InvalidPillars::NoPlace {
             pillar,
@@ -207,7 +210,12 @@ impl Rows {
     }
 
     /// The error for pillars that overlap.
-    pub(crate) fn overlap(&self, [one, other]: [usize; 2], distance: f64, radii: f64) -> PillarsError {
+    pub(crate) fn overlap(
+        &self,
+        [one, other]: [usize; 2],
+        distance: f64,
+        radii: f64,
+    ) -> PillarsError {
         let problem = format!(
             "this pillar overlaps with that of line {}: their centres are {distance:.4e} m apart, and their \
              radii add up to {radii:.4e} m",

@@ -240,7 +240,8 @@ impl CaseFile {
                 self.check_number(Key::Pillars, rows.values.len())?;
                 let [x, y] = parts.texture.axis;
                 let moved = rows.values.iter();
-                let moved = moved.map(|[a, b, height, diameter]| [a - x, b - y, *height, *diameter]);
+                let moved =
+                    moved.map(|[a, b, height, diameter]| [a - x, b - y, *height, *diameter]);
                 field(&moved.collect::<Vec<_>>()).map_err(|invalid| match invalid {
                     InvalidCaps::TooClose {
                         caps,
@@ -272,7 +273,10 @@ impl CaseFile {
         match parts.lens_shape {
             LensShape::Sphere => Ok(()),
             LensShape::Plate => Err(self
-                .problem(Key::LensShape, "a plate is pressed onto rounded pillar tops only")
+                .problem(
+                    Key::LensShape,
+                    "a plate is pressed onto rounded pillar tops only",
+                )
                 .accepted(format!(
                     "give {} for rounded tops; on flat ones a lens of a large radius",
                     Key::TopRadius
@@ -290,7 +294,10 @@ impl CaseFile {
         if parts.method.name != MethodName::Spectral {
             return Err(self
                 .problem(Key::MethodName, "this method has flat pillar tops only")
-                .accepted(format!("{} = \"spectral\" has rounded ones", Key::MethodName)));
+                .accepted(format!(
+                    "{} = \"spectral\" has rounded ones",
+                    Key::MethodName
+                )));
         }
         let needs_diameter = self.entry(Key::PillarCompliance).is_some()
             && parts.texture.pillar.compliance == PillarCompliance::Column
@@ -318,13 +325,16 @@ impl CaseFile {
             columns * columns <= 2 * MOST_PILLARS
         }) {
             let apart = if diameter.is_nan() { 0.0 } else { diameter };
-            let pillars = lattice.cut_pillars(apart).map_err(|invalid| self.impossible(&invalid))?;
+            let pillars = lattice
+                .cut_pillars(apart)
+                .map_err(|invalid| self.impossible(&invalid))?;
             let Some(pillars) = pillars else {
-                return Err(self
-                    .missing(Key::Columns)
-                    .accepted("rounded tops are those of a finite lattice, or of texture.pillars"));
+                return Err(self.missing(Key::Columns).accepted(
+                    "rounded tops are those of a finite lattice, or of texture.pillars",
+                ));
             };
-            let row = |([x, y], ratio): (Point, f64)| [x, y, ratio * texture.pillar.height, diameter];
+            let row =
+                |([x, y], ratio): (Point, f64)| [x, y, ratio * texture.pillar.height, diameter];
             return Ok(Some(pillars.into_iter().map(row).collect()));
         }
         self.check_number(Key::Columns, usize::MAX)?;
@@ -335,7 +345,8 @@ impl CaseFile {
         let path = self.named_file(Key::Pillars, &parts.texture.pillars);
         let common = [parts.texture.pillar.height, parts.texture.pillar.diameter];
         let rows = Rows::read(&path, common).map_err(|error| self.no_pillars(&error))?;
-        rows.check_rounded().map_err(|error| self.no_pillars(&error))?;
+        rows.check_rounded()
+            .map_err(|error| self.no_pillars(&error))?;
         Ok(rows)
     }
 
@@ -346,7 +357,9 @@ impl CaseFile {
         }
         Err(self
             .problem(key, "these are too many pillars with rounded tops")
-            .accepted(format!("at most {MOST_PILLARS}: all that are touched are solved together")))
+            .accepted(format!(
+                "at most {MOST_PILLARS}: all that are touched are solved together"
+            )))
     }
 
     /// The error for tops that cannot be.

@@ -170,8 +170,14 @@ impl CaseFile {
         let parts = self.parts(&[Part::Bodies, Part::Surface, kind])?;
         if parts.lens_shape == LensShape::Plate {
             return Err(self
-                .problem(Key::LensShape, "what is pressed onto a [surface] is not said here")
-                .accepted(format!("leave it out, and give {} = \"plate\"", Key::Indenter)));
+                .problem(
+                    Key::LensShape,
+                    "what is pressed onto a [surface] is not said here",
+                )
+                .accepted(format!(
+                    "leave it out, and give {} = \"plate\"",
+                    Key::Indenter
+                )));
         }
         Ok((kind, parts))
     }

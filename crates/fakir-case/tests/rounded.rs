@@ -1,5 +1,7 @@
 //! Cases with rounded pillar tops.
 
+#![allow(clippy::unwrap_used)]
+
 use fakir::problem::{Accuracy, Indenter};
 use fakir_case::{CaseFile, RoundedCase};
 
@@ -49,7 +51,10 @@ fn a_lattice_of_asperities_under_a_plate() {
         assert!(cap.rim_radius.is_none() && cap.column_compliance.abs() < f64::MIN_POSITIVE);
         assert!((cap.top_radius - 526e-6).abs() < 1e-18 && cap.raised.abs() < 1e-18);
     }
-    let farthest = caps.iter().map(|cap| cap.apex[0].hypot(cap.apex[1])).fold(0.0, f64::max);
+    let farthest = caps
+        .iter()
+        .map(|cap| cap.apex[0].hypot(cap.apex[1]))
+        .fold(0.0, f64::max);
     assert!((farthest / (1.5e-3 * 2f64.sqrt()) - 1.0).abs() < 1e-14);
     let again = rounded(&case.to_toml());
     assert_eq!(again, case);
@@ -91,7 +96,10 @@ fn heights_in_a_table_are_read_again_to_the_bit() {
     let table = "x_m,y_m,height_m,diameter_m\n0,0,1e-4,4e-4\n1e-4,0,1e-4,4e-4\n";
     std::fs::write(folder.join("pillars.csv"), table).unwrap();
     let told = CaseFile::read(&path).unwrap().rounded_case().unwrap_err();
-    assert!(told.one_line().contains("line 3: this pillar overlaps with that of line 2"));
+    assert!(
+        told.one_line()
+            .contains("line 3: this pillar overlaps with that of line 2")
+    );
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
@@ -104,19 +112,43 @@ fn what_rounded_tops_do_not_have_is_refused() {
         file.rounded_case().unwrap_err().one_line()
     };
     for (told, words) in [
-        (with("[adhesion]\nwork = \"50 mJ/m2\"\n"), "rounded pillar tops do not stick"),
-        (with("[method]\nname = \"punch\"\n"), "has flat pillar tops only"),
-        (with("compliance = \"column\"\n"), "texture.pillar.diameter: this key is missing"),
-        (set("texture.top_radius=-1um"), "texture.top_radius: cannot be"),
-        (set("texture.columns=9999"), "too many pillars with rounded tops"),
-        (set("texture.surface_fraction=0.1"), "texture.pillar.diameter: this key is missing"),
-        (set("lens.radius=1mm"), "with lens.shape = \"plate\" there is no such key"),
+        (
+            with("[adhesion]\nwork = \"50 mJ/m2\"\n"),
+            "rounded pillar tops do not stick",
+        ),
+        (
+            with("[method]\nname = \"punch\"\n"),
+            "has flat pillar tops only",
+        ),
+        (
+            with("compliance = \"column\"\n"),
+            "texture.pillar.diameter: this key is missing",
+        ),
+        (
+            set("texture.top_radius=-1um"),
+            "texture.top_radius: cannot be",
+        ),
+        (
+            set("texture.columns=9999"),
+            "too many pillars with rounded tops",
+        ),
+        (
+            set("texture.surface_fraction=0.1"),
+            "texture.pillar.diameter: this key is missing",
+        ),
+        (
+            set("lens.radius=1mm"),
+            "with lens.shape = \"plate\" there is no such key",
+        ),
         (
             refused(&format!("{PLATE}{}", SITES.replace("columns = 3\n", ""))),
             "texture.columns: this key is missing",
         ),
         (
-            refused(&format!("{PLATE}{}", SITES.replace("height = \"200 um\"\n", ""))),
+            refused(&format!(
+                "{PLATE}{}",
+                SITES.replace("height = \"200 um\"\n", "")
+            )),
             "texture.pillar.height: this key is missing",
         ),
     ] {
@@ -129,12 +161,24 @@ fn what_rounded_tops_do_not_have_is_refused() {
 fn flat_tops_are_not_computed_in_their_place() {
     let told = |text: &str| file(text).case().unwrap_err().one_line();
     let both = told(&format!("{PLATE}{SITES}diameter = \"400 um\"\n"));
-    assert!(both.contains("texture.top_radius: this is computed for flat pillar tops only"), "{both}");
+    assert!(
+        both.contains("texture.top_radius: this is computed for flat pillar tops only"),
+        "{both}"
+    );
     assert!(both.contains("fakir press"), "{both}");
     let flat = SITES.replace("top_radius = \"526 um\"\n", "");
     let plate = told(&format!("{PLATE}{flat}diameter = \"400 um\"\n"));
-    assert!(plate.contains("lens.shape: a plate is pressed onto rounded pillar tops only"), "{plate}");
+    assert!(
+        plate.contains("lens.shape: a plate is pressed onto rounded pillar tops only"),
+        "{plate}"
+    );
     let surface = format!("{PLATE}[surface]\nheight_map = \"map.npy\"\ncell_size = \"1 um\"\n");
-    let surface = file(&surface).surface_case(1_000_000).unwrap_err().one_line();
-    assert!(surface.contains("surface.indenter = \"plate\""), "{surface}");
+    let surface = file(&surface)
+        .surface_case(1_000_000)
+        .unwrap_err()
+        .one_line();
+    assert!(
+        surface.contains("surface.indenter = \"plate\""),
+        "{surface}"
+    );
 }

@@ -160,7 +160,8 @@ impl Failure {
             Self::Design(DesignError::NotConverged { .. }) => 1,
             Self::Heights(PillarHeightsError::NotConverged { .. }) => 1,
             Self::Heights(
-                PillarHeightsError::Solve(_) | PillarHeightsError::Heights(HeightDesignError::Start(_)),
+                PillarHeightsError::Solve(_)
+                | PillarHeightsError::Heights(HeightDesignError::Start(_)),
             )
             | Self::OutOfReach(_)
             | Self::Solve(_)

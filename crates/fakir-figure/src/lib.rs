@@ -54,7 +54,9 @@ pub use figures::critical_curves::{
     CriticalColumn, CriticalCurve, CriticalPoint, Measured, critical_curves,
 };
 pub use figures::cycle::{cycle_curve, release_map};
-pub use figures::designed_curve::{DesignedCurve, DesignedQuantity, DesignedValues, designed_curve};
+pub use figures::designed_curve::{
+    DesignedCurve, DesignedQuantity, DesignedValues, designed_curve,
+};
 pub use figures::fit_curves::{FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 pub use figures::floor_gap_map::floor_gap_map;
 pub use figures::floor_pressure_map::floor_pressure_map;

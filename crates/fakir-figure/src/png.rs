@@ -34,7 +34,10 @@ pub fn grey_map([columns, rows]: [usize; 2], values: &[u16], pixel: f64) -> Vec<
         yppu: per_metre,
         unit: Unit::Meter,
     }));
-    let data: Vec<u8> = values.iter().flat_map(|value| value.to_be_bytes()).collect();
+    let data: Vec<u8> = values
+        .iter()
+        .flat_map(|value| value.to_be_bytes())
+        .collect();
     let written = encoder.write_header().and_then(|mut writer| {
         writer.write_image_data(&data)?;
         writer.finish()

@@ -4,7 +4,8 @@
 //! is proportional to the force (J. A. Greenwood and J. B. P. Williamson, Proc. R. Soc. Lond. A 295, 300 (1966)), cut so that every cap is touched under the largest load,
 //! as a cap that is not touched says nothing of its height. They go to the places at random. Least squares on the relative differences at all loads
 //! make them those of the wanted curve, in closed form; and again with all that the caps do to each other, with the exact derivatives of every contact. Caps that are
-//! not touched under the largest load are lifted until they are. The loads are fewer than the caps as a rule: of all changes that do the same
+//! not touched under the largest load are lifted until they are. A search that ends before the curve is met is followed by others from heights
+//! that are more at random, and the nearest counts. The loads are fewer than the caps as a rule: of all changes that do the same
 //! the smallest is made.
 
 use faer::Mat;
@@ -18,6 +19,10 @@ use std::f64::consts::PI;
 /// Steps of least squares, for independent caps and for all.
 const INDEPENDENT_STEPS: usize = 200;
 const STEPS: usize = 60;
+
+/// How many searches there are until the curve is met, and how many starts each has for independent caps.
+const SEARCHES: usize = 4;
+const STARTS: usize = 16;
 
 /// Sums of squares that a step is compared with.
 const MEMORY: usize = 4;
@@ -285,24 +290,56 @@ pub fn design_heights(
     check(curve, wanted)?;
     let independent = Independent::new(field, curve);
     independent.check_areas(wanted)?;
-    let (start, overlap) = independent.start(wanted, seed);
-    let by_itself = |heights: &[f64]| Ok(Some(independent.rows(wanted, heights)));
-    let rows = independent.rows(wanted, &start);
-    let alone =
-        Fitted::new(wanted, start, rows).least_squares(INDEPENDENT_STEPS, overlap, by_itself)?;
-    let mut solver = Interacting {
-        field,
-        curve,
-        wanted,
-        last: Vec::new(),
-        run,
+    let mut random = ChaCha12Rng::seed_from_u64(seed);
+    let mut best: Option<Search<'_>> = None;
+    let mut first_error = None;
+    let mut rounds = 0;
+    for number in 0..SEARCHES {
+        let (alone, overlap) = independent.design(wanted, number > 0, &mut random, run)?;
+        let mut solver = Interacting {
+            field,
+            curve,
+            wanted,
+            last: Vec::new(),
+            run,
+        };
+        let rows = match solver.rows(&alone.heights)? {
+            Ok(rows) => rows,
+            Err(error) => {
+                first_error.get_or_insert(error);
+                continue;
+            }
+        };
+        let of_independent_design = rows.iter().map(|row| row.value).collect();
+        let designed = Fitted::new(wanted, alone.heights.clone(), rows);
+        let designed =
+            designed.least_squares(STEPS, overlap, |heights| Ok(solver.rows(heights)?.ok()))?;
+        rounds += designed.rounds;
+        let search = Search {
+            alone,
+            of_independent_design,
+            designed,
+        };
+        if best
+            .as_ref()
+            .is_none_or(|best| search.designed.sum() < best.designed.sum())
+        {
+            best = Some(search);
+        }
+        let is_found = |search: &Search<'_>| search.designed.largest() <= REACHED;
+        if best.as_ref().is_some_and(is_found) {
+            break;
+        }
+    }
+    let Some(Search {
+        alone,
+        of_independent_design,
+        designed,
+    }) = best
+    else {
+        let error = first_error.unwrap_or(SolveError::NotFinite { what: "contact" });
+        return Err(HeightDesignError::Start(error));
     };
-    let rows = solver.rows(&alone.heights)?;
-    let rows = rows.map_err(HeightDesignError::Start)?;
-    let of_independent_design: Vec<f64> = rows.iter().map(|row| row.value).collect();
-    let designed = Fitted::new(wanted, alone.heights.clone(), rows);
-    let designed =
-        designed.least_squares(STEPS, overlap, |heights| Ok(solver.rows(heights)?.ok()))?;
     let points = (0..wanted.len()).map(|k| DesignedPoint {
         wanted: wanted[k],
         value: designed.rows[k].value,
@@ -323,8 +360,15 @@ pub fn design_heights(
     Ok(HeightDesign {
         points: points.collect(),
         heights,
-        rounds: designed.rounds,
+        rounds,
     })
+}
+
+/// One search: heights for independent caps, what they really come to, and the heights that were found from there.
+struct Search<'a> {
+    alone: Fitted<'a>,
+    of_independent_design: Vec<f64>,
+    designed: Fitted<'a>,
 }
 
 fn check(curve: Curve, wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
@@ -400,9 +444,15 @@ impl<'a> Fitted<'a> {
         residuals.iter().map(|residual| residual * residual).sum()
     }
 
-    fn is_exact(&self) -> bool {
+    fn largest(&self) -> f64 {
         let residuals = Self::residuals(self.wanted, &self.rows);
-        residuals.iter().all(|residual| residual.abs() <= EXACT)
+        residuals
+            .iter()
+            .fold(0.0, |most, residual| residual.abs().max(most))
+    }
+
+    fn is_exact(&self) -> bool {
+        self.largest() <= EXACT
     }
 
     /// Makes the residuals as small as they get. Where they get no smaller, caps are lifted that are not touched, if there are any, and so on; the best that
@@ -716,10 +766,62 @@ impl Independent {
         total
     }
 
+    /// Heights for caps that do not act on each other, and the largest overlap under the largest load, m: the first that are exact, or those that come nearest
+    /// of some starts, which are all at random if the first is to be.
+    fn design<'w>(
+        &self,
+        wanted: &'w [WantedPoint],
+        at_random: bool,
+        random: &mut ChaCha12Rng,
+        run: &Run<'_>,
+    ) -> Result<(Fitted<'w>, f64), HeightDesignError> {
+        let by_itself = |heights: &[f64]| {
+            if run.cancel.is_cancelled() {
+                return Err(HeightDesignError::Interrupted);
+            }
+            Ok(Some(self.rows(wanted, heights)))
+        };
+        let mut best: Option<(Fitted<'w>, f64)> = None;
+        for number in 0..STARTS {
+            let (start, overlap) = self.start(wanted, at_random || number > 0, random);
+            let rows = self.rows(wanted, &start);
+            let found = Fitted::new(wanted, start, rows);
+            let found = found.least_squares(INDEPENDENT_STEPS, overlap, by_itself)?;
+            let is_exact = found.is_exact();
+            if best
+                .as_ref()
+                .is_none_or(|(best, _)| found.sum() < best.sum())
+            {
+                best = Some((found, overlap));
+            }
+            if is_exact {
+                break;
+            }
+        }
+        best.ok_or(HeightDesignError::NoPoints)
+    }
+
     /// Heights to start from, and the largest overlap under the largest load, m.
-    fn start(&self, wanted: &[WantedPoint], seed: u64) -> (Vec<f64>, f64) {
+    fn start(
+        &self,
+        wanted: &[WantedPoint],
+        at_random: bool,
+        random: &mut ChaCha12Rng,
+    ) -> (Vec<f64>, f64) {
         let count = self.caps.len();
-        let places = (0..count).map(|k| (k as f64 + 0.5) / count as f64);
+        let mut shift = || {
+            if at_random {
+                (random.next_u64() >> 11) as f64 * 2f64.powi(-53)
+            } else {
+                0.5
+            }
+        };
+        // Half as steep to twice as steep.
+        let steepness = 4f64.powf(shift() - 0.5);
+        let places: Vec<f64> = (0..count)
+            .map(|k| (k as f64 + shift()) / count as f64)
+            .collect();
+        let places = places.into_iter();
         let last = wanted[wanted.len() - 1];
         let (depths, overlap): (Vec<f64>, f64) = match self.curve {
             Curve::AreaOfForce => {
@@ -727,7 +829,7 @@ impl Independent {
                 let ratio = self.modulus * ratios.sum::<f64>() / wanted.len() as f64;
                 let radii = self.caps.iter().map(|cap| cap.curvature.recip());
                 let radius = radii.sum::<f64>() / count as f64;
-                let scale = EXPONENTIAL * radius / (ratio * ratio);
+                let scale = steepness * EXPONENTIAL * radius / (ratio * ratio);
                 let depths = |most: f64| -> Vec<f64> {
                     let all = (most / scale).exp_m1();
                     places.clone().map(|u| scale * (u * all).ln_1p()).collect()
@@ -753,11 +855,11 @@ impl Independent {
             }
             Curve::ForceOfIndentation | Curve::AreaOfIndentation => {
                 let deepest = TOUCHED_AT * last.load;
-                (places.map(|u| deepest * u * u).collect(), last.load)
+                let power = 2.0 * steepness;
+                (places.map(|u| deepest * u.powf(power)).collect(), last.load)
             }
         };
         let mut order: Vec<usize> = (0..count).collect();
-        let mut random = ChaCha12Rng::seed_from_u64(seed);
         for k in (1..count).rev() {
             order.swap(k, (random.next_u64() % (k as u64 + 1)) as usize);
         }

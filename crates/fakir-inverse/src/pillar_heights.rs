@@ -40,7 +40,9 @@ pub enum PillarHeightsError {
     #[error("the contact with the designed heights cannot be solved: {0}")]
     Solve(#[from] SolveError),
     /// The solution for the designed heights did not converge.
-    #[error("the contact with the designed heights did not converge under the load {load:e} (SI units): try another seed")]
+    #[error(
+        "the contact with the designed heights did not converge under the load {load:e} (SI units): try another seed"
+    )]
     NotConverged {
         /// The load, N or m.
         load: f64,
@@ -166,8 +168,14 @@ impl PillarHeights {
         };
         let of = |of: fn(&crate::heights::DesignedPoint) -> f64| points.iter().map(of).collect();
         let mut columns = vec![
-            numbers(format!("{load}_{}", unit(load)), of(|point| point.wanted.load)),
-            numbers(format!("wanted_{value}_{value_unit}"), of(|point| point.wanted.value)),
+            numbers(
+                format!("{load}_{}", unit(load)),
+                of(|point| point.wanted.load),
+            ),
+            numbers(
+                format!("wanted_{value}_{value_unit}"),
+                of(|point| point.wanted.value),
+            ),
             numbers(format!("{value}_{value_unit}"), of(|point| point.value)),
             numbers("residual".to_owned(), of(|point| point.residual())),
             numbers(

@@ -96,12 +96,18 @@ impl Target {
             .from_reader(bytes);
         let line_of = |error: &csv::Error| error.position().map(csv::Position::line);
         let names = table.headers();
-        let names = names.map_err(|e| fail(line_of(&e), None, e.to_string()))?.clone();
+        let names = names
+            .map_err(|e| fail(line_of(&e), None, e.to_string()))?
+            .clone();
         let line = names.position().map(csv::Position::line);
         let mut headings = Vec::new();
         for heading in &names {
             let known = Heading::named(heading).ok_or_else(|| {
-                fail(line, None, format!("there is no column \"{heading}\": give {COLUMNS}"))
+                fail(
+                    line,
+                    None,
+                    format!("there is no column \"{heading}\": give {COLUMNS}"),
+                )
             })?;
             headings.push(known);
         }
@@ -129,9 +135,9 @@ impl Target {
             for (place, (heading, number)) in headings.iter().zip(&mut numbers).enumerate() {
                 let text = row.get(place).unwrap_or_default();
                 let column = names.get(place);
-                let value: f64 = text.parse().map_err(|_| {
-                    fail(line, column, format!("\"{text}\" is no number"))
-                })?;
+                let value: f64 = text
+                    .parse()
+                    .map_err(|_| fail(line, column, format!("\"{text}\" is no number")))?;
                 if !(value > 0.0 && value.is_finite()) {
                     let problem = format!("{text} cannot be: it must be finite and greater than 0");
                     return Err(fail(line, column, problem));
@@ -139,11 +145,19 @@ impl Target {
                 *number = value * heading.unit;
             }
             let [one, other] = numbers;
-            let (load, value) = if load_first { (one, other) } else { (other, one) };
+            let (load, value) = if load_first {
+                (one, other)
+            } else {
+                (other, one)
+            };
             points.push((WantedPoint { load, value }, line.unwrap_or_default()));
         }
         if points.is_empty() {
-            return Err(fail(line, None, "there are no points under the heading".to_owned()));
+            return Err(fail(
+                line,
+                None,
+                "there are no points under the heading".to_owned(),
+            ));
         }
         points.sort_by(|(a, _), (b, _)| a.load.total_cmp(&b.load));
         for pair in points.windows(2) {
@@ -199,22 +213,40 @@ mod tests {
         ] {
             assert!((value / expected - 1.0).abs() < 1e-15, "{value}");
         }
-        assert_eq!(read("indentation_um,force_N\n1,1\n").unwrap().curve, Curve::ForceOfIndentation);
-        assert_eq!(read("indentation_um,area_m2\n1,1\n").unwrap().curve, Curve::AreaOfIndentation);
+        assert_eq!(
+            read("indentation_um,force_N\n1,1\n").unwrap().curve,
+            Curve::ForceOfIndentation
+        );
+        assert_eq!(
+            read("indentation_um,area_m2\n1,1\n").unwrap().curve,
+            Curve::AreaOfIndentation
+        );
     }
 
     #[test]
     fn what_is_wrong_is_told_with_its_line() {
         let wrong = |text: &str| read(text).unwrap_err();
         for (text, told) in [
-            ("force,area\n1,1\n", "curve.csv:1: there is no column \"force\""),
+            (
+                "force,area\n1,1\n",
+                "curve.csv:1: there is no column \"force\"",
+            ),
             ("force_mN,area_mN\n1,1\n", "there is no column \"area_mN\""),
             ("force_mN\n1\n", "curve.csv:1: there are 1 columns"),
-            ("force_mN,force_N\n1,1\n", "both columns are of the same quantity"),
+            (
+                "force_mN,force_N\n1,1\n",
+                "both columns are of the same quantity",
+            ),
             ("force_mN,area_um2\n", "no points under the heading"),
-            ("force_mN,area_um2\n1,x\n", "curve.csv:2: area_um2: \"x\" is no number"),
+            (
+                "force_mN,area_um2\n1,x\n",
+                "curve.csv:2: area_um2: \"x\" is no number",
+            ),
             ("force_mN,area_um2\n1,-1\n", "area_um2: -1 cannot be"),
-            ("force_mN,area_um2\n1,1\n1,2\n", "curve.csv:3: the force is that of line 2"),
+            (
+                "force_mN,area_um2\n1,1\n1,2\n",
+                "curve.csv:3: the force is that of line 2",
+            ),
             ("force_mN,area_um2\n1,1,3\n", "curve.csv:2"),
         ] {
             assert!(wrong(text).contains(told), "{}", wrong(text));

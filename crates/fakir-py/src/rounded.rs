@@ -4,9 +4,7 @@ use crate::error::{case_error, pillar_heights_error, solve_error, value_error};
 use crate::state::load;
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
-use fakir::problem::{
-    Accuracy, Cap, CapField, Indenter, Lens, Material, PillarCompliance,
-};
+use fakir::problem::{Accuracy, Cap, CapField, Indenter, Lens, Material, PillarCompliance};
 use fakir::state::CapContact;
 use fakir_case::{CaseFile, RoundedCase};
 use fakir_inverse::HeightsSummary;
@@ -117,7 +115,11 @@ impl Rounded {
     /// Radius of curvature of the tops, m.
     #[getter]
     fn top_radius(&self) -> f64 {
-        self.case.field.caps().first().map_or(f64::NAN, |cap| cap.top_radius)
+        self.case
+            .field
+            .caps()
+            .first()
+            .map_or(f64::NAN, |cap| cap.top_radius)
     }
 
     /// Radius, modulus and Poisson's ratio of a lens.
@@ -135,7 +137,9 @@ impl Rounded {
     #[getter]
     fn plate(&self) -> Option<[f64; 2]> {
         match self.case.field.indenter() {
-            Indenter::Flat(Some(material)) => Some([material.young_modulus, material.poisson_ratio]),
+            Indenter::Flat(Some(material)) => {
+                Some([material.young_modulus, material.poisson_ratio])
+            }
             _ => None,
         }
     }
@@ -208,7 +212,9 @@ pub(crate) fn press_rounded(
     let control = load(indentation, force)?;
     let case = tops.case.clone();
     let start = Instant::now();
-    let contact = watched(py, &options, |run| case.field.press(control, case.accuracy, run))?;
+    let contact = watched(py, &options, |run| {
+        case.field.press(control, case.accuracy, run)
+    })?;
     Ok(RoundedContact {
         contact: contact.map_err(|error| solve_error(&error))?,
         wall_time: start.elapsed().as_secs_f64(),
@@ -237,7 +243,9 @@ pub(crate) fn design_heights<'py>(
     ];
     let curve = curves.into_iter().find(|known| known.words() == curve);
     let curve = curve.ok_or_else(|| value_error("there is no such curve"))?;
-    let wanted = points.into_iter().map(|[load, value]| WantedPoint { load, value });
+    let wanted = points
+        .into_iter()
+        .map(|[load, value]| WantedPoint { load, value });
     let wanted: Vec<WantedPoint> = wanted.collect();
     let start = Instant::now();
     let found = watched(py, &options, |run| {

@@ -69,8 +69,15 @@ impl Relief {
     /// The surface of caps on pillars of a common height (m).
     #[must_use]
     pub fn new(field: &CapField, common: f64) -> Self {
-        let pillars: Vec<Pillar> = field.caps().iter().map(|cap| Pillar::new(cap, common)).collect();
-        let margin = pillars.iter().map(|pillar| 1.25 * pillar.reach).fold(0.0, f64::max);
+        let pillars: Vec<Pillar> = field
+            .caps()
+            .iter()
+            .map(|cap| Pillar::new(cap, common))
+            .collect();
+        let margin = pillars
+            .iter()
+            .map(|pillar| 1.25 * pillar.reach)
+            .fold(0.0, f64::max);
         let end = |axis: usize, sign: f64| {
             let places = pillars.iter().map(|pillar| sign * pillar.centre[axis]);
             sign * (places.fold(f64::NEG_INFINITY, f64::max) + margin)
@@ -139,7 +146,7 @@ impl Relief {
         let cell = wanted.max(sides[0].max(sides[1]) / MOST_PIXELS as f64);
         let [columns, rows] = sides.map(|side| ((side / cell).ceil() as usize).max(1));
         let grid = Grid::new(columns, rows, [cell; 2], [left, low]).ok()?;
-        let mut heights = vec![0.0; columns * rows];
+        let mut heights: Vec<f64> = vec![0.0; columns * rows];
         for pillar in &self.pillars {
             let span = |axis: usize, count: usize| {
                 let from = pillar.centre[axis] - self.corners[0][axis];
@@ -191,7 +198,11 @@ impl Pillar {
     fn push_shell(&self, depth: f64, triangles: &mut Vec<[[f64; 3]; 3]>) {
         let point = |distance: f64, sector: usize, z: f64| {
             let (sin, cos) = (TAU * (sector % SECTORS) as f64 / SECTORS as f64).sin_cos();
-            [self.centre[0] + distance * cos, self.centre[1] + distance * sin, z]
+            [
+                self.centre[0] + distance * cos,
+                self.centre[1] + distance * sin,
+                z,
+            ]
         };
         let top = [self.centre[0], self.centre[1], self.height];
         let bottom = [self.centre[0], self.centre[1], -depth];
@@ -210,8 +221,14 @@ impl Pillar {
                 }
             }
             let edge = self.at(self.reach);
-            let [a, b] = [point(self.reach, sector, edge), point(self.reach, next, edge)];
-            let [c, d] = [point(self.reach, sector, -depth), point(self.reach, next, -depth)];
+            let [a, b] = [
+                point(self.reach, sector, edge),
+                point(self.reach, next, edge),
+            ];
+            let [c, d] = [
+                point(self.reach, sector, -depth),
+                point(self.reach, next, -depth),
+            ];
             triangles.extend([[a, c, d], [a, d, b], [bottom, d, c]]);
         }
     }
@@ -257,7 +274,8 @@ mod tests {
         let solid = |k: usize| {
             let corner = |m: usize| [0, 1, 2].map(|n| number(84 + 50 * k + 12 + 12 * m + 4 * n));
             let [a, b, c] = [corner(0), corner(1), corner(2)];
-            (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
+            (a[0] * (b[1] * c[2] - b[2] * c[1])
+                + a[1] * (b[2] * c[0] - b[0] * c[2])
                 + a[2] * (b[0] * c[1] - b[1] * c[0]))
                 / 6.0
         };
@@ -269,14 +287,20 @@ mod tests {
     fn the_solid_has_the_volume_of_base_and_pillars() {
         let height = 1e-2; // mm
         let foot = (2.0 * 0.1 * height as f64).sqrt();
-        for (rim, above) in [(None, 0.5 * height), (Some(2e-5), height - 0.25 * 4e-4 / 0.1)] {
+        for (rim, above) in [
+            (None, 0.5 * height),
+            (Some(2e-5), height - 0.25 * 4e-4 / 0.1),
+        ] {
             let relief = relief(rim);
             let [[left, low], [right, high]] = relief.corners;
             let base = 1e6 * (right - left) * (high - low) * height;
             let radius = rim.map_or(foot, |rim| 1e3 * rim);
             let pillars = 2.0 * PI * radius * radius * (above + 0.05 * height);
             let found = volume(&relief.stl());
-            assert!(((found - base) / pillars - 1.0).abs() < 3e-3, "{found} {base} {pillars}");
+            assert!(
+                ((found - base) / pillars - 1.0).abs() < 3e-3,
+                "{found} {base} {pillars}"
+            );
         }
     }
 

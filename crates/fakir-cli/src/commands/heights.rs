@@ -90,7 +90,9 @@ fn located(error: PillarHeightsError, target: &Target) -> Failure {
     use HeightDesignError as E;
     let number = match &error {
         PillarHeightsError::Heights(
-            E::WantedPoint { number, .. } | E::Falls { number, .. } | E::AreaOutOfReach { number, .. },
+            E::WantedPoint { number, .. }
+            | E::Falls { number, .. }
+            | E::AreaOutOfReach { number, .. },
         ) => *number,
         _ => return error.into(),
     };
@@ -162,8 +164,14 @@ struct Row {
 
 fn text(found: &PillarHeights, height_error: Option<f64>, wall_time: f64) -> String {
     let points = &found.design.points;
-    let loads = Scale::of(found.curve.load_name(), points.iter().map(|point| point.wanted.load));
-    let values = Scale::of(found.curve.value_name(), points.iter().map(|point| point.wanted.value));
+    let loads = Scale::of(
+        found.curve.load_name(),
+        points.iter().map(|point| point.wanted.load),
+    );
+    let values = Scale::of(
+        found.curve.value_name(),
+        points.iter().map(|point| point.wanted.value),
+    );
     let row = |point: &DesignedPoint| Row {
         load: loads.number(point.wanted.load),
         wanted: values.number(point.wanted.value),
@@ -183,12 +191,17 @@ fn text(found: &PillarHeights, height_error: Option<f64>, wall_time: f64) -> Str
         Column::right("pillars", |row: &Row| row.pillars.clone()),
     ];
     if height_error.is_some() {
-        columns.push(Column::right("scatter (%)", |row: &Row| row.scatter.clone()));
+        columns.push(Column::right("scatter (%)", |row: &Row| {
+            row.scatter.clone()
+        }));
     }
     let [lowest, highest] = found.range();
     let mut list = QuantityList::default();
-    list.length("lowest pillar", lowest, String::new())
-        .length("highest pillar", highest, String::new());
+    list.length("lowest pillar", lowest, String::new()).length(
+        "highest pillar",
+        highest,
+        String::new(),
+    );
     if let Some(error) = height_error {
         list.length(
             "error of heights",
@@ -198,7 +211,12 @@ fn text(found: &PillarHeights, height_error: Option<f64>, wall_time: f64) -> Str
     }
     let known = found.relative_error.map_or_else(
         || "no error estimate".to_owned(),
-        |error| format!("estimated relative error of the values {}", significant(error, 2)),
+        |error| {
+            format!(
+                "estimated relative error of the values {}",
+                significant(error, 2)
+            )
+        },
     );
     list.row(
         "rounds",

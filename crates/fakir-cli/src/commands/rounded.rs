@@ -94,7 +94,10 @@ fn text(case: &RoundedCase, contact: &CapContact, wall_time: f64) -> String {
     if let Some(radius) = contact.contact_radius {
         list.length("contact radius", radius, String::new());
     }
-    let full = contact.caps.iter().filter(|cap| cap.status == PillarStatus::Full);
+    let full = contact
+        .caps
+        .iter()
+        .filter(|cap| cap.status == PillarStatus::Full);
     let full = match full.count() {
         0 => String::new(),
         full => format!(", {full} of them up to the rim"),
@@ -106,27 +109,37 @@ fn text(case: &RoundedCase, contact: &CapContact, wall_time: f64) -> String {
         &format!("of {}{full}", contact.caps.len()),
     );
     if contact.touched() > 0 {
-        let most = |of: fn(&fakir::state::CapState) -> f64| contact.caps.iter().map(of).fold(0.0, f64::max);
-        list.length("largest contact on a top", most(|cap| cap.radius), "radius".to_owned())
-            .quantity(
-                "largest force on a pillar",
-                most(|cap| cap.force),
-                Dimension::Force,
-                LENGTH_DIGITS,
-                String::new(),
-            )
-            .row(
-                "stiffness",
-                significant(contact.slopes.force_with_indentation, LENGTH_DIGITS),
-                "N/m",
-                "",
-            );
+        let most = |of: fn(&fakir::state::CapState) -> f64| {
+            contact.caps.iter().map(of).fold(0.0, f64::max)
+        };
+        list.length(
+            "largest contact on a top",
+            most(|cap| cap.radius),
+            "radius".to_owned(),
+        )
+        .quantity(
+            "largest force on a pillar",
+            most(|cap| cap.force),
+            Dimension::Force,
+            LENGTH_DIGITS,
+            String::new(),
+        )
+        .row(
+            "stiffness",
+            significant(contact.slopes.force_with_indentation, LENGTH_DIGITS),
+            "N/m",
+            "",
+        );
     }
     list.row(
         "Newton steps",
         contact.iterations.to_string(),
         "",
-        &format!("{}, in {}", contact.termination.description(), seconds(wall_time)),
+        &format!(
+            "{}, in {}",
+            contact.termination.description(),
+            seconds(wall_time)
+        ),
     );
     format!(
         "Contact under load\n{}\n{}; {}\n\n{}",

@@ -22,22 +22,28 @@ pub fn cap_map(field: &CapField, contact: &CapContact) -> Figure {
     let widest = reach.fold(0.0, f64::max);
     let ends = |axis: usize| {
         let places = caps().map(|(cap, _)| cap.apex[axis]);
-        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        })
     };
     let spans = [ends(0), ends(1)];
     let centre: Point = spans.map(|[low, high]| 0.5 * (low + high));
-    let half_width = spans.iter().map(|[low, high]| 0.5 * (high - low)).fold(0.0, f64::max);
+    let half_width = spans
+        .iter()
+        .map(|[low, high]| 0.5 * (high - low))
+        .fold(0.0, f64::max);
     let half_width = 1.08 * (half_width + widest.max(0.05 * half_width));
     let half_width = if half_width > 0.0 { half_width } else { 1e-6 };
     let side = COLUMN - 2.0 * MARGIN;
     let window = Window::new([MARGIN, MARGIN], side, centre, half_width);
     let mut inside = vec![Item::filled(Path::rectangle(&window.frame.bounds), FLOOR)];
-    let disc = |centre: Point, radius: f64, fill: Option<Colour>, stroke: Option<Stroke>| Item::Disc {
-        centre: window.place(centre),
-        radius,
-        fill,
-        stroke,
-    };
+    let disc =
+        |centre: Point, radius: f64, fill: Option<Colour>, stroke: Option<Stroke>| Item::Disc {
+            centre: window.place(centre),
+            radius,
+            fill,
+            stroke,
+        };
     for (cap, state) in caps() {
         match cap.rim_radius {
             Some(rim) => inside.push(disc(cap.apex, window.length(rim), Some(PILLAR), None)),
@@ -49,7 +55,12 @@ pub fn cap_map(field: &CapField, contact: &CapContact) -> Figure {
         }
     }
     for (_, state) in caps().filter(|(_, state)| state.radius > 0.0) {
-        inside.push(disc(state.centre, window.length(state.radius), Some(TOUCHED), None));
+        inside.push(disc(
+            state.centre,
+            window.length(state.radius),
+            Some(TOUCHED),
+            None,
+        ));
     }
     let mut items = vec![window.clipped(inside)];
     window.draw_border(&mut items);

@@ -80,23 +80,42 @@ pub fn designed_curve(curve: &DesignedCurve) -> Figure {
     let (load_size, load_unit) = scale(curve.load, largest(|point| point.load));
     let (value_size, value_unit) = scale(curve.value, largest(|point| point.wanted));
     let line = |of: &dyn Fn(&DesignedValues) -> f64| -> Vec<[f64; 2]> {
-        points.iter().map(|point| [point.load / load_size, of(point)]).collect()
+        points
+            .iter()
+            .map(|point| [point.load / load_size, of(point)])
+            .collect()
     };
     let designed = Style::line(0).with_line(Dash::Solid).in_tint(Tint::Blue);
-    let ignored = Style::line(1).with_line(Dash::Dashed).in_tint(Tint::Vermillion);
+    let ignored = Style::line(1)
+        .with_line(Dash::Dashed)
+        .in_tint(Tint::Vermillion);
     let errors = |part: &dyn Fn(&DesignedValues) -> f64| -> Vec<[f64; 2]> {
         points
             .iter()
-            .map(|point| [0.0, point.scatter.map_or(0.0, |scatter| scatter * part(point))])
+            .map(|point| {
+                [
+                    0.0,
+                    point.scatter.map_or(0.0, |scatter| scatter * part(point)),
+                ]
+            })
             .collect()
     };
     let value = |of: fn(&DesignedValues) -> f64| line(&|point| of(point) / value_size);
-    let off = |of: fn(&DesignedValues) -> f64| line(&|point| 100.0 * (of(point) / point.wanted - 1.0));
+    let off =
+        |of: fn(&DesignedValues) -> f64| line(&|point| 100.0 * (of(point) / point.wanted - 1.0));
     let upper = vec![
-        Series::new("interactions ignored", value(|point| point.ignored), ignored),
+        Series::new(
+            "interactions ignored",
+            value(|point| point.ignored),
+            ignored,
+        ),
         Series::new("designed", value(|point| point.designed), designed)
             .with_errors(errors(&|_| value_size.recip())),
-        Series::new("wanted", value(|point| point.wanted), Style::marks(4).in_tint(Tint::Black)),
+        Series::new(
+            "wanted",
+            value(|point| point.wanted),
+            Style::marks(4).in_tint(Tint::Black),
+        ),
     ];
     let lower = vec![
         Series::unnamed(off(|point| point.ignored), ignored),

@@ -112,7 +112,10 @@ pub fn left_out_words(height: f64, contact: &CapContact) -> &'static str {
 pub fn rounded_warnings(field: &CapField, height: f64, contact: &CapContact) -> Vec<String> {
     let mut words = Vec::new();
     if !contact.converged() {
-        words.push(format!("the solution {}", contact.termination.description()));
+        words.push(format!(
+            "the solution {}",
+            contact.termination.description()
+        ));
     } else if contact.error.is_none() {
         words.push("the error could not be estimated".to_owned());
     }
@@ -127,7 +130,8 @@ pub fn rounded_warnings(field: &CapField, height: f64, contact: &CapContact) -> 
     let part = part.fold(0.0, f64::max);
     if part > SMALL_CONTACT {
         words.push(format!(
-            "a contact is as wide as {} of the radius of curvature of its top: above {SMALL_CONTACT} a rounded top is no paraboloid and no half-space",
+            "a contact is as wide as {} of the radius of curvature of its top: tops are paraboloids here, and above {SMALL_CONTACT} a sphere of that radius \
+             has some per cent less area under the same force",
             significant(part, 2)
         ));
     }
@@ -155,7 +159,11 @@ pub fn rounded_pillars(field: &CapField, height: f64, contact: &CapContact) -> T
             numbers("height_m", &|cap, _| height + cap.raised),
             Column {
                 name: "status".to_owned(),
-                values: Values::Words(status.map(|cap| Some(cap.status.name().to_owned())).collect()),
+                values: Values::Words(
+                    status
+                        .map(|cap| Some(cap.status.name().to_owned()))
+                        .collect(),
+                ),
             },
             numbers("centre_x_m", &|_, state| state.centre[0]),
             numbers("centre_y_m", &|_, state| state.centre[1]),
