@@ -1,6 +1,8 @@
 //! Heights of the pillars of a case for a wanted curve, solved again as they are made.
 
-use crate::heights::{Curve, HeightDesign, HeightDesignError, WantedPoint, design_heights};
+use crate::heights::{
+    Curve, DesignedPoint, HeightDesign, HeightDesignError, WantedPoint, design_heights,
+};
 use fakir::problem::{Cap, CapField};
 use fakir::state::{CapContact, Run, SolveError};
 use fakir_case::RoundedCase;
@@ -166,7 +168,7 @@ impl PillarHeights {
             name,
             values: Values::Numbers(values.into_iter().map(Some).collect()),
         };
-        let of = |of: fn(&crate::heights::DesignedPoint) -> f64| points.iter().map(of).collect();
+        let of = |of: fn(&DesignedPoint) -> f64| points.iter().map(of).collect();
         let mut columns = vec![
             numbers(
                 format!("{load}_{}", unit(load)),
@@ -177,7 +179,7 @@ impl PillarHeights {
                 of(|point| point.wanted.value),
             ),
             numbers(format!("{value}_{value_unit}"), of(|point| point.value)),
-            numbers("residual".to_owned(), of(|point| point.residual())),
+            numbers("residual".to_owned(), of(DesignedPoint::residual)),
             numbers(
                 format!("interactions_ignored_{value}_{value_unit}"),
                 of(|point| point.of_independent_design),

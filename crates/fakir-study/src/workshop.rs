@@ -286,7 +286,7 @@ mod tests {
     #[test]
     fn the_solid_has_the_volume_of_base_and_pillars() {
         let height = 1e-2; // mm
-        let foot = (2.0 * 0.1 * height as f64).sqrt();
+        let foot = f64::sqrt(2.0 * 0.1 * height);
         for (rim, above) in [
             (None, 0.5 * height),
             (Some(2e-5), height - 0.25 * 4e-4 / 0.1),
