@@ -25,6 +25,7 @@ from ._floor import FloorContact, FloorErrors
 from ._gradient import Gradient
 from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
+from ._rounded import HeightDesign, RoundedContact, RoundedTops, design_heights
 from ._state import ContactState, CriticalState, ErrorEstimate, Normalized
 from ._sweep import Sweep, sweep
 from ._system import (
@@ -79,6 +80,7 @@ __all__ = [
     "FloorContact",
     "FloorErrors",
     "Gradient",
+    "HeightDesign",
     "HexagonalTexture",
     "HomogenisedLattice",
     "LatticeOptions",
@@ -92,6 +94,8 @@ __all__ = [
     "PlateLens",
     "ProfileLens",
     "PullOff",
+    "RoundedContact",
+    "RoundedTops",
     "RectangularTexture",
     "SolveError",
     "Spread",
@@ -105,6 +109,7 @@ __all__ = [
     "__version__",
     "cite",
     "design",
+    "design_heights",
     "errors",
     "fit",
     "homogenised",

@@ -332,7 +332,7 @@ class Spread:
         return html_table("Spread of the critical state", self._rows())
 
 
-_SAMPLES, _SEED = _fakir.sampling_defaults()
+_SAMPLES, SEED = _fakir.sampling_defaults()
 
 
 def spread(
@@ -340,7 +340,7 @@ def spread(
     tolerances: Mapping[str, Quantity],
     *,
     samples: int = _SAMPLES,
-    seed: int = _SEED,
+    seed: int = SEED,
     landing: str = "anywhere",
     force_at: Sequence[Quantity] = (),
     threads: int = 0,
@@ -397,6 +397,7 @@ def cite(*what: object, theory: bool = False) -> list[Citation]:
     """
     cases: list[_fakir.Case] = []
     surface: bool | None = None
+    rounded: bool | None = None
     for item in what:
         system = getattr(item, "system", item)
         if isinstance(system, System):
@@ -405,6 +406,8 @@ def cite(*what: object, theory: bool = False) -> list[Citation]:
             cases.append(system._case if inner is None else inner.case)
         elif hasattr(item, "periodic"):
             surface = bool(item.periodic)
+        elif hasattr(item, "top_radius") or hasattr(item, "tops"):
+            rounded = bool(rounded) or hasattr(item, "interactions_ignored")
         else:
             raise TypeError(f"nothing to cite for {type(item).__name__}: give a system or a result")
-    return [Citation(*entry) for entry in _fakir.cite(cases, theory, surface)]
+    return [Citation(*entry) for entry in _fakir.cite(cases, theory, surface, rounded)]

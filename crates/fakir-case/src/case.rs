@@ -143,6 +143,8 @@ impl Case {
             Key::Pillars => parts.texture.pillars.is_empty(),
             Key::LensShape => parts.shape.form == ShapeForm::Sphere,
             Key::LensProfile => parts.shape.profile.is_empty(),
+            // Flat tops have none.
+            Key::TopRadius => true,
             _ if key.is_of_scatter() => parts.texture.is_plain(),
             _ => key == not_given,
         };

@@ -1,6 +1,7 @@
 //! A case file and its overrides, resolved into a [`Case`].
 
 use crate::case::{Case, PillarsOrigin, Spacing};
+use crate::columns::TableError;
 use crate::entries::{
     Entries, Entry, NAME_IN_QUOTES, Value, accepted, kind_name, one_of, override_value, unknown_key,
 };
@@ -219,17 +220,9 @@ impl CaseFile {
             "a [surface] is solved by elements: press, transition, approach, verify and sweep take one",
         )?;
         let parts = self.parts(&[Part::Bodies, Part::Texture])?;
+        self.refuse_rounded()?;
         let texture = &parts.texture;
-        let spacing = match self.entry(Key::Pitch) {
-            Some(_) => Spacing::Pitch(texture.lattice.pitch),
-            None if texture.arrangement == TextureArrangement::Listed => Spacing::Pitch(f64::NAN),
-            None => {
-                // The system is made with the pitch that follows from the surface fraction, so
-                // that it cannot check the surface fraction itself.
-                self.check_range(Key::SurfaceFraction, texture.surface_fraction)?;
-                Spacing::SurfaceFraction(texture.surface_fraction)
-            }
-        };
+        let spacing = self.spacing(texture)?;
         let pillar = texture.pillar;
         let pitch = spacing.pitch(texture.arrangement, pillar.diameter);
         let (arrangement, pillars) = match texture.plane_lattice(pitch) {
@@ -283,6 +276,26 @@ impl CaseFile {
         Ok((LensShape::Profile(Arc::new(profile)), Some(path)))
     }
 
+    /// How far apart pillars stand, as it was given; no number of listed ones.
+    pub(crate) fn spacing(&self, texture: &TextureParts) -> Result<Spacing, CaseError> {
+        if self.entry(Key::Pitch).is_some() {
+            return Ok(Spacing::Pitch(texture.lattice.pitch));
+        }
+        if texture.arrangement == TextureArrangement::Listed {
+            return Ok(Spacing::Pitch(f64::NAN));
+        }
+        // The system is made with the pitch that follows from the surface fraction, so
+        // that it cannot check the surface fraction itself.
+        self.check_range(Key::SurfaceFraction, texture.surface_fraction)?;
+        Ok(Spacing::SurfaceFraction(texture.surface_fraction))
+    }
+
+    /// The error for a table of pillars that was not read.
+    pub(crate) fn no_pillars(&self, error: &TableError) -> CaseError {
+        self.problem(Key::Pillars, error.to_string())
+            .accepted("a table next to the case file, of columns x_m, y_m, height_m and diameter_m")
+    }
+
     /// The pillars of a table next to the case file, or in the current folder if an override named it.
     fn listed_pillars(
         &self,
@@ -293,11 +306,8 @@ impl CaseFile {
             return Ok((list.seen_from(axis), PillarsOrigin { path: None, axis }));
         }
         let path = self.named_file(Key::Pillars, &texture.pillars);
-        let list = read_pillars(&path, &texture.pillar).map_err(|error| {
-            self.problem(Key::Pillars, error.to_string()).accepted(
-                "a table next to the case file, of columns x_m, y_m, height_m and diameter_m",
-            )
-        })?;
+        let list = read_pillars(&path, &texture.pillar);
+        let list = list.map_err(|error| self.no_pillars(&error))?;
         // As it is found from everywhere.
         let path = Some(std::path::absolute(&path).unwrap_or(path));
         Ok((list.seen_from(axis), PillarsOrigin { path, axis }))
@@ -471,6 +481,12 @@ impl CaseFile {
             .find(|(own, _)| *own == choice)
             .map_or(&[][..], |(_, words)| words);
         match (choice, words) {
+            (Key::LensShape, _) => self
+                .problem(
+                    key,
+                    format!("with {choice} = \"{word}\" there is no such key"),
+                )
+                .accepted(format!("leave it out, or {choice} = \"sphere\"")),
             (Key::MethodName, [method]) => self
                 .problem(key, format!("only the method \"{method}\" has this key"))
                 .accepted(format!("leave it out, or {choice} = \"{method}\"")),
@@ -488,6 +504,8 @@ impl CaseFile {
         match key.row().presence {
             Presence::Required if key == Key::Pillars && self.pillars.is_some() => Ok(()),
             Presence::Required if key == Key::LensProfile && self.profile.is_some() => Ok(()),
+            // A rounded top may be an asperity of the half-space itself.
+            Presence::Required if key == Key::PillarDiameter && self.is_rounded() => Ok(()),
             Presence::Required => Err(self.missing(key)),
             Presence::OneOf(other) if other.idle_with(parts).is_some() => Err(self.missing(key)),
             Presence::OneOf(other) if self.entry(other).is_none() => Err(self

@@ -45,6 +45,7 @@ pub(crate) struct TextureParts {
     /// But for the seed, which is a number in a case file.
     pub(crate) disorder: Disorder,
     pub(crate) seed: f64,
+    pub(crate) top_radius: f64,
     pub(crate) surface_fraction: f64,
     pub(crate) lattice: HexagonalLattice,
     pub(crate) pillar: Pillar,
@@ -139,6 +140,7 @@ impl Default for Parts {
                 columns: NOT_GIVEN,
                 disorder: Disorder::default(),
                 seed: 0.0,
+                top_radius: NOT_GIVEN,
                 surface_fraction: NOT_GIVEN,
                 lattice: HexagonalLattice::new(NOT_GIVEN),
                 pillar: Pillar {

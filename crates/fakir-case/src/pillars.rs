@@ -2,6 +2,7 @@
 
 use crate::columns::{Columns, Table, TableError};
 use fakir::problem::{InvalidPillars, ListedPillar, Pillar, PillarList};
+use std::fmt::Display;
 use std::path::Path;
 
 const COLUMNS: Columns<4> = Columns {
@@ -36,32 +37,66 @@ fn listed(table: &Table<4>) -> Result<PillarList, TableError> {
             pillar,
             axis,
             value,
-        } => table.wrong(
-            Some(pillar),
-            format!("{axis}_m is {value}, and has to be a finite number"),
-        ),
+        } => table.wrong(Some(pillar), no_place(axis, value)),
         InvalidPillars::NoSize {
             pillar,
             what,
             value,
-        } => table.wrong(
-            Some(pillar),
-            format!("{what}_m is {value}, and has to be a finite number greater than 0"),
-        ),
+        } => table.wrong(Some(pillar), no_size(what, value)),
         InvalidPillars::Overlap {
-            pillars: [one, other],
+            pillars,
             distance,
             radii,
-        } => table.wrong(
-            Some(other),
-            format!(
-                "this pillar overlaps with that of line {}: their centres are {distance:.4e} m apart, and their \
-                 radii add up to {radii:.4e} m",
-                table.line(Some(one))
-            ),
-        ),
+        } => overlap(table, pillars, distance, radii),
         other => table.wrong(None, other.to_string()),
     })
+}
+
+fn no_place(axis: impl Display, value: f64) -> String {
+    format!("{axis}_m is {value}, and has to be a finite number")
+}
+
+fn no_size(what: impl Display, value: f64) -> String {
+    format!("{what}_m is {value}, and has to be a finite number greater than 0")
+}
+
+/// The error for pillars that overlap.
+pub(crate) fn overlap(
+    table: &Table<4>,
+    [one, other]: [usize; 2],
+    distance: f64,
+    radii: f64,
+) -> TableError {
+    let problem = format!(
+        "this pillar overlaps with that of line {}: their centres are {distance:.4e} m apart, and their \
+         radii add up to {radii:.4e} m",
+        table.line(Some(one))
+    );
+    table.wrong(Some(other), problem)
+}
+
+/// Reads x, y, height and diameter (m) of pillars with rounded tops, of which some may have no diameter. The common height and diameter are those of
+/// pillars of which the table does not say it.
+pub(crate) fn read_rounded(path: &Path, common: [f64; 2]) -> Result<Table<4>, TableError> {
+    let [height, diameter] = common;
+    let table = COLUMNS.read(path, [f64::NAN, f64::NAN, height, diameter])?;
+    if table.rows.is_empty() {
+        return Err(table.wrong(None, InvalidPillars::Empty.to_string()));
+    }
+    for (row, [x, y, height, diameter]) in table.rows.iter().enumerate() {
+        for (axis, value) in [("x", *x), ("y", *y)] {
+            if !value.is_finite() {
+                return Err(table.wrong(Some(row), no_place(axis, value)));
+            }
+        }
+        for (what, value) in [("height", *height), ("diameter", *diameter)] {
+            let not_given = what == "diameter" && value.is_nan();
+            if !(not_given || value > 0.0 && value.is_finite()) {
+                return Err(table.wrong(Some(row), no_size(what, value)));
+            }
+        }
+    }
+    Ok(table)
 }
 
 #[cfg(test)]

@@ -456,10 +456,15 @@ impl CaseFile {
     }
 
     /// All keys that were given and their values, as they are written in a case file.
-    fn settings(&self, mut parts: Parts) -> Vec<(Key, String)> {
-        let path = self.named_file(Key::HeightMap, &parts.surface.height_map);
-        let path = std::path::absolute(&path).unwrap_or(path);
-        parts.surface.height_map = path.to_string_lossy().into_owned();
+    pub(crate) fn settings(&self, mut parts: Parts) -> Vec<(Key, String)> {
+        for (key, place) in [
+            (Key::HeightMap, &mut parts.surface.height_map),
+            (Key::Pillars, &mut parts.texture.pillars),
+        ] {
+            let path = self.named_file(key, place);
+            let path = std::path::absolute(&path).unwrap_or(path);
+            *place = path.to_string_lossy().into_owned();
+        }
         let keys = self.entries.keys.keys();
         keys.map(|key| (*key, key.written(&key.get(&mut parts))))
             .collect()

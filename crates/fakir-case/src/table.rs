@@ -156,6 +156,9 @@ keys! {
             number("whole number that decides which heights and which pillars", |p| &mut p.texture.seed)
                 .usual(0.0, 100.0)
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES);
+        TopRadius = "texture.top_radius" is
+            length("radius of curvature of rounded pillar tops, which then need no diameter; fakir press and fakir design --free heights know them", |p| &mut p.texture.top_radius)
+                .label("top radius").positive().otherwise("tops are flat");
         PillarDiameter = "texture.pillar.diameter" is
             length("diameter of a pillar", |p| &mut p.texture.pillar.diameter)
                 .symbol("d").usual(1e-7, 1e-4)

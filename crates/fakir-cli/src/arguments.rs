@@ -123,19 +123,25 @@ pub(crate) enum Command {
     #[command(after_help = "Example: fakir reproduce paper --output paper")]
     Reproduce(Reproduce),
     /// The inverse question: the pitch, size or modulus that gives a wanted critical state, pull-off force or floor
-    /// share; and how far real samples scatter about it
+    /// share; heights of rounded tops for a wanted curve; and how far real samples scatter about it
     ///
     /// All else is as in the case file. With a pitch in the case file the pitch stays as it is, with
     /// a surface fraction that. Exit status 3 says that no value gives what is wanted; the nearest
     /// is then printed. Samples of tops that stick are pulled off again from the critical state, to tell how far the
     /// pull-off force and the hysteresis scatter.
+    ///
+    /// With --free heights a case with texture.top_radius says where pillars stand and how round their tops are, and
+    /// --target what is wanted: a CSV file with the columns force and area, indentation and force, or indentation
+    /// and area, as in force_mN,area_um2. With --output the heights are saved as pillars.csv with a case that
+    /// reads it, as a solid (surface.stl) and as maps of heights (heights.png of 16 bits, heights.npy).
     #[command(after_help = "Examples:
   fakir design case.toml --free pitch --critical-force 1mN
   fakir design case.toml --free pitch --critical-force 1mN \\
       --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --free pitch --floor-share 20% --at-force 1mN
   fakir design sticky.toml --free pitch --pull-off 0.1mN
-  fakir design case.toml --samples 1000")]
+  fakir design case.toml --samples 1000
+  fakir design asperities.toml --free heights --target curve.csv --height-error 0.2um --output designed")]
     Design(Design),
     /// Moduli, work of adhesion and instrument parameters from a measured curve, by least squares
     ///
@@ -276,6 +282,18 @@ impl Press {
             (Some(indentation), _) => Control::Indentation(indentation),
             (None, force) => Control::Force(force.unwrap_or(0.0)), // clap requires one of them
         }
+    }
+
+    /// Refuses what rounded tops do not have.
+    pub(crate) fn refuse_with_rounded(&self) -> Result<(), Failure> {
+        let problem = if self.gradient.gradient {
+            "--gradient is for flat pillar tops: of rounded ones (texture.top_radius) the stiffness is in the result"
+        } else if self.adhesion.attraction_range.is_some() {
+            "--attraction-range is for tops that stick, and rounded ones (texture.top_radius) do not"
+        } else {
+            return Ok(());
+        };
+        Err(Failure::Argument(problem.to_owned()))
     }
 }
 
@@ -486,16 +504,16 @@ pub(crate) enum CitedMethod {
 
 #[derive(Debug, Args)]
 #[command(
-    group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "floor_share", "pull_off"]).requires("free"),
+    group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "floor_share", "pull_off", "target"]).requires("free"),
     group = ArgGroup::new("at").args(["at_force", "at_indentation"]).requires("floor_share")
 )]
 pub(crate) struct Design {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
     /// What is sought: pitch, surface_fraction, texture.pillar.height, texture.pillar.diameter,
-    /// lens.radius, lens.young_modulus or substrate.young_modulus
-    #[arg(long, value_name = "KEY", value_parser = free_key, requires = "wanted")]
-    free: Option<Key>,
+    /// lens.radius, lens.young_modulus or substrate.young_modulus; or heights, those of all pillars with rounded tops
+    #[arg(long, value_name = "KEY", value_parser = free, requires = "wanted")]
+    free: Option<Free>,
     /// The critical force that is wanted (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     critical_force: Option<f64>,
@@ -515,6 +533,12 @@ pub(crate) struct Design {
     /// The indentation at which that share is wanted (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     at_indentation: Option<f64>,
+    /// The curve that is wanted, with --free heights: a CSV file with a heading such as force_mN,area_um2
+    #[arg(long, value_name = "CSV", conflicts_with_all = ["tolerance", "samples", "keep_offset"])]
+    target: Option<PathBuf>,
+    /// Standard deviation with which heights can be made (m, mm, um, nm): tells how far that scatters the curve
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, requires = "target")]
+    height_error: Option<f64>,
     /// A quantity that varies, normally distributed, with its standard deviation as a quantity or
     /// in per cent: texture.pillar.height=0.05um, substrate.young_modulus=10%; may be repeated
     #[arg(long, value_name = "KEY=DEVIATION", value_parser = tolerance)]
@@ -523,7 +547,7 @@ pub(crate) struct Design {
         "Samples drawn with these tolerances; {} if there are any", Sampling::SAMPLES
     ))]
     samples: Option<usize>,
-    /// Decides which samples are drawn
+    /// Decides which samples are drawn, and which height goes to which pillar
     #[arg(long, value_name = "N", default_value_t = Sampling::SEED)]
     seed: u64,
     /// Let the lens land where the case file says, instead of anywhere on the lattice
@@ -548,14 +572,47 @@ impl Design {
                 .floor_share
                 .zip(self.load())
                 .map(|(share, load)| Wanted::FloorShare { share, load }));
-        if self.free.is_none() && self.sampling().is_none() {
+        let free = match self.free {
+            Some(Free::Heights) => {
+                return Err(Failure::Argument(
+                    "--free heights goes with --target, the curve that is wanted".to_owned(),
+                ));
+            }
+            Some(Free::Key(key)) => Some(key),
+            None => None,
+        };
+        if free.is_none() && self.sampling().is_none() {
             return Err(Failure::Argument(
                 "nothing to do: give --free and --critical-force, --pull-off or --floor-share for a design, or \
                  --tolerance or --samples for a spread"
                     .to_owned(),
             ));
         }
-        Ok(self.free.zip(wanted))
+        Ok(free.zip(wanted))
+    }
+
+    /// The curve that heights are sought for, if they are.
+    pub(crate) fn heights(&self) -> Result<Option<HeightsQuestion<'_>>, Failure> {
+        let Some(target) = &self.target else {
+            return Ok(None);
+        };
+        if self.free != Some(Free::Heights) {
+            return Err(Failure::Argument(
+                "--target is the curve of --free heights: give these as what is free".to_owned(),
+            ));
+        }
+        if let Some(error) = self.height_error
+            && !(error > 0.0 && error.is_finite())
+        {
+            return Err(Failure::Argument(
+                "--height-error must be a length greater than 0".to_owned(),
+            ));
+        }
+        Ok(Some(HeightsQuestion {
+            target,
+            height_error: self.height_error,
+            seed: self.seed,
+        }))
     }
 
     /// The load at which a floor share is wanted.
@@ -580,6 +637,35 @@ impl Design {
             seed: self.seed,
         })
     }
+}
+
+/// What a design seeks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Free {
+    /// The value of a key.
+    Key(Key),
+    /// The heights of all pillars with rounded tops.
+    Heights,
+}
+
+/// A key that can be sought, or all heights.
+fn free(text: &str) -> Result<Free, String> {
+    if text == "heights" {
+        return Ok(Free::Heights);
+    }
+    let key = free_key(text).map_err(|advice| format!("{advice}, or heights"))?;
+    Ok(Free::Key(key))
+}
+
+/// A wanted curve that heights are sought for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HeightsQuestion<'a> {
+    /// Its file.
+    pub(crate) target: &'a std::path::Path,
+    /// Standard deviation with which heights can be made, m.
+    pub(crate) height_error: Option<f64>,
+    /// Decides which height goes to which pillar.
+    pub(crate) seed: u64,
 }
 
 #[derive(Debug, Args)]

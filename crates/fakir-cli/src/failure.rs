@@ -5,6 +5,8 @@ use fakir_case::CaseError;
 use fakir_figure::FigureError;
 use fakir_inverse::design::DesignError;
 use fakir_inverse::fit::{DataError, FitError};
+use fakir_inverse::heights::HeightDesignError;
+use fakir_inverse::pillar_heights::PillarHeightsError;
 use fakir_inverse::spread::SpreadError;
 use fakir_paper::PaperError;
 use fakir_study::StudyError;
@@ -29,6 +31,11 @@ pub(crate) enum Failure {
     Spread(#[from] SpreadError),
     #[error(transparent)]
     Fit(#[from] FitError),
+    #[error(transparent)]
+    Heights(#[from] PillarHeightsError),
+    /// A wanted curve that no heights have.
+    #[error(transparent)]
+    OutOfReach(DataError),
     #[error(transparent)]
     Study(#[from] StudyError),
     #[cfg(feature = "explore")]
@@ -110,6 +117,7 @@ impl Failure {
                 | Self::Design(DesignError::Solve(SolveError::Interrupted))
                 | Self::Spread(SpreadError::Solve(SolveError::Interrupted))
                 | Self::Fit(FitError::Solve(SolveError::Interrupted))
+                | Self::Heights(PillarHeightsError::Heights(HeightDesignError::Interrupted))
                 | Self::Study(StudyError::Interrupted { .. })
         )
     }
@@ -150,14 +158,20 @@ impl Failure {
             | Self::File { .. }
             | Self::Threads(_) => 2,
             Self::Design(DesignError::NotConverged { .. }) => 1,
-            Self::Solve(_)
+            Self::Heights(PillarHeightsError::NotConverged { .. }) => 1,
+            Self::Heights(
+                PillarHeightsError::Solve(_)
+                | PillarHeightsError::Heights(HeightDesignError::Start(_)),
+            )
+            | Self::OutOfReach(_)
+            | Self::Solve(_)
             | Self::Figure(_)
             | Self::Design(DesignError::Solve(_))
             | Self::Spread(SpreadError::Solve(_))
             | Self::Fit(
                 FitError::Solve(_) | FitError::NoBalance { .. } | FitError::NoDerivatives,
             ) => NO_ANSWER,
-            Self::Design(_) | Self::Spread(_) | Self::Fit(_) => 2,
+            Self::Design(_) | Self::Spread(_) | Self::Fit(_) | Self::Heights(_) => 2,
         }
     }
 }

@@ -64,6 +64,12 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
+            if file.is_rounded() && !file.is_surface() {
+                options.refuse_with_rounded()?;
+                return deliver(command, &options.case, move || {
+                    commands::rounded::press(&file, options.control(), options.maps(), &session)
+                });
+            }
             let gradient = options.gradient.of(&file)?;
             if file.is_surface() {
                 options.adhesion.refuse_surface(&file)?;
@@ -152,7 +158,12 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
     if let Some(folder) = &options.case.output {
         fakir_study::output::check_folder(folder, options.case.replace())?;
     }
-    let designed = commands::design::run(&file, options, &session)?;
+    let designed = match options.heights()? {
+        Some(question) => {
+            commands::heights::run(&file, &question, options.case.output.is_some(), &session)?
+        }
+        None => commands::design::run(&file, options, &session)?,
+    };
     drop(session);
     let status = deliver(command, &options.case, || Ok(designed.report))?;
     Ok(if designed.found {

@@ -115,6 +115,7 @@ pub(crate) fn is_on_page(key: Key) -> bool {
         Key::AxisY,
         Key::PitchY,
         Key::LatticeAngle,
+        Key::TopRadius,
     ];
     let of_other_lenses = [
         Key::LensShape,

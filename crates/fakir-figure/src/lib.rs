@@ -49,10 +49,14 @@ pub use colour::Tint;
 pub use error::FigureError;
 pub use figure::{Figure, RESOLUTION};
 pub use figures::approach::{LoadingPoint, approach};
+pub use figures::cap_map::cap_map;
 pub use figures::critical_curves::{
     CriticalColumn, CriticalCurve, CriticalPoint, Measured, critical_curves,
 };
 pub use figures::cycle::{cycle_curve, release_map};
+pub use figures::designed_curve::{
+    DesignedCurve, DesignedQuantity, DesignedValues, designed_curve,
+};
 pub use figures::fit_curves::{FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 pub use figures::floor_gap_map::floor_gap_map;
 pub use figures::floor_pressure_map::floor_pressure_map;
@@ -66,6 +70,7 @@ pub use figures::profiles::{ProfileState, profiles, surface_profiles};
 pub use figures::pull_off_curves::{PullOffCurve, PullOffPoint, pull_off_curves};
 pub use figures::surface_maps::{surface_gap_map, surface_pressure_map};
 pub use figures::top_view::{View, top_view};
+pub use png::grey_map;
 pub use section::{Section, SectionDetail};
 pub use series::{Dash, Marker, Series, Style};
 pub use svg::font_css;

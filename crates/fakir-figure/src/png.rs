@@ -17,6 +17,35 @@ pub(crate) fn picture(pixels: &Pixels, dots_per_inch: f64, remarks: &[Remark<'_>
     encode(pixels, Some(dots_per_inch), remarks)
 }
 
+/// Grey pixels of 16 bits, row by row from the top, as a PNG file that knows how large (m) a pixel is, as far as whole pixels per metre say it.
+///
+/// # Panics
+/// If there is not one value for every pixel.
+#[must_use]
+pub fn grey_map([columns, rows]: [usize; 2], values: &[u16], pixel: f64) -> Vec<u8> {
+    assert_eq!(values.len(), columns * rows, "one value for every pixel");
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, columns as u32, rows as u32);
+    encoder.set_color(ColorType::Grayscale);
+    encoder.set_depth(BitDepth::Sixteen);
+    let per_metre = pixel.recip().round() as u32;
+    encoder.set_pixel_dims(Some(PixelDimensions {
+        xppu: per_metre,
+        yppu: per_metre,
+        unit: Unit::Meter,
+    }));
+    let data: Vec<u8> = values
+        .iter()
+        .flat_map(|value| value.to_be_bytes())
+        .collect();
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(&data)?;
+        writer.finish()
+    });
+    written.expect("memory takes every byte, and the number of pixels is right");
+    bytes
+}
+
 fn encode(pixels: &Pixels, dots_per_inch: Option<f64>, remarks: &[Remark<'_>]) -> Vec<u8> {
     let mut bytes = Vec::new();
     try_encode(&mut bytes, pixels, dots_per_inch, remarks)

@@ -5,22 +5,22 @@
 
 use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
 use fakir::problem::{
-    Adhesion, Boundary, Control, CyclePlan, Drive, Floor, Grid, HeightMap, HexagonalLattice,
-    Indenter, Lens, Material, Method, Pillar, PillarCompliance, SurfaceSystem, System, Texture,
-    Turn,
+    Adhesion, Boundary, Cap, CapField, Control, CyclePlan, Drive, Floor, Grid, HeightMap,
+    HexagonalLattice, Indenter, Lens, Material, Method, Pillar, PillarCompliance, SurfaceSystem,
+    System, Texture, Turn,
 };
 use fakir::state::{ContactState, CriticalState, Run};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::SumFit;
 use fakir_figure::{
-    Axis, CriticalColumn, CriticalCurve, CriticalPoint, Figure, FigureError, FittedCurve,
-    FittedLoad, FittedPoint, FittedQuantity, Histogram, LineChart, LoadingPoint, Measured,
-    PhaseDiagram, ProfileState, RESOLUTION, Section, SectionDetail, Series, Style, SurfaceState,
-    Text, View, approach, critical_curves, cycle_curve, fit_curves, floor_gap_map,
-    floor_pressure_map, histogram, lattice_sums, lines, phase_diagram, phase_point,
-    pillar_pressure, pressure_map, profiles, release_map, surface_gap_map, surface_pressure_map,
-    surface_profiles, top_view,
+    Axis, CriticalColumn, CriticalCurve, CriticalPoint, DesignedCurve, DesignedQuantity,
+    DesignedValues, Figure, FigureError, FittedCurve, FittedLoad, FittedPoint, FittedQuantity,
+    Histogram, LineChart, LoadingPoint, Measured, PhaseDiagram, ProfileState, RESOLUTION, Section,
+    SectionDetail, Series, Style, SurfaceState, Text, View, approach, cap_map, critical_curves,
+    cycle_curve, designed_curve, fit_curves, floor_gap_map, floor_pressure_map, histogram,
+    lattice_sums, lines, phase_diagram, phase_point, pillar_pressure, pressure_map, profiles,
+    release_map, surface_gap_map, surface_pressure_map, surface_profiles, top_view,
 };
 use png::{ColorType, Decoder};
 use resvg::tiny_skia::{Pixmap, Transform};
@@ -619,6 +619,58 @@ fn contacts_with_surfaces() {
 }
 
 /// A cycle by both kinds of control, one that turns early, and a loading alone, of which there is no map.
+/// Rounded tops, with and without an edge, touched and not; and curves of every kind of a design.
+#[test]
+fn rounded_tops() {
+    let field = |rim: Option<f64>| {
+        let cap = |k: u32| Cap {
+            rim_radius: rim,
+            ..Cap::new([1e-4 * f64::from(k % 3), 1e-4 * f64::from(k / 3)], 1e-4)
+                .raised_by(-4e-7 * f64::from(k))
+        };
+        let caps = (0..9).map(cap).collect();
+        CapField::new(Indenter::Flat(None), Material::new(2e6, 0.5), caps).unwrap()
+    };
+    let map = |rim| {
+        let field = field(rim);
+        let load = Control::Indentation(2e-6);
+        let contact = field.press_quickly(
+            load,
+            fakir::problem::Accuracy::Default,
+            None,
+            &Run::default(),
+        );
+        cap_map(&field, &contact.unwrap())
+    };
+    use DesignedQuantity as Q;
+    let curve = |load, value, scatter: Option<f64>| {
+        let size = |quantity| match quantity {
+            Q::Force => 1e-3,
+            Q::Indentation => 1e-6,
+            Q::Area => 1e-9,
+        };
+        let points = (1..8).map(|k| DesignedValues {
+            load: f64::from(k) * size(load),
+            wanted: f64::from(k) * size(value),
+            designed: f64::from(k) * size(value) * (1.0 + 1e-8),
+            scatter: scatter.map(|part| part * f64::from(k) * size(value)),
+            ignored: f64::from(k) * size(value) * (1.0 - 0.01 * f64::from(k)),
+        });
+        designed_curve(&DesignedCurve {
+            load,
+            value,
+            points: points.collect(),
+        })
+    };
+    check(&[
+        map(None),
+        map(Some(4e-5)),
+        curve(Q::Force, Q::Area, Some(0.01)),
+        curve(Q::Indentation, Q::Force, None),
+        curve(Q::Indentation, Q::Area, None),
+    ]);
+}
+
 #[test]
 fn cycles() {
     let sticky = system(2e6, 0.01, 0.0)

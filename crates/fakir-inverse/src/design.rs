@@ -421,7 +421,10 @@ pub fn free_keys() -> Vec<Key> {
     let keys = Key::ALL.into_iter();
     let is_made = |key: &Key| {
         let dimension = key.dimension();
-        key.is_positive() && ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension)
+        // Systems of this search have flat tops.
+        key.is_positive()
+            && ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension)
+            && *key != Key::TopRadius
     };
     keys.filter(|key| is_made(key) && !key.is_of_surface())
         .collect()

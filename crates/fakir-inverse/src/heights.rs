@@ -4,7 +4,8 @@
 //! is proportional to the force (J. A. Greenwood and J. B. P. Williamson, Proc. R. Soc. Lond. A 295, 300 (1966)), cut so that every cap is touched under the largest load,
 //! as a cap that is not touched says nothing of its height. They go to the places at random. Least squares on the relative differences at all loads
 //! make them those of the wanted curve, in closed form; and again with all that the caps do to each other, with the exact derivatives of every contact. Caps that are
-//! not touched under the largest load are lifted until they are. The loads are fewer than the caps as a rule: of all changes that do the same
+//! not touched under the largest load are lifted until they are. A search that ends before the curve is met is followed by others from heights
+//! that are more at random, and the nearest counts. The loads are fewer than the caps as a rule: of all changes that do the same
 //! the smallest is made.
 
 use faer::Mat;
@@ -18,6 +19,10 @@ use std::f64::consts::PI;
 /// Steps of least squares, for independent caps and for all.
 const INDEPENDENT_STEPS: usize = 200;
 const STEPS: usize = 60;
+
+/// How many searches there are until the curve is met, and how many starts each has for independent caps.
+const SEARCHES: usize = 4;
+const STARTS: usize = 16;
 
 /// Sums of squares that a step is compared with.
 const MEMORY: usize = 4;
@@ -46,6 +51,9 @@ const TOUCHED_AT: f64 = 0.9;
 /// `sqrt(pi rho/s)` is the area over the force, times the reduced modulus, of exponential heights of scale `s`.
 const EXPONENTIAL: f64 = PI;
 
+/// What interactions change of the area under a force, at the most.
+const INTERACTIONS: f64 = 0.05;
+
 /// Which curve is wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Curve {
@@ -55,6 +63,50 @@ pub enum Curve {
     ForceOfIndentation,
     /// Area (m^2) of the indentation (m).
     AreaOfIndentation,
+}
+
+impl Curve {
+    /// What is prescribed: `"force"` or `"indentation"`.
+    #[must_use]
+    pub fn load_name(self) -> &'static str {
+        match self {
+            Self::AreaOfForce => "force",
+            Self::ForceOfIndentation | Self::AreaOfIndentation => "indentation",
+        }
+    }
+
+    /// What is wanted there: `"area"` or `"force"`.
+    #[must_use]
+    pub fn value_name(self) -> &'static str {
+        match self {
+            Self::AreaOfForce | Self::AreaOfIndentation => "area",
+            Self::ForceOfIndentation => "force",
+        }
+    }
+
+    /// The curve in words: `"area of the force"`.
+    #[must_use]
+    pub fn words(self) -> String {
+        format!("{} of the {}", self.value_name(), self.load_name())
+    }
+
+    /// The load that is prescribed.
+    #[must_use]
+    pub fn control(self, load: f64) -> Control {
+        match self {
+            Self::AreaOfForce => Control::Force(load),
+            Self::ForceOfIndentation | Self::AreaOfIndentation => Control::Indentation(load),
+        }
+    }
+
+    /// The value of a contact.
+    #[must_use]
+    pub fn value(self, contact: &CapContact) -> f64 {
+        match self {
+            Self::AreaOfForce | Self::AreaOfIndentation => contact.area,
+            Self::ForceOfIndentation => contact.force,
+        }
+    }
 }
 
 /// A load with the value that is wanted there.
@@ -69,7 +121,7 @@ pub struct WantedPoint {
 /// What heights come to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightDesign {
-    /// Of every cap, above the common level, m.
+    /// Of every cap, above the common level, m. For the area of the force, where a common shift changes nothing, the highest is on that level.
     pub heights: Vec<f64>,
     /// What they come to at every load.
     pub points: Vec<DesignedPoint>,
@@ -90,9 +142,19 @@ pub struct DesignedPoint {
     pub independent: f64,
     /// Caps that are touched.
     pub touched: usize,
+    /// Root of the sum of squares of the derivatives of the value with all heights, m^2/m or N/m: what errors of the heights of 1 m, independent and normal,
+    /// would scatter the value by.
+    pub with_heights: f64,
 }
 
 impl DesignedPoint {
+    /// Relative standard deviation of the value if all heights have independent errors of that standard deviation (m), as long as these are small: no
+    /// contact begins or ends by them.
+    #[must_use]
+    pub fn scatter(&self, height_error: f64) -> f64 {
+        self.with_heights * height_error / self.value
+    }
+
     /// Relative difference of the value from what was wanted.
     #[must_use]
     pub fn residual(&self) -> f64 {
@@ -120,6 +182,13 @@ impl HeightDesign {
     #[must_use]
     pub fn is_reached(&self) -> bool {
         self.largest_residual() <= REACHED
+    }
+
+    /// How many caps are touched at some load.
+    #[must_use]
+    pub fn touched(&self) -> usize {
+        let touched = self.points.iter().map(|point| point.touched);
+        touched.max().unwrap_or(0)
     }
 
     /// What was reached in words.
@@ -156,6 +225,45 @@ pub enum HeightDesignError {
     /// Nothing is wanted.
     #[error("the wanted curve has no points: give one at least")]
     NoPoints,
+    /// A curve that falls or stays.
+    #[error(
+        "the wanted {} does not rise from {before:e} to {value:e} between the {} {from:e} and {load:e} (SI units): contacts only \
+         grow with the load; the nearest that can be had is a curve that rises little there", .curve.value_name(), .curve.load_name()
+    )]
+    Falls {
+        /// Which curve.
+        curve: Curve,
+        /// Which point, counted from 0: the second of the two.
+        number: usize,
+        /// The load before.
+        from: f64,
+        /// The value before.
+        before: f64,
+        /// The load.
+        load: f64,
+        /// The value, which is not larger.
+        value: f64,
+    },
+    /// An area that these caps do not have under a force, whatever their heights.
+    #[error(
+        "an area of {value:e} m^2 is wanted under a force of {load:e} N: whatever their heights, these {caps} caps have from \
+         {least:.4e} m^2, where one bears it all, to {most:.4e} m^2, where all bear the same; other areas take another radius of curvature, \
+         another number of caps or another modulus"
+    )]
+    AreaOutOfReach {
+        /// Which point, counted from 0.
+        number: usize,
+        /// Its force, N.
+        load: f64,
+        /// The wanted area, m^2.
+        value: f64,
+        /// How many caps there are.
+        caps: usize,
+        /// The least area, m^2.
+        least: f64,
+        /// The largest area, m^2.
+        most: f64,
+    },
     /// Heights that are no numbers.
     #[error(transparent)]
     Caps(#[from] InvalidCaps),
@@ -179,45 +287,99 @@ pub fn design_heights(
     seed: u64,
     run: &Run<'_>,
 ) -> Result<HeightDesign, HeightDesignError> {
-    check(wanted)?;
+    check(curve, wanted)?;
     let independent = Independent::new(field, curve);
-    let (start, overlap) = independent.start(wanted, seed);
-    let by_itself = |heights: &[f64]| Ok(Some(independent.rows(wanted, heights)));
-    let rows = independent.rows(wanted, &start);
-    let alone =
-        Fitted::new(wanted, start, rows).least_squares(INDEPENDENT_STEPS, overlap, by_itself)?;
-    let mut solver = Interacting {
-        field,
-        curve,
-        wanted,
-        last: Vec::new(),
-        run,
+    independent.check_areas(wanted)?;
+    let mut random = ChaCha12Rng::seed_from_u64(seed);
+    let mut best: Option<Search<'_>> = None;
+    let mut first_error = None;
+    let mut rounds = 0;
+    for number in 0..SEARCHES {
+        let (alone, overlap) = independent.design(wanted, number > 0, &mut random, run)?;
+        let mut solver = Interacting {
+            field,
+            curve,
+            wanted,
+            last: Vec::new(),
+            run,
+        };
+        let rows = match solver.rows(&alone.heights)? {
+            Ok(rows) => rows,
+            Err(error) => {
+                first_error.get_or_insert(error);
+                continue;
+            }
+        };
+        let of_independent_design = rows.iter().map(|row| row.value).collect();
+        let designed = Fitted::new(wanted, alone.heights.clone(), rows);
+        let designed =
+            designed.least_squares(STEPS, overlap, |heights| Ok(solver.rows(heights)?.ok()))?;
+        rounds += designed.rounds;
+        let search = Search {
+            alone,
+            of_independent_design,
+            designed,
+        };
+        if best
+            .as_ref()
+            .is_none_or(|best| search.designed.sum() < best.designed.sum())
+        {
+            best = Some(search);
+        }
+        let is_found = |search: &Search<'_>| search.designed.largest() <= REACHED;
+        if best.as_ref().is_some_and(is_found) {
+            break;
+        }
+    }
+    let Some(Search {
+        alone,
+        of_independent_design,
+        designed,
+    }) = best
+    else {
+        let error = first_error.unwrap_or(SolveError::NotFinite { what: "contact" });
+        return Err(HeightDesignError::Start(error));
     };
-    let rows = solver.rows(&alone.heights)?;
-    let rows = rows.map_err(HeightDesignError::Start)?;
-    let of_independent_design: Vec<f64> = rows.iter().map(|row| row.value).collect();
-    let designed = Fitted::new(wanted, alone.heights.clone(), rows);
-    let designed =
-        designed.least_squares(STEPS, overlap, |heights| Ok(solver.rows(heights)?.ok()))?;
     let points = (0..wanted.len()).map(|k| DesignedPoint {
         wanted: wanted[k],
         value: designed.rows[k].value,
         of_independent_design: of_independent_design[k],
         independent: alone.rows[k].value,
         touched: designed.rows[k].touched,
+        with_heights: {
+            let squares = designed.rows[k].slopes.iter().map(|slope| slope * slope);
+            squares.sum::<f64>().sqrt()
+        },
     });
+    let mut heights = designed.heights;
+    if curve == Curve::AreaOfForce {
+        // A common shift changes nothing: the highest counts as the common level.
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        heights.iter_mut().for_each(|height| *height -= highest);
+    }
     Ok(HeightDesign {
         points: points.collect(),
-        heights: designed.heights,
-        rounds: designed.rounds,
+        heights,
+        rounds,
     })
 }
 
-fn check(wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
+/// One search: heights for independent caps, what they really come to, and the heights that were found from there.
+struct Search<'a> {
+    alone: Fitted<'a>,
+    of_independent_design: Vec<f64>,
+    designed: Fitted<'a>,
+}
+
+fn check(curve: Curve, wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
     if wanted.is_empty() {
         return Err(HeightDesignError::NoPoints);
     }
     let mut before = 0.0;
+    let mut last = WantedPoint {
+        load: 0.0,
+        value: 0.0,
+    };
     for (number, WantedPoint { load, value }) in wanted.iter().copied().enumerate() {
         let possible = load > before && load.is_finite() && value > 0.0 && value.is_finite();
         if !possible {
@@ -227,6 +389,17 @@ fn check(wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
                 value,
             });
         }
+        if value <= last.value {
+            return Err(HeightDesignError::Falls {
+                curve,
+                number,
+                from: last.load,
+                before: last.value,
+                load,
+                value,
+            });
+        }
+        last = WantedPoint { load, value };
         before = load;
     }
     Ok(())
@@ -271,9 +444,15 @@ impl<'a> Fitted<'a> {
         residuals.iter().map(|residual| residual * residual).sum()
     }
 
-    fn is_exact(&self) -> bool {
+    fn largest(&self) -> f64 {
         let residuals = Self::residuals(self.wanted, &self.rows);
-        residuals.iter().all(|residual| residual.abs() <= EXACT)
+        residuals
+            .iter()
+            .fold(0.0, |most, residual| residual.abs().max(most))
+    }
+
+    fn is_exact(&self) -> bool {
+        self.largest() <= EXACT
     }
 
     /// Makes the residuals as small as they get. Where they get no smaller, caps are lifted that are not touched, if there are any, and so on; the best that
@@ -435,12 +614,7 @@ impl Interacting<'_> {
         let field = self.field.with_heights(heights)?;
         let mut contacts: Vec<CapContact> = Vec::with_capacity(self.wanted.len());
         for (number, wanted) in self.wanted.iter().enumerate() {
-            let control = match self.curve {
-                Curve::AreaOfForce => Control::Force(wanted.load),
-                Curve::ForceOfIndentation | Curve::AreaOfIndentation => {
-                    Control::Indentation(wanted.load)
-                }
-            };
+            let control = self.curve.control(wanted.load);
             let near = self.last.get(number).or(contacts.last());
             let contact = field.press_quickly(control, Accuracy::Default, near, self.run);
             match contact {
@@ -461,17 +635,15 @@ impl Interacting<'_> {
     fn row(&self, contact: &CapContact) -> Row {
         let slopes = &contact.slopes;
         let caps = 0..contact.caps.len();
-        let (value, slopes) = match self.curve {
-            Curve::AreaOfForce => (
-                contact.area,
-                caps.map(|cap| slopes.area_with_height_at_force(cap))
-                    .collect(),
-            ),
-            Curve::ForceOfIndentation => (contact.force, slopes.force_with_height.clone()),
-            Curve::AreaOfIndentation => (contact.area, slopes.area_with_height.clone()),
+        let slopes = match self.curve {
+            Curve::AreaOfForce => caps
+                .map(|cap| slopes.area_with_height_at_force(cap))
+                .collect(),
+            Curve::ForceOfIndentation => slopes.force_with_height.clone(),
+            Curve::AreaOfIndentation => slopes.area_with_height.clone(),
         };
         Row {
-            value,
+            value: self.curve.value(contact),
             slopes,
             touched: contact.touched(),
             gaps: contact.caps.iter().map(|cap| cap.gap).collect(),
@@ -556,6 +728,33 @@ impl Independent {
         }
     }
 
+    /// Refuses areas that caps do not have under a force. Without interactions the area on a cap is `pi (3 F_n/(4 E* k_n))^(2/3)` (Hertz), and the
+    /// sum of these is largest where the forces are as `k_n^-2`, and least where the most curved cap bears all. Interactions change them by some per cent.
+    fn check_areas(&self, wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
+        if self.curve != Curve::AreaOfForce {
+            return Ok(());
+        }
+        let curvatures = || self.caps.iter().map(|cap| cap.curvature);
+        let sharpest = curvatures().fold(0.0, f64::max);
+        let widest: f64 = curvatures().map(|curvature| curvature.powi(-2)).sum();
+        for (number, WantedPoint { load, value }) in wanted.iter().copied().enumerate() {
+            let of_one = PI * (0.75 * load / self.modulus).powf(2.0 / 3.0);
+            let least = of_one * sharpest.powf(-2.0 / 3.0);
+            let most = of_one * widest.cbrt();
+            if value < (1.0 - INTERACTIONS) * least || value > (1.0 + INTERACTIONS) * most {
+                return Err(HeightDesignError::AreaOutOfReach {
+                    number,
+                    load,
+                    value,
+                    caps: self.caps.len(),
+                    least,
+                    most,
+                });
+            }
+        }
+        Ok(())
+    }
+
     fn total(&self, overlaps: impl Iterator<Item = f64>) -> Pressed {
         let mut total = [[0.0; 2]; 2];
         for (cap, overlap) in self.caps.iter().zip(overlaps) {
@@ -567,10 +766,62 @@ impl Independent {
         total
     }
 
+    /// Heights for caps that do not act on each other, and the largest overlap under the largest load, m: the first that are exact, or those that come nearest
+    /// of some starts, which are all at random if the first is to be.
+    fn design<'w>(
+        &self,
+        wanted: &'w [WantedPoint],
+        at_random: bool,
+        random: &mut ChaCha12Rng,
+        run: &Run<'_>,
+    ) -> Result<(Fitted<'w>, f64), HeightDesignError> {
+        let by_itself = |heights: &[f64]| {
+            if run.cancel.is_cancelled() {
+                return Err(HeightDesignError::Interrupted);
+            }
+            Ok(Some(self.rows(wanted, heights)))
+        };
+        let mut best: Option<(Fitted<'w>, f64)> = None;
+        for number in 0..STARTS {
+            let (start, overlap) = self.start(wanted, at_random || number > 0, random);
+            let rows = self.rows(wanted, &start);
+            let found = Fitted::new(wanted, start, rows);
+            let found = found.least_squares(INDEPENDENT_STEPS, overlap, by_itself)?;
+            let is_exact = found.is_exact();
+            if best
+                .as_ref()
+                .is_none_or(|(best, _)| found.sum() < best.sum())
+            {
+                best = Some((found, overlap));
+            }
+            if is_exact {
+                break;
+            }
+        }
+        best.ok_or(HeightDesignError::NoPoints)
+    }
+
     /// Heights to start from, and the largest overlap under the largest load, m.
-    fn start(&self, wanted: &[WantedPoint], seed: u64) -> (Vec<f64>, f64) {
+    fn start(
+        &self,
+        wanted: &[WantedPoint],
+        at_random: bool,
+        random: &mut ChaCha12Rng,
+    ) -> (Vec<f64>, f64) {
         let count = self.caps.len();
-        let places = (0..count).map(|k| (k as f64 + 0.5) / count as f64);
+        let mut shift = || {
+            if at_random {
+                (random.next_u64() >> 11) as f64 * 2f64.powi(-53)
+            } else {
+                0.5
+            }
+        };
+        // Half as steep to twice as steep.
+        let steepness = 4f64.powf(shift() - 0.5);
+        let places: Vec<f64> = (0..count)
+            .map(|k| (k as f64 + shift()) / count as f64)
+            .collect();
+        let places = places.into_iter();
         let last = wanted[wanted.len() - 1];
         let (depths, overlap): (Vec<f64>, f64) = match self.curve {
             Curve::AreaOfForce => {
@@ -578,7 +829,7 @@ impl Independent {
                 let ratio = self.modulus * ratios.sum::<f64>() / wanted.len() as f64;
                 let radii = self.caps.iter().map(|cap| cap.curvature.recip());
                 let radius = radii.sum::<f64>() / count as f64;
-                let scale = EXPONENTIAL * radius / (ratio * ratio);
+                let scale = steepness * EXPONENTIAL * radius / (ratio * ratio);
                 let depths = |most: f64| -> Vec<f64> {
                     let all = (most / scale).exp_m1();
                     places.clone().map(|u| scale * (u * all).ln_1p()).collect()
@@ -604,11 +855,11 @@ impl Independent {
             }
             Curve::ForceOfIndentation | Curve::AreaOfIndentation => {
                 let deepest = TOUCHED_AT * last.load;
-                (places.map(|u| deepest * u * u).collect(), last.load)
+                let power = 2.0 * steepness;
+                (places.map(|u| deepest * u.powf(power)).collect(), last.load)
             }
         };
         let mut order: Vec<usize> = (0..count).collect();
-        let mut random = ChaCha12Rng::seed_from_u64(seed);
         for k in (1..count).rev() {
             order.swap(k, (random.next_u64() % (k as u64 + 1)) as usize);
         }

@@ -1,6 +1,7 @@
 //! A design and a spread as one JSON object.
 
 use crate::design::{Answer, Design, Reached, Wanted};
+use crate::pillar_heights::PillarHeights;
 use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
 use fakir::problem::{Control, Method};
 use fakir_study::VERSION;
@@ -207,6 +208,77 @@ impl SpreadObject {
                 critical_force_N: it.force,
                 critical_indentation_m: it.indentation,
             }),
+        }
+    }
+}
+
+/// A design of heights: what `fakir design --free heights --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HeightsSummary {
+    method: &'static str,
+    design: HeightsObject,
+    wall_time_s: f64,
+    fakir_version: &'static str,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct HeightsObject {
+    free: &'static str,
+    wanted: String,
+    status: &'static str,
+    statement: String,
+    largest_residual: f64,
+    rms_residual: f64,
+    /// Of the values, the largest of all loads.
+    relative_error_estimate: Option<f64>,
+    pillars: usize,
+    pillars_in_contact: usize,
+    lowest_height_m: f64,
+    highest_height_m: f64,
+    seed: u64,
+    rounds: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height_error_m: Option<f64>,
+    curve: Value,
+}
+
+impl HeightsSummary {
+    /// The summary of a design that was made with a seed, with the standard deviation of the heights (m) if it is known, and that took so many seconds.
+    #[must_use]
+    pub fn new(
+        found: &PillarHeights,
+        seed: u64,
+        height_error: Option<f64>,
+        wall_time: f64,
+    ) -> Self {
+        let [lowest, highest] = found.range();
+        let design = &found.design;
+        Self {
+            method: "spectral",
+            design: HeightsObject {
+                free: "heights",
+                wanted: found.curve.words(),
+                status: if design.is_reached() {
+                    "found"
+                } else {
+                    "out_of_reach"
+                },
+                statement: found.statement(),
+                largest_residual: design.largest_residual(),
+                rms_residual: design.rms_residual(),
+                relative_error_estimate: found.relative_error,
+                pillars: design.heights.len(),
+                pillars_in_contact: design.touched(),
+                lowest_height_m: lowest,
+                highest_height_m: highest,
+                seed,
+                rounds: design.rounds,
+                height_error_m: height_error,
+                curve: found.table(height_error).to_json(),
+            },
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
         }
     }
 }

@@ -126,3 +126,43 @@ fn curves_that_cannot_be_are_refused() {
         assert!(told.contains("point 1 (counted from 0)"), "{told}");
     }
 }
+
+#[test]
+fn curves_that_fall_and_areas_out_of_reach_are_refused() {
+    let refused = |curve: Curve, wanted: &[[f64; 2]]| {
+        let wanted: Vec<WantedPoint> = wanted
+            .iter()
+            .map(|[load, value]| WantedPoint {
+                load: load * FORCE,
+                value: value * FORCE,
+            })
+            .collect();
+        design_heights(&field(1500.0), curve, &wanted, 1, &Run::default()).unwrap_err()
+    };
+    let falls = refused(Curve::AreaOfForce, &[[2e4, 2e5], [3e4, 1.9e5]]);
+    assert!(
+        matches!(falls, HeightDesignError::Falls { number: 1, .. }),
+        "{falls}"
+    );
+    let stays = refused(Curve::ForceOfIndentation, &[[2e6, 2e5], [3e6, 2e5]]);
+    assert!(
+        stays.to_string().contains("the wanted force does not rise"),
+        "{stays}"
+    );
+    // Hertz: 64 caps with a 64th of the force each have four times the area of one that bears it all.
+    let wide = refused(Curve::AreaOfForce, &[[2e4, 2e5], [3e4, 1e7]]);
+    let HeightDesignError::AreaOutOfReach {
+        number,
+        least,
+        most,
+        caps,
+        ..
+    } = wide
+    else {
+        panic!("{wide}")
+    };
+    assert_eq!((number, caps), (1, 64));
+    assert!((most / least - 4.0).abs() < 1e-12);
+    let one = std::f64::consts::PI * (0.75 * 3e4 * 526.0f64).powf(2.0 / 3.0);
+    assert!((least / (one * FORCE) - 1.0).abs() < 1e-12);
+}

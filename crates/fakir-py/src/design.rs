@@ -152,12 +152,14 @@ pub(crate) fn spread<'py>(
     Ok((json(&summary), columns(py, &spread.table(&sampling))?))
 }
 
-/// What to cite: text, BibTeX entry and reason of each work.
+/// What to cite: text, BibTeX entry and reason of each work. `surface` says whether it is periodic, `rounded` whether heights of rounded tops were designed;
+/// without them there are none.
 #[pyfunction]
 pub(crate) fn cite(
     cases: Vec<PyRef<'_, Case>>,
     closed_forms: bool,
     surface: Option<bool>,
+    rounded: Option<bool>,
 ) -> Vec<(String, String, String)> {
     let mut topics: Vec<Topic> = Vec::new();
     if closed_forms {
@@ -168,6 +170,10 @@ pub(crate) fn cite(
             periodic,
             random: false,
         });
+    }
+    if let Some(designed) = rounded {
+        topics.push(Topic::RoundedTops);
+        topics.extend(designed.then_some(Topic::DesignedHeights));
     }
     for topic in cases.iter().flat_map(|case| Topic::of_case(&case.case)) {
         if !topics.contains(&topic) {

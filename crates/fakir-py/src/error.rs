@@ -3,6 +3,8 @@
 use fakir::state::SolveError;
 use fakir_inverse::design::DesignError;
 use fakir_inverse::fit::FitError;
+use fakir_inverse::heights::HeightDesignError;
+use fakir_inverse::pillar_heights::PillarHeightsError;
 use fakir_inverse::spread::SpreadError;
 use fakir_study::StudyError;
 use fakir_study::approach::ApproachError;
@@ -81,6 +83,21 @@ pub(crate) fn spread_error(error: &SpreadError) -> PyErr {
     match error {
         SpreadError::Case(error) => case_error(error),
         SpreadError::Solve(error) => solve_error(error),
+        _ => exceptions::DesignError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn pillar_heights_error(error: &PillarHeightsError) -> PyErr {
+    use HeightDesignError as E;
+    match error {
+        PillarHeightsError::Solve(error) | PillarHeightsError::Heights(E::Start(error)) => {
+            solve_error(error)
+        }
+        PillarHeightsError::Heights(E::Interrupted) => PyKeyboardInterrupt::new_err(()),
+        PillarHeightsError::Heights(
+            E::WantedPoint { .. } | E::Falls { .. } | E::NoPoints | E::Caps(_),
+        )
+        | PillarHeightsError::BelowFloor { .. } => value_error(error),
         _ => exceptions::DesignError::new_err(error.to_string()),
     }
 }

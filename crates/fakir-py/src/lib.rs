@@ -12,6 +12,7 @@ mod command;
 mod design;
 mod error;
 mod fit;
+mod rounded;
 mod state;
 mod study;
 mod surface;
@@ -30,6 +31,8 @@ mod _fakir {
     use super::design::{cite, design, parse_deviation, sampling_defaults, spread};
     #[pymodule_export]
     use super::fit::{Data, Fitted, fit};
+    #[pymodule_export]
+    use super::rounded::{Rounded, RoundedContact, design_heights, press_rounded};
     #[pymodule_export]
     use super::state::{
         Critical, State, approach, check_points, compare, cycle, gradient, press, transition,

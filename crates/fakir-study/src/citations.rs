@@ -28,6 +28,10 @@ pub enum Topic {
     ClosedForms,
     /// Fits of measured curves.
     LeastSquares,
+    /// Rounded pillar tops.
+    RoundedTops,
+    /// Heights of rounded tops for a wanted curve.
+    DesignedHeights,
     /// Elements of constant pressure on a height map.
     Surface {
         /// Whether the surface repeats itself; it stands free otherwise.
@@ -246,6 +250,8 @@ impl Topic {
             Self::AttractionRange => vec!["attraction_range"],
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
+            Self::RoundedTops => vec!["rounded_tops"],
+            Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {
                 let around = if *periodic { "periodic" } else { "free_space" };
                 let mut names = vec!["elements", around];
@@ -342,6 +348,8 @@ mod tests {
                 Topic::Adhesion,
                 Topic::AttractionRange,
                 Topic::ClosedForms,
+                Topic::RoundedTops,
+                Topic::DesignedHeights,
                 surface(true, false),
                 surface(false, true),
             ])

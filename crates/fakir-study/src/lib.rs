@@ -29,6 +29,7 @@
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
 //! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
 //!   [`closed_forms`](mod@closed_forms) is the list of formulas.
+//! * [`workshop`] has surfaces with rounded pillar tops as solids and maps of heights.
 //! * [`surfaces`] solves a case with a general surface on a grid that is wide enough.
 //! * [`result`] is what every answer is as a JSON object and as tables: command line, Python package and
 //!   page show it and make none of their own.
@@ -61,6 +62,7 @@ mod surface_answer;
 pub mod surfaces;
 mod sweep;
 mod table;
+pub mod workshop;
 
 pub use answer::{Answer, Critical, Pressed, Row};
 pub use cycled::{Cycled, Errors, Hysteresis, Loading, Pull};

@@ -74,6 +74,13 @@ fn of_file(path: &Path) -> Result<CiteJson, Failure> {
         let case = file.surface_case(Run::default().memory_limit())?;
         return Ok(CiteJson::new("elements on a surface", &[topic(&case)]));
     }
+    if file.is_rounded() {
+        file.rounded_case()?;
+        return Ok(CiteJson::new(
+            "the spectral method on rounded pillar tops",
+            &[Topic::RoundedTops],
+        ));
+    }
     let case = file.case()?;
     Ok(CiteJson::new(
         method_words(case.method),

@@ -8,10 +8,12 @@ pub(crate) mod design;
 #[cfg(feature = "explore")]
 pub(crate) mod explore;
 pub(crate) mod fit;
+pub(crate) mod heights;
 pub(crate) mod init;
 pub(crate) mod installed;
 pub(crate) mod press;
 pub(crate) mod reproduce;
+pub(crate) mod rounded;
 pub(crate) mod surface;
 pub(crate) mod sweep;
 pub(crate) mod theory;

@@ -2,6 +2,7 @@
 
 pub(crate) mod figures;
 pub(crate) mod maps;
+pub(crate) mod rounded;
 pub(crate) mod state;
 pub(crate) mod surface;
 pub(crate) mod table;

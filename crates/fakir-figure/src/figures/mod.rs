@@ -1,8 +1,10 @@
 //! The figures, each from its data.
 
 pub(crate) mod approach;
+pub(crate) mod cap_map;
 pub(crate) mod critical_curves;
 pub(crate) mod cycle;
+pub(crate) mod designed_curve;
 pub(crate) mod fit_curves;
 pub(crate) mod floor_gap_map;
 pub(crate) mod floor_pressure_map;

@@ -439,6 +439,25 @@ impl PlaneLattice {
         turned(point, self.rotation)
     }
 
+    /// The pillars of a lattice that is cut, by rising index: where each stands (m from the lens axis), and its height over the common one. None of a
+    /// lattice without an end.
+    ///
+    /// # Errors
+    /// Quantities that cannot be, and pillars of a diameter (m) that overlap.
+    pub fn cut_pillars(&self, diameter: f64) -> Result<Option<Vec<(Point, f64)>>, InvalidQuantity> {
+        self.check(diameter)?;
+        let Some(columns) = self.columns else {
+            return Ok(None);
+        };
+        let [first, end] = Self::range(i64::from(columns));
+        let indices = (first..end).flat_map(|i| (first..end).map(move |j| (i, j)));
+        let pillars = indices.filter_map(|index| {
+            let ratio = self.disorder.height_ratio(index)?;
+            Some((self.place(index), ratio))
+        });
+        Ok(Some(pillars.collect()))
+    }
+
     fn check(&self, diameter: f64) -> Result<(), InvalidQuantity> {
         use Quantity as Q;
         use Requirement as R;

@@ -1,0 +1,380 @@
+//! Cases whose pillars have rounded tops.
+
+use crate::case::{Spacing, write_toml};
+use crate::columns::Table;
+use crate::error::CaseError;
+use crate::file::CaseFile;
+use crate::key::Key;
+use crate::parts::{MethodName, Parts, ShapeForm};
+use crate::pillars::{overlap, read_rounded};
+use crate::table::Part;
+use fakir::problem::{
+    Accuracy, Cap, CapField, Indenter, InvalidCaps, Material, PillarCompliance, Point,
+};
+use std::f64::consts::PI;
+
+/// The most pillars with rounded tops: all of those that are touched are solved together.
+const MOST_PILLARS: usize = 20_000;
+
+/// What stands for a rigid plate in a case file: so stiff that a number has no digit left for it.
+const RIGID: Material = Material {
+    young_modulus: 1e30,
+    poisson_ratio: 0.5,
+};
+
+/// Pillars with rounded tops, what is pressed onto them, and how well it is to be solved: what a case file with `texture.top_radius` describes.
+///
+/// Indentations count from where the lens or plate is level with the common pillar, `texture.pillar.height` above the floor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RoundedCase {
+    /// The tops and what is pressed onto them.
+    pub field: CapField,
+    /// How well contacts are to be solved.
+    pub accuracy: Accuracy,
+    /// Height of the common pillar over the floor, m.
+    pub height: f64,
+    compliance: PillarCompliance,
+    /// All keys that were given and their values, as they are written in a case file.
+    settings: Vec<(Key, String)>,
+}
+
+impl RoundedCase {
+    /// A case of caps on pillars that all have the same radius of curvature. `height` is that of the common pillar, from which caps are raised.
+    ///
+    /// # Errors
+    /// Pillars that end below the floor, and give way as columns.
+    pub fn new(
+        field: CapField,
+        accuracy: Accuracy,
+        height: f64,
+        compliance: PillarCompliance,
+    ) -> Result<Self, InvalidCaps> {
+        let mut parts = Parts {
+            substrate: *field.substrate(),
+            ..Parts::default()
+        };
+        match field.indenter() {
+            Indenter::Lens(lens) => parts.lens = *lens,
+            Indenter::Flat(material) => {
+                parts.shape.form = ShapeForm::Plate;
+                parts.lens.material = material.unwrap_or(RIGID);
+            }
+        }
+        let top_radius = field.caps().first().map_or(f64::NAN, |cap| cap.top_radius);
+        parts.texture.top_radius = top_radius;
+        parts.texture.pillar.height = height;
+        parts.texture.pillar.compliance = compliance;
+        parts.method.accuracy = accuracy;
+        let mut keys = vec![
+            Key::LensYoungModulus,
+            Key::LensPoissonRatio,
+            Key::SubstrateYoungModulus,
+            Key::SubstratePoissonRatio,
+            Key::TopRadius,
+            Key::PillarHeight,
+            Key::Accuracy,
+        ];
+        if field.caps().iter().any(|cap| cap.rim_radius.is_some()) {
+            keys.push(Key::PillarCompliance);
+        }
+        keys.push(match parts.shape.form {
+            ShapeForm::Plate => Key::LensShape,
+            _ => Key::LensRadius,
+        });
+        let settings = keys.into_iter();
+        let settings = settings.map(|key| (key, key.written(&key.get(&mut parts))));
+        let raised: Vec<f64> = field.caps().iter().map(|cap| cap.raised).collect();
+        let made = Self {
+            settings: settings.collect(),
+            field,
+            accuracy,
+            height,
+            compliance,
+        };
+        made.with_heights(&raised)
+    }
+
+    /// The case as a case file, commented. It has what was given, a table of pillars by its absolute path; reading it gives the same case, bit for bit.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        write_toml(|key| self.value(key))
+    }
+
+    /// The case as a case file with the pillars in a table next to it, in the place of what said where they stand.
+    #[must_use]
+    pub fn to_toml_with_table(&self, name: &str) -> String {
+        write_toml(|key| match key {
+            Key::Pillars => Some(toml::Value::from(name).to_string()),
+            Key::Lattice | Key::AxisX | Key::AxisY => None,
+            _ => {
+                let of_lattice = key.goes_with().is_some_and(|(choice, words)| {
+                    choice == Key::Lattice && !words.contains(&"listed")
+                });
+                self.value(key).filter(|_| !of_lattice)
+            }
+        })
+    }
+
+    fn value(&self, key: Key) -> Option<String> {
+        let setting = self.settings.iter().find(|(given, _)| *given == key);
+        setting.map(|(_, value)| value.clone())
+    }
+
+    /// Height of every pillar over the floor, m.
+    #[must_use]
+    pub fn heights(&self) -> Vec<f64> {
+        let caps = self.field.caps().iter();
+        caps.map(|cap| self.height + cap.raised).collect()
+    }
+
+    /// The table that `texture.pillars` reads: where each pillar stands, from the lens axis, its height over the floor, and its diameter where it has one.
+    #[must_use]
+    pub fn pillar_table(&self) -> String {
+        let caps = self.field.caps();
+        let with_rims = caps.iter().any(|cap| cap.rim_radius.is_some());
+        let mut text = String::from("x_m,y_m,height_m");
+        text.push_str(if with_rims { ",diameter_m\n" } else { "\n" });
+        for (cap, height) in caps.iter().zip(self.heights()) {
+            let [x, y] = cap.apex;
+            text.push_str(&format!("{x:?},{y:?},{height:?}"));
+            match cap.rim_radius {
+                Some(radius) if with_rims => text.push_str(&format!(",{:?}\n", 2.0 * radius)),
+                _ => text.push('\n'),
+            }
+        }
+        text
+    }
+
+    /// The same case with pillars of other heights over the common level, m.
+    ///
+    /// # Errors
+    /// A height that is no number.
+    ///
+    /// # Panics
+    /// If there is not one height for every pillar.
+    pub fn with_heights(&self, raised: &[f64]) -> Result<Self, InvalidCaps> {
+        let raised = self.field.with_heights(raised)?;
+        let modulus = self.field.substrate().young_modulus;
+        let caps = raised.caps().iter().map(|cap| Cap {
+            column_compliance: column_compliance(
+                self.compliance,
+                modulus,
+                self.height + cap.raised,
+                cap.rim_radius.map(|rim| 2.0 * rim),
+            ),
+            ..*cap
+        });
+        Ok(Self {
+            field: CapField::new(*raised.indenter(), *raised.substrate(), caps.collect())?,
+            ..self.clone()
+        })
+    }
+}
+
+/// By how much a pillar is shortened by a unit force, m/N; one without a diameter is not.
+fn column_compliance(
+    compliance: PillarCompliance,
+    young_modulus: f64,
+    height: f64,
+    diameter: Option<f64>,
+) -> f64 {
+    match (compliance, diameter) {
+        (PillarCompliance::Column, Some(diameter)) => {
+            4.0 * height / (PI * young_modulus * diameter.powi(2))
+        }
+        _ => 0.0,
+    }
+}
+
+impl CaseFile {
+    /// Whether pillars have rounded tops: `texture.top_radius`, in the file or as an override.
+    #[must_use]
+    pub fn is_rounded(&self) -> bool {
+        self.entry(Key::TopRadius).is_some()
+    }
+
+    /// The case with rounded pillar tops that the file and its overrides describe.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a key that is missing or has a value that cannot be, a lattice without an end, adhesion, another method than the
+    /// spectral one, and pillars that cannot be read or overlap.
+    pub fn rounded_case(&self) -> Result<RoundedCase, CaseError> {
+        let parts = self.parts(&[Part::Bodies, Part::Texture])?;
+        let pillar = parts.texture.pillar;
+        if !self.is_rounded() {
+            return Err(self.missing(Key::TopRadius));
+        }
+        for key in [Key::PillarHeight, Key::PillarDiameter] {
+            if let Some(value) = self.given(key)? {
+                self.check_range(key, value)?;
+            }
+        }
+        self.refuse_with_rounded(&parts)?;
+        let top_radius = parts.texture.top_radius;
+        let cap = |[x, y, height, diameter]: [f64; 4]| Cap {
+            apex: [x, y],
+            raised: height - pillar.height,
+            top_radius,
+            rim_radius: (!diameter.is_nan()).then_some(0.5 * diameter),
+            column_compliance: column_compliance(
+                pillar.compliance,
+                parts.substrate.young_modulus,
+                height,
+                Some(diameter).filter(|diameter| !diameter.is_nan()),
+            ),
+        };
+        let indenter = match parts.shape.form {
+            ShapeForm::Plate => Indenter::Flat(Some(parts.lens.material)),
+            _ => Indenter::Lens(parts.lens),
+        };
+        let field = |pillars: &[[f64; 4]]| {
+            let caps = pillars.iter().map(|values| cap(*values)).collect();
+            CapField::new(indenter, parts.substrate, caps)
+        };
+        let field = match self.lattice_pillars(&parts)? {
+            Some(pillars) => {
+                self.check_number(Key::Columns, pillars.len())?;
+                field(&pillars).map_err(|invalid| self.no_caps(&invalid))?
+            }
+            None => {
+                let table = self.pillar_table(&parts)?;
+                self.check_number(Key::Pillars, table.rows.len())?;
+                let [x, y] = parts.texture.axis;
+                let moved = table.rows.iter();
+                let moved =
+                    moved.map(|[a, b, height, diameter]| [a - x, b - y, *height, *diameter]);
+                field(&moved.collect::<Vec<_>>()).map_err(|invalid| match invalid {
+                    InvalidCaps::TooClose {
+                        caps,
+                        distance,
+                        least,
+                    } => self.no_pillars(&overlap(&table, caps, distance, least)),
+                    other => self.no_caps(&other),
+                })?
+            }
+        };
+        Ok(RoundedCase {
+            field,
+            accuracy: parts.method.accuracy,
+            height: pillar.height,
+            compliance: pillar.compliance,
+            settings: self.settings(parts),
+        })
+    }
+
+    /// Refuses rounded tops where tops are flat.
+    pub(crate) fn refuse_rounded(&self) -> Result<(), CaseError> {
+        if self.is_rounded() {
+            return Err(self
+                .problem(Key::TopRadius, "this is computed for flat pillar tops only")
+                .accepted(
+                    "leave it out; rounded tops are known to `fakir press` and `fakir design --free heights`, in Python to fakir.RoundedTops",
+                ));
+        }
+        Ok(())
+    }
+
+    /// Refuses what rounded tops do not have.
+    fn refuse_with_rounded(&self, parts: &Parts) -> Result<(), CaseError> {
+        if parts.texture.adhesion.work > 0.0 {
+            return Err(self
+                .problem(Key::WorkOfAdhesion, "rounded pillar tops do not stick here")
+                .accepted(format!("leave it out, or leave {} out", Key::TopRadius)));
+        }
+        if parts.method.name != MethodName::Spectral {
+            return Err(self
+                .problem(Key::MethodName, "this method has flat pillar tops only")
+                .accepted(format!(
+                    "{} = \"spectral\" has rounded ones",
+                    Key::MethodName
+                )));
+        }
+        let level = parts.shape.tilt == 0.0;
+        match parts.shape.form {
+            ShapeForm::Sphere => {}
+            ShapeForm::Plate if level => {}
+            ShapeForm::Plate => {
+                return Err(self
+                    .problem(
+                        Key::LensTilt,
+                        "a plate on rounded pillar tops is level here",
+                    )
+                    .accepted("leave it out"));
+            }
+            _ => {
+                return Err(self
+                    .problem(
+                        Key::LensShape,
+                        "rounded pillar tops are under a sphere or a plate here",
+                    )
+                    .accepted(format!("{} = \"sphere\" or \"plate\"", Key::LensShape)));
+            }
+        }
+        let needs_diameter = self.entry(Key::PillarCompliance).is_some()
+            && parts.texture.pillar.compliance == PillarCompliance::Column
+            && self.entry(Key::Pillars).is_none();
+        if needs_diameter && self.entry(Key::PillarDiameter).is_none() {
+            return Err(self.missing(Key::PillarDiameter));
+        }
+        Ok(())
+    }
+
+    /// x and y from the lens axis, height and diameter of the pillars of a lattice, m; none of listed pillars.
+    fn lattice_pillars(&self, parts: &Parts) -> Result<Option<Vec<[f64; 4]>>, CaseError> {
+        let texture = &parts.texture;
+        let diameter = texture.pillar.diameter;
+        let spacing = self.spacing(texture)?;
+        if matches!(spacing, Spacing::SurfaceFraction(_)) && diameter.is_nan() {
+            return Err(self.missing(Key::PillarDiameter));
+        }
+        let pitch = spacing.pitch(texture.arrangement, diameter);
+        let Some(lattice) = texture.plane_lattice(pitch) else {
+            return Ok(None);
+        };
+        if lattice.columns.is_none_or(|columns| {
+            let columns = columns as usize;
+            columns * columns <= 2 * MOST_PILLARS
+        }) {
+            let apart = if diameter.is_nan() { 0.0 } else { diameter };
+            let pillars = lattice
+                .cut_pillars(apart)
+                .map_err(|invalid| self.impossible(&invalid))?;
+            let Some(pillars) = pillars else {
+                return Err(self.missing(Key::Columns).accepted(
+                    "rounded tops are those of a finite lattice, or of texture.pillars",
+                ));
+            };
+            let row =
+                |([x, y], ratio): (Point, f64)| [x, y, ratio * texture.pillar.height, diameter];
+            return Ok(Some(pillars.into_iter().map(row).collect()));
+        }
+        self.check_number(Key::Columns, usize::MAX)?;
+        Ok(None)
+    }
+
+    fn pillar_table(&self, parts: &Parts) -> Result<Table<4>, CaseError> {
+        let path = self.named_file(Key::Pillars, &parts.texture.pillars);
+        let common = [parts.texture.pillar.height, parts.texture.pillar.diameter];
+        read_rounded(&path, common).map_err(|error| self.no_pillars(&error))
+    }
+
+    /// Refuses more pillars than are solved together.
+    fn check_number(&self, key: Key, pillars: usize) -> Result<(), CaseError> {
+        if pillars <= MOST_PILLARS {
+            return Ok(());
+        }
+        Err(self
+            .problem(key, "these are too many pillars with rounded tops")
+            .accepted(format!(
+                "at most {MOST_PILLARS}: all that are touched are solved together"
+            )))
+    }
+
+    /// The error for tops that cannot be.
+    fn no_caps(&self, invalid: &InvalidCaps) -> CaseError {
+        match invalid {
+            InvalidCaps::Body(invalid) => self.impossible(invalid),
+            other => self.problem(Key::TopRadius, other.to_string()),
+        }
+    }
+}

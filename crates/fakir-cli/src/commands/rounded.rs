@@ -1,0 +1,151 @@
+//! `fakir press` of pillars with rounded tops.
+
+use crate::failure::Failure;
+use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
+use crate::report::Report;
+use crate::report::maps::Maps;
+use crate::report::rounded::{case_line, method_line};
+use crate::report::state::{QuantityList, error_remark};
+use crate::session::Session;
+use fakir::problem::Control;
+use fakir::state::{CapContact, PillarStatus};
+use fakir_case::unit::Dimension;
+use fakir_case::{CaseFile, RoundedCase};
+use fakir_figure::cap_map;
+use fakir_study::citations::Topic;
+use fakir_study::figures::saved;
+use fakir_study::provenance::Provenance;
+use fakir_study::result::{
+    RoundedPressSummary, control_words, json, left_out_words, rounded_pillars, rounded_warnings,
+};
+use std::time::Instant;
+
+pub(crate) fn press(
+    file: &CaseFile,
+    control: Control,
+    maps: Maps,
+    session: &Session,
+) -> Result<Report, Failure> {
+    if matches!(maps, Maps::Points(Some(_))) {
+        return Err(Failure::Argument(
+            "--field-points is for flat tops: there are no maps of the pressure on rounded ones, whose contacts are in pillars.csv"
+                .to_owned(),
+        ));
+    }
+    let case = file.rounded_case()?;
+    let start = Instant::now();
+    let contact = case.field.press(control, case.accuracy, &session.run())?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let provenance = Provenance::new(
+        control_words(control),
+        method_line(case.accuracy),
+        &[Topic::RoundedTops],
+        case.to_toml(),
+    );
+    let mut tables =
+        Vec::from_iter(rounded_pillars(&case.field, case.height, &contact).some_csv("pillars.csv"));
+    if maps != Maps::None {
+        tables.extend(saved(cap_map(&case.field, &contact), &provenance));
+    }
+    Ok(Report {
+        json: json(&RoundedPressSummary::new(
+            &case.field,
+            case.height,
+            &contact,
+            wall_time,
+        )),
+        text: text(&case, &contact, wall_time),
+        provenance,
+        tables,
+        warnings: rounded_warnings(&case.field, case.height, &contact),
+        converged: contact.converged(),
+    })
+}
+
+fn text(case: &RoundedCase, contact: &CapContact, wall_time: f64) -> String {
+    let error = contact.error.unwrap_or_default();
+    let relative = |error: f64, value: f64| if value > 0.0 { error / value } else { 0.0 };
+    let remark = |error: f64| {
+        let remark = error_remark(error);
+        remark.trim_start_matches([',', ' ']).to_owned()
+    };
+    let depth = relative(error.indentation, contact.indentation.abs());
+    let mut list = QuantityList::default();
+    list.quantity(
+        "force",
+        contact.force,
+        Dimension::Force,
+        digits(error.force),
+        remark(error.force),
+    )
+    .quantity(
+        "indentation",
+        contact.indentation,
+        Dimension::Length,
+        digits(depth),
+        remark(depth),
+    )
+    .area(
+        "contact area",
+        contact.area,
+        digits(error.area),
+        &remark(error.area),
+    );
+    if let Some(radius) = contact.contact_radius {
+        list.length("contact radius", radius, String::new());
+    }
+    let full = contact
+        .caps
+        .iter()
+        .filter(|cap| cap.status == PillarStatus::Full);
+    let full = match full.count() {
+        0 => String::new(),
+        full => format!(", {full} of them up to the rim"),
+    };
+    list.row(
+        "pillars in contact",
+        contact.touched().to_string(),
+        "",
+        &format!("of {}{full}", contact.caps.len()),
+    );
+    if contact.touched() > 0 {
+        let most = |of: fn(&fakir::state::CapState) -> f64| {
+            contact.caps.iter().map(of).fold(0.0, f64::max)
+        };
+        list.length(
+            "largest contact on a top",
+            most(|cap| cap.radius),
+            "radius".to_owned(),
+        )
+        .quantity(
+            "largest force on a pillar",
+            most(|cap| cap.force),
+            Dimension::Force,
+            LENGTH_DIGITS,
+            String::new(),
+        )
+        .row(
+            "stiffness",
+            significant(contact.slopes.force_with_indentation, LENGTH_DIGITS),
+            "N/m",
+            "",
+        );
+    }
+    list.row(
+        "Newton steps",
+        contact.iterations.to_string(),
+        "",
+        &format!(
+            "{}, in {}",
+            contact.termination.description(),
+            seconds(wall_time)
+        ),
+    );
+    format!(
+        "Contact under load\n{}\n{}; {}\n\n{}",
+        case_line(case),
+        method_line(case.accuracy),
+        left_out_words(case.height, contact),
+        list.text()
+    )
+}

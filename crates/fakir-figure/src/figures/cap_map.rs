@@ -1,0 +1,73 @@
+//! The contact with rounded pillar tops as seen from above.
+
+use crate::chart::MARGIN;
+use crate::figure::{COLUMN, Figure};
+use crate::map::{SCALE_BAR_ROOM, Window};
+use crate::scene::{Colour, Item, Path, Stroke};
+use fakir::problem::{CapField, Point};
+use fakir::state::CapContact;
+
+const FLOOR: Colour = Colour::grey(205);
+const PILLAR: Colour = Colour::grey(235);
+const TOUCHED: Colour = Colour::grey(25);
+
+/// Radius of the ring around an untouched top without an edge, points.
+const RING: f64 = 2.2;
+
+/// The contact with rounded tops from above: contacts dark, pillars with an edge light, tops without one that are not touched as rings.
+#[must_use]
+pub fn cap_map(field: &CapField, contact: &CapContact) -> Figure {
+    let caps = || field.caps().iter().zip(&contact.caps);
+    let reach = caps().map(|(cap, state)| state.radius.max(cap.rim_radius.unwrap_or(0.0)));
+    let widest = reach.fold(0.0, f64::max);
+    let ends = |axis: usize| {
+        let places = caps().map(|(cap, _)| cap.apex[axis]);
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        })
+    };
+    let spans = [ends(0), ends(1)];
+    let centre: Point = spans.map(|[low, high]| 0.5 * (low + high));
+    let half_width = spans
+        .iter()
+        .map(|[low, high]| 0.5 * (high - low))
+        .fold(0.0, f64::max);
+    let half_width = 1.08 * (half_width + widest.max(0.05 * half_width));
+    let half_width = if half_width > 0.0 { half_width } else { 1e-6 };
+    let side = COLUMN - 2.0 * MARGIN;
+    let window = Window::new([MARGIN, MARGIN], side, centre, half_width);
+    let mut inside = vec![Item::filled(Path::rectangle(&window.frame.bounds), FLOOR)];
+    let disc =
+        |centre: Point, radius: f64, fill: Option<Colour>, stroke: Option<Stroke>| Item::Disc {
+            centre: window.place(centre),
+            radius,
+            fill,
+            stroke,
+        };
+    for (cap, state) in caps() {
+        match cap.rim_radius {
+            Some(rim) => inside.push(disc(cap.apex, window.length(rim), Some(PILLAR), None)),
+            None if state.radius > 0.0 => {}
+            None => {
+                let stroke = Stroke::solid(Colour::grey(120), 0.6);
+                inside.push(disc(cap.apex, RING, None, Some(stroke)));
+            }
+        }
+    }
+    for (_, state) in caps().filter(|(_, state)| state.radius > 0.0) {
+        inside.push(disc(
+            state.centre,
+            window.length(state.radius),
+            Some(TOUCHED),
+            None,
+        ));
+    }
+    let mut items = vec![window.clipped(inside)];
+    window.draw_border(&mut items);
+    window.draw_scale_bar(&mut items);
+    let end = MARGIN + side + SCALE_BAR_ROOM;
+    Figure::new("contact-map", [COLUMN, end + MARGIN], items).with_description(
+        "Contact with rounded tops",
+        "The contact from above: contacts dark, pillars with an edge light, tops without one that are not touched as rings.",
+    )
+}

@@ -1,0 +1,203 @@
+//! Heights of the pillars of a case for a wanted curve, solved again as they are made.
+
+use crate::heights::{
+    Curve, DesignedPoint, HeightDesign, HeightDesignError, WantedPoint, design_heights,
+};
+use fakir::problem::{Cap, CapField};
+use fakir::state::{CapContact, Run, SolveError};
+use fakir_case::RoundedCase;
+use fakir_study::{Column, Table, Values};
+
+/// How often heights are sought again as pillars of other heights give way by more or less, and the relative change of their compliances that
+/// counts as none.
+const COLUMN_ROUNDS: usize = 6;
+const SAME_COMPLIANCE: f64 = 1e-7;
+
+/// Room under the lowest pillar that the advice for a height of the common one leaves, m over m.
+const ROOM: f64 = 1.05;
+
+/// Pillars that were designed.
+#[derive(Debug, Clone)]
+pub struct PillarHeights {
+    /// The case with their heights.
+    pub case: RoundedCase,
+    /// Which curve was wanted.
+    pub curve: Curve,
+    /// What was found. The values are those of the pillars as they are made.
+    pub design: HeightDesign,
+    /// Estimated relative error of the values, the largest of all loads; none if there is no estimate.
+    pub relative_error: Option<f64>,
+    /// The contact under the largest load.
+    pub last: CapContact,
+}
+
+/// Why pillars could not be designed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PillarHeightsError {
+    /// No heights were found.
+    #[error(transparent)]
+    Heights(#[from] HeightDesignError),
+    /// The contact with the designed heights could not be solved.
+    #[error("the contact with the designed heights cannot be solved: {0}")]
+    Solve(#[from] SolveError),
+    /// The solution for the designed heights did not converge.
+    #[error(
+        "the contact with the designed heights did not converge under the load {load:e} (SI units): try another seed"
+    )]
+    NotConverged {
+        /// The load, N or m.
+        load: f64,
+    },
+    /// A pillar whose top would be below the floor.
+    #[error(
+        "the lowest pillar would end {:.4e} m below the floor: give texture.pillar.height as {:.3e} m or more", -.lowest, .needed
+    )]
+    BelowFloor {
+        /// Height of the lowest pillar, m; not above 0.
+        lowest: f64,
+        /// Height of the common pillar with which it would be above the floor, m.
+        needed: f64,
+    },
+}
+
+/// Finds heights of the pillars of a case for a wanted curve, and solves the contact with them, with error estimates. Where pillars give way as columns, that
+/// follows the heights. See [`design_heights`].
+///
+/// # Errors
+/// See [`PillarHeightsError`].
+pub fn design_pillars(
+    case: &RoundedCase,
+    curve: Curve,
+    wanted: &[WantedPoint],
+    seed: u64,
+    run: &Run<'_>,
+) -> Result<PillarHeights, PillarHeightsError> {
+    let mut field = case.field.clone();
+    let mut round = 1;
+    let (made, mut design) = loop {
+        let design = design_heights(&field, curve, wanted, seed, run)?;
+        let lowest = design.heights.iter().copied().fold(f64::INFINITY, f64::min);
+        if case.height + lowest <= 0.0 {
+            return Err(PillarHeightsError::BelowFloor {
+                lowest: case.height + lowest,
+                needed: -ROOM * lowest,
+            });
+        }
+        let made = case
+            .with_heights(&design.heights)
+            .map_err(HeightDesignError::from)?;
+        if round == COLUMN_ROUNDS || have_same_columns(&field, &made.field) {
+            break (made, design);
+        }
+        field = made.field;
+        round += 1;
+    };
+    let mut errors = Vec::new();
+    let mut last = None;
+    for point in &mut design.points {
+        let load = point.wanted.load;
+        let contact = made.field.press(curve.control(load), made.accuracy, run);
+        let contact = contact.map_err(|error| match error {
+            SolveError::Interrupted => HeightDesignError::Interrupted.into(),
+            other => PillarHeightsError::Solve(other),
+        })?;
+        if !contact.converged() {
+            return Err(PillarHeightsError::NotConverged { load });
+        }
+        point.value = curve.value(&contact);
+        point.touched = contact.touched();
+        errors.push(contact.error.map(|error| match curve {
+            Curve::AreaOfForce | Curve::AreaOfIndentation => error.area,
+            Curve::ForceOfIndentation => error.force,
+        }));
+        last = Some(contact);
+    }
+    let errors: Option<Vec<f64>> = errors.into_iter().collect();
+    Ok(PillarHeights {
+        case: made,
+        curve,
+        design,
+        relative_error: errors.map(|errors| errors.into_iter().fold(0.0, f64::max)),
+        last: last.ok_or(HeightDesignError::NoPoints)?,
+    })
+}
+
+fn have_same_columns(one: &CapField, other: &CapField) -> bool {
+    let pairs = one.caps().iter().zip(other.caps());
+    pairs.into_iter().all(|(one, other): (&Cap, &Cap)| {
+        let [a, b] = [one, other].map(|cap| cap.column_compliance);
+        (a - b).abs() <= SAME_COMPLIANCE * a.max(b)
+    })
+}
+
+impl PillarHeights {
+    /// Lowest and highest pillar, m over the floor.
+    #[must_use]
+    pub fn range(&self) -> [f64; 2] {
+        let heights = self.case.heights();
+        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        [lowest, highest]
+    }
+
+    /// What was reached in words.
+    #[must_use]
+    pub fn statement(&self) -> String {
+        let pillars = self.case.field.caps().len();
+        format!(
+            "{pillars} heights for the {}: {}",
+            self.curve.words(),
+            self.design.verdict()
+        )
+    }
+
+    /// The curve: what was wanted at every load, what the heights come to, and what a design without interactions does: `curve.csv`. With a
+    /// standard deviation of the heights (m), also the relative one of the values.
+    #[must_use]
+    pub fn table(&self, height_error: Option<f64>) -> Table {
+        let points = &self.design.points;
+        let unit = |name: &str| match name {
+            "force" => "N",
+            "indentation" => "m",
+            _ => "m2",
+        };
+        let [load, value] = [self.curve.load_name(), self.curve.value_name()];
+        let value_unit = unit(value);
+        let numbers = |name: String, values: Vec<f64>| Column {
+            name,
+            values: Values::Numbers(values.into_iter().map(Some).collect()),
+        };
+        let of = |of: fn(&DesignedPoint) -> f64| points.iter().map(of).collect();
+        let mut columns = vec![
+            numbers(
+                format!("{load}_{}", unit(load)),
+                of(|point| point.wanted.load),
+            ),
+            numbers(
+                format!("wanted_{value}_{value_unit}"),
+                of(|point| point.wanted.value),
+            ),
+            numbers(format!("{value}_{value_unit}"), of(|point| point.value)),
+            numbers("residual".to_owned(), of(DesignedPoint::residual)),
+            numbers(
+                format!("interactions_ignored_{value}_{value_unit}"),
+                of(|point| point.of_independent_design),
+            ),
+            Column {
+                name: "pillars_in_contact".to_owned(),
+                values: Values::Counts(
+                    points
+                        .iter()
+                        .map(|point| i64::try_from(point.touched).ok())
+                        .collect(),
+                ),
+            },
+        ];
+        if let Some(error) = height_error {
+            let scatter = points.iter().map(|point| point.scatter(error)).collect();
+            columns.push(numbers("scatter".to_owned(), scatter));
+        }
+        Table { columns }
+    }
+}

@@ -1,0 +1,259 @@
+//! Pillars with rounded tops.
+
+use crate::error::{case_error, pillar_heights_error, solve_error, value_error};
+use crate::state::load;
+use crate::study::{PyColumns, columns};
+use crate::watched::{Options, watched};
+use fakir::problem::{Accuracy, Cap, CapField, Indenter, Lens, Material, PillarCompliance};
+use fakir::state::CapContact;
+use fakir_case::{CaseFile, RoundedCase};
+use fakir_inverse::HeightsSummary;
+use fakir_inverse::heights::{Curve, WantedPoint};
+use fakir_inverse::pillar_heights::design_pillars;
+use fakir_study::result::{RoundedPressSummary, json, rounded_pillars, rounded_warnings};
+use fakir_study::workshop::Relief;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Pillars with rounded tops and what is pressed onto them.
+#[pyclass(frozen, module = "fakir._fakir")]
+#[derive(Clone)]
+pub(crate) struct Rounded {
+    case: RoundedCase,
+}
+
+#[pymethods]
+impl Rounded {
+    /// `pillars` have x, y and height over the floor, and a diameter that is no number where they have none (m); `lens` is radius, modulus and Poisson's ratio,
+    /// `plate` modulus and Poisson's ratio.
+    #[new]
+    fn new(
+        pillars: Vec<[f64; 4]>,
+        top_radius: f64,
+        height: f64,
+        lens: Option<[f64; 3]>,
+        plate: Option<[f64; 2]>,
+        substrate: [f64; 2],
+        column: bool,
+        accurate: bool,
+    ) -> PyResult<Self> {
+        let material = |[modulus, ratio]: [f64; 2]| Material::new(modulus, ratio);
+        let indenter = match (lens, plate) {
+            (Some([radius, modulus, ratio]), _) => Indenter::Lens(Lens {
+                radius,
+                material: Material::new(modulus, ratio),
+            }),
+            (None, plate) => Indenter::Flat(plate.map(material)),
+        };
+        let cap = |[x, y, own, diameter]: [f64; 4]| Cap {
+            rim_radius: (!diameter.is_nan()).then_some(0.5 * diameter),
+            ..Cap::new([x, y], top_radius).raised_by(own - height)
+        };
+        let caps = pillars.into_iter().map(cap).collect();
+        let field = CapField::new(indenter, material(substrate), caps).map_err(value_error)?;
+        let accuracy = if accurate {
+            Accuracy::Accurate
+        } else {
+            Accuracy::Default
+        };
+        let compliance = if column {
+            PillarCompliance::Column
+        } else {
+            PillarCompliance::None
+        };
+        let case = RoundedCase::new(field, accuracy, height, compliance).map_err(value_error)?;
+        Ok(Self { case })
+    }
+
+    /// Reads a case file with `texture.top_radius`.
+    #[staticmethod]
+    fn read(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+        let file = CaseFile::read(&path).map_err(|error| case_error(&error))?;
+        Self::of(file, &overrides)
+    }
+
+    /// Reads the text of a case file; `name` is what errors call it.
+    #[staticmethod]
+    fn parse(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Self> {
+        let file = CaseFile::parse(name, text).map_err(|error| case_error(&error))?;
+        Self::of(file, &overrides)
+    }
+
+    /// The case as a case file that reads the pillars from a table of that name.
+    fn to_toml(&self, table: &str) -> String {
+        self.case.to_toml_with_table(table)
+    }
+
+    /// The table that such a file reads.
+    fn table(&self) -> String {
+        self.case.pillar_table()
+    }
+
+    /// The surface as a binary STL file, lengths in mm.
+    fn stl(&self) -> Vec<u8> {
+        Relief::new(&self.case.field, self.case.height).stl()
+    }
+
+    /// x and y from the lens axis, height over the floor, and diameter of every pillar, m; no number where it has none.
+    fn pillars(&self) -> Vec<[f64; 4]> {
+        let caps = self.case.field.caps().iter().zip(self.case.heights());
+        let row = |(cap, height): (&Cap, f64)| {
+            let [x, y] = cap.apex;
+            let diameter = cap.rim_radius.map_or(f64::NAN, |rim| 2.0 * rim);
+            [x, y, height, diameter]
+        };
+        caps.map(row).collect()
+    }
+
+    /// Height of the common pillar, m.
+    #[getter]
+    fn height(&self) -> f64 {
+        self.case.height
+    }
+
+    /// Radius of curvature of the tops, m.
+    #[getter]
+    fn top_radius(&self) -> f64 {
+        self.case
+            .field
+            .caps()
+            .first()
+            .map_or(f64::NAN, |cap| cap.top_radius)
+    }
+
+    /// Radius, modulus and Poisson's ratio of a lens.
+    #[getter]
+    fn lens(&self) -> Option<[f64; 3]> {
+        match self.case.field.indenter() {
+            Indenter::Lens(Lens { radius, material }) => {
+                Some([*radius, material.young_modulus, material.poisson_ratio])
+            }
+            Indenter::Flat(_) => None,
+        }
+    }
+
+    /// Modulus and Poisson's ratio of a plate that is not rigid.
+    #[getter]
+    fn plate(&self) -> Option<[f64; 2]> {
+        match self.case.field.indenter() {
+            Indenter::Flat(Some(material)) => {
+                Some([material.young_modulus, material.poisson_ratio])
+            }
+            _ => None,
+        }
+    }
+
+    /// Modulus and Poisson's ratio of the substrate.
+    #[getter]
+    fn substrate(&self) -> [f64; 2] {
+        let material = self.case.field.substrate();
+        [material.young_modulus, material.poisson_ratio]
+    }
+}
+
+impl Rounded {
+    fn of(mut file: CaseFile, overrides: &[String]) -> PyResult<Self> {
+        for setting in overrides {
+            file.set(setting).map_err(|error| case_error(&error))?;
+        }
+        let case = file.rounded_case().map_err(|error| case_error(&error))?;
+        Ok(Self { case })
+    }
+}
+
+/// A contact with rounded tops.
+#[pyclass(frozen, module = "fakir._fakir")]
+pub(crate) struct RoundedContact {
+    case: RoundedCase,
+    contact: CapContact,
+    wall_time: f64,
+}
+
+#[pymethods]
+impl RoundedContact {
+    /// The object that `fakir press --json` prints.
+    fn json(&self) -> String {
+        let RoundedCase { field, height, .. } = &self.case;
+        json(&RoundedPressSummary::new(
+            field,
+            *height,
+            &self.contact,
+            self.wall_time,
+        ))
+    }
+
+    /// The columns of `pillars.csv`.
+    fn pillars<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
+        let RoundedCase { field, height, .. } = &self.case;
+        columns(py, &rounded_pillars(field, *height, &self.contact))
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        rounded_warnings(&self.case.field, self.case.height, &self.contact)
+    }
+
+    #[getter]
+    fn termination(&self) -> &'static str {
+        self.contact.termination.description()
+    }
+}
+
+/// The contact with rounded tops at an indentation (m) or under a force (N).
+#[pyfunction]
+pub(crate) fn press_rounded(
+    py: Python<'_>,
+    tops: &Rounded,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    options: Options,
+) -> PyResult<RoundedContact> {
+    let control = load(indentation, force)?;
+    let case = tops.case.clone();
+    let start = Instant::now();
+    let contact = watched(py, &options, |run| {
+        case.field.press(control, case.accuracy, run)
+    })?;
+    Ok(RoundedContact {
+        contact: contact.map_err(|error| solve_error(&error))?,
+        wall_time: start.elapsed().as_secs_f64(),
+        case,
+    })
+}
+
+/// The object that `fakir design --free heights --json` prints, the pillars that were found, and the columns of `curve.csv`.
+type DesignedHeights<'py> = (String, Rounded, PyColumns<'py>);
+
+/// Heights of rounded tops for a wanted curve: `"area of the force"`, `"force of the indentation"` or `"area of the indentation"`, in SI units.
+#[pyfunction]
+pub(crate) fn design_heights<'py>(
+    py: Python<'py>,
+    tops: &Rounded,
+    curve: &str,
+    points: Vec<[f64; 2]>,
+    seed: u64,
+    height_error: Option<f64>,
+    options: Options,
+) -> PyResult<DesignedHeights<'py>> {
+    let curves = [
+        Curve::AreaOfForce,
+        Curve::ForceOfIndentation,
+        Curve::AreaOfIndentation,
+    ];
+    let curve = curves.into_iter().find(|known| known.words() == curve);
+    let curve = curve.ok_or_else(|| value_error("there is no such curve"))?;
+    let wanted = points
+        .into_iter()
+        .map(|[load, value]| WantedPoint { load, value });
+    let wanted: Vec<WantedPoint> = wanted.collect();
+    let start = Instant::now();
+    let found = watched(py, &options, |run| {
+        design_pillars(&tops.case, curve, &wanted, seed, run)
+    })?;
+    let found = found.map_err(|error| pillar_heights_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let summary = HeightsSummary::new(&found, seed, height_error, wall_time);
+    let table = columns(py, &found.table(height_error))?;
+    Ok((json(&summary), Rounded { case: found.case }, table))
+}

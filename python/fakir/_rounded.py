@@ -1,0 +1,451 @@
+"""Pillars with rounded tops: their contact, and heights designed for a wanted curve."""
+
+from __future__ import annotations
+
+import copy
+import json
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _fakir
+from ._design import SEED
+from ._format import Row, engineering, html_table, text_table
+from ._quantity import FloatArray, Quantity, array, si
+from ._run import Progress, options, warn
+from ._system import Lens, Overrides, Substrate, _settings, load
+from .errors import NotConverged
+from .love import Plate
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class RoundedTops:
+    """Pillars, or asperities of a half-space, with rounded tops under a lens or a plate.
+
+    Parameters
+    ----------
+    x, y
+        Where the tops are, from the lens axis (m): one array each.
+    height
+        Height of each top over the floor (m): an array, or one for all.
+    top_radius
+        Radius of curvature of all tops (m).
+    indenter
+        A `Lens`, or a plate: `fakir.love.Plate`.
+    substrate
+        The elastic half-space under the tops, and what they are made of.
+    diameter
+        Of each pillar (m): an array, or one for all. Without it the tops are asperities of the half-space, which end at the floor.
+    reference_height
+        The height from which indentations are counted (m); without it that of the highest.
+    compliance
+        ``"column"`` if pillars with a diameter shorten under load, ``"none"`` if not.
+    accuracy
+        ``"default"``, or ``"accurate"``: a pressure of degree 2 on each contact, or of degree 4.
+
+    Examples
+    --------
+    Nine asperities under a glass plate:
+
+    >>> x, y = np.meshgrid([-1e-3, 0.0, 1e-3], [-1e-3, 0.0, 1e-3])
+    >>> rubber, glass = Substrate("1.5 MPa", 0.5), Plate("70 GPa", 0.22)
+    >>> tops = RoundedTops(x, y, 100e-6, "500 um", glass, rubber)
+    >>> contact = tops.press(force="10 mN")
+    >>> contact.pillars_in_contact
+    9
+    """
+
+    indenter: Lens | Plate
+    substrate: Substrate
+    top_radius: float
+    """Radius of curvature, m."""
+    reference_height: float
+    """Height from which indentations are counted, m."""
+    x: FloatArray
+    y: FloatArray
+    height: FloatArray
+    """Of every top over the floor, m."""
+    diameter: FloatArray
+    """Of every pillar, m; NaN of asperities."""
+
+    def __init__(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        height: Quantity | ArrayLike,
+        top_radius: Quantity,
+        indenter: Lens | Plate,
+        substrate: Substrate,
+        *,
+        diameter: Quantity | ArrayLike | None = None,
+        reference_height: Quantity | None = None,
+        compliance: Literal["column", "none"] = "column",
+        accuracy: Literal["default", "accurate"] = "default",
+    ) -> None:
+        if not isinstance(indenter, (Lens, Plate)):
+            raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
+        if compliance not in {"column", "none"}:
+            raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')
+        if accuracy not in {"default", "accurate"}:
+            raise ValueError(f'accuracy is {accuracy!r}: give "default" or "accurate"')
+        columns = [array(x, "length", "x"), array(y, "length", "y"), array(height, "length", "height")]
+        if diameter is not None:
+            columns.append(array(diameter, "length", "diameter"))
+        try:
+            columns = [np.ravel(values) for values in np.broadcast_arrays(*columns)]
+        except ValueError as error:
+            raise ValueError(
+                f"x, y, height and diameter have to be arrays of one length, or single numbers: {error}"
+            ) from None
+        if diameter is None:
+            columns.append(np.full(len(columns[0]), np.nan))
+        if len(columns[0]) == 0:
+            raise ValueError("there are no tops: give one at least")
+        reference = (
+            float(np.max(columns[2]))
+            if reference_height is None
+            else si(reference_height, "length", "reference_height")
+        )
+        lens = plate = None
+        if isinstance(indenter, Lens):
+            lens = [indenter.radius, indenter.young_modulus, indenter.poisson_ratio]
+        elif indenter.young_modulus is not None and indenter.poisson_ratio is not None:
+            plate = [indenter.young_modulus, indenter.poisson_ratio]
+        self._hold(
+            _fakir.Rounded(
+                np.stack(columns, axis=1).tolist(),
+                si(top_radius, "length", "top_radius"),
+                reference,
+                lens,
+                plate,
+                [substrate.young_modulus, substrate.poisson_ratio],
+                compliance == "column",
+                accuracy == "accurate",
+            )
+        )
+
+    @classmethod
+    def _of(cls, rounded: _fakir.Rounded) -> RoundedTops:
+        made = cls.__new__(cls)
+        made._hold(rounded)
+        return made
+
+    @classmethod
+    def from_file(cls, path: str | PathLike[str], set: Overrides | None = None) -> RoundedTops:
+        """Reads a case file with ``texture.top_radius``; ``set`` overrides keys, as ``--set`` of the command line."""
+        return cls._of(_fakir.Rounded.read(fspath(path), _settings(set)))
+
+    @classmethod
+    def from_toml(cls, text: str, set: Overrides | None = None) -> RoundedTops:
+        """As `from_file`, from the text of a case file."""
+        return cls._of(_fakir.Rounded.parse("case.toml", text, _settings(set)))
+
+    def _hold(self, rounded: _fakir.Rounded) -> None:
+        self._rounded = rounded
+        lens, plate = rounded.lens, rounded.plate
+        self.indenter = Lens(*lens) if lens is not None else Plate(*(plate or []))
+        self.substrate = Substrate(*rounded.substrate)
+        self.top_radius, self.reference_height = rounded.top_radius, rounded.height
+        columns = np.asarray(rounded.pillars(), dtype=np.float64).T
+        self.x, self.y, self.height, self.diameter = (np.ascontiguousarray(c) for c in columns)
+
+    def to_toml(self, table: str = "pillars.csv") -> str:
+        """The case as a commented file, which reads the tops from a table of that name next to it: see `to_csv`."""
+        return self._rounded.to_toml(table)
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Writes the table that ``pillars = "..."`` of a case file reads."""
+        _write(path, self._rounded.table().encode())
+
+    def to_stl(self, path: str | PathLike[str]) -> None:
+        """Writes the surface as a solid in STL, lengths in mm."""
+        _write(path, bytes(self._rounded.stl()))
+
+    def press(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> RoundedContact:
+        """The contact at an indentation (m) or under a force (N): exactly one of them.
+
+        The indentation counts from where the indenter is level with the reference height. Adhesion is left out, and the floor.
+        """
+        run = options(threads, progress, memory_limit)
+        contact = _fakir.press_rounded(self._rounded, *load(indentation, force), run)
+        result = RoundedContact(self, contact)
+        warn(contact.warnings)
+        if not result.converged:
+            raise NotConverged(f"the solution {result.termination}", result)
+        return result
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def __repr__(self) -> str:
+        under = "a plate" if isinstance(self.indenter, Plate) else f"a {self.indenter}"
+        radius = engineering(self.top_radius, "m", 4)
+        return f"fakir.RoundedTops: {len(self)} tops of radius of curvature {radius}, under {under}"
+
+
+class RoundedContact:
+    """The contact with rounded tops. Numbers are in SI units; arrays have one value for every top."""
+
+    tops: RoundedTops
+    """What was pressed."""
+    x: FloatArray
+    """Middle of every contact, m; of a top that is not touched, where it is nearest to be."""
+    y: FloatArray
+    radius: FloatArray
+    """Radius of every contact, m; 0 of a top that is not touched."""
+    forces: FloatArray
+    """Force on every top, N."""
+    gap: FloatArray
+    """Gap over every top that is not touched, m; 0 of the others."""
+
+    def __init__(self, tops: RoundedTops, contact: _fakir.RoundedContact) -> None:
+        self.tops, self._contact = tops, contact
+        self._summary: dict[str, Any] = json.loads(contact.json())
+        self._columns = dict(contact.pillars())
+        self.x, self.y, self.radius, self.forces, self.gap = (
+            np.asarray(self._columns[name], dtype=np.float64)
+            for name in ["centre_x_m", "centre_y_m", "contact_radius_m", "force_N", "gap_m"]
+        )
+
+    @property
+    def force(self) -> float:
+        """Normal force, N."""
+        return float(self._summary["force_N"])
+
+    @property
+    def indentation(self) -> float:
+        """Indentation, m."""
+        return float(self._summary["indentation_m"])
+
+    @property
+    def contact_area(self) -> float:
+        """Contact area, m^2."""
+        return float(self._summary["contact_area_m2"])
+
+    @property
+    def contact_radius(self) -> float | None:
+        """Distance from the lens axis of the farthest point in contact, m; none under a plate."""
+        return self._summary["contact_radius_m"]  # type: ignore[no-any-return]
+
+    @property
+    def pillars_in_contact(self) -> int:
+        """How many tops are touched."""
+        return int(self._summary["pillars_in_contact"])
+
+    @property
+    def stiffness(self) -> float:
+        """Change of the force with the indentation, N/m."""
+        return float(self._summary["stiffness_N_per_m"])
+
+    @property
+    def error(self) -> dict[str, float] | None:
+        """Estimated errors, if they could be estimated: relative ones as ``force`` and ``contact_area``, and ``indentation_m``."""
+        return copy.deepcopy(self._summary["relative_error_estimate"])  # type: ignore[no-any-return]
+
+    @property
+    def converged(self) -> bool:
+        """Whether the numbers are the solution."""
+        return bool(self._summary["converged"])
+
+    @property
+    def termination(self) -> str:
+        """Why the solver stopped."""
+        return self._contact.termination
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to be careful about."""
+        return self._contact.warnings
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir press --json`` prints: same names, same numbers."""
+        return copy.deepcopy(self._summary)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table, one row for every top: the columns of ``pillars.csv``."""
+        import pandas
+
+        return pandas.DataFrame(self._columns)
+
+    def _rows(self) -> list[Row]:
+        error = self.error
+        known = [] if error is None else [("estimated error of the area", f"{error['contact_area']:.0e}")]
+        return [
+            ("force", engineering(self.force, "N")),
+            ("indentation", engineering(self.indentation, "m")),
+            ("contact area", f"{self.contact_area * 1e12:.5g} µm²"),
+            ("tops in contact", f"{self.pillars_in_contact} of {len(self.tops)}"),
+            *known,
+            ("left out", ", ".join(self._summary["left_out"])),
+            ("solution", self.termination),
+        ]
+
+    def __repr__(self) -> str:
+        return text_table("fakir.RoundedContact", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Contact with rounded tops", self._rows())
+
+
+class HeightDesign:
+    """Heights of rounded tops for a wanted curve. Arrays have one value for every point of the curve."""
+
+    tops: RoundedTops
+    """The tops with the heights that were found."""
+    load: FloatArray
+    """Forces (N) or indentations (m)."""
+    wanted: FloatArray
+    """Areas (m^2) or forces (N) that were wanted."""
+    reached: FloatArray
+    """Those that the heights come to."""
+    interactions_ignored: FloatArray
+    """Those of heights that are designed as if tops did not act on each other."""
+    scatter: FloatArray | None
+    """Relative standard deviation with the error of the heights, if that was given."""
+
+    def __init__(
+        self, summary: dict[str, Any], tops: RoundedTops, columns: list[tuple[str, Any]]
+    ) -> None:
+        self._summary, self.tops = summary, tops
+        self._columns = dict(columns)
+        arrays = [np.asarray(values) for _, values in columns]
+        self.load, self.wanted, self.reached, _, self.interactions_ignored = arrays[:5]
+        self.scatter = arrays[6] if len(arrays) > 6 else None
+
+    @property
+    def found(self) -> bool:
+        """Whether the curve is met at every load, to 1e-5. If not, these are the heights that come nearest."""
+        return bool(self._summary["design"]["status"] == "found")
+
+    @property
+    def statement(self) -> str:
+        """What was reached in words."""
+        return str(self._summary["design"]["statement"])
+
+    @property
+    def residual(self) -> FloatArray:
+        """Relative differences from what was wanted."""
+        return self.reached / self.wanted - 1.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that ``fakir design --free heights --json`` prints."""
+        return copy.deepcopy(self._summary)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table, one row for every point: the columns of ``curve.csv``."""
+        import pandas
+
+        return pandas.DataFrame(self._columns)
+
+    def _rows(self) -> list[Row]:
+        design = self._summary["design"]
+        heights = f"{engineering(design['lowest_height_m'], 'm', 4)} to {engineering(design['highest_height_m'], 'm', 4)}"
+        ignored = float(np.max(np.abs(self.interactions_ignored / self.wanted - 1.0)))
+        return [
+            ("curve", f"{design['wanted']}, {len(self.load)} points"),
+            ("result", self.statement),
+            ("heights", heights),
+            ("in contact", f"{design['pillars_in_contact']} of {design['pillars']}"),
+            ("interactions ignored", f"off by {100.0 * ignored:.2g} % at most"),
+        ]
+
+    def __repr__(self) -> str:
+        return text_table("fakir.HeightDesign", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("Designed heights", self._rows())
+
+
+def design_heights(
+    tops: RoundedTops,
+    *,
+    force: object = None,
+    indentation: object = None,
+    area: object = None,
+    seed: int = SEED,
+    height_error: Quantity | None = None,
+    threads: int = 1,
+    progress: Progress | None = None,
+    memory_limit: int | None = None,
+) -> HeightDesign:
+    """Heights of rounded tops for a wanted curve: area of the force, force of the indentation, or area of the indentation.
+
+    Parameters
+    ----------
+    tops
+        Where the tops are and how round they are; their own heights do not matter, but that from which indentations are counted does.
+    force, indentation, area
+        The curve: arrays of one length for two of them (N, m, m^2), rising.
+    seed
+        Decides which height goes to which top.
+    height_error
+        Standard deviation with which heights can be made (m): then the scatter of the curve is told.
+
+    Raises
+    ------
+    ValueError
+        If the curve falls, or a top would end below the floor.
+    DesignError
+        If no heights of these tops have such an area under such a force.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid(1.5e-3 * np.arange(3.0), 1.5e-3 * np.arange(3.0))
+    >>> tops = RoundedTops(x, y, 200e-6, "526 um", Plate("70 GPa", 0.22), Substrate("1.5 MPa", 0.5))
+    >>> found = design_heights(tops, force=[2e-3, 4e-3, 6e-3], area=[1.2e-8, 2.4e-8, 3.6e-8])
+    >>> found.found
+    True
+    """
+    given = {"force": force, "indentation": indentation, "area": area}
+    names = [name for name, values in given.items() if values is not None]
+    if len(names) != 2:
+        raise TypeError("give two of force, indentation and area: the curve that is wanted")
+    value = "area" if area is not None else "force"
+    over = next(name for name in names if name != value)
+    load_values = _curve(given[over], over)
+    values = _curve(given[value], value)
+    if load_values.shape != values.shape:
+        raise ValueError(
+            f"{over} has {load_values.size} values and {value} {values.size}: give one for each other"
+        )
+    error = None if height_error is None else si(height_error, "length", "height_error")
+    if error is not None and not 0.0 < error < np.inf:
+        raise ValueError(f"height_error is {error}: it must be a length greater than 0")
+    run = options(threads, progress, memory_limit)
+    summary, rounded, columns = _fakir.design_heights(
+        tops._rounded,
+        f"{value} of the {over}",
+        np.stack([load_values, values], axis=1).tolist(),
+        seed,
+        error,
+        run,
+    )
+    return HeightDesign(json.loads(summary), RoundedTops._of(rounded), columns)
+
+
+def _curve(values: object, name: str) -> FloatArray:
+    dimension: Literal["length", "force", "number"] = "number"
+    if name == "force":
+        dimension = "force"
+    elif name == "indentation":
+        dimension = "length"
+    return np.ravel(array(values, dimension, name))
+
+
+def _write(path: str | PathLike[str], contents: bytes) -> None:
+    unfinished = Path(f"{fspath(path)}.tmp")
+    unfinished.write_bytes(contents)
+    unfinished.replace(path)

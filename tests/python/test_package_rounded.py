@@ -1,0 +1,76 @@
+"""Rounded pillar tops, and heights that are designed for a curve."""
+
+import numpy as np
+import pytest
+
+import fakir
+from fakir.love import Plate
+
+RUBBER, GLASS = fakir.Substrate("1.5 MPa", 0.5), Plate("70 GPa", 0.22)
+PITCH = 1.5e-3
+X, Y = np.meshgrid(PITCH * np.arange(3.0), PITCH * np.arange(3.0))
+
+
+def tops(**options):
+    return fakir.RoundedTops(X, Y, 200e-6, "526 um", GLASS, RUBBER, **options)
+
+
+def test_one_top_is_a_contact_of_hertz():
+    """F = 4/3 E* sqrt(R) zeta^(3/2), A = pi R zeta."""
+    one = fakir.RoundedTops(0.0, 0.0, "200 um", "526 um", GLASS, RUBBER)
+    contact = one.press(indentation="2 um")
+    modulus = 1 / (0.75 / 1.5e6 + (1 - 0.22**2) / 70e9)
+    assert contact.force == pytest.approx(4 / 3 * modulus * np.sqrt(526e-6) * 2e-6**1.5, rel=1e-9)
+    assert contact.contact_area == pytest.approx(np.pi * 526e-6 * 2e-6, rel=1e-9)
+    assert contact.radius == pytest.approx([np.sqrt(526e-6 * 2e-6)], rel=1e-9)
+    assert contact.contact_radius is None and contact.converged
+    assert contact.to_dict()["left_out"] == ["floor", "adhesion"]
+
+
+def test_a_case_file_and_arrays_are_the_same(tmp_path):
+    made = tops(diameter="1 mm")
+    (tmp_path / "case.toml").write_text(made.to_toml())
+    made.to_csv(tmp_path / "pillars.csv")
+    read = fakir.RoundedTops.from_file(tmp_path / "case.toml")
+    one, other = made.press(force="10 mN"), read.press(force="10 mN")
+    assert one.contact_area == pytest.approx(other.contact_area, rel=1e-12)
+    assert len(other.to_pandas()) == 9
+    made.to_stl(tmp_path / "surface.stl")
+    assert (tmp_path / "surface.stl").stat().st_size > 1000
+    assert "9 tops" in repr(read) and "9 of 9" in repr(one)
+
+
+def test_heights_for_a_linear_interface():
+    force = np.array([10e-3, 15e-3, 20e-3])
+    found = fakir.design_heights(tops(), force=force, area=6e-6 * force, height_error="0.1 um")
+    assert found.found, found.statement
+    assert np.abs(found.residual).max() < 1e-5
+    assert found.scatter is not None and (found.scatter > 0).all()
+    again = found.tops.press(force=15e-3)
+    assert again.contact_area == pytest.approx(6e-6 * 15e-3, rel=2e-5)
+    assert found.to_dict()["design"]["status"] == "found"
+    assert len(found.to_pandas()) == 3
+    assert "HeightDesign" in repr(found)
+
+
+def test_what_cannot_be_is_refused():
+    force = [10e-3, 20e-3]
+    with pytest.raises(TypeError, match="give two of force, indentation and area"):
+        fakir.design_heights(tops(), force=force)
+    with pytest.raises(ValueError, match="does not rise"):
+        fakir.design_heights(tops(), force=force, area=[6e-8, 5e-8])
+    with pytest.raises(fakir.DesignError, match="where all bear the same"):
+        fakir.design_heights(tops(), force=force, area=[6e-8, 6e-6])
+    with pytest.raises(ValueError, match="give one for each other"):
+        fakir.design_heights(tops(), force=force, area=[6e-8])
+    with pytest.raises(TypeError, match="Lens or a Plate"):
+        fakir.RoundedTops(0.0, 0.0, 1e-4, 5e-4, RUBBER, RUBBER)
+    with pytest.raises(ValueError, match="top radius"):
+        fakir.RoundedTops(0.0, 0.0, 1e-4, -5e-4, GLASS, RUBBER)
+    with pytest.raises(fakir.CaseError, match="flat pillar tops only"):
+        fakir.System.from_toml(tops(diameter="1 mm").to_toml())
+
+
+def test_what_to_cite_for_rounded_tops():
+    keys = [entry.bibtex.split("{")[1].split(",")[0] for entry in fakir.cite(tops())]
+    assert "Hertz1882" in keys and "Aymard2024" not in keys
