@@ -1,6 +1,6 @@
 //! The one place where a question goes to a method.
 
-use crate::problem::{Accuracy, Control, CyclePlan, Method, System};
+use crate::problem::{Accuracy, Control, CyclePlan, LensShape, Method, System};
 use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
@@ -39,7 +39,8 @@ pub fn press(
         Method::Punch(form) => answers::press(system, control, PillarMethod::Punch(form), run),
         Method::Love(mesh) => answers::press(system, control, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::press(system, control, run),
-    }?
+    }
+    .and_then(within_table)?
     .checked()
 }
 
@@ -83,7 +84,9 @@ pub fn gradient(
         let why = "only the spectral method has one; use that";
         return Err(SolveError::NoGradient { why });
     };
-    gradient::gradient(system, control, accuracy, run)?.checked()
+    let mut gradient = gradient::gradient(system, control, accuracy, run)?;
+    gradient.contact = within_table(gradient.contact)?;
+    gradient.checked()
 }
 
 /// The critical state, in which the lens just reaches the floor, by the given method: [`press`] with
@@ -162,6 +165,18 @@ fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError
         });
     }
     Ok(())
+}
+
+/// Refuses a state whose lowest point of the floor is beyond the table of heights of the lens, where its gap is not known.
+fn within_table(state: ContactState) -> Result<ContactState, SolveError> {
+    if let LensShape::Profile(profile) = &state.system.lens().shape {
+        let ([x, y], end) = (state.smallest_gap_position, profile.range());
+        let reach = x.hypot(y);
+        if reach > end {
+            return Err(SolveError::ProfileEnds { reach, end });
+        }
+    }
+    Ok(state)
 }
 
 /// The accuracy of the one method that has adhesion.

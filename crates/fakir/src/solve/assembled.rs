@@ -151,12 +151,6 @@ pub(super) fn assemble(
     if farthest > scene.lens.largest_contact() {
         return Err(exceeds_lens(scene, farthest));
     }
-    if let (LensShape::Profile(profile), Some(point)) = (&scene.lens.shape, lowest) {
-        let [x, y] = point.position;
-        if x.hypot(y) > profile.range() {
-            return Err(exceeds_lens(scene, x.hypot(y)));
-        }
-    }
     let partial = touched
         .iter()
         .filter(|pillar| pillar.state.status == PillarStatus::Partial)
