@@ -174,6 +174,9 @@ impl<'a> Level<'a> {
         radius: f64,
         run: &'a Run<'a>,
     ) -> Result<Self, SolveError> {
+        // They have to be there before it is known how they stand.
+        let pillars = scene.field.expected_len(radius);
+        check_memory(pillars as usize, (BYTES_PER_SITE * pillars) as usize, run)?;
         let sites = Sites::within(&scene.field, radius);
         let (operator, elements): (Box<dyn Operator + 'a>, _) = match mesh.layout {
             MeshLayout::Pillars => on_pillars(scene, mesh, &sites, run)?,
@@ -370,6 +373,9 @@ fn check_memory(pillars: usize, bytes: usize, run: &Run<'_>) -> Result<(), Solve
     }
     Ok(())
 }
+
+/// Bytes of a pillar without elements.
+const BYTES_PER_SITE: f64 = 56.0;
 
 /// Bytes of a solution for every element, besides the operator.
 const BYTES_PER_ELEMENT: usize = 300;
