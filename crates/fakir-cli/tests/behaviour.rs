@@ -540,6 +540,32 @@ fn the_explorer_says_what_keeps_it_from_starting() {
         "{}",
         outcome.stderr
     );
+    let sheared = [
+        "texture.lattice=oblique",
+        "texture.pitch_y=30um",
+        "texture.lattice_angle=70deg",
+        "texture.pitch=30um",
+    ];
+    let mut arguments = vec!["explore", "--no-browser"];
+    arguments.extend(sheared.iter().flat_map(|setting| ["--set", setting]));
+    let outcome = bench.run(&arguments);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .contains("texture.lattice: the page shows hexagonal and square lattices"),
+        "{}",
+        outcome.stderr
+    );
+    let outcome = bench.run(&["explore", "--no-browser", "--set", "lens.shape=paraboloid"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .contains("lens.shape: the page shows a spherical lens"),
+        "{}",
+        outcome.stderr
+    );
     let outcome = bench.run(&["explore", "missing.toml"]);
     assert_eq!(outcome.status, Some(2));
     assert!(

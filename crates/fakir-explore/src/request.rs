@@ -143,27 +143,24 @@ pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
         .map(|(path, value)| Ok((known(path)?, short(path, value)?.clone())))
         .collect();
     let case = CaseFile::from_settings("the page", settings?).case()?;
-    if !is_shown(&case) {
-        return Err(
-            Refusal::impossible("the page shows hexagonal and square lattices")
-                .at(Key::Lattice.path())
-                .accepted(
-                    "hexagonal or square; fakir transition and fakir press answer all others",
-                ),
-        );
-    }
-    if case.system.lens().sphere().is_none() {
-        return Err(Refusal::impossible("the page shows a spherical lens")
-            .at(Key::LensShape.path())
-            .accepted("sphere; fakir transition and fakir press answer all others"));
+    if let Some((key, shown, words)) = not_shown(&case) {
+        let accepted = format!("{words}; fakir transition and fakir press answer all others");
+        return Err(Refusal::impossible(shown).at(key.path()).accepted(accepted));
     }
     check_size(&case)?;
     Ok(case)
 }
 
-/// Whether the page shows the arrangement of a case.
-pub(crate) fn is_shown(case: &Case) -> bool {
-    LATTICES.contains(&case.system.arrangement().name())
+/// What of a case the page does not show: its key, what the page does show, and which values it has.
+pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)> {
+    if !LATTICES.contains(&case.system.arrangement().name()) {
+        let words = "the page shows hexagonal and square lattices";
+        return Some((Key::Lattice, words, "hexagonal or square"));
+    }
+    if case.system.lens().sphere().is_none() {
+        return Some((Key::LensShape, "the page shows a spherical lens", "sphere"));
+    }
+    None
 }
 
 /// The key of that path.

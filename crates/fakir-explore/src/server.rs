@@ -77,13 +77,13 @@ pub enum ExploreError {
         /// Why the system refused it.
         error: io::Error,
     },
-    /// Pillars that the page does not show.
-    #[error(
-        "texture.lattice is \"{name}\": the page shows hexagonal and square lattices; fakir transition and fakir press answer all others"
-    )]
-    Arrangement {
-        /// Name of the arrangement.
-        name: &'static str,
+    /// A case that the page does not show.
+    #[error("{key}: {shown}; fakir transition and fakir press answer all others")]
+    NotShown {
+        /// The key that says otherwise.
+        key: &'static str,
+        /// What the page shows.
+        shown: &'static str,
     },
     /// The system has no random numbers.
     #[error("the system has no random numbers for the address: {0}")]
@@ -119,9 +119,9 @@ impl Explorer {
     /// # Errors
     /// [`ExploreError`], for a port in use with the next one that is free.
     pub fn bind(options: &Options) -> Result<Self, ExploreError> {
-        if !request::is_shown(&options.case) {
-            let name = options.case.system.arrangement().name();
-            return Err(ExploreError::Arrangement { name });
+        if let Some((key, shown, _)) = request::not_shown(&options.case) {
+            let key = key.path();
+            return Err(ExploreError::NotShown { key, shown });
         }
         let port = options.port.unwrap_or(0);
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| {
