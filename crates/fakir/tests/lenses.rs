@@ -516,8 +516,8 @@ fn profiles_are_used_as_far_as_they_go() {
         "{error}"
     );
     assert!(error.to_string().contains("ends at 6.000e-5 m"), "{error}");
-    // The lens comes nearest to the floor beside the pillar, beyond the end of this table.
-    let shorter = system(profile(8e-6, 20, |r| exact.sag(r)), lattice);
+    // The lens comes nearest to the floor at the rim of the pillar, 3 um from its axis, beyond the end of this table.
+    let shorter = system(profile(2.5e-6, 20, |r| exact.sag(r)), lattice);
     let light = Control::Indentation(1e-9);
     let error = fakir::press(&shorter, light, Method::default(), &Run::default()).unwrap_err();
     assert!(matches!(error, SolveError::ProfileEnds { .. }), "{error}");
