@@ -481,12 +481,6 @@ impl CaseFile {
             .find(|(own, _)| *own == choice)
             .map_or(&[][..], |(_, words)| words);
         match (choice, words) {
-            (Key::LensShape, _) => self
-                .problem(
-                    key,
-                    format!("with {choice} = \"{word}\" there is no such key"),
-                )
-                .accepted(format!("leave it out, or {choice} = \"sphere\"")),
             (Key::MethodName, [method]) => self
                 .problem(key, format!("only the method \"{method}\" has this key"))
                 .accepted(format!("leave it out, or {choice} = \"{method}\"")),

@@ -166,12 +166,6 @@ fn flat_tops_are_not_computed_in_their_place() {
         "{both}"
     );
     assert!(both.contains("fakir press"), "{both}");
-    let flat = SITES.replace("top_radius = \"526 um\"\n", "");
-    let plate = told(&format!("{PLATE}{flat}diameter = \"400 um\"\n"));
-    assert!(
-        plate.contains("lens.shape: a plate is pressed onto rounded pillar tops only"),
-        "{plate}"
-    );
     let surface = format!("{PLATE}[surface]\nheight_map = \"map.npy\"\ncell_size = \"1 um\"\n");
     let surface = file(&surface)
         .surface_case(1_000_000)

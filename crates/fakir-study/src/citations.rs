@@ -420,7 +420,7 @@ mod tests {
         assert_eq!(keys.len(), citations.len());
         let johnson = citations.iter().find(|c| c.key == "Johnson1985").unwrap();
         assert_eq!(johnson.why.matches("flat punch").count(), 1);
-        assert_eq!(johnson.why.matches("; ").count(), 2);
+        assert_eq!(johnson.why.matches("; ").count(), 3);
     }
 
     #[test]
