@@ -105,14 +105,11 @@ impl Series {
         [a, b, p, q]
     }
 
-    fn step(&self, s: f64) -> [f64; 3] {
-        step(self.parameters(), s)
-    }
-
     /// `F4` from the terms before `first`: their sum, and the last two of them. By the sums of its terms of one degree,
     /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the coefficients of the
     /// recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
     fn appell_from<N: Number>(&self, first: usize, known: [N; 3], [x, y]: [N; 2]) -> N {
+        let parameters = self.parameters();
         let [mut sum, mut term, mut before] = known;
         let (both, difference) = (x + y, y - x);
         let square = difference * difference;
@@ -121,7 +118,7 @@ impl Series {
             if term.is_below(SERIES_TOLERANCE, sum) {
                 return sum;
             }
-            let [of_sum, of_difference, of_square] = self.step(number as f64);
+            let [of_sum, of_difference, of_square] = step(parameters, number as f64);
             let next =
                 (both * of_sum + difference * of_difference) * term - square * of_square * before;
             (before, term) = (term, next);
@@ -164,15 +161,19 @@ pub(super) fn step([a, b, p, q]: [f64; 4], s: f64) -> [f64; 3] {
 #[derive(Debug, Clone)]
 struct SeriesTable {
     series: Vec<Series>,
-    /// For every term from the first on: the coefficients of [`Series::step`], each of all series.
+    /// For every term from the first on: the coefficients of a [`step`], each of all series.
     steps: Vec<f64>,
 }
 
 impl SeriesTable {
     fn new(series: Vec<Series>) -> Self {
+        let parameters: Vec<[f64; 4]> = series.iter().map(Series::parameters).collect();
         let mut steps = Vec::with_capacity(3 * TABLE * series.len());
         for number in 1..=TABLE {
-            let of_series: Vec<[f64; 3]> = series.iter().map(|s| s.step(number as f64)).collect();
+            let of_series: Vec<[f64; 3]> = parameters
+                .iter()
+                .map(|of_series| step(*of_series, number as f64))
+                .collect();
             for k in 0..3 {
                 steps.extend(of_series.iter().map(|step| step[k]));
             }
@@ -467,7 +468,7 @@ impl Entry {
     fn value(&self, radial: &[f64], angles: &Angles) -> f64 {
         let (m, n) = (self.receiver.order, self.source.order);
         let difference = angles.of(n as isize - m as isize);
-        let sum = angles.of((n + m) as isize);
+        let sum = angles.0[n + m];
         let [minus, plus] = self.series.map(|series| radial[series]);
         self.weight
             * match (self.receiver.sine, self.source.sine) {
