@@ -172,6 +172,7 @@ AnyLens = Lens | ParaboloidLens | CylinderLens | PlateLens | ProfileLens
 
 def _shape_of(lens: AnyLens) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
     """The numbers and words of a lens by their keys, but those of its material."""
+    numbers: list[tuple[str, float | None]]
     match lens:
         case ParaboloidLens():
             return [("lens.radius", lens.radius)], [("lens.shape", "paraboloid")]
