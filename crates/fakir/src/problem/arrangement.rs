@@ -446,10 +446,9 @@ impl PlaneLattice {
     /// Quantities that cannot be, and pillars of a diameter (m) that overlap.
     pub fn cut_pillars(&self, diameter: f64) -> Result<Option<Vec<(Point, f64)>>, InvalidQuantity> {
         self.check(diameter)?;
-        let Some(columns) = self.columns else {
+        let Some([first, end]) = self.ends() else {
             return Ok(None);
         };
-        let [first, end] = Self::range(i64::from(columns));
         let indices = (first..end).flat_map(|i| (first..end).map(move |j| (i, j)));
         let pillars = indices.filter_map(|index| {
             let ratio = self.disorder.height_ratio(index)?;
@@ -489,9 +488,8 @@ impl PlaneLattice {
         R::Finite.check(Q::Rotation, self.rotation)?;
         R::UpTo(LARGEST_SPREAD).check(Q::HeightSpread, self.disorder.height_spread)?;
         R::UpTo(MOST_MISSING).check(Q::Missing, self.disorder.missing)?;
-        if let Some(columns) = self.columns {
+        if let (Some(columns), Some([first, end])) = (self.columns, self.ends()) {
             R::Positive.check(Q::Columns, f64::from(columns))?;
-            let [first, end] = Self::range(i64::from(columns));
             let mut indices = (first..end).flat_map(|i| (first..end).map(move |j| (i, j)));
             if !indices.any(|index| self.disorder.height_ratio(index).is_some()) {
                 return Err(InvalidQuantity {
@@ -507,12 +505,8 @@ impl PlaneLattice {
     /// The first index of its pillars along each vector, and the end; none of a lattice without end.
     #[must_use]
     pub fn ends(&self) -> Option<[i64; 2]> {
-        self.columns.map(|columns| Self::range(i64::from(columns)))
-    }
-
-    /// Of so many pillars along a vector, the first index and the end.
-    pub(super) fn range(columns: i64) -> [i64; 2] {
-        [-(columns / 2), columns - columns / 2]
+        let columns = i64::from(self.columns?);
+        Some([-(columns / 2), columns - columns / 2])
     }
 }
 

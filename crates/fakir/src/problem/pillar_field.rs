@@ -63,8 +63,8 @@ pub(crate) struct PlaneLattice {
     scatter: Option<Scatter>,
     /// From how a lattice of its form is drawn: along its first vector, and a hexagonal one at 30 degrees from it, however it is given.
     rotation: f64,
-    /// How many pillars there are along each of the vectors.
-    columns: Option<i64>,
+    /// The first index along each of the vectors and the end, if it is cut.
+    ends: Option<[i64; 2]>,
 }
 
 /// By how much vectors of a hexagonal lattice are turned from those of the paper, rad; none of another lattice.
@@ -111,7 +111,7 @@ impl PlaneLattice {
             body,
             scatter: None,
             rotation: 0.0,
-            columns: None,
+            ends: None,
         })
     }
 
@@ -131,15 +131,14 @@ impl PlaneLattice {
             rotation,
             scatter: (disorder.height_spread > 0.0 || disorder.missing > 0.0)
                 .then_some(Scatter { disorder, height }),
-            columns: lattice.columns.map(i64::from),
+            ends: lattice.ends(),
             ..whole
         })
     }
 
     /// The pillar of an index, if there is one.
     fn body_at(&self, (i, j): (i64, i64)) -> Option<PillarBody> {
-        if let Some(columns) = self.columns {
-            let [first, end] = arrangement::PlaneLattice::range(columns);
+        if let Some([first, end]) = self.ends {
             let inside = first..end;
             if !(inside.contains(&i) && inside.contains(&j)) {
                 return None;
@@ -188,11 +187,8 @@ impl PlaneLattice {
         // The distance of rows i = constant is the area of the cell over the length of the other vector.
         let most = |other: usize| (reach * lengths[other] / self.cell_area()).ceil() as i64;
         let (rows, columns) = (most(1), most(0));
-        let side = |most: i64| match self.columns {
-            Some(columns) => {
-                let [first, end] = arrangement::PlaneLattice::range(columns);
-                first.max(-most)..end.min(most + 1)
-            }
+        let side = |most: i64| match self.ends {
+            Some([first, end]) => first.max(-most)..end.min(most + 1),
             None => -most..most + 1,
         };
         let mut pillars = Vec::new();
@@ -209,14 +205,20 @@ impl PlaneLattice {
         pillars
     }
 
+    /// Distance of the farthest place from the lens axis; none of a lattice without end.
+    fn farthest(&self) -> Option<f64> {
+        self.ends.map(|[first, end]| {
+            let sides = [first, end - 1];
+            let corners = sides
+                .iter()
+                .flat_map(|&i| sides.map(|j| self.centre((i, j))));
+            corners.map(|[x, y]| x.hypot(y)).fold(0.0, f64::max)
+        })
+    }
+
     /// Whether all pillars stand within a radius of the lens axis.
     fn is_within(&self, radius: f64) -> bool {
-        self.columns.is_some_and(|columns| {
-            let [first, end] = arrangement::PlaneLattice::range(columns);
-            let ends = [first, end - 1];
-            let mut corners = ends.iter().flat_map(|&i| ends.map(|j| self.centre((i, j))));
-            corners.all(|[x, y]| x.hypot(y) <= radius)
-        })
+        self.farthest().is_some_and(|farthest| farthest <= radius)
     }
 
     /// The most that a pillar is higher than the common one.
@@ -454,14 +456,7 @@ impl PillarField {
         const ROUNDING: f64 = 1e-9;
         let farthest = match self {
             Self::Hexagonal { .. } => None,
-            Self::Lattice(lattice) => lattice.columns.map(|columns| {
-                let [first, end] = arrangement::PlaneLattice::range(columns);
-                let ends = [first, end - 1];
-                let corners = ends
-                    .iter()
-                    .flat_map(|&i| ends.map(|j| lattice.centre((i, j))));
-                corners.map(|[x, y]| x.hypot(y)).fold(0.0, f64::max)
-            }),
+            Self::Lattice(lattice) => lattice.farthest(),
             Self::Listed(list) => {
                 let away = |pillar: &ListedPillar| pillar.centre[0].hypot(pillar.centre[1]);
                 Some(list.pillars.iter().map(away).fold(0.0, f64::max))

@@ -116,15 +116,7 @@ impl Scene {
             let nearest = next.into_iter().fold(f64::INFINITY, smaller);
             return self.lens.sag([(nearest - 1.0).max(0.0), 0.0]) <= indentation;
         }
-        let [largest, highest] = self.field.bounds();
-        // No pillar farther off than this is that high.
-        let rise = indentation + highest;
-        let radius = self
-            .lens
-            .distance_of_rise(rise)
-            .unwrap_or(self.lens.widest())
-            + largest;
-        let (pillars, _) = self.listed_within(radius);
+        let (pillars, _) = self.listed_within(self.farthest_reached(indentation));
         pillars.iter().any(|(index, pillar)| {
             let least = self.lens.least_over(pillar.centre, pillar.body.radius);
             *index != one && least - pillar.body.raised <= indentation
@@ -153,12 +145,17 @@ impl Scene {
     /// Distance from the lens axis within which the undeformed lens may reach a top that is higher than the common one at an indentation;
     /// 0 where none is.
     pub(crate) fn reach_of_tops(&self, indentation: f64) -> f64 {
-        let [largest, highest] = self.field.bounds();
+        let [_, highest] = self.field.bounds();
         if highest <= 0.0 {
             return 0.0;
         }
-        let rise = indentation + highest;
-        let reach = self.lens.distance_of_rise(rise);
+        self.farthest_reached(indentation)
+    }
+
+    /// Distance from the lens axis beyond which no pillar is so high that the undeformed lens reaches it at an indentation.
+    pub(crate) fn farthest_reached(&self, indentation: f64) -> f64 {
+        let [largest, highest] = self.field.bounds();
+        let reach = self.lens.distance_of_rise(indentation + highest);
         reach.unwrap_or(self.lens.widest()) + largest
     }
 

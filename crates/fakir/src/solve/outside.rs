@@ -20,10 +20,7 @@ pub(super) fn farthest_entered(
     if beyond.is_infinite() || !scene.field.has_unlike_heights() {
         return None;
     }
-    let [largest, highest] = scene.field.bounds();
-    // No pillar farther off than this is that high.
-    let reach = scene.lens.distance_of_rise(indentation + highest);
-    let reached = reach.unwrap_or(scene.lens.widest()) + largest;
+    let reached = scene.farthest_reached(indentation);
     if reached <= beyond {
         return None;
     }

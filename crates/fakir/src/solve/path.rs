@@ -11,11 +11,12 @@ use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered
 use super::frozen::{FrozenContact, Rule, Source};
 use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::sticky::StickyTops;
+use super::rules::tops::lens_over;
 use super::spectral::{LARGEST_CONTACT, checked_sites};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::sites::Sites;
-use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
+use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::convergence::Judgement;
@@ -762,9 +763,8 @@ impl<'a> Path<'a> {
 fn own_load(scene: &Scene, projector: &LensProjector, sites: &Sites, modes: usize) -> Vec<f64> {
     let mut own_load = vec![0.0; sites.len() * modes];
     let loads = own_load.chunks_exact_mut(modes);
-    for (pillar, (centre, load)) in sites.centres().iter().zip(loads).enumerate() {
-        projector.project(&scene.lens, *centre, 1.0, load);
-        load[0] += UNIT_FORCE * sites.body(pillar).raised;
+    for (pillar, load) in loads.enumerate() {
+        lens_over(&scene.lens, projector, sites, pillar, load);
     }
     own_load
 }

@@ -89,6 +89,19 @@ impl Change {
     }
 }
 
+/// `b`: the lens shape over a pillar top and the height of that, in as many modes as `load` holds.
+pub(crate) fn lens_over(
+    lens: &ShapedLens,
+    projector: &LensProjector,
+    sites: &Sites,
+    pillar: usize,
+    load: &mut [f64],
+) {
+    let body = sites.body(pillar);
+    projector.project(lens, sites.centres()[pillar], body.radius, load);
+    load[0] += UNIT_FORCE * body.raised;
+}
+
 const NOT_PARTIAL: u32 = u32::MAX;
 
 impl Tops {
@@ -115,11 +128,7 @@ impl Tops {
 
     /// The lens shape and the height of a pillar, in as many modes as `load` holds.
     fn project(&self, pillar: usize, load: &mut [f64]) {
-        let body = self.sites.body(pillar);
-        let centre = self.sites.centres()[pillar];
-        self.projector
-            .project(&self.lens, centre, body.radius, load);
-        load[0] += UNIT_FORCE * body.raised;
+        lens_over(&self.lens, &self.projector, &self.sites, pillar, load);
     }
 
     /// Turns the load on a pillar that is touched in full into its moments.
