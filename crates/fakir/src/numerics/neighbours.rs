@@ -208,11 +208,11 @@ impl Neighbours {
         sums
     }
 
-    /// All discs as they look from a point: boxes that are `smallness` times as large as far away at the most, by their places among the
-    /// [sums](Self::sums), and the discs of all others by their numbers.
+    /// All discs as they look from everywhere within a distance of a point: boxes that are `smallness` times as large as far away at the most, by
+    /// their places among the [sums](Self::sums), and the discs of all others by their numbers.
     pub(crate) fn seen_from(
         &self,
-        point: [f64; 2],
+        (point, around): ([f64; 2], f64),
         smallness: f64,
         mut small: impl FnMut(usize),
         mut near: impl FnMut(usize),
@@ -223,7 +223,7 @@ impl Neighbours {
                 continue;
             };
             let [least, most] = own.distances(point);
-            if most - least <= smallness * least {
+            if most - least <= smallness * (least - around) {
                 small(place);
                 continue;
             }
@@ -419,7 +419,7 @@ pub(crate) mod tests {
         let sums = tree.sums(|number| [1.0, discs[number].1]);
         let (mut small, mut alone) = ([0.0; 2], [0.0; 2]);
         tree.seen_from(
-            at,
+            (at, 0.05),
             0.7,
             |place| small = [0, 1].map(|k| small[k] + sums[place][k]),
             |number| alone = [alone[0] + 1.0, alone[1] + discs[number].1],

@@ -335,7 +335,8 @@ impl FloorDisplacement for LoadedDiscs<'_> {
         total
     }
 
-    /// Those far away together act as one force in their middle.
+    /// Points next to each other share what is far from all of them: there discs that are near each other act as one force in their middle, and
+    /// what they all do is expanded around the middle of the points to second order.
     fn rough_displacements(&self, points: &[Point]) -> Option<Vec<[f64; 2]>> {
         if points.len() * self.centres.len() < MANY {
             return None;
@@ -352,38 +353,86 @@ impl FloorDisplacement for LoadedDiscs<'_> {
         };
         let forces: Vec<_> = (0..self.centres.len()).map(of_disc).collect();
         let sums = tree.sums(|disc| forces[disc]);
-        let work = || vec![0.0; self.modes];
-        let one = |values: &mut Vec<f64>, number: usize| {
-            let [x, y] = points[number];
-            let (mut far, mut near) = ([0.0; 2], [0.0; 2]);
+        let beside = |disc: usize, [x, y]: Point, values: &mut Vec<f64>| {
+            let (centre, radius) = (self.centres[disc], radii[disc]);
+            let offset = [(x - centre[0]) / radius, (y - centre[1]) / radius];
+            let square = offset[0] * offset[0] + offset[1] * offset[1];
+            // There is no floor on a pillar.
+            if square <= 1.0 {
+                return [0.0; 2];
+            }
+            if square > BESIDE_DISC * BESIDE_DISC {
+                let inverse = (PI * square.sqrt() * radius).recip();
+                let [unit, rest, ..] = forces[disc];
+                return [unit * inverse, rest * inverse];
+            }
+            self.exterior.values(offset, values);
+            [0, 1].map(|set| radius * dot(values, self.coefficients_of(set, disc)))
+        };
+        let holes = Neighbours::new(points.iter().map(|point| (*point, 0.0)));
+        let groups = holes.groups(TOGETHER);
+        let work = || (vec![0.0; self.modes], Vec::new());
+        let of_group = |(values, near): &mut (Vec<f64>, Vec<usize>), number: usize| {
+            let (group, sides) = groups[number];
+            let places = || group.iter().map(|place| points[*place as usize]);
+            let first = places().fold([f64::INFINITY; 2], |low, at| {
+                [0, 1].map(|k| f64::min(low[k], at[k]))
+            });
+            let middle = [0, 1].map(|k| first[k] + 0.5 * sides[k]);
+            let extent = 0.5 * sides[0].hypot(sides[1]);
+            let (mut boxes, mut discs) = ([FieldJet::default(); 2], [FieldJet::default(); 2]);
+            near.clear();
             let small = |place: usize| {
                 let [unit, rest, count, u, v] = sums[place];
-                let inverse = (PI * (x - u / count).hypot(y - v / count)).recip();
-                far = [far[0] + unit * inverse, far[1] + rest * inverse];
+                let offset = [middle[0] - u / count, middle[1] - v / count];
+                add_forces([unit, rest], offset, &mut boxes);
             };
             let alone = |disc: usize| {
-                let (centre, radius) = (self.centres[disc], radii[disc]);
-                let offset = [(x - centre[0]) / radius, (y - centre[1]) / radius];
-                let distance = offset[0].hypot(offset[1]);
-                // There is no floor on a pillar.
-                if distance <= 1.0 {
-                    return;
-                }
-                if distance > BESIDE_DISC {
-                    let inverse = (PI * distance * radius).recip();
+                let offset = [0, 1].map(|k| middle[k] - self.centres[disc][k]);
+                if offset[0].hypot(offset[1]) > extent / FAR_FROM_ALL {
                     let [unit, rest, ..] = forces[disc];
-                    near = [near[0] + unit * inverse, near[1] + rest * inverse];
-                    return;
+                    add_forces([unit, rest], offset, &mut discs);
+                } else {
+                    near.push(disc);
                 }
-                self.exterior.values(offset, values);
-                near = [0, 1]
-                    .map(|set| near[set] + radius * dot(values, self.coefficients_of(set, disc)));
             };
-            tree.seen_from([x, y], SMALLNESS, small, alone);
-            [far[0] + near[0], far[1] + near[1]]
+            tree.seen_from((middle, extent), SMALLNESS, small, alone);
+            let of_point = |at: Point| {
+                let step = [0, 1].map(|k| at[k] - middle[k]);
+                let mut sum = [0, 1].map(|set| boxes[set].expanded(step) + discs[set].expanded(step));
+                for disc in &*near {
+                    let own = beside(*disc, at, values);
+                    sum = [0, 1].map(|set| sum[set] + own[set]);
+                }
+                sum
+            };
+            places().map(of_point).collect::<Vec<_>>()
         };
         let workers = self.run.workers();
-        Some(workers.map(points.len(), ROUGH, work, one))
+        let found = workers.map(groups.len(), ROUGH, work, of_group);
+        let mut displacements = vec![[0.0; 2]; points.len()];
+        for ((group, _), found) in groups.iter().zip(found) {
+            for (place, found) in group.iter().zip(found) {
+                displacements[*place as usize] = found;
+            }
+        }
+        Some(displacements)
+    }
+}
+
+/// Adds what two forces in one point do at an offset from it.
+fn add_forces(forces: [f64; 2], [x, y]: Point, sums: &mut [FieldJet; 2]) {
+    let square = (x * x + y * y).recip();
+    let value = square.sqrt() / PI;
+    let third = value * square;
+    let fifth = 3.0 * third * square;
+    let jet = FieldJet {
+        value,
+        gradient: [-third * x, -third * y],
+        hessian: [fifth * x * x - third, fifth * x * y, fifth * y * y - third],
+    };
+    for (sum, force) in sums.iter_mut().zip(forces) {
+        sum.add_scaled(force, &jet);
     }
 }
 
@@ -393,11 +442,15 @@ const MANY: usize = 300_000;
 /// Size over distance of discs that act as one.
 const SMALLNESS: f64 = 0.5;
 
+/// Points that share what is far from them, at the most, and how large the group of them is at the most over the distance of a disc that is.
+const TOGETHER: usize = 16;
+const FAR_FROM_ALL: f64 = 0.3;
+
 /// Distance, in radii, from which on a disc by itself acts as a force in its middle: that is too small by 1/200 there.
 const BESIDE_DISC: f64 = 6.0;
 
-/// Points a thread takes at a time, at the least.
-const ROUGH: usize = 64;
+/// Groups of points a thread takes at a time, at the least.
+const ROUGH: usize = 16;
 
 /// Part of an indentation by which the floor gives way under it from which on the indentation at which it is touched is not known roughly: what is
 /// left of it is too little.

@@ -239,6 +239,13 @@ impl FieldJet {
             self.hessian[k] += factor * other.hessian[k];
         }
     }
+
+    /// The value a step away, to second order.
+    pub(crate) fn expanded(&self, [x, y]: [f64; 2]) -> f64 {
+        let [along, cross, across] = self.hessian;
+        let slope = self.gradient[0] * x + self.gradient[1] * y;
+        self.value + slope + 0.5 * (along * x * x + across * y * y) + cross * x * y
+    }
 }
 
 /// The displacement outside a disc, for all modes up to a degree.
