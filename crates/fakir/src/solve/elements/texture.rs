@@ -139,6 +139,7 @@ fn state(
             .map(|cell| contact.pressure[cell])
             .collect(),
         cells: on_floor,
+        rotation: 0.0,
     };
     let mesh = ElementMesh {
         cells_per_diameter,
