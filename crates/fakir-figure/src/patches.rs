@@ -64,7 +64,10 @@ fn across_cells(floor: &FloorContact) -> Vec<[f64; 2]> {
             let inside = (0..2).fold([f64::NEG_INFINITY, f64::INFINITY], |[start, end], k| {
                 // Parallel to a side: from minus to plus infinity, or nothing.
                 let ends = [low[k] / along[k], high[k] / along[k]];
-                [start.max(ends[0].min(ends[1])), end.min(ends[0].max(ends[1]))]
+                [
+                    start.max(ends[0].min(ends[1])),
+                    end.min(ends[0].max(ends[1])),
+                ]
             });
             (inside[0] < inside[1]).then_some(inside)
         })

@@ -67,8 +67,10 @@ impl PillarGrid {
     /// Of a lattice, with no sides shorter than that.
     fn new([a, b]: [Point; 2], origin: Point, shortest: f64) -> Option<Self> {
         let longest = a[0].hypot(a[1]).max(b[0].hypot(b[1]));
-        let [(width, columns), (height, rows)] =
-            [common_side([a[0], b[0]], longest)?, common_side([a[1], b[1]], longest)?];
+        let [(width, columns), (height, rows)] = [
+            common_side([a[0], b[0]], longest)?,
+            common_side([a[1], b[1]], longest)?,
+        ];
         let is_wide = |side: f64| side >= shortest * (1.0 - ROUNDING);
         (is_wide(width) && is_wide(height)).then_some(Self {
             sides: [width, height],
@@ -724,7 +726,10 @@ mod tests {
             ([[6.0, 0.0], [3.0, 4.0]], [3.0, 4.0]),
             ([[6.0, 0.0], [-3.0, 4.0]], [3.0, 4.0]),
             ([[6.0, 0.0], [2.0, 7.0]], [2.0, 7.0]),
-            ([[3f64.sqrt(), 1.0], [3f64.sqrt(), -1.0]], [3f64.sqrt(), 1.0]),
+            (
+                [[3f64.sqrt(), 1.0], [3f64.sqrt(), -1.0]],
+                [3f64.sqrt(), 1.0],
+            ),
         ] {
             let field = field(vectors);
             let grid = field.pillar_grid();

@@ -575,12 +575,7 @@ fn entered_holes(lattice: &HexagonalLattice, newton: &Newton<'_>, largest: f64) 
 /// The distance of the farthest point of the floor beyond a radius that the lens enters under the present pressures. Looked for from the
 /// outside in, on circles near enough to each other for the holes between pillars: where some are missing, or the pillars end, the lens may enter
 /// the floor there and not nearer to its axis.
-fn entered_beyond(
-    scene: &Scene,
-    newton: &Newton<'_>,
-    radius: f64,
-    largest: f64,
-) -> Option<f64> {
+fn entered_beyond(scene: &Scene, newton: &Newton<'_>, radius: f64, largest: f64) -> Option<f64> {
     /// Of the shortest distance of pillars.
     const STEP: f64 = 0.35;
     const MOST_CIRCLES: f64 = 100.0;
@@ -788,7 +783,9 @@ fn patches(newton: &Newton<'_>) -> Patches {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarList, PlaneLattice};
     use crate::solve::newton::tests::problem;
+    use std::sync::Arc;
 
     /// The same on another lattice.
     fn on(lattice: HexagonalLattice, scene: Scene) -> Scene {
@@ -829,8 +826,7 @@ mod tests {
         );
         // 2 zeta_c, where the reference has 85 pillars in full and none in part.
         let (indentation, step) = (2.721_568, 1e-3);
-        let [before, at, after] =
-            [-step, 0.0, step].map(|by| level(&scene, indentation + by, 6));
+        let [before, at, after] = [-step, 0.0, step].map(|by| level(&scene, indentation + by, 6));
         let slope = (before.energy - after.energy) / (2.0 * step);
         assert!(
             (slope / at.force - 1.0).abs() < 1e-6,
@@ -838,6 +834,40 @@ mod tests {
             at.force
         );
         assert!(at.floor_force > 0.2 * at.force);
+    }
+
+    /// The same on a square lattice, which stands on the grid, and on a list of pillars of several radii and heights, which does not. None is touched
+    /// in part.
+    #[test]
+    fn the_force_is_the_slope_of_the_energy_on_any_arrangement() {
+        let body = PillarBody::of_column(0.1);
+        let listed = [
+            ([0.5, -0.3], 1.0, 0.0),
+            ([7.0, 3.0], 0.7, 0.05),
+            ([-5.0, 6.0], 1.3, -0.03),
+        ]
+        .map(|(centre, radius, raised)| ListedPillar {
+            centre,
+            body: PillarBody {
+                radius,
+                raised,
+                ..body
+            },
+        });
+        let on_grid = PlaneLattice::new([[50.0, 0.0], [0.0, 50.0]], [0.0; 2], body).unwrap();
+        let on_grid = PillarField::Lattice(Arc::new(on_grid));
+        let anywhere = PillarField::Listed(Arc::new(PillarList::new(listed.to_vec()).unwrap()));
+        for (field, indentation, fineness) in [(on_grid, 1.5, 40), (anywhere, 1.5, 6)] {
+            let scene = Scene { field, ..problem() };
+            let step = 1e-3;
+            let [before, at, after] =
+                [-step, 0.0, step].map(|by| level(&scene, indentation + by, fineness));
+            let slope = (before.energy - after.energy) / (2.0 * step);
+            let off = (slope / at.force - 1.0).abs();
+            println!("{off:e}, share {}", at.floor_force / at.force);
+            assert!(off < 2e-6, "{slope} {}", at.force);
+            assert!(at.floor_force > 0.1 * at.force);
+        }
     }
 
     /// One state for every indentation, from any start: the fine grid's from no contact at all, and by way of coarse ones.

@@ -161,7 +161,10 @@ fn add_turned_floor(floor: &FloorLoad, columns: &Cells, rows: &Cells, forces: &m
     let part = |k: usize| k as f64 + 0.5 - 0.5 * PARTS as f64;
     for ([x, y], pressure) in floor.loaded_cells() {
         for k in 0..PARTS * PARTS {
-            let at = [x + part(k % PARTS) * sides[0], y + part(k / PARTS) * sides[1]];
+            let at = [
+                x + part(k % PARTS) * sides[0],
+                y + part(k / PARTS) * sides[1],
+            ];
             let [x, y] = floor.placed(at);
             for row in rows.over(y, y.next_up()) {
                 for column in columns.over(x, x.next_up()) {

@@ -114,7 +114,11 @@ impl PillarExtent {
     pub(crate) fn new(sites: &Sites, reach: f64, on_grid: bool) -> Self {
         let near = |[x, y]: &&[f64; 2]| x.hypot(*y) <= reach;
         Self {
-            farthest: if on_grid { sites.extent(reach) } else { [0.0; 2] },
+            farthest: if on_grid {
+                sites.extent(reach)
+            } else {
+                [0.0; 2]
+            },
             listed: if on_grid {
                 0
             } else {
@@ -835,7 +839,10 @@ mod tests {
         for (field, _, _) in fields() {
             let window = Sites::within(&field, 11.0);
             let grid = FloorGrid::new(&field, Division::new(&field, 4), 6.0).unwrap();
-            let (cancel, pair) = (CancelToken::default(), PairCoupling::new(2, field.spacing()));
+            let (cancel, pair) = (
+                CancelToken::default(),
+                PairCoupling::new(2, field.spacing()),
+            );
             let workers = Workers {
                 pool: None,
                 cancel: &cancel,

@@ -72,7 +72,7 @@ pub(crate) struct FloorGrid {
     pub(crate) division: Division,
     /// On which the pillars stand, if they do.
     pillar_grid: Option<PillarGrid>,
-    /// Those next to the cells.
+    /// Those next to the cells; if there are none, the nearest of all and some more.
     pub(crate) pillars: Vec<ListedPillar>,
     /// Corner of the grid in cells of the coarse one from pillar (0, 0), or from the lens axis.
     corner: [i64; 2],
@@ -94,7 +94,14 @@ impl FloorGrid {
         let grid = Grid::new(shape[0], shape[1], division.cell, origin).ok()?;
         let mut covered = vec![false; grid.cell_count()];
         let [largest, _] = field.bounds();
-        let (listed, _) = field.listed_within(radius + field.spacing() + largest);
+        let mut reach = radius + field.spacing() + largest;
+        let listed = loop {
+            let (listed, all) = field.listed_within(reach);
+            if all || !listed.is_empty() {
+                break listed;
+            }
+            reach *= 2.0;
+        };
         for (index, pillar) in &listed {
             // In cells from the corner: whole numbers on the grid, so that pillars cover as many.
             let at = match &pillar_grid {

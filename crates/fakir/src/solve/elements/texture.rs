@@ -32,9 +32,8 @@ pub(crate) fn press_with_floor(
     let sphere = system.lens().sphere().ok_or_else(not_made_for)?;
     let pillars = system.pillars_within(2.0 * reach);
     // The discs are matched to flat punches of one diameter.
-    let has_common_diameter = |pillar: &PlacedPillar| {
-        (pillar.diameter / system.pillar().diameter - 1.0).abs() < 1e-12
-    };
+    let has_common_diameter =
+        |pillar: &PlacedPillar| (pillar.diameter / system.pillar().diameter - 1.0).abs() < 1e-12;
     if !pillars.iter().all(has_common_diameter) {
         return Err(not_made_for());
     }
@@ -45,7 +44,17 @@ pub(crate) fn press_with_floor(
     // Better known before the surface is drawn.
     check_fields(&grid, run)?;
     let surface = surface_system(system, sphere, &pillars, &grid).map_err(|_| impossible)?;
+    // Elements count the indentation from the highest pillar, others from the common height.
+    let raised = surface.surface().highest() - system.pillar().height;
+    let control = match control {
+        Control::Indentation(indentation) => Control::Indentation(indentation + raised),
+        other => other,
+    };
     let contact = surface.press(control, run)?;
+    let contact = SurfaceContact {
+        indentation: contact.indentation - raised,
+        ..contact
+    };
     Ok(state(
         system,
         &pillars,
@@ -77,11 +86,13 @@ fn surface_system(
     let surface = surface.with_floor(Floor::OffPillars);
     // Where pillars differ, or end, what goes on around the grid is not like what is highest in it.
     let arrangement = system.arrangement();
-    Ok(if arrangement.is_finite() || !arrangement.has_equal_pillars() {
-        surface
-    } else {
-        surface.continued()
-    })
+    Ok(
+        if arrangement.is_finite() || !arrangement.has_equal_pillars() {
+            surface
+        } else {
+            surface.continued()
+        },
+    )
 }
 
 /// Heights of the cells and the pillars that they belong to.
@@ -165,7 +176,9 @@ fn state(
         contact.pressure[cell] > 0.0 && pillar_of(cell).is_none()
     });
     let share = contact.shares.unwrap_or_default().floor;
-    let tops = pillars.iter().map(|pillar| (pillar.centre, 0.5 * pillar.diameter));
+    let tops = pillars
+        .iter()
+        .map(|pillar| (pillar.centre, 0.5 * pillar.diameter));
     let tops = Neighbours::new(tops);
     let distance_to_rim = |point: [f64; 2]| {
         let nearest = tops.nearest(point, Nearest::Edge, 0.0, None);
