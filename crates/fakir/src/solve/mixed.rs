@@ -749,17 +749,26 @@ fn patches(newton: &Newton<'_>) -> Patches {
             continue;
         }
         patches.cells += 1;
-        let [x, y] = grid.centre(index % columns, index / columns);
-        for (u, v) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
-            let corner = [x + u * width, y + v * height];
-            patches.radius = patches.radius.max(corner[0].hypot(corner[1]));
-            if let Some((_, distance)) = pillars.nearest(corner, Nearest::Edge, 0.0, None) {
-                patches.rim_distance = patches.rim_distance.min(distance);
-            }
-        }
+        let mut on_border = false;
         for (neighbour, side) in neighbours(index) {
             if !bears.get(neighbour).is_some_and(|bears| *bears) {
                 patches.perimeter += side;
+                on_border = true;
+            }
+        }
+        let [x, y] = grid.centre(index % columns, index / columns);
+        let distance = |point: Point| {
+            let nearest = pillars.nearest(point, Nearest::Edge, 0.0, None);
+            nearest.map_or(f64::INFINITY, |(_, distance)| distance)
+        };
+        // From a corner between four cells in contact the next one towards a pillar is nearer to it.
+        let may_be_nearest =
+            on_border && distance([x, y]) - 0.6 * width.hypot(height) < patches.rim_distance;
+        for (u, v) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
+            let corner = [x + u * width, y + v * height];
+            patches.radius = patches.radius.max(corner[0].hypot(corner[1]));
+            if may_be_nearest {
+                patches.rim_distance = patches.rim_distance.min(distance(corner));
             }
         }
         if seen[index] {
