@@ -21,8 +21,8 @@ class FloorErrors(NamedTuple):
 class FloorContact:
     """The contact with the floor between the pillars. Numbers are in SI units.
 
-    Its pressure is constant on the cells of a grid that is aligned with the lattice: ``x``, ``y`` and
-    ``pressure`` are arrays with a number for every cell in contact.
+    Its pressure is constant on the cells of a grid that is aligned with the lattice, and turned with it:
+    ``x``, ``y`` and ``pressure`` are arrays with a number for every cell in contact.
     """
 
     __slots__ = ("_summary", "pressure", "x", "y")
@@ -73,7 +73,7 @@ class FloorContact:
 
     @property
     def cell(self) -> tuple[float, float]:
-        """Sides of a cell along x and y, m."""
+        """Sides of a cell along x and y, before a lattice is turned, m."""
         width, height = self._summary["cell_m"]
         return float(width), float(height)
 

@@ -90,7 +90,9 @@ export interface Lattice {
 
 /** The cells of the floor in contact, in an array of cells. */
 export interface FloorCells {
-  /** Lower left corner of the array from the lens axis. */
+  /** By how much the array is turned about the lens axis, counter-clockwise. */
+  readonly turned_rad: number;
+  /** Lower left corner of the array from the lens axis, before it is turned. */
   readonly corner_m: Point;
   readonly cell_m: Point;
   readonly columns: number;

@@ -101,15 +101,18 @@ function drawFloor({ context, scene }: Sheet): void {
   const [[x, y], [width, height]] = [floor.corner_m, floor.cell_m];
   context.globalAlpha = scene.floorIsOlder ? 0.4 : 1;
   context.filter = scene.floorIsOlder ? "grayscale(0.85)" : "none";
+  context.rotate(floor.turned_rad);
   context.drawImage(picture, x, y, columns * width, rows * height);
+  context.rotate(-floor.turned_rad);
   context.globalAlpha = 1;
   context.filter = "none";
 }
 
 /** The pressure on the cell of the floor at a place, Pa, as its shade tells it; null if that is not in contact. */
 function floorPressure(floor: FloorCells, x: number, y: number): number | null {
-  const column = Math.floor((x - floor.corner_m[0]) / floor.cell_m[0]);
-  const row = Math.floor((y - floor.corner_m[1]) / floor.cell_m[1]);
+  const [cos, sin] = [Math.cos(floor.turned_rad), Math.sin(floor.turned_rad)];
+  const column = Math.floor((cos * x + sin * y - floor.corner_m[0]) / floor.cell_m[0]);
+  const row = Math.floor((cos * y - sin * x - floor.corner_m[1]) / floor.cell_m[1]);
   let cell = 0;
   for (let k = 0; k + 2 < floor.segments.length; k += 3) {
     const [at = 0, first = 0, count = 0] = floor.segments.slice(k, k + 3);

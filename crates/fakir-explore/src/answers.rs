@@ -119,9 +119,8 @@ fn meets_floor(case: &Case, load: LoadPoint) -> bool {
 
 /// Whether the floor bears a part past the transition, and it is known how large.
 fn bears(case: &Case) -> bool {
-    let system = &case.system;
-    let wanted = system.floor_model() == FloorModel::Contact;
-    matches!(case.method, Method::Spectral(_)) && wanted && system.hexagonal_lattice().is_some()
+    let wanted = case.system.floor_model() == FloorModel::Contact;
+    matches!(case.method, Method::Spectral(_)) && wanted
 }
 
 /// The indentation, m, at a fraction of the way from first touch to the critical state.

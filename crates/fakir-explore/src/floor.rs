@@ -7,11 +7,13 @@ use serde::Serialize;
 /// Pressures are drawn in so many shades, one for every letter.
 const SHADES: f64 = 26.0;
 
-/// The cells of the floor in contact, as an array of which only the part around them is told.
+/// The cells of the floor in contact, as an array, turned about the lens axis, of which only the part around them is told.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 pub(crate) struct FloorCells {
-    /// Lower left corner of the array from the lens axis.
+    /// By how much the array is turned about the lens axis.
+    turned_rad: f64,
+    /// Lower left corner of the array from the lens axis, before it is turned.
     corner_m: Point,
     cell_m: [f64; 2],
     columns: usize,
@@ -41,6 +43,7 @@ impl FloorCells {
             char::from(b'a' + place as u8)
         };
         Self {
+            turned_rad: floor.rotation,
             corner_m: [x + columns.0 as f64 * width, y + rows.0 as f64 * height],
             cell_m: [width, height],
             columns: columns.1 - columns.0,

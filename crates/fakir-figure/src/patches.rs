@@ -22,7 +22,7 @@ pub(crate) fn patches(window: &Window, floor: &FloorContact) -> Path {
             [x, y + up],
         ];
         path.pieces
-            .extend(Path::polygon(corners.map(|corner| window.place(corner))).pieces);
+            .extend(Path::polygon(corners.map(|corner| window.place(floor.placed(corner)))).pieces);
     }
     path
 }
@@ -35,6 +35,9 @@ fn runs(floor: &FloorContact) -> impl Iterator<Item = [f64; 3]> + '_ {
 
 /// From where to where the floor is in contact on the line y = 0, m.
 pub(crate) fn on_axis(floor: &FloorContact) -> Vec<[f64; 2]> {
+    if floor.rotation != 0.0 {
+        return across_cells(floor);
+    }
     let [across, up] = floor.cell();
     let [left, bottom] = floor.cells.grid().origin();
     // A border of cells may lie on that line: the cells above count.
@@ -46,4 +49,36 @@ pub(crate) fn on_axis(floor: &FloorContact) -> Vec<[f64; 2]> {
             [start, start + across * count]
         })
         .collect()
+}
+
+/// The same on a grid that is turned, where the line goes across its cells.
+fn across_cells(floor: &FloorContact) -> Vec<[f64; 2]> {
+    /// Of a side of a cell: gaps that are rounding.
+    const TOUCHING: f64 = 1e-6;
+    let (sides, origin) = (floor.cell(), floor.cells.grid().origin());
+    let along = floor.on_grid([1.0, 0.0]);
+    let mut parts: Vec<[f64; 2]> = runs(floor)
+        .filter_map(|[column, row, count]| {
+            let low = [origin[0] + column * sides[0], origin[1] + row * sides[1]];
+            let high = [low[0] + count * sides[0], low[1] + sides[1]];
+            let inside = (0..2).fold([f64::NEG_INFINITY, f64::INFINITY], |[start, end], k| {
+                // Parallel to a side: from minus to plus infinity, or nothing.
+                let ends = [low[k] / along[k], high[k] / along[k]];
+                [
+                    start.max(ends[0].min(ends[1])),
+                    end.min(ends[0].max(ends[1])),
+                ]
+            });
+            (inside[0] < inside[1]).then_some(inside)
+        })
+        .collect();
+    parts.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    let mut joined: Vec<[f64; 2]> = Vec::new();
+    for [start, end] in parts {
+        match joined.last_mut() {
+            Some(last) if start - last[1] < TOUCHING * sides[0] => last[1] = last[1].max(end),
+            _ => joined.push([start, end]),
+        }
+    }
+    joined
 }

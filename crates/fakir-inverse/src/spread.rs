@@ -5,7 +5,7 @@
 //! Beside the samples stands what the exact derivatives of the critical state make of the deviations to first order.
 
 use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, LatticeForm, Point, Quantity};
-use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError, Warning};
+use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument, parse_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_study::{Column, Table, Values};
@@ -431,10 +431,6 @@ impl Draw<'_> {
             let state = fakir::press(&case.system, control, case.method, run)?;
             if !state.converged() {
                 return Ok(Err(state.termination.description().to_owned()));
-            }
-            let left_out = |warning: &&Warning| matches!(warning, Warning::FloorLeftOut { .. });
-            if let Some(warning) = state.warnings.iter().find(left_out) {
-                return Ok(Err(warning.to_string()));
             }
             forces.push(state.force);
         }

@@ -31,7 +31,7 @@ impl State {
     /// bears nothing.
     fn floor_cells<'py>(&self, py: Python<'py>) -> Option<[Field<'py>; 3]> {
         let floor = self.state.floor.as_ref()?;
-        let along = |axis: usize| floor.cells.centres().map(move |centre| centre[axis]);
+        let along = |axis: usize| floor.centres().map(move |centre| centre[axis]);
         Some([
             PyArray1::from_iter(py, along(0)),
             PyArray1::from_iter(py, along(1)),

@@ -62,7 +62,7 @@ pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
 }
 
 /// The pressure at every pixel, row by row from the bottom: that of the cell there.
-fn pixels(window: &Window, floor: &FloorContact) -> impl Iterator<Item = f64> {
+fn pixels<'a>(window: &Window, floor: &'a FloorContact) -> impl Iterator<Item = f64> + 'a {
     let grid = *floor.cells.grid();
     let mut pressure = vec![0.0; grid.cell_count()];
     floor.cells.scatter(&floor.pressure, &mut pressure);
@@ -72,8 +72,11 @@ fn pixels(window: &Window, floor: &FloorContact) -> impl Iterator<Item = f64> {
     };
     let [across, up] = window.pixel_coordinates(PIXELS);
     up.into_iter().flat_map(move |y| {
-        let row = place(y, 1, grid.rows());
-        let at = |x: &f64| Some(pressure[row? * grid.columns() + place(*x, 0, grid.columns())?]);
+        let at = |x: &f64| {
+            let [along, up] = floor.on_grid([*x, y]);
+            let (column, row) = (place(along, 0, grid.columns())?, place(up, 1, grid.rows())?);
+            Some(pressure[row * grid.columns() + column])
+        };
         let of_row: Vec<f64> = across.iter().map(|x| at(x).unwrap_or(0.0)).collect();
         of_row
     })

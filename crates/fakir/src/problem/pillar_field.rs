@@ -9,6 +9,8 @@ use crate::numerics::neighbours::{Nearest, Neighbours};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
+
 /// A pillar without its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PillarBody {
@@ -45,6 +47,65 @@ pub(crate) struct Counted {
     pub(crate) places: Vec<(usize, usize)>,
     /// From row to row, and from column to column.
     pub(crate) vectors: [Point; 2],
+}
+
+/// Points at whole numbers of columns and rows along x and y, on some of which all pillars of a lattice stand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PillarGrid {
+    /// Distance of its columns, and of its rows.
+    pub(crate) sides: [f64; 2],
+    /// From the lens axis to the point of pillar (0, 0).
+    pub(crate) origin: Point,
+    /// Columns and rows from a pillar to the next one by its first index, and by its second.
+    steps: [[i64; 2]; 2],
+}
+
+/// Columns, or rows, from one point of a lattice to the next at the most.
+const MOST_STEPS: i64 = 4;
+
+impl PillarGrid {
+    /// Of a lattice, with no sides shorter than that.
+    fn new([a, b]: [Point; 2], origin: Point, shortest: f64) -> Option<Self> {
+        let longest = a[0].hypot(a[1]).max(b[0].hypot(b[1]));
+        let [(width, columns), (height, rows)] = [
+            common_side([a[0], b[0]], longest)?,
+            common_side([a[1], b[1]], longest)?,
+        ];
+        let is_wide = |side: f64| side >= shortest * (1.0 - ROUNDING);
+        (is_wide(width) && is_wide(height)).then_some(Self {
+            sides: [width, height],
+            origin,
+            steps: [0, 1].map(|k| [columns[k], rows[k]]),
+        })
+    }
+
+    /// Columns and rows from pillar (0, 0) to another.
+    pub(crate) fn place(&self, (i, j): (i64, i64)) -> [i64; 2] {
+        let [one, other] = self.steps;
+        [0, 1].map(|k| one[k] * i + other[k] * j)
+    }
+}
+
+/// Relative differences of lengths that are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The length of which two others are small whole multiples, and these. Of one length that is 0, the other.
+fn common_side(lengths: [f64; 2], longest: f64) -> Option<(f64, [i64; 2])> {
+    let is_none = |length: f64| length.abs() < ROUNDING * longest;
+    let [a, b] = lengths;
+    let signed = |length: f64, count: i64| if length < 0.0 { -count } else { count };
+    match [is_none(a), is_none(b)] {
+        [true, true] => None,
+        [true, false] => Some((b.abs(), [0, signed(b, 1)])),
+        [false, true] => Some((a.abs(), [signed(a, 1), 0])),
+        [false, false] => (1..=MOST_STEPS).find_map(|count| {
+            let side = b.abs() / count as f64;
+            let other = (a.abs() / side).round();
+            let fits = (a.abs() - other * side).abs() < ROUNDING * longest;
+            (fits && (1.0..=MOST_STEPS as f64).contains(&other))
+                .then(|| (side, [signed(a, other as i64), signed(b, count)]))
+        }),
+    }
 }
 
 /// What a pillar is known by, and the pillar.
@@ -367,6 +428,32 @@ impl PillarField {
         }
     }
 
+    /// The points along x and y on which all pillars stand, if they are of a lattice and not too near each other for its kind.
+    pub(crate) fn pillar_grid(&self) -> Option<PillarGrid> {
+        let half = 0.5 * self.shortest_distance();
+        match self {
+            Self::Hexagonal { lattice, .. } => {
+                let [x, y] = lattice.offset_vector();
+                Some(PillarGrid {
+                    sides: [0.5 * SQRT_3 * lattice.pitch, 0.5 * lattice.pitch],
+                    origin: [-x, -y],
+                    steps: [[1, 1], [1, -1]],
+                })
+            }
+            Self::Lattice(lattice) => PillarGrid::new(lattice.vectors, lattice.origin, half),
+            Self::Listed(_) => None,
+        }
+    }
+
+    /// Distance of the nearest neighbours of a lattice; the spacing of a list.
+    pub(crate) fn shortest_distance(&self) -> f64 {
+        match self {
+            Self::Hexagonal { lattice, .. } => lattice.pitch,
+            Self::Lattice(lattice) => lattice.basis[0][0].hypot(lattice.basis[0][1]),
+            Self::Listed(list) => list.spacing,
+        }
+    }
+
     /// How far apart neighbours stand.
     pub(crate) fn spacing(&self) -> f64 {
         match self {
@@ -623,6 +710,45 @@ mod tests {
         }
         assert_eq!(found.len(), count);
         assert!(found.is_sorted_by_key(|(index, _)| *index));
+    }
+
+    /// Square, rectangular and centred lattices stand on grids along x and y, others do not.
+    #[test]
+    fn some_lattices_stand_on_grids() {
+        let body = PillarBody::of_column(0.0);
+        let field = |vectors: [Point; 2]| {
+            let lattice = PlaneLattice::new(vectors, [0.3, -0.6], body).unwrap();
+            PillarField::Lattice(Arc::new(lattice))
+        };
+        for (vectors, sides) in [
+            ([[5.0, 0.0], [0.0, 5.0]], [5.0, 5.0]),
+            ([[5.0, 0.0], [0.0, 8.0]], [5.0, 8.0]),
+            ([[6.0, 0.0], [3.0, 4.0]], [3.0, 4.0]),
+            ([[6.0, 0.0], [-3.0, 4.0]], [3.0, 4.0]),
+            ([[6.0, 0.0], [2.0, 7.0]], [2.0, 7.0]),
+            (
+                [[3f64.sqrt(), 1.0], [3f64.sqrt(), -1.0]],
+                [3f64.sqrt(), 1.0],
+            ),
+        ] {
+            let field = field(vectors);
+            let grid = field.pillar_grid();
+            if (sides[0] - 2.0).abs() < 1e-12 {
+                // Columns nearer to each other than half the pillars.
+                assert!(grid.is_none());
+                continue;
+            }
+            let grid = grid.unwrap();
+            for (index, pillar) in field.listed_within(40.0).0 {
+                let place = grid.place(index);
+                for k in 0..2 {
+                    assert!((grid.sides[k] - sides[k]).abs() < 1e-12);
+                    let at = grid.origin[k] + grid.sides[k] * place[k] as f64;
+                    assert!((at - pillar.centre[k]).abs() < 1e-12);
+                }
+            }
+        }
+        assert!(field([[5.0, 0.0], [1.234, 5.0]]).pillar_grid().is_none());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! reduced modulus, so that forces are in units of `E* (d/2)^2`.
 
 use super::lattice::HexagonalLattice;
-use super::lens::{Lens, ShapedLens};
+use super::lens::ShapedLens;
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use super::point::{Point, turned};
 use super::system::System;
@@ -11,21 +11,6 @@ use crate::numerics::convergence::smaller;
 /// Lens radius, in pillar radii, below which the sphere differs from a paraboloid over a single pillar top:
 /// by `1/(2R)^2`, so that truncation at degree 2 makes an error of 2e-5 at 8 and 1e-6 here.
 pub(crate) const SMALL_LENS: f64 = 40.0;
-
-/// A sphere over equal pillars on the endless hexagonal lattice, in scaled units.
-#[derive(Debug, Clone)]
-pub(crate) struct Problem {
-    pub(crate) lens: Lens,
-    /// Pillar height.
-    pub(crate) height: f64,
-    pub(crate) lattice: HexagonalLattice,
-    /// `kappa`
-    pub(crate) column_compliance_ratio: f64,
-    /// Unit of length, `d/2`, m.
-    pub(crate) length: f64,
-    /// Unit of pressure, `E*`, Pa.
-    pub(crate) pressure: f64,
-}
 
 /// A lens over pillars of any arrangement on a floor. Lengths are in units of the common pillar radius.
 #[derive(Debug, Clone)]
@@ -82,23 +67,17 @@ impl Scene {
         self.lens.sag(point)
     }
 
-    /// The problem of a sphere on the hexagonal lattice, if it is that.
-    pub(crate) fn on_lattice(&self) -> Option<Problem> {
-        let lens = self.lens.sphere()?;
-        match self.field {
-            PillarField::Hexagonal {
-                lattice,
-                column_compliance_ratio,
-            } => Some(Problem {
-                lens,
-                height: self.height,
-                lattice,
-                column_compliance_ratio,
-                length: self.length,
-                pressure: self.pressure,
-            }),
-            PillarField::Lattice(_) | PillarField::Listed(_) => None,
+    /// The lattice under a sphere, if it is the endless hexagonal one of equal pillars.
+    pub(crate) fn hexagonal_lattice(&self) -> Option<&HexagonalLattice> {
+        match &self.field {
+            PillarField::Hexagonal { lattice, .. } if self.lens.sphere().is_some() => Some(lattice),
+            _ => None,
         }
+    }
+
+    /// Whether the floor bears its part where the lens reaches it: under a lens that is lowest at its axis alone.
+    pub(crate) fn floor_bears(&self) -> bool {
+        self.lens.is_axisymmetric()
     }
 
     /// Whether the lens reaches the floor before any pillar.
@@ -209,26 +188,4 @@ fn nearest_edge(lattice: &HexagonalLattice) -> f64 {
     let (i, j) = lattice.nearest_pillar([0.0, 0.0]);
     let [x, y] = lattice.centre(i, j);
     (x.hypot(y) - 1.0).max(0.0)
-}
-
-impl Problem {
-    /// Unit of force, N.
-    pub(crate) fn force(&self) -> f64 {
-        self.pressure * self.length * self.length
-    }
-
-    /// What the solvers of pillars need of it.
-    pub(crate) fn scene(&self) -> Scene {
-        Scene {
-            lens: self.lens.into(),
-            height: self.height,
-            field: PillarField::Hexagonal {
-                lattice: self.lattice,
-                column_compliance_ratio: self.column_compliance_ratio,
-            },
-            length: self.length,
-            pressure: self.pressure,
-            rotation: 0.0,
-        }
-    }
 }

@@ -51,9 +51,8 @@ pub(crate) fn press(
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let scene = Scene::new(system);
-    let lattice = scene.on_lattice();
     let what = match method {
-        PillarMethod::Punch(_) if lattice.is_none() => Some("the punch lattice"),
+        PillarMethod::Punch(_) if scene.hexagonal_lattice().is_none() => Some("the punch lattice"),
         PillarMethod::Love(_) if system.lens().sphere().is_none() => {
             Some("the method of elements on pillars")
         }
@@ -78,11 +77,10 @@ pub(crate) fn press(
             Control::Force(force) if force <= 0.0 => {
                 return Ok(without_contact(system, &scene, method, scene.height));
             }
-            _ => {
-                if let Some(lattice) = &lattice {
-                    return mixed::floor_first(system, lattice, target, accuracy, run);
-                }
+            _ if scene.floor_bears() => {
+                return mixed::floor_first(system, &scene, target, accuracy, run);
             }
+            _ => {}
         }
     }
     match target {
@@ -125,19 +123,12 @@ fn solve(
     method: PillarMethod,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let lattice = scene.on_lattice();
     let borne = system.floor_model() == FloorModel::Contact && target != Control::FloorContact;
-    // Where the floor bears its part.
-    let bears = lattice.as_ref().filter(|_| borne);
-    let warned = |state: ContactState| {
+    let bears = borne && scene.floor_bears();
+    let warned = |mut state: ContactState| {
         let depth = -state.smallest_floor_gap;
-        let mut state = state;
-        if borne && bears.is_none() && depth > 0.0 {
-            state.warnings.push(if scene.lens.is_axisymmetric() {
-                Warning::FloorLeftOut { depth }
-            } else {
-                Warning::FloorBeside { depth }
-            });
+        if borne && !bears && depth > 0.0 {
+            state.warnings.push(Warning::FloorBeside { depth });
         }
         state
     };
@@ -145,7 +136,7 @@ fn solve(
         && let Some((pillar, patch)) = find_patch(scene, target)
     {
         let state = patch_state(system, scene, method, pillar, &patch);
-        if !(bears.is_some() && state.smallest_floor_gap < 0.0) {
+        if !(bears && state.smallest_floor_gap < 0.0) {
             return Ok(warned(state));
         }
     }
@@ -156,11 +147,11 @@ fn solve(
     };
     match method {
         PillarMethod::Spectral(accuracy) => {
-            if let Some(problem) = bears
+            if bears
                 && accuracy == Accuracy::Accurate
-                && let Some(tops) = mixed::far_past_transition(problem, target, guess, run)?
+                && let Some(tops) = mixed::far_past_transition(scene, target, guess, run)?
             {
-                return mixed::past_transition(system, problem, target, accuracy, tops, run);
+                return mixed::past_transition(system, scene, target, accuracy, tops, run);
             }
             let degrees = degrees(accuracy, scene);
             let form = PunchForm::Corrected;
@@ -197,10 +188,8 @@ fn solve(
             let gap = lowest.map_or(0.0, |point| {
                 point.indentation - solution.outcome.indentation
             });
-            if let Some(problem) = bears
-                && gap < 0.0
-            {
-                return mixed::past_transition(system, problem, target, accuracy, solution, run);
+            if bears && gap < 0.0 {
+                return mixed::past_transition(system, scene, target, accuracy, solution, run);
             }
             let error = refined(&mut solution, target, run)?;
             match told {
@@ -272,17 +261,17 @@ const MANY_TO_WAIT_FOR: usize = 1000;
 
 /// Contact radius of the homogenised lattice, where it can be trusted.
 pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Control) -> Option<f64> {
-    let problem = scene.on_lattice()?;
+    let lattice = scene.hexagonal_lattice()?;
     let rough = rough_contact_radius(scene, target);
-    if Window::expected_len(&problem.lattice, rough) < MANY_PILLARS {
+    if Window::expected_len(lattice, rough) < MANY_PILLARS {
         return None;
     }
     let control = match target {
-        Control::Indentation(indentation) => Control::Indentation(indentation * problem.length),
-        Control::Force(force) => Control::Force(force * problem.force()),
+        Control::Indentation(indentation) => Control::Indentation(indentation * scene.length),
+        Control::Force(force) => Control::Force(force * scene.force()),
         Control::FloorContact => Control::FloorContact,
     };
-    let radius = homogenised::rough_contact_radius(system, control)? / problem.length;
+    let radius = homogenised::rough_contact_radius(system, control)? / scene.length;
     Some(radius).filter(|radius| *radius > 0.0)
 }
 

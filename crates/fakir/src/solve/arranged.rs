@@ -325,32 +325,33 @@ mod tests {
             let hexagonal = reference::lattice(phi).offset_by(offset);
             let (rubber, column) = (reference::INTERMEDIATE, PillarCompliance::Column);
             let system = reference::on_lattice(hexagonal, rubber, column);
-            let problem = Scene::new(&system).on_lattice().unwrap();
+            let scene = Scene::new(&system);
+            let paper = *scene.hexagonal_lattice().unwrap();
             let vectors = [(1, 0), (0, 1)]
-                .map(|(i, j)| HexagonalLattice::new(problem.lattice.pitch).lattice_vector(i, j));
-            let body = PillarBody::of_column(problem.column_compliance_ratio);
-            let lattice = PlaneLattice::new(vectors, problem.lattice.centre(0, 0), body).unwrap();
+                .map(|(i, j)| HexagonalLattice::new(paper.pitch).lattice_vector(i, j));
+            let body = PillarBody::of_column(scene.field.column_compliance_ratio());
+            let lattice = PlaneLattice::new(vectors, paper.centre(0, 0), body).unwrap();
             let any = Scene {
                 field: on(lattice),
-                ..problem.scene()
+                ..scene.clone()
             };
             let (accuracy, run) = (Accuracy::Default, Run::default());
             let method = PillarMethod::Spectral(accuracy);
-            for indentation in [None, Some(0.5 * problem.height)] {
+            for indentation in [None, Some(0.5 * scene.height)] {
                 let control = indentation.map_or(Control::FloorContact, |z| {
-                    Control::Indentation(z * problem.length)
+                    Control::Indentation(z * scene.length)
                 });
                 let before = answers::press(&system, control, method, &run).unwrap();
                 let target = indentation.map_or(Control::FloorContact, Control::Indentation);
                 let state = solved(&any, target, accuracy);
-                let found = state.force * problem.force() / before.force - 1.0;
+                let found = state.force * scene.force() / before.force - 1.0;
                 // The touched pillars and some around them are coupled pair by pair, or on a grid.
                 let exact = if state.pillars.len() < 500 {
                     1e-9
                 } else {
                     2e-8
                 };
-                let depth = state.indentation * problem.length / before.indentation - 1.0;
+                let depth = state.indentation * scene.length / before.indentation - 1.0;
                 println!(
                     "{} pillars, {phi} {offset}: {found:e} {depth:e}, {:?}",
                     state.pillars.len(),
@@ -361,7 +362,7 @@ mod tests {
                     "{found:e} {depth:e}"
                 );
                 assert_eq!(state.pillars.len(), before.pillars.len());
-                let reach = state.reach.radius * problem.length / before.contact_radius - 1.0;
+                let reach = state.reach.radius * scene.length / before.contact_radius - 1.0;
                 assert!(reach.abs() < 1e-6, "{reach:e}");
                 let ratio = state.error.force / before.error.force;
                 assert!(

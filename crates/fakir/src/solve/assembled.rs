@@ -172,7 +172,7 @@ pub(super) fn assemble(
         close_degree,
     );
     let fields = match newton.floor_load() {
-        Some(load) if floor.is_some() => fields.with_floor(load),
+        Some(load) if floor.is_some() => fields.with_floor(load.turned(scene.rotation)),
         _ => fields,
     };
     let state = ContactState {

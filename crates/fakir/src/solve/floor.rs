@@ -766,9 +766,9 @@ mod tests {
         let problem = crate::solve::newton::tests::problem();
         let cancel = CancelToken::default();
         let floor = Uncovered {
-            lens: problem.lens.into(),
+            lens: problem.lens.clone(),
             height: problem.height,
-            around: Surroundings::Lattice(&problem.lattice),
+            around: Surroundings::Lattice(problem.hexagonal_lattice().unwrap()),
         };
         let lowest = |odd| FloorSearch::default().lowest(&floor, &Odd(odd), &cancel);
         assert!(lowest(|_| ()).is_some());

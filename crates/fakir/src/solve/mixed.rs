@@ -11,15 +11,18 @@ use super::floor_start::FloorPressures;
 use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
 use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_sites};
 use crate::halfspace::disc::nodes::Resolution;
-use crate::halfspace::floor::coupling::FloorCoupling;
+use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent};
 use crate::halfspace::floor::grid::{Division, FloorGrid};
 use crate::numerics::convergence::larger;
+use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::Control;
-use crate::problem::scaled::Problem;
-use crate::problem::{Accuracy, Point, PunchForm, System};
+use crate::problem::pillar_field::PillarField;
+use crate::problem::scaled::Scene;
+use crate::problem::{Accuracy, HexagonalLattice, Point, PunchForm, System};
 use crate::state::{
     ContactState, FloorContact, FloorErrors, Run, SolveError, Termination, Warning,
 };
+use std::f64::consts::TAU;
 
 /// Largest side of a cell, pillar radii, on the average over both directions; and by how much it may be larger where that saves a
 /// grid.
@@ -38,13 +41,13 @@ const CELLS_OF_LARGE: [f64; 2] = [320.0, 900.0];
 /// Points of a transform up to which grids are refined for small patches.
 const MOST_POINTS: [f64; 2] = [1.5e6, 5e6];
 
-/// A grid has at most so many times as many cells along a pitch as the one that it starts from.
+/// A grid has at most so many times as many cells along a length as the one that it starts from.
 const LARGEST_RATIO: usize = 3;
 
 /// Between grids too far apart there is another: half-way on a logarithmic scale, or up to so many times as fine.
 const HALF_WAY: f64 = 1.5;
 
-/// Cells along half a pitch of the coarsest grid at the least.
+/// Cells along half the shortest distance of pillars on the coarsest grid at the least.
 const FEWEST_HALVES: usize = 3;
 
 /// The window of the floor reaches to the farthest cell whose gap on the coarser grid is less than this part of the height of the pillars,
@@ -55,7 +58,7 @@ const WINDOW_MARGIN: f64 = 2.5;
 /// Cells between the contact with the floor and a rim at the least: closer contacts are warned of.
 const CELLS_TO_RIM: f64 = 2.0;
 
-/// Around the holes that the lens enters on the tops alone, in pitches.
+/// Around the holes that the lens enters on the tops alone, in distances of pillars.
 const ENTERED_MARGIN: f64 = 1.0;
 
 /// Cells between the contact and the end of the window at the least.
@@ -124,76 +127,68 @@ const UNIT_TOLERANCE: f64 = 3e-3;
 
 /// The solution on the tops alone by the default accuracy, if the lens enters the floor by so much that another accuracy does not matter.
 pub(crate) fn far_past_transition<'a>(
-    problem: &'a Problem,
+    scene: &Scene,
     target: Control,
     contact_radius: Option<f64>,
     run: &'a Run<'a>,
 ) -> Result<Option<Solution<'a>>, SolveError> {
     let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
-    let punch = solve_punch(&problem.scene(), target, contact_radius, form, purpose, run)?;
-    let degrees = degrees(Accuracy::Default, &problem.scene());
-    let mut tops = solve_spectral(&problem.scene(), target, punch, degrees, run)?;
+    let punch = solve_punch(scene, target, contact_radius, form, purpose, run)?;
+    let degrees = degrees(Accuracy::Default, scene);
+    let mut tops = solve_spectral(scene, target, punch, degrees, run)?;
     let lowest = tops.newton.lowest_gap();
     let depth = lowest.map_or(0.0, |point| tops.outcome.indentation - point.indentation);
-    Ok((depth > FAR_PAST * problem.height).then_some(tops))
+    Ok((depth > FAR_PAST * scene.height).then_some(tops))
 }
 
 /// The state past the transition, from the solution on the tops alone, which enters the floor.
 pub(crate) fn past_transition(
     system: &System,
-    problem: &Problem,
+    scene: &Scene,
     target: Control,
     accuracy: Accuracy,
     mut tops: Solution<'_>,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let transition = tops.newton.first_floor_contact(ROUGH)?;
-    let transition = transition.unwrap_or(problem.height);
-    let mixed = solve_floor(problem, target, accuracy, tops, None, run)?;
-    finish(system, problem, target, accuracy, mixed, transition, run)
+    let transition = transition.unwrap_or(scene.height);
+    let mixed = solve_floor(scene, target, accuracy, tops, None, run)?;
+    finish(system, scene, target, accuracy, mixed, transition, run)
 }
 
 /// The state where the lens reaches the floor before any pillar.
 pub(crate) fn floor_first(
     system: &System,
-    problem: &Problem,
+    scene: &Scene,
     target: Control,
     accuracy: Accuracy,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let lens = problem.lens.radius;
-    // Hertz's solution, which is exact before any pillar is touched.
+    let lens = scene.lens.apex_radius();
+    // Hertz's solution, which holds about the apex before any pillar is touched.
     let (depth, radius) = match target {
         Control::Force(force) => {
             let radius = (0.75 * lens * force).cbrt();
             (radius * radius / lens, radius)
         }
         Control::Indentation(indentation) => {
-            let depth = indentation - problem.height;
+            let depth = indentation - scene.height;
             (depth, (lens * depth.min(lens)).sqrt())
         }
         Control::FloorContact => (0.0, 0.0),
     };
-    let indentation = problem.height + depth;
+    let indentation = scene.height + depth;
     let contact = (lens * indentation.min(lens)).sqrt();
-    let degrees = degrees(Accuracy::Default, &problem.scene());
-    let start = untouched(&problem.scene(), indentation, contact, degrees, run)?;
-    let mixed = solve_floor(problem, target, accuracy, start, Some(radius), run)?;
-    finish(
-        system,
-        problem,
-        target,
-        accuracy,
-        mixed,
-        problem.height,
-        run,
-    )
+    let degrees = degrees(Accuracy::Default, scene);
+    let start = untouched(scene, indentation, contact, degrees, run)?;
+    let mixed = solve_floor(scene, target, accuracy, start, Some(radius), run)?;
+    finish(system, scene, target, accuracy, mixed, scene.height, run)
 }
 
 /// The state of a solution, with its error estimates; `transition` is about the indentation at which the floor was reached.
 fn finish(
     system: &System,
-    problem: &Problem,
+    scene: &Scene,
     target: Control,
     accuracy: Accuracy,
     mixed: MixedSolution<'_>,
@@ -219,11 +214,11 @@ fn finish(
             of_floor = floor;
         }
     }
-    let floor = floor_contact(problem, &solution, &levels, of_floor);
+    let floor = floor_contact(scene, &solution, &levels, of_floor);
     let method = PillarMethod::Spectral(accuracy);
     let mut state = assemble(
         system,
-        &problem.scene(),
+        scene,
         target,
         method,
         &solution,
@@ -259,7 +254,7 @@ fn estimates(
     of_pillars: f64,
 ) -> Option<([f64; 2], FloorErrors)> {
     let [coarse, fine] = last_two(levels)?;
-    let ratio = fine.division.half[1] as f64 / coarse.division.half[1] as f64;
+    let ratio = coarse.division.cell[1] / fine.division.cell[1];
     let part_of = SAFETY / (ratio.powf(ORDER) - 1.0);
     let contact = &solution.newton.contact;
     let stiffness = contact.stiffness();
@@ -308,7 +303,7 @@ impl Patches {
 
 /// What the floor bears, in SI units.
 fn floor_contact(
-    problem: &Problem,
+    scene: &Scene,
     solution: &Solution<'_>,
     levels: &[Level],
     error: FloorErrors,
@@ -316,20 +311,21 @@ fn floor_contact(
     let level = levels.last()?;
     let newton = &solution.newton;
     let load = newton.floor_load()?;
-    let (cells, pressure) = load.in_metres(problem.length, problem.pressure);
+    let (cells, pressure) = load.in_metres(scene.length, scene.pressure);
     let agree =
         last_two(levels).is_some_and(|[coarse, _]| coarse.patches.count == level.patches.count);
     Some(FloorContact {
-        force: level.floor_force * problem.force(),
+        force: level.floor_force * scene.force(),
         share: level.floor_force / level.force,
-        area: level.area() * problem.length * problem.length,
+        area: level.area() * scene.length * scene.length,
         patches: level.patches.count,
         patches_agree: agree,
-        radius: level.patches.radius * problem.length,
-        smallest_distance_to_rim: level.patches.rim_distance * problem.length,
+        radius: level.patches.radius * scene.length,
+        smallest_distance_to_rim: level.patches.rim_distance * scene.length,
         error,
         energy_bound: energy_bound(newton, level),
         cells,
+        rotation: scene.rotation,
         pressure,
     })
 }
@@ -350,7 +346,7 @@ fn energy_bound(newton: &Newton<'_>, level: &Level) -> f64 {
         + deepest * level.floor_force / level.energy.abs()
 }
 
-/// Numbers of cells along half a pitch that can be halved and are quick to transform: the smallest that is no less, but for a margin.
+/// Numbers of cells along a length that can be halved and are quick to transform: the smallest that is no less, but for a margin.
 fn halves(least: f64) -> usize {
     doubled([2, 3], least)
 }
@@ -371,7 +367,7 @@ fn doubled<const COUNT: usize>(numbers: [usize; COUNT], least: f64) -> usize {
 /// The next grid.
 #[derive(Debug, Clone, Copy)]
 struct Next {
-    /// Cells along half a pitch.
+    /// Cells along half the shortest distance of pillars.
     half: usize,
     /// Whether it is likely to be the last.
     last: bool,
@@ -380,18 +376,19 @@ struct Next {
 /// How finely the floor is to be resolved, and how large it may be.
 struct Wanted {
     accuracy: Accuracy,
-    /// Cells along half a pitch at the least, whatever the patches.
+    /// Cells along half the shortest distance of pillars at the least, whatever the patches.
     halves: f64,
 }
 
 impl Wanted {
-    fn new(problem: &Problem, accuracy: Accuracy, patch_radius: Option<f64>) -> Self {
+    fn new(scene: &Scene, accuracy: Accuracy, patch_radius: Option<f64>) -> Self {
         let index = usize::from(accuracy == Accuracy::Accurate);
-        // The grid repeats by half lattice cells: of wide lattices these may not hold too many cells.
-        let least = 0.5 * problem.lattice.pitch / (0.25 * MOST_POINTS[index].sqrt());
+        // On a lattice the grid repeats: of wide lattices what repeats may not hold too many cells.
+        let pitch = scene.field.shortest_distance();
+        let least = 0.5 * pitch / (0.25 * MOST_POINTS[index].sqrt());
         let of_patch = |radius: f64| (radius / CELLS_PER_RADIUS[index]).max(least);
         let cell = patch_radius.map_or(CELL[index], |radius| of_patch(radius).min(CELL[index]));
-        let halves = 0.5 * problem.lattice.pitch / cell;
+        let halves = 0.5 * pitch / cell;
         Self { accuracy, halves }
     }
 
@@ -406,10 +403,10 @@ impl Wanted {
     }
 
     /// The grid after those solved, if they are not enough.
-    fn next(&self, problem: &Problem, mixed: &MixedSolution<'_>) -> Option<Next> {
+    fn next(&self, scene: &Scene, mixed: &MixedSolution<'_>) -> Option<Next> {
         let level = mixed.levels.last()?;
         let index = usize::from(self.accuracy == Accuracy::Accurate);
-        let half = level.division.half[1];
+        let half = level.division.fineness;
         let least = if level.floor_force < SMALL_SHARE * level.force {
             CELLS_OF_SMALL
         } else {
@@ -436,16 +433,11 @@ impl Wanted {
         }
         // Small patches are not worth any number of points.
         let newton = &mixed.solution.newton;
-        let radius = window_radius(problem, newton);
+        let radius = window_radius(scene, newton);
+        let pillars = pillar_extent(newton);
         let points = |half: usize| -> f64 {
-            let division = Division::new(problem.lattice.pitch, half);
-            let period = FloorGrid::period(
-                &division,
-                radius,
-                newton.tops.sites.extent(newton.pillar_reach()),
-            );
-            let sides = [0, 1].map(|k| (period[k] * division.half[k]) as f64);
-            sides[0] * sides[1]
+            let division = Division::new(&scene.field, half);
+            FloorCoupling::points(&division, radius, pillars, FLOOR_DEGREE)
         };
         while next > whatever && next > half && points(next) > MOST_POINTS[index] {
             next = (whatever..next)
@@ -464,14 +456,14 @@ impl Wanted {
 
 /// Solves with the floor, from a solution on the tops alone or from no contact at all.
 pub(crate) fn solve_floor<'a>(
-    problem: &'a Problem,
+    scene: &Scene,
     target: Control,
     accuracy: Accuracy,
     start: Solution<'a>,
     patch_radius: Option<f64>,
     run: &'a Run<'a>,
 ) -> Result<MixedSolution<'a>, SolveError> {
-    let wanted = Wanted::new(problem, accuracy, patch_radius);
+    let wanted = Wanted::new(scene, accuracy, patch_radius);
     let mut mixed = MixedSolution {
         solution: start,
         levels: Vec::new(),
@@ -479,25 +471,25 @@ pub(crate) fn solve_floor<'a>(
     let mut next = Some(wanted.first());
     let mut purpose = Purpose::Level;
     while let Some(Next { half, last }) = next {
-        let division = Division::new(problem.lattice.pitch, half);
-        let finer = finer_degrees(problem, accuracy, &mixed.solution.newton);
+        let division = Division::new(&scene.field, half);
+        let finer = finer_degrees(scene, accuracy, &mixed.solution.newton);
         purpose = if last && finer.is_none() {
             Purpose::Answer
         } else {
             Purpose::Level
         };
-        mixed = solve_level(problem, target, purpose, mixed, division, run)?;
+        mixed = solve_level(scene, target, purpose, mixed, division, run)?;
         if mixed.solution.outcome.termination != Termination::Converged {
             return Ok(mixed);
         }
-        next = wanted.next(problem, &mixed);
+        next = wanted.next(scene, &mixed);
         if next.is_some() && !matches!(target, Control::Force(_)) {
             // For the estimates of errors, which take it to the finest grid as it is: two digits are enough.
             mixed.solution.newton.solve_unit(UNIT_TOLERANCE)?;
         }
     }
     // The last grid once more, to the end, with all nodes and modes on the pillars.
-    let finer = finer_degrees(problem, accuracy, &mixed.solution.newton);
+    let finer = finer_degrees(scene, accuracy, &mixed.solution.newton);
     let (Some(level), true) = (
         mixed.levels.last(),
         purpose == Purpose::Level || finer.is_some(),
@@ -514,12 +506,12 @@ pub(crate) fn solve_floor<'a>(
         }
         mixed.solution.newton = finer;
     }
-    solve_level(problem, target, Purpose::Answer, mixed, division, run)
+    solve_level(scene, target, Purpose::Answer, mixed, division, run)
 }
 
 /// The degrees that an accuracy asks for, if the present ones are lower.
-fn finer_degrees(problem: &Problem, accuracy: Accuracy, newton: &Newton<'_>) -> Option<Degrees> {
-    let asked = degrees(accuracy, &problem.scene());
+fn finer_degrees(scene: &Scene, accuracy: Accuracy, newton: &Newton<'_>) -> Option<Degrees> {
+    let asked = degrees(accuracy, scene);
     let present = newton.degrees();
     let finer = Degrees {
         coupling: asked.coupling.max(present.coupling),
@@ -532,13 +524,19 @@ fn finer_degrees(problem: &Problem, accuracy: Accuracy, newton: &Newton<'_>) -> 
 }
 
 /// The floor window for the next grid: around the contact on the present one, if there is one.
-fn window_radius(problem: &Problem, newton: &Newton<'_>) -> f64 {
-    let largest = largest_window(problem, newton.contact.indentation());
+fn window_radius(scene: &Scene, newton: &Newton<'_>) -> f64 {
+    let largest = largest_window(scene, newton.contact.indentation());
     let Some(cells) = &newton.cells else {
-        let pitch = problem.lattice.pitch;
-        return (entered_radius(problem, newton, largest) + ENTERED_MARGIN * pitch).min(largest);
+        let pitch = scene.field.spacing();
+        let entered = match &scene.field {
+            PillarField::Hexagonal { lattice, .. } => entered_holes(lattice, newton, largest),
+            PillarField::Lattice(_) | PillarField::Listed(_) => {
+                entered_beyond(scene, newton, 0.0, largest).unwrap_or(0.0)
+            }
+        };
+        return (entered + ENTERED_MARGIN * pitch).min(largest);
     };
-    let near = -NEAR_CONTACT * problem.height;
+    let near = -NEAR_CONTACT * scene.height;
     let reach = cells
         .grid
         .cells
@@ -550,19 +548,18 @@ fn window_radius(problem: &Problem, newton: &Newton<'_>) -> f64 {
     (reach + WINDOW_MARGIN * cells.grid.division.longest()).min(largest)
 }
 
-/// Within this radius the lens enters holes between the pillars, as long as these alone bear it: found by bisection at a dozen places around
-/// the axis.
-fn entered_radius(problem: &Problem, newton: &Newton<'_>, largest: f64) -> f64 {
+/// Within this radius the lens enters holes between the pillars of an endless lattice, as long as these alone bear it: found by bisection at a dozen
+/// places around the axis.
+fn entered_holes(lattice: &HexagonalLattice, newton: &Newton<'_>, largest: f64) -> f64 {
     const DIRECTIONS: usize = 12;
     const HALVINGS: usize = 8;
-    let lattice = &problem.lattice;
     let hole = lattice.pitch / 3f64.sqrt();
     let mut bounds = [0.0, largest];
     for _ in 0..HALVINGS {
         let radius = 0.5 * (bounds[0] + bounds[1]);
         let holes: Vec<Point> = (0..DIRECTIONS)
             .map(|k| {
-                let (sin, cos) = (std::f64::consts::TAU * k as f64 / DIRECTIONS as f64).sin_cos();
+                let (sin, cos) = (TAU * k as f64 / DIRECTIONS as f64).sin_cos();
                 let [x, y] = [radius * cos, radius * sin];
                 let (i, j) = lattice.nearest_pillar([x, y]);
                 let [cx, cy] = lattice.centre(i, j);
@@ -575,18 +572,52 @@ fn entered_radius(problem: &Problem, newton: &Newton<'_>, largest: f64) -> f64 {
     bounds[1]
 }
 
+/// The distance of the farthest point of the floor beyond a radius that the lens enters under the present pressures. Looked for from the
+/// outside in, on circles near enough to each other for the holes between pillars: where some are missing, or the pillars end, the lens may enter
+/// the floor there and not nearer to its axis.
+fn entered_beyond(scene: &Scene, newton: &Newton<'_>, radius: f64, largest: f64) -> Option<f64> {
+    /// Of the shortest distance of pillars.
+    const STEP: f64 = 0.35;
+    const MOST_CIRCLES: f64 = 100.0;
+    const MOST_DIRECTIONS: f64 = 60.0;
+    if radius >= largest {
+        return None;
+    }
+    let step = (STEP * scene.field.shortest_distance()).max((largest - radius) / MOST_CIRCLES);
+    let circles = ((largest - radius) / step).ceil() as usize;
+    (0..circles).find_map(|circle| {
+        let distance = largest - circle as f64 * step;
+        let directions = (TAU * distance / step).ceil().clamp(12.0, MOST_DIRECTIONS);
+        let points: Vec<Point> = (0..directions as usize)
+            .map(|k| {
+                // Not in the same directions again and again.
+                let angle = TAU * (k as f64 / directions + 0.381_966 * circle as f64);
+                [distance * angle.cos(), distance * angle.sin()]
+            })
+            .filter(|point| newton.tops.sites.clearance(*point) > 0.0)
+            .collect();
+        let enters = newton.gaps(&points).iter().any(|gap| *gap < 0.0);
+        enters.then_some(distance)
+    })
+}
+
 /// Nothing outside of this can be touched: the undeformed lens is above the floor, and pressures only move it away.
-fn largest_window(problem: &Problem, indentation: f64) -> f64 {
-    let lens = problem.lens.radius;
-    let depth = (indentation - problem.height).clamp(0.0, lens);
-    (depth * (2.0 * lens - depth)).sqrt() + 1e-3
+fn largest_window(scene: &Scene, indentation: f64) -> f64 {
+    let reach = scene.lens.distance_of_rise(indentation - scene.height);
+    reach.unwrap_or(scene.lens.widest()) + 1e-3
+}
+
+/// How far the pillars reach that are coupled with the floor.
+fn pillar_extent(newton: &Newton<'_>) -> PillarExtent {
+    let on_grid = newton.scene.field.pillar_grid().is_some();
+    PillarExtent::new(&newton.tops.sites, newton.pillar_reach(), on_grid)
 }
 
 fn checked_floor(
-    problem: &Problem,
+    scene: &Scene,
     division: Division,
     radius: f64,
-    pillars: [f64; 2],
+    pillars: PillarExtent,
     run: &Run<'_>,
 ) -> Result<Option<FloorGrid>, SolveError> {
     let bytes = |division: &Division| {
@@ -595,23 +626,23 @@ fn checked_floor(
     let limit = run.memory_limit() as f64;
     if bytes(&division) > limit {
         let mut coarser = division;
-        while bytes(&coarser) > limit && coarser.half[1] > 1 {
-            coarser = Division::new(problem.lattice.pitch, coarser.half[1] / 2);
+        while bytes(&coarser) > limit && coarser.fineness > 1 {
+            coarser = Division::new(&scene.field, coarser.fineness / 2);
         }
         return Err(SolveError::TooManyCells {
             cells: FloorGrid::expected_len(&division, radius) as usize,
             bytes: bytes(&division) as usize,
             limit: run.memory_limit(),
-            cell: division.longest() * problem.length,
-            suggested_cell: coarser.longest() * problem.length,
+            cell: division.longest() * scene.length,
+            suggested_cell: coarser.longest() * scene.length,
         });
     }
-    Ok(FloorGrid::new(&problem.lattice, division, radius))
+    Ok(FloorGrid::new(&scene.field, division, radius))
 }
 
 /// Solves on one grid, with windows large enough.
 fn solve_level<'a>(
-    problem: &'a Problem,
+    scene: &Scene,
     target: Control,
     purpose: Purpose,
     mixed: MixedSolution<'a>,
@@ -627,17 +658,17 @@ fn solve_level<'a>(
         (cells.grid.division == division).then_some(cells.grid.radius)
     };
     let mut radius =
-        grid_of(&solution.newton).unwrap_or_else(|| window_radius(problem, &solution.newton));
+        grid_of(&solution.newton).unwrap_or_else(|| window_radius(scene, &solution.newton));
     let mut pressures = FloorPressures::of(&solution.newton);
     for growth in 0..GROWTHS {
         let newton = &mut solution.newton;
-        let pillars = newton.tops.sites.extent(newton.pillar_reach());
+        let pillars = pillar_extent(newton);
         let kept =
             grid_of(newton).is_some_and(|own| own >= radius) && !newton.touches_beyond_reach();
         let grid = if kept {
             None
         } else {
-            checked_floor(problem, division, radius, pillars, run)?
+            checked_floor(scene, division, radius, pillars, run)?
         };
         if let Some(grid) = grid {
             newton.set_floor(grid, &|point| {
@@ -657,10 +688,18 @@ fn solve_level<'a>(
         if newton.touches_beyond_reach() {
             continue;
         }
-        let patches = patches(problem, newton);
-        let largest = largest_window(problem, newton.contact.indentation());
+        let patches = patches(newton);
+        let largest = largest_window(scene, newton.contact.indentation());
         let close = patches.radius + WINDOW_CELLS * division.longest() > radius;
-        if !close || radius >= largest || growth + 1 == GROWTHS {
+        let entered = match scene.field {
+            // Whose holes are touched from the axis outwards.
+            PillarField::Hexagonal { .. } => None,
+            PillarField::Lattice(_) | PillarField::Listed(_) if close => None,
+            PillarField::Lattice(_) | PillarField::Listed(_) => {
+                entered_beyond(scene, newton, radius, largest)
+            }
+        };
+        if (!close && entered.is_none()) || radius >= largest || growth + 1 == GROWTHS {
             levels.push(Level {
                 division,
                 indentation: solution.outcome.indentation,
@@ -671,13 +710,14 @@ fn solve_level<'a>(
             });
             break;
         }
-        radius = (radius + problem.lattice.pitch + 4.0 * division.longest()).min(largest);
+        let reached = entered.unwrap_or(radius) + scene.field.spacing();
+        radius = (reached + 4.0 * division.longest()).min(largest);
     }
     Ok(MixedSolution { solution, levels })
 }
 
 /// The floor cells that bear pressure, as a set.
-fn patches(problem: &Problem, newton: &Newton<'_>) -> Patches {
+fn patches(newton: &Newton<'_>) -> Patches {
     let mut patches = Patches {
         rim_distance: f64::INFINITY,
         ..Patches::default()
@@ -702,23 +742,33 @@ fn patches(problem: &Problem, newton: &Newton<'_>) -> Patches {
     };
     let mut seen = vec![false; bears.len()];
     let mut open = Vec::new();
+    let pillars = cells.grid.pillars.iter();
+    let pillars = Neighbours::new(pillars.map(|pillar| (pillar.centre, pillar.body.radius)));
     for index in 0..bears.len() {
         if !bears[index] {
             continue;
         }
         patches.cells += 1;
-        let [x, y] = grid.centre(index % columns, index / columns);
-        for (u, v) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
-            let corner = [x + u * width, y + v * height];
-            patches.radius = patches.radius.max(corner[0].hypot(corner[1]));
-            let (i, j) = problem.lattice.nearest_pillar(corner);
-            let [cx, cy] = problem.lattice.centre(i, j);
-            let distance = (corner[0] - cx).hypot(corner[1] - cy) - 1.0;
-            patches.rim_distance = patches.rim_distance.min(distance);
-        }
+        let mut on_border = false;
         for (neighbour, side) in neighbours(index) {
             if !bears.get(neighbour).is_some_and(|bears| *bears) {
                 patches.perimeter += side;
+                on_border = true;
+            }
+        }
+        let [x, y] = grid.centre(index % columns, index / columns);
+        let distance = |point: Point| {
+            let nearest = pillars.nearest(point, Nearest::Edge, 0.0, None);
+            nearest.map_or(f64::INFINITY, |(_, distance)| distance)
+        };
+        // From a corner between four cells in contact the next one towards a pillar is nearer to it.
+        let may_be_nearest =
+            on_border && distance([x, y]) - 0.6 * width.hypot(height) < patches.rim_distance;
+        for (u, v) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
+            let corner = [x + u * width, y + v * height];
+            patches.radius = patches.radius.max(corner[0].hypot(corner[1]));
+            if may_be_nearest {
+                patches.rim_distance = patches.rim_distance.min(distance(corner));
             }
         }
         if seen[index] {
@@ -742,19 +792,33 @@ fn patches(problem: &Problem, newton: &Newton<'_>) -> Patches {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarList, PlaneLattice};
     use crate::solve::newton::tests::problem;
+    use std::sync::Arc;
+
+    /// The same on another lattice.
+    fn on(lattice: HexagonalLattice, scene: Scene) -> Scene {
+        Scene {
+            field: PillarField::Hexagonal {
+                lattice,
+                column_compliance_ratio: scene.field.column_compliance_ratio(),
+            },
+            ..scene
+        }
+    }
 
     /// The problem of the tests of Newton's method, past its transition, on one grid.
-    fn level(problem: &Problem, indentation: f64, division: Division) -> Level {
+    fn level(scene: &Scene, indentation: f64, fineness: usize) -> Level {
         let run = Run::default();
         let target = Control::Indentation(indentation);
-        let degrees = degrees(Accuracy::Default, &problem.scene());
-        let start = untouched(&problem.scene(), indentation, 30.0, degrees, &run).unwrap();
+        let division = Division::new(&scene.field, fineness);
+        let degrees = degrees(Accuracy::Default, scene);
+        let start = untouched(scene, indentation, 30.0, degrees, &run).unwrap();
         let mixed = MixedSolution {
             solution: start,
             levels: Vec::new(),
         };
-        let mixed = solve_level(problem, target, Purpose::Answer, mixed, division, &run).unwrap();
+        let mixed = solve_level(scene, target, Purpose::Answer, mixed, division, &run).unwrap();
         assert_eq!(mixed.solution.outcome.termination, Termination::Converged);
         mixed.levels.last().unwrap().clone()
     }
@@ -762,18 +826,16 @@ mod tests {
     /// The force is minus the derivative of the energy: where no pillar is touched in part, whose higher modes are not counted.
     #[test]
     fn the_force_is_the_slope_of_the_energy() {
-        let problem = Problem {
-            lattice: crate::problem::HexagonalLattice {
+        let scene = on(
+            HexagonalLattice {
                 offset: 0.0,
-                ..problem().lattice
+                ..*problem().hexagonal_lattice().unwrap()
             },
-            ..problem()
-        };
-        let division = Division::new(problem.lattice.pitch, 6);
+            problem(),
+        );
         // 2 zeta_c, where the reference has 85 pillars in full and none in part.
         let (indentation, step) = (2.721_568, 1e-3);
-        let [before, at, after] =
-            [-step, 0.0, step].map(|by| level(&problem, indentation + by, division));
+        let [before, at, after] = [-step, 0.0, step].map(|by| level(&scene, indentation + by, 6));
         let slope = (before.energy - after.energy) / (2.0 * step);
         assert!(
             (slope / at.force - 1.0).abs() < 1e-6,
@@ -783,17 +845,51 @@ mod tests {
         assert!(at.floor_force > 0.2 * at.force);
     }
 
+    /// The same on a square lattice, which stands on the grid, and on a list of pillars of several radii and heights, which does not. None is touched
+    /// in part.
+    #[test]
+    fn the_force_is_the_slope_of_the_energy_on_any_arrangement() {
+        let body = PillarBody::of_column(0.1);
+        let listed = [
+            ([0.5, -0.3], 1.0, 0.0),
+            ([7.0, 3.0], 0.7, 0.05),
+            ([-5.0, 6.0], 1.3, -0.03),
+        ]
+        .map(|(centre, radius, raised)| ListedPillar {
+            centre,
+            body: PillarBody {
+                radius,
+                raised,
+                ..body
+            },
+        });
+        let on_grid = PlaneLattice::new([[50.0, 0.0], [0.0, 50.0]], [0.0; 2], body).unwrap();
+        let on_grid = PillarField::Lattice(Arc::new(on_grid));
+        let anywhere = PillarField::Listed(Arc::new(PillarList::new(listed.to_vec()).unwrap()));
+        for (field, indentation, fineness) in [(on_grid, 1.5, 40), (anywhere, 1.5, 6)] {
+            let scene = Scene { field, ..problem() };
+            let step = 1e-3;
+            let [before, at, after] =
+                [-step, 0.0, step].map(|by| level(&scene, indentation + by, fineness));
+            let slope = (before.energy - after.energy) / (2.0 * step);
+            let off = (slope / at.force - 1.0).abs();
+            println!("{off:e}, share {}", at.floor_force / at.force);
+            assert!(off < 2e-6, "{slope} {}", at.force);
+            assert!(at.floor_force > 0.1 * at.force);
+        }
+    }
+
     /// One state for every indentation, from any start: the fine grid's from no contact at all, and by way of coarse ones.
     #[test]
     fn the_state_does_not_depend_on_the_start() {
-        let problem = problem();
+        let scene = problem();
         let (run, indentation) = (Run::default(), 2.0);
-        let division = Division::new(problem.lattice.pitch, 12);
-        let alone = level(&problem, indentation, division);
-        let degrees = degrees(Accuracy::Default, &problem.scene());
-        let start = untouched(&problem.scene(), indentation, 30.0, degrees, &run).unwrap();
+        let division = Division::new(&scene.field, 12);
+        let alone = level(&scene, indentation, 12);
+        let degrees = degrees(Accuracy::Default, &scene);
+        let start = untouched(&scene, indentation, 30.0, degrees, &run).unwrap();
         let target = Control::Indentation(indentation);
-        let nested = solve_floor(&problem, target, Accuracy::Default, start, None, &run).unwrap();
+        let nested = solve_floor(&scene, target, Accuracy::Default, start, None, &run).unwrap();
         let nested = nested.levels.last().unwrap();
         assert_eq!(nested.division, division);
         let counts = |level: &Level| (level.patches.cells, level.patches.count);
@@ -807,13 +903,16 @@ mod tests {
     #[test]
     fn patches_are_counted_and_measured() {
         // No pillar in reach: a contact of radius 4 between pillars 60 apart.
-        let mut problem = problem();
-        problem.lattice.pitch = 60.0;
-        problem.lattice.offset = 1.0 / 3f64.sqrt();
-        let lens = problem.lens.radius;
-        let indentation = problem.height + 16.0 / lens;
+        let lattice = HexagonalLattice {
+            pitch: 60.0,
+            offset: 1.0 / 3f64.sqrt(),
+            ..*problem().hexagonal_lattice().unwrap()
+        };
+        let scene = on(lattice, problem());
+        let lens = scene.lens.sphere_radius();
+        let indentation = scene.height + 16.0 / lens;
         for half in [96, 192] {
-            let level = level(&problem, indentation, Division::new(60.0, half));
+            let level = level(&scene, indentation, half);
             let radius = (level.area() / std::f64::consts::PI).sqrt();
             assert_eq!(level.patches.count, 1);
             assert!((radius / 4.0 - 1.0).abs() < 0.01, "{half}: {radius}");

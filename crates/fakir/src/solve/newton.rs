@@ -478,8 +478,7 @@ impl<'a> Newton<'a> {
             return self.tops.reach() + REACH_MARGIN * self.scene.field.spacing();
         }
         let depth = 1.1 * self.contact.indentation();
-        let lens = &self.scene.lens;
-        lens.distance_of_rise(depth).unwrap_or(lens.widest()) + 1.0
+        self.scene.farthest_reached(depth)
     }
 
     /// Whether a pillar is touched that is not coupled with the floor.
@@ -687,6 +686,17 @@ impl<'a> Newton<'a> {
             .collect()
     }
 
+    /// Gaps to the floor at points beside pillars, by the pressures on pillars and floor.
+    pub(crate) fn gaps(&self, points: &[Point]) -> Vec<f64> {
+        let mut gaps = self.gaps_under_tops(points);
+        if let Some(load) = self.floor_load() {
+            for (gap, point) in gaps.iter_mut().zip(points) {
+                *gap += load.displacement(*point);
+            }
+        }
+        gaps
+    }
+
     /// Gaps to the floor at points beside pillars, by the pressures on the pillars alone.
     pub(crate) fn gaps_under_tops(&self, points: &[Point]) -> Vec<f64> {
         let above = self.scene.height - self.contact.indentation();
@@ -783,33 +793,31 @@ fn failure(solved: Judgement) -> Option<Termination> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::problem::scaled::Problem;
+    use crate::problem::pillar_field::PillarField;
     use crate::problem::{PillarCompliance, PunchForm};
     use crate::solve::spectral::solve_punch;
     use crate::theory::reference;
 
     /// The paper's pillars of rubber, the lens axis beside one of them.
-    pub(crate) fn problem() -> Problem {
+    pub(crate) fn problem() -> Scene {
         let lattice = reference::lattice(0.03).offset_by(0.2);
         let compliance = PillarCompliance::Column;
         let rubber = reference::INTERMEDIATE;
         Scene::new(&reference::on_lattice(lattice, rubber, compliance))
-            .on_lattice()
-            .unwrap()
     }
 
-    fn newton<'a>(problem: &Problem, run: &'a Run<'a>) -> Newton<'a> {
-        let pair = PairCoupling::new(2, problem.lattice.pitch);
-        let scene = problem.scene();
-        let sites = Sites::within(&scene.field, 3.0 * problem.lattice.pitch);
+    fn newton<'a>(scene: &Scene, run: &'a Run<'a>) -> Newton<'a> {
+        let pitch = scene.field.spacing();
+        let pair = PairCoupling::new(2, pitch);
+        let sites = Sites::within(&scene.field, 3.0 * pitch);
         let resolution = Resolution {
             nodes: 8,
             turn: 0.0,
             rings: 10,
         };
-        let top = PillarTop::new(resolution, 2, problem.column_compliance_ratio);
-        let mut newton = Newton::new(&scene, run, Stage::Spectral, sites, &pair, top);
-        newton.tops.touch_within(0.9 * problem.lattice.pitch);
+        let top = PillarTop::new(resolution, 2, scene.field.column_compliance_ratio());
+        let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
+        newton.tops.touch_within(0.9 * pitch);
         newton
     }
 
@@ -900,9 +908,9 @@ pub(crate) mod tests {
     fn undefined_targets_and_pillars_never_converge() {
         let run = Run::default();
         // A refusal is no solution either.
-        let solve = |problem: &Problem, target| -> Option<Termination> {
+        let solve = |scene: &Scene, target| -> Option<Termination> {
             let (form, purpose) = (PunchForm::Corrected, Purpose::Answer);
-            let solution = solve_punch(&problem.scene(), target, Some(20.0), form, purpose, &run);
+            let solution = solve_punch(scene, target, Some(20.0), form, purpose, &run);
             solution.ok().map(|solution| solution.outcome.termination)
         };
         let converged = Some(Termination::Converged);
@@ -912,11 +920,14 @@ pub(crate) mod tests {
         for target in [Control::Indentation(f64::NAN), Control::Force(f64::NAN)] {
             assert_ne!(solve(&problem(), target), converged);
         }
-        let soft = Problem {
-            column_compliance_ratio: f64::NAN,
+        let soft = Scene {
+            field: PillarField::Hexagonal {
+                lattice: *problem().hexagonal_lattice().unwrap(),
+                column_compliance_ratio: f64::NAN,
+            },
             ..problem()
         };
-        let tall = Problem {
+        let tall = Scene {
             height: f64::NAN,
             ..problem()
         };

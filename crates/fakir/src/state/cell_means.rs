@@ -131,8 +131,14 @@ impl Fields {
     }
 }
 
+/// Parts of the side of a cell of the floor that is turned, of which each acts where its middle is.
+const PARTS: usize = 4;
+
 /// Adds the forces by the floor: every cell of that shares its own by area.
 fn add_floor(floor: &FloorLoad, columns: &Cells, rows: &Cells, forces: &mut [f64]) {
+    if floor.is_turned() {
+        return add_turned_floor(floor, columns, rows, forces);
+    }
     let width = columns.bounds.len();
     let [wide, high] = floor.cell().map(|side| 0.5 * side);
     let shared =
@@ -143,6 +149,27 @@ fn add_floor(floor: &FloorLoad, columns: &Cells, rows: &Cells, forces: &mut [f64
             for column in columns.over(across[0], across[1]) {
                 let area = shared(across, columns.bounds[column]) * shared(along, rows.bounds[row]);
                 forces[row * width + column] += pressure * area;
+            }
+        }
+    }
+}
+
+/// The same where the cells of the floor are turned: by parts of these.
+fn add_turned_floor(floor: &FloorLoad, columns: &Cells, rows: &Cells, forces: &mut [f64]) {
+    let width = columns.bounds.len();
+    let sides = floor.cell().map(|side| side / PARTS as f64);
+    let part = |k: usize| k as f64 + 0.5 - 0.5 * PARTS as f64;
+    for ([x, y], pressure) in floor.loaded_cells() {
+        for k in 0..PARTS * PARTS {
+            let at = [
+                x + part(k % PARTS) * sides[0],
+                y + part(k / PARTS) * sides[1],
+            ];
+            let [x, y] = floor.placed(at);
+            for row in rows.over(y, y.next_up()) {
+                for column in columns.over(x, x.next_up()) {
+                    forces[row * width + column] += pressure * sides[0] * sides[1];
+                }
             }
         }
     }

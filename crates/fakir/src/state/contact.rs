@@ -92,11 +92,6 @@ pub enum Warning {
         /// The longer side of a cell, m.
         cell: f64,
     },
-    /// The lens is below the floor, which bears its part under a sphere on the hexagonal lattice only.
-    FloorLeftOut {
-        /// How far below, m.
-        depth: f64,
-    },
     /// Under a cylinder or a plate: undeformed it would be below the floor beside the pillars, which bears nothing.
     FloorBeside {
         /// How far below, m.
@@ -134,11 +129,6 @@ impl std::fmt::Display for Warning {
                 "the floor is in contact {distance:.2e} m from the rim of a pillar, less than two \
                  of its cells of {cell:.2e} m: what it bears may be less exact than estimated; \
                  take accuracy = \"accurate\", whose cells are smaller"
-            ),
-            Self::FloorLeftOut { depth } => write!(
-                f,
-                "the lens has passed the transition, by {depth:.2e} m at the lowest point of the floor: what \
-                 the floor bears is known for a sphere over equal pillars on an endless hexagonal lattice only, so that the force here is too low"
             ),
             Self::FloorBeside { depth } => write!(
                 f,

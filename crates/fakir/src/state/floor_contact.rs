@@ -1,5 +1,6 @@
 //! What the floor between the pillars bears.
 
+use crate::problem::point::turned;
 use crate::problem::{Cells, Point};
 
 /// The contact with the floor between the pillars. Its pressure is constant on the cells of a grid that is aligned with the lattice.
@@ -25,8 +26,10 @@ pub struct FloorContact {
     /// How well the pressures meet the contact conditions: an upper bound of the error of the energy, over the energy. The pillar tops
     /// count as solved.
     pub energy_bound: f64,
-    /// The cells in contact, of a grid with the lens axis at the origin, m.
+    /// The cells in contact, of a grid with the lens axis at the origin, m; before it is [turned](Self::rotation).
     pub cells: Cells,
+    /// By how much that grid is turned about the lens axis, rad: as much as a lattice is from how one of its kind is drawn.
+    pub rotation: f64,
     /// The pressure on each of them, Pa.
     pub pressure: Vec<f64>,
 }
@@ -47,10 +50,35 @@ impl FloorContact {
         self.cells.grid().cell()
     }
 
+    /// The centre of every cell in contact, turned as the grid is, m from the lens axis.
+    pub fn centres(&self) -> impl Iterator<Item = Point> + '_ {
+        self.cells.centres().map(|centre| self.placed(centre))
+    }
+
+    /// Where a point of the grid is when that is turned, m from the lens axis.
+    #[must_use]
+    pub fn placed(&self, point: Point) -> Point {
+        self.turned_by(point, self.rotation)
+    }
+
+    /// Where a point (m from the lens axis) is on the grid before that is turned.
+    #[must_use]
+    pub fn on_grid(&self, point: Point) -> Point {
+        self.turned_by(point, -self.rotation)
+    }
+
+    fn turned_by(&self, point: Point, angle: f64) -> Point {
+        if self.rotation == 0.0 {
+            point
+        } else {
+            turned(point, angle)
+        }
+    }
+
     /// The largest pressure, Pa, and the centre of its cell, m from the lens axis.
     #[must_use]
     pub fn largest_pressure(&self) -> (f64, Point) {
-        let pressures = self.pressure.iter().copied().zip(self.cells.centres());
+        let pressures = self.pressure.iter().copied().zip(self.centres());
         pressures.fold((0.0, [0.0, 0.0]), |largest, other| {
             if other.0 > largest.0 { other } else { largest }
         })

@@ -1,39 +1,52 @@
 //! The cells of the floor.
 //!
-//! A rectangular cell of a hexagonal lattice, `sqrt3 e` by `e`, holds two pillars. It is divided into even numbers of columns and
-//! rows, so that every pillar stands on a corner of the grid, and pillars differ by whole half lattice cells. What pillars do to the
-//! floor is then a convolution on the grid, wherever the lens axis is.
+//! The pillars of many lattices stand on a coarse rectangular grid: those of a square or rectangular one on all of its points, those of a
+//! hexagonal one, whose rectangular cell `sqrt3 e` by `e` holds two pillars, on every other of half such cells. Its cells are divided
+//! into whole numbers of columns and rows, so that every pillar stands on a corner of the fine grid. What pillars do to the
+//! floor is then a convolution on the grid, wherever the lens axis is. Under pillars that stand anywhere, the grid begins at the lens axis.
 
 use crate::numerics::fft::smooth_number;
-use crate::problem::{Cells, Grid, HexagonalLattice, Point};
+use crate::problem::pillar_field::{ListedPillar, PillarField, PillarGrid};
+use crate::problem::{Cells, Grid, Point};
 
-const SQRT_3: f64 = 1.732_050_807_568_877_2;
+/// Lengths up to this over the rim of a pillar are rounding.
+const ROUNDING: f64 = 1e-12;
 
-/// How finely a lattice is divided.
+/// How finely the floor is divided.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Division {
-    /// Cells along the sides of half a lattice cell, `sqrt3 e/2` by `e/2`.
-    pub(crate) half: [usize; 2],
+    /// Cells along half the shortest distance of pillars, but for rounding to whole numbers.
+    pub(crate) fineness: usize,
+    /// Cells along the sides of a cell of the coarse grid; 1 where there is none.
+    pub(crate) parts: [usize; 2],
     /// Sides of a cell.
     pub(crate) cell: [f64; 2],
 }
 
 impl Division {
-    /// Of a lattice of that pitch into `2 half` rows a pitch, and columns nearly as wide.
-    pub(crate) fn new(pitch: f64, half: usize) -> Self {
+    /// Of the floor between pillars.
+    pub(crate) fn new(field: &PillarField, fineness: usize) -> Self {
+        let wanted = 0.5 * field.shortest_distance() / fineness as f64;
+        let Some(PillarGrid { sides, .. }) = field.pillar_grid() else {
+            return Self {
+                fineness,
+                parts: [1, 1],
+                cell: [wanted, wanted],
+            };
+        };
         // Prime factors up to 11 alone: nearly the nearest, and quick to transform.
-        let nearest = SQRT_3 * half as f64;
-        let above = smooth_number(nearest.ceil() as usize);
-        let below = (1..above).rev().find(|n| smooth_number(*n) == *n);
-        let columns = below
-            .filter(|below| nearest - (*below as f64) < above as f64 - nearest)
-            .unwrap_or(above);
+        let parts = sides.map(|side| {
+            let nearest = (side / wanted).max(1.0);
+            let above = smooth_number(nearest.ceil() as usize);
+            let below = (1..above).rev().find(|n| smooth_number(*n) == *n);
+            below
+                .filter(|below| nearest - (*below as f64) < above as f64 - nearest)
+                .unwrap_or(above)
+        });
         Self {
-            half: [columns, half],
-            cell: [
-                0.5 * SQRT_3 * pitch / columns as f64,
-                0.5 * pitch / half as f64,
-            ],
+            fineness,
+            parts,
+            cell: [0, 1].map(|k| sides[k] / parts[k] as f64),
         }
     }
 
@@ -46,13 +59,22 @@ impl Division {
     pub(crate) fn longest(&self) -> f64 {
         self.cell[0].max(self.cell[1])
     }
+
+    /// Sides of a cell of the coarse grid.
+    fn coarse_sides(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.parts[k] as f64 * self.cell[k])
+    }
 }
 
 /// The cells of the floor within a radius of the lens axis that no pillar top covers or cuts.
 #[derive(Debug, Clone)]
 pub(crate) struct FloorGrid {
     pub(crate) division: Division,
-    /// Corner of the grid in half lattice cells from the pillar at (0, 0).
+    /// On which the pillars stand, if they do.
+    pillar_grid: Option<PillarGrid>,
+    /// Those next to the cells; if there are none, the nearest of all and some more.
+    pub(crate) pillars: Vec<ListedPillar>,
+    /// Corner of the grid in cells of the coarse one from pillar (0, 0), or from the lens axis.
     corner: [i64; 2],
     pub(crate) cells: Cells,
     /// Radius within which all cells are that it may need.
@@ -61,23 +83,44 @@ pub(crate) struct FloorGrid {
 
 impl FloorGrid {
     /// `None` if no cell is in reach.
-    pub(crate) fn new(lattice: &HexagonalLattice, division: Division, radius: f64) -> Option<Self> {
-        let [offset_x, offset_y] = lattice.offset_vector();
-        let offset = [offset_x, offset_y];
-        let sides = [0, 1].map(|k| division.half[k] as f64 * division.cell[k]);
-        let corner = [0, 1].map(|k| ((offset[k] - radius) / sides[k]).floor() as i64);
-        let far = [0, 1].map(|k| ((offset[k] + radius) / sides[k]).ceil() as i64);
-        let shape = [0, 1].map(|k| (far[k] - corner[k]).max(1) as usize * division.half[k]);
-        let origin = [0, 1].map(|k| corner[k] as f64 * sides[k] - offset[k]);
+    pub(crate) fn new(field: &PillarField, division: Division, radius: f64) -> Option<Self> {
+        let pillar_grid = field.pillar_grid();
+        let first = pillar_grid.map_or([0.0, 0.0], |grid| grid.origin);
+        let sides = division.coarse_sides();
+        let corner = [0, 1].map(|k| ((-first[k] - radius) / sides[k]).floor() as i64);
+        let far = [0, 1].map(|k| ((-first[k] + radius) / sides[k]).ceil() as i64);
+        let shape = [0, 1].map(|k| (far[k] - corner[k]).max(1) as usize * division.parts[k]);
+        let origin = [0, 1].map(|k| corner[k] as f64 * sides[k] + first[k]);
         let grid = Grid::new(shape[0], shape[1], division.cell, origin).ok()?;
-        let covered = Covered::new(&division);
+        let mut covered = vec![false; grid.cell_count()];
+        let [largest, _] = field.bounds();
+        let mut reach = radius + field.spacing() + largest;
+        let listed = loop {
+            let (listed, all) = field.listed_within(reach);
+            if all || !listed.is_empty() {
+                break listed;
+            }
+            reach *= 2.0;
+        };
+        for (index, pillar) in &listed {
+            // In cells from the corner: whole numbers on the grid, so that pillars cover as many.
+            let at = match &pillar_grid {
+                Some(grid) => {
+                    let place = grid.place(*index);
+                    [0, 1].map(|k| ((place[k] - corner[k]) * division.parts[k] as i64) as f64)
+                }
+                None => [0, 1].map(|k| (pillar.centre[k] - origin[k]) / division.cell[k]),
+            };
+            cover(&mut covered, shape, division.cell, at, pillar);
+        }
         let cells = Cells::where_true(&grid, |index| {
-            let (column, row) = (index % shape[0], index / shape[0]);
-            let [x, y] = grid.centre(column, row);
-            x * x + y * y < radius * radius && !covered.holds(corner, [column, row])
+            let [x, y] = grid.centre(index % shape[0], index / shape[0]);
+            x * x + y * y < radius * radius && !covered[index]
         });
         (!cells.is_empty()).then_some(Self {
             division,
+            pillar_grid,
+            pillars: listed.into_iter().map(|(_, pillar)| pillar).collect(),
             corner,
             cells,
             radius,
@@ -94,9 +137,15 @@ impl FloorGrid {
         std::f64::consts::PI * radius * radius / division.cell_area()
     }
 
-    /// Place of a pillar in half lattice cells from the corner of the grid; it may lie before it.
-    pub(crate) fn place_of(&self, (i, j): (i64, i64)) -> [i64; 2] {
-        [i + j - self.corner[0], i - j - self.corner[1]]
+    /// Place of a pillar in cells of the coarse grid from the corner; it may lie before it. None of pillars that do not stand on one.
+    pub(crate) fn place_of(&self, index: (i64, i64)) -> Option<[i64; 2]> {
+        let place = self.pillar_grid.as_ref()?.place(index);
+        Some([0, 1].map(|k| place[k] - self.corner[k]))
+    }
+
+    /// Whether the pillars stand on corners of the grid.
+    pub(crate) fn holds_pillars(&self) -> bool {
+        self.pillar_grid.is_some()
     }
 
     /// The column and row of the grid that hold a point, if it has them.
@@ -110,15 +159,15 @@ impl FloorGrid {
         inside.then_some([column as usize, row as usize])
     }
 
-    /// Half lattice cells along x and y of a period in which nothing meets its images: twice as long as the
+    /// Cells of the coarse grid along x and y of a period in which nothing meets its images: twice as long as the
     /// farthest cell and the farthest pillar, `pillars`, or two cells, are from the lens axis together, along x and y.
     pub(crate) fn period(division: &Division, radius: f64, pillars: [f64; 2]) -> [usize; 2] {
+        let sides = division.coarse_sides();
         [0, 1].map(|k| {
-            let side = division.half[k] as f64 * division.cell[k];
             let farthest = radius + radius.max(pillars[k]);
-            // The cells themselves begin and end with whole half lattice cells.
-            let cells = (2.0 * radius / side).ceil() as usize + 1;
-            let count = cells.max((2.0 * farthest / side).ceil() as usize);
+            // The cells themselves begin and end with whole cells of the coarse grid.
+            let cells = (2.0 * radius / sides[k]).ceil() as usize + 1;
+            let count = cells.max((2.0 * farthest / sides[k]).ceil() as usize);
             // Rows are taken four at a time, and columns two at a time.
             let together = if k == 1 { 4 } else { 2 };
             together * smooth_number(count.div_ceil(together))
@@ -126,90 +175,153 @@ impl FloorGrid {
     }
 }
 
-/// Which cells of a lattice cell a pillar top covers or cuts.
-struct Covered {
-    shape: [usize; 2],
-    covered: Vec<bool>,
-}
-
-impl Covered {
-    fn new(division: &Division) -> Self {
-        let shape = division.half.map(|n| 2 * n);
-        let [width, height] = division.cell;
-        let pillars = [[0, 0], [2, 0], [0, 2], [2, 2], [1, 1]].map(|[u, v]: [usize; 2]| {
-            [
-                (u * division.half[0]) as f64 * width,
-                (v * division.half[1]) as f64 * height,
-            ]
-        });
-        let covered = (0..shape[0] * shape[1])
-            .map(|index| {
-                let low = [
-                    (index % shape[0]) as f64 * width,
-                    (index / shape[0]) as f64 * height,
-                ];
-                pillars.iter().any(|[x, y]| {
-                    let away =
-                        |at: f64, low: f64, side: f64| (low - at).max(at - low - side).max(0.0);
-                    away(*x, low[0], width).hypot(away(*y, low[1], height)) < 1.0
-                })
-            })
-            .collect();
-        Self { shape, covered }
-    }
-
-    /// Whether a cell is covered, counted from a corner of the grid.
-    fn holds(&self, corner: [i64; 2], place: [usize; 2]) -> bool {
-        let [column, row] = [0, 1].map(|k| {
-            let from_pillar = place[k] as i64 + corner[k] * (self.shape[k] / 2) as i64;
-            from_pillar.rem_euclid(self.shape[k] as i64) as usize
-        });
-        self.covered[row * self.shape[0] + column]
+/// Marks the cells of a grid that a pillar covers or cuts, whose centre is `at`, in cells from the corner.
+fn cover(
+    covered: &mut [bool],
+    [columns, rows]: [usize; 2],
+    [width, height]: [f64; 2],
+    at: Point,
+    pillar: &ListedPillar,
+) {
+    let radius = pillar.body.radius;
+    let range = |at: f64, side: f64, count: usize| {
+        let reach = radius / side;
+        let first = (at - reach).floor().max(0.0) as usize;
+        let end = (at + reach).ceil().max(0.0) as usize;
+        first.min(count)..end.min(count)
+    };
+    // How far a column or row is from the centre.
+    let away = |place: usize, at: f64, side: f64| {
+        let low = (place as f64 - at) * side;
+        low.max(-low - side).max(0.0)
+    };
+    for row in range(at[1], height, rows) {
+        let up = away(row, at[1], height);
+        for column in range(at[0], width, columns) {
+            if away(column, at[0], width).hypot(up) < radius * (1.0 - ROUNDING) {
+                covered[row * columns + column] = true;
+            }
+        }
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::problem::HexagonalLattice;
+    use crate::problem::pillar_field::{PillarBody, PillarList, PlaneLattice};
+    use std::sync::Arc;
+
+    pub(in crate::halfspace::floor) fn hexagonal(lattice: HexagonalLattice) -> PillarField {
+        PillarField::Hexagonal {
+            lattice,
+            column_compliance_ratio: 0.0,
+        }
+    }
+
+    /// Tops of the unit radius on any lattice.
+    pub(in crate::halfspace::floor) fn plane(vectors: [Point; 2], origin: Point) -> PillarField {
+        let body = PillarBody::of_column(0.0);
+        PillarField::Lattice(Arc::new(
+            PlaneLattice::new(vectors, origin, body).expect("vectors that span the plane"),
+        ))
+    }
+
+    /// Tops of several radii at any places.
+    pub(in crate::halfspace::floor) fn listed() -> PillarField {
+        let places = [
+            (0.3, 0.4, 1.0),
+            (4.1, -1.0, 0.7),
+            (-3.0, 2.2, 1.3),
+            (1.0, 5.0, 1.0),
+        ];
+        let pillar = |(x, y, radius)| ListedPillar {
+            centre: [x, y],
+            body: PillarBody {
+                radius,
+                ..PillarBody::of_column(0.0)
+            },
+        };
+        let list = PillarList::new(places.map(pillar).to_vec());
+        PillarField::Listed(Arc::new(list.expect("pillars that do not overlap")))
+    }
 
     #[test]
     fn cells_are_the_floor_and_pillars_stand_on_corners() {
-        for (pitch, half, offset, angle) in
-            [(3.0, 4, 0.0, 0.0), (4.3, 6, 0.4, 0.7), (11.0, 3, 1.9, 2.0)]
-        {
-            let lattice = HexagonalLattice {
+        let paper = |pitch, offset, offset_angle| {
+            hexagonal(HexagonalLattice {
                 pitch,
                 offset,
-                offset_angle: angle,
-            };
-            let division = Division::new(pitch, half);
-            let radius = 2.3 * pitch;
-            let floor = FloorGrid::new(&lattice, division, radius).unwrap();
+                offset_angle,
+            })
+        };
+        for (field, fineness) in [
+            (paper(3.0, 0.0, 0.0), 4),
+            (paper(4.3, 0.4, 0.7), 6),
+            (paper(11.0, 1.9, 2.0), 3),
+            (plane([[4.0, 0.0], [0.0, 4.0]], [0.0, 0.0]), 4),
+            (plane([[4.0, 0.0], [0.0, 7.3]], [1.1, -0.4]), 5),
+            (plane([[5.0, 0.0], [2.5, 4.0]], [1.1, -0.4]), 6),
+            (plane([[5.0, 0.0], [1.3, 4.0]], [1.1, -0.4]), 6),
+            (listed(), 9),
+        ] {
+            let division = Division::new(&field, fineness);
+            let radius = 2.3 * field.spacing();
+            let floor = FloorGrid::new(&field, division, radius).unwrap();
+            let pillars = field.listed_within(radius + 2.0).0;
             let [width, height] = division.cell;
+            let wanted = 0.5 * field.shortest_distance() / fineness as f64;
+            assert!((division.cell_area().sqrt() / wanted - 1.0).abs() < 0.1);
             let mut area = 0.0;
             for ([x, y], (column, row)) in floor.cells.centres().zip(floor.cells.positions()) {
                 assert!(x.hypot(y) < radius);
                 for (sign_x, sign_y) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
                     let corner = [x + sign_x * width, y + sign_y * height];
-                    let (i, j) = lattice.nearest_pillar(corner);
-                    let [cx, cy] = lattice.centre(i, j);
-                    assert!((cx - corner[0]).hypot(cy - corner[1]) >= 1.0 - 1e-12);
+                    for (_, ListedPillar { centre, body }) in &pillars {
+                        let distance = (centre[0] - corner[0]).hypot(centre[1] - corner[1]);
+                        assert!(distance >= body.radius - 1e-11);
+                    }
                 }
                 assert_eq!(floor.position_of([x, y]), Some([column, row]));
                 area += division.cell_area();
             }
             let circle = std::f64::consts::PI * radius * radius;
-            assert!(area > 0.5 * circle * (1.0 - 3.7 / (pitch * pitch)) && area < circle);
+            // What the tops cover, and the cells that they cut.
+            let tops: f64 = pillars
+                .iter()
+                .map(|(_, pillar)| 3.2 + 8.0 * pillar.body.radius * division.longest())
+                .sum();
+            assert!(area > circle - tops - 8.0 * radius * division.longest() && area < circle);
             let grid = floor.cells.grid();
-            for (i, j) in [(0, 0), (1, 0), (0, 1), (-1, 2)] {
-                let [u, v] = floor.place_of((i, j));
-                let [x, y] = lattice.centre(i, j);
-                let at = [
-                    grid.origin()[0] + u as f64 * division.half[0] as f64 * width,
-                    grid.origin()[1] + v as f64 * division.half[1] as f64 * height,
-                ];
-                assert!((at[0] - x).hypot(at[1] - y) < 1e-12 * pitch);
+            for (index, pillar) in pillars {
+                let Some(place) = floor.place_of(index) else {
+                    assert!(!floor.holds_pillars());
+                    continue;
+                };
+                for k in 0..2 {
+                    let cells = place[k] as f64 * division.parts[k] as f64;
+                    let at = grid.origin()[k] + cells * division.cell[k];
+                    assert!((at - pillar.centre[k]).abs() < 1e-11);
+                }
             }
         }
+    }
+
+    /// The hexagonal lattice in two descriptions has the same cells.
+    #[test]
+    fn hexagonal_lattices_are_centred_ones() {
+        let lattice = HexagonalLattice {
+            pitch: 5.3,
+            offset: 0.3,
+            offset_angle: 1.0,
+        };
+        let vectors =
+            [(1, 0), (0, 1)].map(|(i, j)| HexagonalLattice::new(5.3).lattice_vector(i, j));
+        let fields = [hexagonal(lattice), plane(vectors, lattice.centre(0, 0))];
+        let [one, other] =
+            fields.map(|field| FloorGrid::new(&field, Division::new(&field, 6), 13.0).unwrap());
+        assert_eq!(one.division.parts, other.division.parts);
+        assert_eq!(one.corner, other.corner);
+        assert!(one.cells.indices().eq(other.cells.indices()));
     }
 }

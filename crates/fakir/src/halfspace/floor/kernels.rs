@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 const FAR: f64 = 24.0;
 
 /// Half the distance of the two points of Gauss's rule, of half a side.
-const GAUSS: f64 = 0.577_350_269_189_625_8;
+pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 
 /// Mean displacement of a rectangle by a unit pressure on an equal one, on a half-space of unit compliance.
 ///
@@ -176,7 +176,8 @@ mod tests {
 
     fn division() -> Division {
         Division {
-            half: [7, 4],
+            fineness: 4,
+            parts: [7, 4],
             cell: [0.37, 0.31],
         }
     }
@@ -218,7 +219,8 @@ mod tests {
     fn the_own_mean_of_a_square_is_known() {
         // 4 ln(1 + sqrt 2) - 4 (sqrt 2 - 1)/3, the mean of 1/r over a unit square and itself.
         let division = Division {
-            half: [1, 1],
+            fineness: 1,
+            parts: [1, 1],
             cell: [0.2, 0.2],
         };
         let root = 2f64.sqrt();

@@ -11,6 +11,7 @@
 
 use crate::halfspace::elements::rectangle::Rectangle;
 use crate::numerics::quadrature::gauss_legendre;
+use crate::problem::point::turned;
 use crate::problem::{Cells, Grid, Point};
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
@@ -35,6 +36,8 @@ pub(crate) struct FloorLoad {
     /// Place of every cell of the grid in the vector.
     place: Vec<u32>,
     rectangle: Rectangle,
+    /// By how much the grid is turned about the lens axis, rad.
+    rotation: f64,
     /// Made when the first displacement is asked for.
     groups: OnceLock<Groups>,
 }
@@ -71,10 +74,36 @@ impl FloorLoad {
         let [width, height] = cells.grid().cell();
         Self {
             rectangle: Rectangle::new(width, height),
+            rotation: 0.0,
             place,
             pressure,
             cells,
             groups: OnceLock::new(),
+        }
+    }
+
+    /// The same turned about the lens axis, rad.
+    pub(crate) fn turned(mut self, angle: f64) -> Self {
+        self.rotation += angle;
+        self
+    }
+
+    /// Whether its grid is turned.
+    pub(crate) fn is_turned(&self) -> bool {
+        self.rotation != 0.0
+    }
+
+    /// Where a point of the grid is when that is turned.
+    pub(crate) fn placed(&self, point: Point) -> Point {
+        turned(point, self.rotation)
+    }
+
+    /// A point as it is on the grid before this is turned.
+    fn turned_back(&self, point: Point) -> Point {
+        if self.rotation == 0.0 {
+            point
+        } else {
+            turned(point, -self.rotation)
         }
     }
 
@@ -84,7 +113,7 @@ impl FloorLoad {
         (self.cells.scaled(length), pressures)
     }
 
-    /// Centre and pressure of every cell.
+    /// Centre, before it is turned, and pressure of every cell.
     pub(crate) fn loaded_cells(&self) -> impl Iterator<Item = (Point, f64)> + '_ {
         self.cells.centres().zip(self.pressure.iter().copied())
     }
@@ -95,7 +124,8 @@ impl FloorLoad {
     }
 
     /// The pressure at a point.
-    pub(crate) fn pressure(&self, [x, y]: Point) -> f64 {
+    pub(crate) fn pressure(&self, point: Point) -> f64 {
+        let [x, y] = self.turned_back(point);
         let grid: &Grid = self.cells.grid();
         let ([left, low], [width, height]) = (grid.origin(), grid.cell());
         let (column, row) = (((x - left) / width).floor(), ((y - low) / height).floor());
@@ -116,7 +146,7 @@ impl FloorLoad {
         if groups.groups.is_empty() {
             0.0
         } else {
-            groups.potential(0, point, &self.rectangle) / PI
+            groups.potential(0, self.turned_back(point), &self.rectangle) / PI
         }
     }
 }

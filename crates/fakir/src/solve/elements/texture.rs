@@ -3,15 +3,17 @@
 //! The cells cover pillar tops and floor alike, and the discs are matched to flat punches.
 
 use super::surface_level::check_fields;
-use crate::problem::pattern::{Arrangement, InvalidPattern, Pattern, PillarShape};
+use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::{
-    Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
-    InvalidGrid, Lens, MeshLayout, Method, SurfaceSystem, System,
+    Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, Indenter, InvalidGrid,
+    InvalidHeightMap, Lens, MeshLayout, Method, PillarColumns, PillarCompliance, PlacedPillar,
+    SurfaceSystem, System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
 };
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 /// The contact on so many cells across a pillar, on a grid that holds all within `reach` (m) of the lens axis.
 ///
@@ -28,18 +30,34 @@ pub(crate) fn press_with_floor(
 ) -> Result<ContactState, SolveError> {
     let not_made_for = || SolveError::not_made_for("the method of elements with a floor", system);
     let sphere = system.lens().sphere().ok_or_else(not_made_for)?;
-    let lattice = system.hexagonal_lattice().ok_or_else(not_made_for)?;
+    let pillars = system.pillars_within(2.0 * reach);
+    // The discs are matched to flat punches of one diameter.
+    let has_common_diameter =
+        |pillar: &PlacedPillar| (pillar.diameter / system.pillar().diameter - 1.0).abs() < 1e-12;
+    if !pillars.iter().all(has_common_diameter) {
+        return Err(not_made_for());
+    }
     let impossible = SolveError::NotFinite {
         what: "cell of the surface",
     };
     let grid = grid(system, cells_per_diameter, reach).map_err(|_| impossible.clone())?;
     // Better known before the surface is drawn.
     check_fields(&grid, run)?;
-    let surface = surface_system(system, sphere, lattice, &grid).map_err(|_| impossible)?;
+    let surface = surface_system(system, sphere, &pillars, &grid).map_err(|_| impossible)?;
+    // Elements count the indentation from the highest pillar, others from the common height.
+    let raised = surface.surface().highest() - system.pillar().height;
+    let control = match control {
+        Control::Indentation(indentation) => Control::Indentation(indentation + raised),
+        other => other,
+    };
     let contact = surface.press(control, run)?;
+    let contact = SurfaceContact {
+        indentation: contact.indentation - raised,
+        ..contact
+    };
     Ok(state(
         system,
-        lattice,
+        &pillars,
         &surface,
         &contact,
         cells_per_diameter,
@@ -58,26 +76,71 @@ fn grid(system: &System, cells_per_diameter: usize, reach: f64) -> Result<Grid, 
 fn surface_system(
     system: &System,
     sphere: Lens,
-    lattice: &HexagonalLattice,
+    pillars: &[PlacedPillar],
     grid: &Grid,
 ) -> Result<SurfaceSystem, Box<dyn std::error::Error>> {
-    let pillar = system.pillar();
-    let shape = PillarShape {
-        compliance: pillar.compliance,
-        ..PillarShape::cylinder(pillar.diameter, pillar.height)
-    };
-    let pattern = Pattern::new(shape, Arrangement::Hexagonal(*lattice));
-    let heights: Result<HeightMap, InvalidPattern> = pattern.height_map(grid, system.substrate());
+    let heights = drawn(system, pillars, grid)?;
     let lens = Indenter::Lens(sphere);
-    let surface = SurfaceSystem::new(lens, *system.substrate(), heights?, Boundary::FreeSpace)?;
-    let surface = surface.continued().with_round_tops(pillar.diameter)?;
-    Ok(surface.with_floor(Floor::OffPillars))
+    let surface = SurfaceSystem::new(lens, *system.substrate(), heights, Boundary::FreeSpace)?;
+    let surface = surface.with_round_tops(system.pillar().diameter)?;
+    let surface = surface.with_floor(Floor::OffPillars);
+    // Where pillars differ, or end, what goes on around the grid is not like what is highest in it.
+    let arrangement = system.arrangement();
+    Ok(
+        if arrangement.is_finite() || !arrangement.has_equal_pillars() {
+            surface
+        } else {
+            surface.continued()
+        },
+    )
+}
+
+/// Heights of the cells and the pillars that they belong to.
+fn drawn(
+    system: &System,
+    pillars: &[PlacedPillar],
+    grid: &Grid,
+) -> Result<HeightMap, InvalidHeightMap> {
+    let mut heights = vec![0.0; grid.cell_count()];
+    let mut labels = vec![HeightMap::NO_PILLAR; grid.cell_count()];
+    let mut compliance = Vec::new();
+    let shape = [grid.columns(), grid.rows()];
+    for pillar in pillars {
+        let label = compliance.len() as u32;
+        let span = |axis: usize| {
+            let place = |at: f64| (at - grid.origin()[axis]) / grid.cell()[axis];
+            let (centre, reach) = (pillar.centre[axis], 0.5 * pillar.diameter);
+            let end = |at: f64| at.clamp(0.0, shape[axis] as f64) as usize;
+            end(place(centre - reach).floor())..end(place(centre + reach).ceil())
+        };
+        let mut is_drawn = false;
+        for row in span(1) {
+            for column in span(0) {
+                let [x, y] = grid.centre(column, row);
+                let distance = (x - pillar.centre[0]).hypot(y - pillar.centre[1]);
+                if 2.0 * distance < pillar.diameter {
+                    let cell = row * grid.columns() + column;
+                    (heights[cell], labels[cell], is_drawn) = (pillar.height, label, true);
+                }
+            }
+        }
+        if is_drawn {
+            let area = 0.25 * PI * pillar.diameter * pillar.diameter;
+            compliance.push(match system.pillar().compliance {
+                PillarCompliance::Column => {
+                    pillar.height / (system.substrate().young_modulus * area)
+                }
+                PillarCompliance::None => 0.0,
+            });
+        }
+    }
+    HeightMap::new(*grid, heights)?.with_pillars(PillarColumns { labels, compliance })
 }
 
 /// A contact on cells as one of pillars and floor.
 fn state(
     system: &System,
-    lattice: &HexagonalLattice,
+    pillars: &[PlacedPillar],
     surface: &SurfaceSystem,
     contact: &SurfaceContact,
     cells_per_diameter: usize,
@@ -113,10 +176,13 @@ fn state(
         contact.pressure[cell] > 0.0 && pillar_of(cell).is_none()
     });
     let share = contact.shares.unwrap_or_default().floor;
-    let distance_to_rim = |[x, y]: [f64; 2]| {
-        let (i, j) = lattice.nearest_pillar([x, y]);
-        let [centre_x, centre_y] = lattice.centre(i, j);
-        (x - centre_x).hypot(y - centre_y) - 0.5 * system.pillar().diameter
+    let tops = pillars
+        .iter()
+        .map(|pillar| (pillar.centre, 0.5 * pillar.diameter));
+    let tops = Neighbours::new(tops);
+    let distance_to_rim = |point: [f64; 2]| {
+        let nearest = tops.nearest(point, Nearest::Edge, 0.0, None);
+        nearest.map_or(f64::INFINITY, |(_, distance)| distance)
     };
     let floor = FloorContact {
         force: share.force,
@@ -139,6 +205,7 @@ fn state(
             .map(|cell| contact.pressure[cell])
             .collect(),
         cells: on_floor,
+        rotation: 0.0,
     };
     let mesh = ElementMesh {
         cells_per_diameter,

@@ -12,8 +12,8 @@ use crate::halfspace::elements::periodic::PeriodicInverse;
 use crate::halfspace::floor::grid::FloorGrid;
 use crate::numerics::convergence::{larger, within};
 use crate::numerics::workers::Workers;
-use crate::problem::Cells;
 use crate::problem::scaled::Scene;
+use crate::problem::{Cells, LensShape, Point};
 use crate::solve::frozen::Rule;
 use rayon::ThreadPool;
 
@@ -52,11 +52,18 @@ impl<'a> FloorCells<'a> {
     pub(crate) fn lens_load(&self, scene: &Scene) -> impl Iterator<Item = f64> {
         let [width, height] = self.grid.division.cell;
         let root = self.unit_cell();
-        let mean = (width * width + height * height) / (24.0 * scene.lens.apex_radius());
-        self.grid
-            .cells
-            .centres()
-            .map(move |centre| -root * (scene.height + scene.lens.sag_with_brim(centre) + mean))
+        let apex = scene.lens.apex_radius();
+        let varies = matches!(scene.lens.shape, LensShape::Profile(_));
+        // What the mean of a curved surface over a cell is higher than its centre by; of a table of heights where that is.
+        let mean = move |centre: Point| {
+            let jet = scene.lens.jet(centre).filter(|_| varies);
+            let [along_x, _, along_y] =
+                jet.map_or([apex.recip(), 0.0, apex.recip()], |jet| jet.hessian);
+            (width * width * along_x + height * height * along_y) / 24.0
+        };
+        self.grid.cells.centres().map(move |centre| {
+            -root * (scene.height + scene.lens.sag_with_brim(centre) + mean(centre))
+        })
     }
 
     /// The root of the area of a cell.

@@ -1,0 +1,118 @@
+//! What pillars of any radii do to the floor's cells wherever they stand: a table of every cell and every pillar.
+//!
+//! A pillar of radius `a` at `X` moves a cell by the mean over it of `sum_i W_i((x - X)/a) c_i/a`, by two points of Gauss's rule in either
+//! direction, as a pillar on a corner of the grid does.
+
+use super::grid::FloorGrid;
+use super::kernels::GAUSS;
+use crate::halfspace::coupling::sites::Sites;
+use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::exterior::Exterior;
+use crate::numerics::vector::{LANES, Lanes, add_scaled, dot, widest};
+use crate::numerics::workers::Workers;
+
+/// Cells a thread takes at a time, at the least.
+const CELLS_AT_ONCE: usize = 16;
+
+/// The pillars that see the floor, and what they do to every cell of it.
+pub(super) struct PillarTable {
+    /// Their places among all.
+    pillars: Vec<usize>,
+    /// Modes of each that see the floor.
+    modes: usize,
+    /// For every cell, every pillar, its modes: mean displacement times the root of the area of a cell.
+    values: Vec<f64>,
+    /// Coefficients of these modes, and loads on them.
+    coefficients: Vec<f64>,
+    loads: Vec<f64>,
+}
+
+impl PillarTable {
+    /// Of the modes up to a degree of the pillars within `reach` of the lens axis. If it is cancelled the table is nothing.
+    pub(super) fn new(
+        grid: &FloorGrid,
+        sites: &Sites,
+        reach: f64,
+        degree: usize,
+        workers: Workers<'_>,
+    ) -> Self {
+        let near = |pillar: &usize| {
+            let [x, y] = sites.centres()[*pillar];
+            x.hypot(y) <= reach
+        };
+        let pillars: Vec<usize> = (0..sites.len()).filter(near).collect();
+        let modes = mode_count(degree);
+        let of_cell = pillars.len() * modes;
+        let mut values = vec![0.0; grid.len() * of_cell];
+        let centres: Vec<[f64; 2]> = grid.cells.centres().collect();
+        let [width, height] = grid.division.cell.map(|side| 0.5 * GAUSS * side);
+        let root = grid.division.cell_area().sqrt();
+        let exterior = Exterior::new(degree);
+        let [across, up] = [
+            Lanes([-width, -width, width, width]),
+            Lanes([-height, height, -height, height]),
+        ];
+        let fill = |room: &mut Vec<Lanes>, cell: usize, values: &mut [f64]| {
+            if workers.cancel.is_cancelled() {
+                return;
+            }
+            let [x, y] = centres[cell];
+            widest(
+                #[inline(always)]
+                || {
+                    for (pillar, values) in pillars.iter().zip(values.chunks_exact_mut(modes)) {
+                        let centre = sites.centres()[*pillar];
+                        let radius = sites.body(*pillar).radius;
+                        let at = [
+                            (Lanes::splat(x - centre[0]) + across) * Lanes::splat(radius.recip()),
+                            (Lanes::splat(y - centre[1]) + up) * Lanes::splat(radius.recip()),
+                        ];
+                        exterior.lane_values(at, room);
+                        for (value, lanes) in values.iter_mut().zip(&*room) {
+                            *value = root / (LANES as f64 * radius) * lanes.sum();
+                        }
+                    }
+                },
+            );
+        };
+        let room = || vec![Lanes::default(); modes];
+        workers.fill(&mut values, of_cell.max(1), CELLS_AT_ONCE, room, fill);
+        Self {
+            coefficients: vec![0.0; of_cell],
+            loads: vec![0.0; of_cell],
+            pillars,
+            modes,
+            values,
+        }
+    }
+
+    /// Adds to the loads on pillars, of which each has so many modes, and to those on cells.
+    pub(super) fn apply(
+        &mut self,
+        modes: usize,
+        [tops, floor]: [&[f64]; 2],
+        [far_tops, far_floor]: [&mut [f64]; 2],
+    ) {
+        if self.pillars.is_empty() {
+            return;
+        }
+        let own = self.coefficients.chunks_exact_mut(self.modes);
+        for (own, pillar) in own.zip(&self.pillars) {
+            own.copy_from_slice(&tops[pillar * modes..][..self.modes]);
+        }
+        self.loads.fill(0.0);
+        let rows = self.values.chunks_exact(self.coefficients.len());
+        for ((row, far), pressure) in rows.zip(far_floor).zip(floor) {
+            *far += dot(row, &self.coefficients);
+            if *pressure != 0.0 {
+                add_scaled(&mut self.loads, *pressure, row);
+            }
+        }
+        let loads = self.loads.chunks_exact(self.modes);
+        for (loads, pillar) in loads.zip(&self.pillars) {
+            for (far, load) in far_tops[pillar * modes..].iter_mut().zip(loads) {
+                *far += load;
+            }
+        }
+    }
+}
