@@ -489,8 +489,11 @@ impl Words for FloorModel {
 pub(crate) const TRUE_OR_FALSE: [&str; 2] = ["true", "false"];
 
 impl Words for PillarCompliance {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("column", Self::Column), ("none", Self::None)];
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("column", Self::Column),
+        ("elastic", Self::Elastic),
+        ("none", Self::None),
+    ];
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -451,6 +451,12 @@ impl CaseFile {
                 self.problem(Key::PatternFraction, problem)
                     .accepted("lower the surface fraction or the minimum distance")
             }
+            InvalidPattern::NotElastic => self
+                .problem(
+                    Key::PatternCompliance,
+                    "how elastic pillars give way is known for the cylinders of a [texture] only",
+                )
+                .accepted("\"column\" or \"none\""),
             other => CaseError::new(&self.source, other.to_string()),
         }
     }

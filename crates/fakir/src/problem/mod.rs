@@ -18,6 +18,7 @@
 pub(crate) mod adhesion;
 pub(crate) mod arrangement;
 pub(crate) mod cap_field;
+pub(crate) mod column;
 pub(crate) mod control;
 pub(crate) mod cycle_plan;
 pub(crate) mod grid;
@@ -41,6 +42,7 @@ pub use arrangement::{
     PlaneLattice,
 };
 pub use cap_field::{Cap, CapField, InvalidCaps};
+pub use column::{ELASTIC_POISSON_RATIO, ELASTIC_SLENDERNESS};
 pub use control::Control;
 pub use cycle_plan::{CyclePlan, Drive, Turn};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};

@@ -1,6 +1,7 @@
 //! The problem in the units of the solvers: lengths in pillar radii, pressures in units of the
 //! reduced modulus, so that forces are in units of `E* (d/2)^2`.
 
+use super::column::Column;
 use super::lattice::HexagonalLattice;
 use super::lens::{Lens, ShapedLens};
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
@@ -19,8 +20,7 @@ pub(crate) struct Problem {
     /// Pillar height.
     pub(crate) height: f64,
     pub(crate) lattice: HexagonalLattice,
-    /// `kappa`
-    pub(crate) column_compliance_ratio: f64,
+    pub(crate) column: Column,
     /// Unit of length, `d/2`, m.
     pub(crate) length: f64,
     /// Unit of pressure, `E*`, Pa.
@@ -87,13 +87,12 @@ impl Scene {
         let lens = self.lens.sphere()?;
         match self.field {
             PillarField::Hexagonal {
-                lattice,
-                column_compliance_ratio,
+                lattice, column, ..
             } => Some(Problem {
                 lens,
                 height: self.height,
                 lattice,
-                column_compliance_ratio,
+                column,
                 length: self.length,
                 pressure: self.pressure,
             }),
@@ -224,7 +223,7 @@ impl Problem {
             height: self.height,
             field: PillarField::Hexagonal {
                 lattice: self.lattice,
-                column_compliance_ratio: self.column_compliance_ratio,
+                column: self.column,
             },
             length: self.length,
             pressure: self.pressure,

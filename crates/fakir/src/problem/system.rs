@@ -2,6 +2,7 @@
 
 use super::adhesion::Adhesion;
 use super::arrangement::Arrangement;
+use super::column::ColumnLaw;
 use super::lattice::HexagonalLattice;
 use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
@@ -14,6 +15,10 @@ pub enum PillarCompliance {
     /// the floor around its foot, as in the paper.
     #[default]
     Column,
+    /// The pillar is an elastic cylinder welded to the half-space: shorter by what its foot spreads the load, and leaning under a moment, as fitted
+    /// to solutions by finite elements; for heights over diameters of [`ELASTIC_SLENDERNESS`](super::ELASTIC_SLENDERNESS) and Poisson's ratios of
+    /// [`ELASTIC_POISSON_RATIO`](super::ELASTIC_POISSON_RATIO). All methods take how it is shortened; that it leans, the spectral one alone.
+    Elastic,
     /// Pillars are as stiff as the half-space they stand on.
     None,
 }
@@ -96,7 +101,8 @@ impl System {
     /// The first [`InvalidQuantity`]: lengths and moduli must be positive and
     /// finite, Poisson's ratios between 0 and 0.5, the pitch at least the
     /// diameter, the pillars lower than the lens radius, a scatter within its limits, a plate tilted by 10 degrees at the most; and under a
-    /// cylinder or a plate, which touch endlessly many pillars of a lattice without end, these have to be finitely many.
+    /// cylinder or a plate, which touch endlessly many pillars of a lattice without end, these have to be finitely many; and of elastic pillars it has
+    /// to be known how they give way.
     pub fn new(
         lens: impl Into<ShapedLens>,
         substrate: Material,
@@ -121,13 +127,21 @@ impl System {
         if !lens.is_axisymmetric() && !texture.arrangement.is_finite() {
             R::FiniteUnder(lens.shape_name()).check(Q::Columns, f64::INFINITY)?;
         }
-        Ok(Self {
+        let system = Self {
             lens,
             substrate,
             texture,
             floor: FloorModel::Contact,
             adhesion: Adhesion::NONE,
-        })
+        };
+        let law = ColumnLaw::new(&system);
+        for times in system
+            .arrangement()
+            .slenderness(pillar.height / pillar.diameter)
+        {
+            law.check(times)?;
+        }
+        Ok(system)
     }
 
     /// The same system with another model of the floor.
@@ -148,10 +162,14 @@ impl System {
     /// The same system with pillar tops that stick.
     ///
     /// # Errors
-    /// Works of adhesion that are negative or no numbers, and a receding one below the advancing one.
+    /// Works of adhesion that are negative or no numbers, a receding one below the advancing one, and any on elastic pillars.
     pub fn with_adhesion(&self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
+        let adhesion = adhesion.checked()?;
+        if self.pillar().compliance == PillarCompliance::Elastic {
+            Requirement::ZeroOnElastic.check(Quantity::WorkOfAdhesion, adhesion.receding())?;
+        }
         Ok(Self {
-            adhesion: adhesion.checked()?,
+            adhesion,
             ..self.clone()
         })
     }
@@ -241,7 +259,7 @@ impl System {
     }
 
     /// How far a pillar top sinks below its foot per unit force,
-    /// `4 h/(pi E_s d^2)`, m/N; 0 without column compliance.
+    /// `4 h/(pi E_s d^2)`, m/N; 0 without column compliance, and of elastic pillars what they give way by more than a half-space.
     #[must_use]
     pub fn column_compliance(&self) -> f64 {
         self.column_compliance_of(self.pillar().height, self.pillar().diameter)
@@ -254,6 +272,12 @@ impl System {
             PillarCompliance::None => 0.0,
             PillarCompliance::Column => {
                 4.0 * height / (PI * self.substrate.young_modulus * diameter.powi(2))
+            }
+            PillarCompliance::Elastic => {
+                let law = ColumnLaw::new(self);
+                let common = self.pillar().height / self.pillar().diameter;
+                let column = law.of(height / diameter, common);
+                column.shortening * self.contact_compliance() / diameter
             }
         }
     }

@@ -171,7 +171,8 @@ impl Pattern {
                 PillarCompliance::Column => {
                     height / (substrate.young_modulus * self.pillar.cross_section.area())
                 }
-                PillarCompliance::None => 0.0,
+                // Elastic ones are refused.
+                PillarCompliance::None | PillarCompliance::Elastic => 0.0,
             };
             drawing.add(&self.pillar, site, height, compliance);
         }
@@ -212,6 +213,9 @@ impl Pattern {
         let spread = self.height_spread;
         Q::HeightSpread.within(spread, is_fraction(&spread), "from 0 to below 1")?;
         self.pillar.check(spread)?;
+        if self.pillar.compliance == PillarCompliance::Elastic {
+            return Err(InvalidPattern::NotElastic);
+        }
         let outer = self.pillar.cross_section.outer_diameter();
         match self.arrangement {
             Arrangement::Hexagonal(lattice) => {
