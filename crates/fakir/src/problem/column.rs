@@ -106,6 +106,7 @@ pub(crate) struct ColumnLaw {
     slenderness: f64,
     poisson_ratio: f64,
     share: f64,
+    leaning: bool,
 }
 
 impl ColumnLaw {
@@ -123,6 +124,7 @@ impl ColumnLaw {
             slenderness: pillar.height / pillar.diameter,
             poisson_ratio: substrate.poisson_ratio,
             share: substrate.plane_strain_compliance() / system.contact_compliance(),
+            leaning: system.leans(),
         }
     }
 
@@ -152,7 +154,7 @@ impl ColumnLaw {
                 };
                 Column {
                     shortening: elastic.shortening(),
-                    rocking: elastic.rocking(),
+                    rocking: if self.leaning { elastic.rocking() } else { 0.0 },
                 }
             }
             PillarCompliance::Column | PillarCompliance::None => {
@@ -177,7 +179,12 @@ impl ColumnLaw {
             poisson_ratio: Dual::variable(self.poisson_ratio, 1),
             share: Dual::variable(self.share, 2),
         };
-        let [shortening, rocking] = [elastic.shortening(), elastic.rocking()];
+        let shortening = elastic.shortening();
+        let rocking = if self.leaning {
+            elastic.rocking()
+        } else {
+            Dual::constant(0.0)
+        };
         let by = |variable: usize, factor: f64| Column {
             shortening: factor * shortening.derivatives[variable],
             rocking: factor * rocking.derivatives[variable],
@@ -207,8 +214,13 @@ impl ColumnLaw {
         Requirement::KnownElastic { least, most }
             .check(Quantity::SubstratePoissonRatio, self.poisson_ratio)?;
         let [least, most] = ELASTIC_SLENDERNESS;
+        // The ends count as within, whatever quotients round to.
+        let slenderness = self.slenderness * times;
+        let end = [least, most].into_iter();
+        let mut end = end.filter(|end| (slenderness / end - 1.0).abs() < 1e-9);
+        let slenderness = end.next().unwrap_or(slenderness);
         Requirement::KnownElastic { least, most }
-            .check(Quantity::PillarSlenderness, self.slenderness * times)?;
+            .check(Quantity::PillarSlenderness, slenderness)?;
         Ok(())
     }
 }

@@ -82,6 +82,7 @@ pub struct System {
     texture: Texture,
     floor: FloorModel,
     adhesion: Adhesion,
+    leaning: bool,
 }
 
 /// What becomes of the floor between the pillars where the lens comes down to it.
@@ -133,6 +134,7 @@ impl System {
             texture,
             floor: FloorModel::Contact,
             adhesion: Adhesion::NONE,
+            leaning: true,
         };
         let law = ColumnLaw::new(&system);
         for times in system
@@ -172,6 +174,19 @@ impl System {
             adhesion,
             ..self.clone()
         })
+    }
+
+    /// The same system with pillars that do not lean, as all methods but the spectral one have them.
+    pub(crate) fn without_leaning(&self) -> Self {
+        Self {
+            leaning: false,
+            ..self.clone()
+        }
+    }
+
+    /// Whether elastic pillars lean, by a method that knows how.
+    pub(crate) fn leans(&self) -> bool {
+        self.leaning && self.pillar().compliance == PillarCompliance::Elastic
     }
 
     /// The same system with pillar tops that do not stick.
@@ -336,6 +351,7 @@ impl System {
         Ok(Self {
             floor: self.floor,
             adhesion: self.adhesion,
+            leaning: self.leaning,
             ..system
         })
     }

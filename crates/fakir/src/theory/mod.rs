@@ -19,6 +19,7 @@ pub mod homogenised;
 pub mod lattice_potential;
 pub mod lattice_sums;
 pub mod layer;
+mod limits;
 #[cfg(test)]
 pub(crate) mod reference;
 mod spring_layer;

@@ -778,7 +778,7 @@ fn a_single_flat_punch() {
     for (found, expected) in [
         (found.stiffness, stiffness),
         (raised[0], stiffness),
-        (column[0], -stiffness * 0.5 / 1.25),
+        (column[0].shortening, -stiffness * 0.5 / 1.25),
         (radii.unwrap()[0], stiffness * 0.5 / 2.5),
         (all_radii, stiffness * 0.5),
     ] {
