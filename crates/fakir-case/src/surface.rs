@@ -451,12 +451,6 @@ impl CaseFile {
                 self.problem(Key::PatternFraction, problem)
                     .accepted("lower the surface fraction or the minimum distance")
             }
-            InvalidPattern::NotElastic => self
-                .problem(
-                    Key::PatternCompliance,
-                    "how elastic pillars give way is known for the cylinders of a [texture] only",
-                )
-                .accepted("\"column\" or \"none\""),
             other => CaseError::new(&self.source, other.to_string()),
         }
     }
@@ -506,7 +500,7 @@ fn pillar(parts: &OutlineParts) -> PillarShape {
                 radius: parts.edge_radius,
             },
         },
-        compliance: parts.compliance,
+        compliance: parts.compliance.0,
     }
 }
 

@@ -299,8 +299,9 @@ fn loads_too_small_for_a_contact_are_refused() {
             let arguments = ["press", &case, load, "--set", offset, "--json", "--quiet"];
             let outcome = bench.run(&arguments);
             assert!(!outcome.stdout.is_empty(), "{}", outcome.stderr);
-            // The floor, which is not touched, is all that there is not.
+            // The floor, which is not touched, and some thresholds are all that there is not.
             let numbers = outcome.stdout.replace("\"floor\": null", "");
+            let numbers = numbers.replace("\"threshold\": null", "");
             for odd in ["null", "-0.0"] {
                 assert!(!numbers.contains(odd), "{load}: {numbers}");
             }
@@ -589,11 +590,7 @@ fn strained_models_fail_where_that_is_asked_for() {
         .lines()
         .find(|l| l.starts_with("limits of the model"));
     assert!(line.unwrap().ends_with("strained:"), "{}", lenient.stdout);
-    assert!(
-        lenient
-            .stdout
-            .contains("compliance of pillars beside elastic ones")
-    );
+    assert!(lenient.stdout.contains("error of the columns"));
     let strict = ask(&["--strict"]);
     assert_eq!(strict.status, Some(1));
     assert!(strict.stderr.contains("error: the model is strained: "));
@@ -610,7 +607,7 @@ fn strained_models_fail_where_that_is_asked_for() {
     assert_eq!(light.status, Some(0), "{}", light.stderr);
     assert!(
         light.stdout.contains("limits of the model")
-            && light.stdout.contains("error of elastic pillars")
+            && light.stdout.contains("error of the pillars")
     );
     let surface = example("square-pillars.toml");
     let refused = bench.run(&["press", &surface, "--force=1uN", "--strict"]);
@@ -626,7 +623,7 @@ fn elastic_pillars_are_refused_at_their_key() {
     for (set, words) in [
         (
             "texture.pillar.height=31um",
-            "texture.pillar.compliance: cannot be \"elastic\" with a pillar height over diameter of 5.167",
+            "texture.pillar.compliance: cannot be \"elastic\"",
         ),
         (
             "substrate.poisson_ratio=0.2",

@@ -186,11 +186,11 @@ fn limit_words(name: &'static str) -> &'static str {
     match name {
         "kendall_strain" => "strain of pillars at pull-off",
         "slope" => "slope of the lens",
-        "contact_radius_over_lens_radius" => "contact radius over lens radius",
-        "pillar_stress" => "mean stress of a pillar over its modulus",
-        "buckling" => "force on a pillar over its buckling load",
-        "pillar_compliance" => "compliance of pillars beside elastic ones",
-        ELASTIC_ERROR => "error of elastic pillars",
+        "contact_radius_over_lens_radius" => "contact over lens radius",
+        "pillar_stress" => "stress over modulus",
+        "buckling" => "force over buckling load",
+        "pillar_compliance" => "error of the columns",
+        ELASTIC_ERROR => "error of the pillars",
         RANGE => "Tabor number",
         other => other,
     }
@@ -203,7 +203,7 @@ pub(crate) fn strained_words(limits: &[Limit]) -> Vec<String> {
         Some(format!(
             "{}: {}, where the model is doubtful from {} on",
             limit_words(limit.name),
-            significant(limit.value, 2),
+            significant(limit.value, 3),
             limit.threshold?
         ))
     });
@@ -361,7 +361,8 @@ impl QuantityList {
                 (_, true) => format!("beyond {threshold}, where the model is doubtful"),
                 (_, false) => format!("below {threshold}, where the model is doubtful"),
             };
-            self.row(name, significant(limit.value, 2), "", &remark);
+            let digits = if limit.strained { 3 } else { 2 };
+            self.row(name, significant(limit.value, digits), "", &remark);
         }
         self
     }

@@ -61,10 +61,12 @@ impl ContactState {
             limits.push(Limit::at_most("buckling", buckling, LARGEST_BUCKLING));
         }
         limits.extend(self.of_pillars());
-        if self.force > 0.0 {
+        if self.force > 0.0 && self.indentation > 0.0 {
             limits.extend(self.thicknesses());
             limits.extend(self.sticking());
         }
+        // Numbers that overflow under loads of no size say nothing.
+        limits.retain(|limit| limit.value.is_finite());
         limits
     }
 
@@ -157,15 +159,18 @@ fn one_metre(system: &System, material: Material) -> Layers {
     Layers::new([(material, Some(Layer::new(1.0))), (other, None)])
 }
 
-/// The thickness at which `shift/t + bend/t^3` is a change, beginning with where the first is; that alone where the second is no small part of it, and
-/// both are too thin to be believed.
+/// Part of the shift beyond which the curvature that a layer adds is no correction: the layer is then thinner than about three contact radii.
+const LARGEST_BEND: f64 = 0.1;
+
+/// The thickness at which `shift/t + bend/t^3` is a change; by the shift alone where the second is no small part of it, which no longer says how the
+/// indentation goes on.
 fn thickness([shift, bend]: [f64; 2], change: f64) -> f64 {
     const STEPS: usize = 20;
     let alone = shift.abs() / change;
     let mut thickness = alone;
     for _ in 0..STEPS {
         let part = bend / (shift * thickness * thickness);
-        if part.abs() > 0.5 || !part.is_finite() {
+        if part.abs() > LARGEST_BEND || !part.is_finite() {
             return alone;
         }
         thickness = alone * (1.0 + part);
