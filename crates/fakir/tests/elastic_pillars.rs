@@ -133,7 +133,8 @@ fn critical_forces_are_those_of_finite_elements() {
         let record = record.unwrap();
         let number = |column: usize| -> f64 { record[column].parse().unwrap() };
         let (phi, slenderness, modulus) = (number(0), number(1), number(2));
-        let height = if slenderness == 0.367 {
+        let is_of_paper = (slenderness - 0.367).abs() < 1e-9;
+        let height = if is_of_paper {
             2.2e-6
         } else {
             slenderness * 6.0e-6
@@ -146,7 +147,7 @@ fn critical_forces_are_those_of_finite_elements() {
         let expected = number(3) * 1e-12 * system.reduced_modulus();
         let found = force(&system, SPECTRAL) / expected - 1.0;
         println!("{phi} {slenderness} {modulus}: {:.4} %", 100.0 * found);
-        let tolerance = if slenderness == 0.367 { 1.5e-3 } else { 4e-3 };
+        let tolerance = if is_of_paper { 1.5e-3 } else { 4e-3 };
         assert!(found.abs() < tolerance, "{found:e}");
     }
 }
@@ -179,29 +180,27 @@ fn listed_pillars_give_way_by_their_own_height_and_diameter() {
     };
     let system = System::new(plate, material, Texture::new(pillar, list)).unwrap();
     let depth = 0.1e-6;
-    for method in [SPECTRAL] {
-        let state = fakir::press(
-            &system,
-            Control::Indentation(depth),
-            method,
-            &Run::default(),
-        )
-        .unwrap();
-        for found in &state.pillars {
-            let alone = compliance(&one_pillar(
-                found.height / found.diameter,
-                0.4,
-                0.5,
-                ELASTIC,
-            ));
-            let pressed = depth + found.height - pillar.height;
-            let expected = 0.5 * found.diameter * system.reduced_modulus() * pressed / alone;
-            let error = found.force / expected - 1.0;
-            println!("{}: {error:e}", method.name());
-            assert!(error.abs() < 1.5e-3, "{error:e}");
-        }
-        assert_eq!(state.pillars.len(), 2);
+    let state = fakir::press(
+        &system,
+        Control::Indentation(depth),
+        SPECTRAL,
+        &Run::default(),
+    )
+    .unwrap();
+    for found in &state.pillars {
+        let alone = compliance(&one_pillar(
+            found.height / found.diameter,
+            0.4,
+            0.5,
+            ELASTIC,
+        ));
+        let pressed = depth + found.height - pillar.height;
+        let expected = 0.5 * found.diameter * system.reduced_modulus() * pressed / alone;
+        let error = found.force / expected - 1.0;
+        println!("{error:e}");
+        assert!(error.abs() < 1.5e-3, "{error:e}");
     }
+    assert_eq!(state.pillars.len(), 2);
 }
 
 /// A plate that is tilted by little presses one side of a pillar more: by the tilt over `lambda_11`, which is `(8/3)(h/a)/(1 - nu^2)` larger than that of a

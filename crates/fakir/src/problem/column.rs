@@ -1,9 +1,35 @@
 //! How pillars give way below their tops: not at all, as columns, or as elastic bodies.
 
+use super::lens::Material;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
-use super::system::{PillarCompliance, System};
 use crate::numerics::dual::{Dual, Number};
 use std::f64::consts::PI;
+
+/// Whether a pillar gives way as a column, besides indenting at its top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PillarCompliance {
+    /// The pillar top sinks uniformly by `4 h F/(pi E_s d^2)` (Hooke) more than
+    /// the floor around its foot, as in the paper.
+    #[default]
+    Column,
+    /// The pillar is an elastic cylinder welded to the half-space: shorter by what its foot spreads the load, and leaning under a moment, as fitted
+    /// to solutions by finite elements; for heights over diameters of [`ELASTIC_SLENDERNESS`] and Poisson's ratios of
+    /// [`ELASTIC_POISSON_RATIO`]. All methods take how it is shortened; that it leans, the spectral one alone.
+    Elastic,
+    /// Pillars are as stiff as the half-space they stand on.
+    None,
+}
+
+/// A cylindrical pillar, of the material of the substrate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pillar {
+    /// Diameter `d`, m.
+    pub diameter: f64,
+    /// Height `h`, m.
+    pub height: f64,
+    /// Whether it shortens under load.
+    pub compliance: PillarCompliance,
+}
 
 /// Heights over diameters for which the compliance of elastic pillars is known.
 pub const ELASTIC_SLENDERNESS: [f64; 2] = [0.02, 5.0];
@@ -110,21 +136,22 @@ pub(crate) struct ColumnLaw {
 }
 
 impl ColumnLaw {
-    pub(crate) fn new(system: &System) -> Self {
-        let pillar = system.pillar();
-        let substrate = system.substrate();
+    /// Of pillars like one, between materials of the lens and of the substrate, that lean or do not.
+    pub(crate) fn new(pillar: &Pillar, [lens, substrate]: [Material; 2], leaning: bool) -> Self {
+        let of_substrate = substrate.plane_strain_compliance();
+        let contact_compliance = lens.plane_strain_compliance() + of_substrate;
         let compliance = pillar.compliance;
         let hooke = 4.0 * pillar.height / (PI * substrate.young_modulus * pillar.diameter.powi(2));
         Self {
             compliance,
             common: match compliance {
                 PillarCompliance::None => 0.0,
-                _ => hooke * pillar.diameter * system.reduced_modulus(),
+                _ => hooke * pillar.diameter * contact_compliance.recip(),
             },
             slenderness: pillar.height / pillar.diameter,
             poisson_ratio: substrate.poisson_ratio,
-            share: substrate.plane_strain_compliance() / system.contact_compliance(),
-            leaning: system.leans(),
+            share: of_substrate / contact_compliance,
+            leaning,
         }
     }
 

@@ -43,7 +43,7 @@ pub use arrangement::{
     PlaneLattice,
 };
 pub use cap_field::{Cap, CapField, InvalidCaps};
-pub use column::{ELASTIC_POISSON_RATIO, ELASTIC_SLENDERNESS};
+pub use column::{ELASTIC_POISSON_RATIO, ELASTIC_SLENDERNESS, Pillar, PillarCompliance};
 pub use control::Control;
 pub use cycle_plan::{CyclePlan, Drive, Turn};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};
@@ -56,5 +56,5 @@ pub use method::{Accuracy, ElementMesh, MeshLayout, Method, PunchForm};
 pub use point::Point;
 pub use quantity::{InvalidQuantity, LARGEST_TILT, Quantity, Requirement};
 pub use surface::{Boundary, Floor, Indenter, SurfaceSystem};
-pub use system::{FloorModel, Pillar, PillarCompliance, System, Texture};
+pub use system::{FloorModel, System, Texture};
 pub use tops::Tops;

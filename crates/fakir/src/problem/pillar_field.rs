@@ -304,7 +304,7 @@ impl PillarField {
     /// In units of a length (m), the common pillar radius.
     /// Besides, by how much it is to be turned about the lens axis to stand as it was asked for (rad).
     pub(super) fn new(system: &System, length: f64) -> (Self, f64) {
-        let law = ColumnLaw::new(system);
+        let law = system.column_law();
         let height = system.pillar().height / length;
         let on_plane = |lattice: &arrangement::PlaneLattice| {
             let lattice =

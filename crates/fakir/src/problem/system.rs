@@ -2,37 +2,11 @@
 
 use super::adhesion::Adhesion;
 use super::arrangement::Arrangement;
-use super::column::ColumnLaw;
+use super::column::{ColumnLaw, Pillar, PillarCompliance};
 use super::lattice::HexagonalLattice;
 use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
-
-/// Whether a pillar gives way as a column, besides indenting at its top.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PillarCompliance {
-    /// The pillar top sinks uniformly by `4 h F/(pi E_s d^2)` (Hooke) more than
-    /// the floor around its foot, as in the paper.
-    #[default]
-    Column,
-    /// The pillar is an elastic cylinder welded to the half-space: shorter by what its foot spreads the load, and leaning under a moment, as fitted
-    /// to solutions by finite elements; for heights over diameters of [`ELASTIC_SLENDERNESS`](super::ELASTIC_SLENDERNESS) and Poisson's ratios of
-    /// [`ELASTIC_POISSON_RATIO`](super::ELASTIC_POISSON_RATIO). All methods take how it is shortened; that it leans, the spectral one alone.
-    Elastic,
-    /// Pillars are as stiff as the half-space they stand on.
-    None,
-}
-
-/// A cylindrical pillar, of the material of the substrate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pillar {
-    /// Diameter `d`, m.
-    pub diameter: f64,
-    /// Height `h`, m.
-    pub height: f64,
-    /// Whether it shortens under load.
-    pub compliance: PillarCompliance,
-}
 
 /// Pillars, and where the lens lands on them.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,7 +110,7 @@ impl System {
             adhesion: Adhesion::NONE,
             leaning: true,
         };
-        let law = ColumnLaw::new(&system);
+        let law = system.column_law();
         for times in system
             .arrangement()
             .slenderness(pillar.height / pillar.diameter)
@@ -289,12 +263,18 @@ impl System {
                 4.0 * height / (PI * self.substrate.young_modulus * diameter.powi(2))
             }
             PillarCompliance::Elastic => {
-                let law = ColumnLaw::new(self);
+                let law = self.column_law();
                 let common = self.pillar().height / self.pillar().diameter;
                 let column = law.of(height / diameter, common);
                 column.shortening * self.contact_compliance() / diameter
             }
         }
+    }
+
+    /// How its pillars give way.
+    pub(crate) fn column_law(&self) -> ColumnLaw {
+        let materials = [self.lens.material, self.substrate];
+        ColumnLaw::new(self.pillar(), materials, self.leaning)
     }
 
     /// `kappa = (4 h/(pi E_s d))/c`: column compliance of a pillar relative to

@@ -1,7 +1,6 @@
 //! How near a contact comes to where its model ends, and what of the model would change it: estimates from the contact alone, in closed form.
 
 use super::layer::Layers;
-use crate::problem::column::ColumnLaw;
 use crate::problem::{Layer, Material, Method, PillarCompliance, System};
 use crate::state::limit::{DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, limits_of_adhesion};
 use crate::state::{ContactState, PillarState};
@@ -78,7 +77,7 @@ impl ContactState {
             let error = ELASTIC_ERRORS[usize::from(!leans)];
             return Some(Limit::told("elastic_pillar_error", error));
         }
-        let law = ColumnLaw::new(system);
+        let law = system.column_law();
         let elastic = law.as_elastic()?.of_common().shortening;
         let own = law.of_common().shortening;
         let difference = ((1.0 + own) / (1.0 + elastic) - 1.0).abs();

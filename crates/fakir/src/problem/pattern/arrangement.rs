@@ -3,13 +3,13 @@
 use super::invalid::{InvalidPattern, PatternQuantity};
 use super::placement::{Random, Site};
 use super::shape::PillarShape;
+use crate::problem::column::PillarCompliance;
 use crate::problem::grid::Grid;
 use crate::problem::height_map::{HeightMap, PillarColumns};
 use crate::problem::lattice::HexagonalLattice;
 use crate::problem::lens::Material;
 use crate::problem::pattern::placement;
 use crate::problem::point::Point;
-use crate::problem::system::PillarCompliance;
 
 /// Where the pillars stand.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,7 +9,7 @@ use super::answers::{find_patch, homogenised_radius, lowest_point};
 use super::assembled::{OfFloor, PillarMethod, assemble, refined};
 use super::newton::{Newton, Purpose};
 use super::spectral::{degrees, solve_punch, solve_spectral};
-use crate::problem::column::{Column, ColumnLaw, ColumnSlopes};
+use crate::problem::column::{Column, ColumnSlopes};
 use crate::problem::pillar_field::PillarBody;
 use crate::problem::scaled::Scene;
 use crate::problem::{
@@ -160,7 +160,7 @@ impl Units<'_, '_> {
                 (self.newton.tops.sites.body(*place), raised, column)
             })
         };
-        let law = ColumnLaw::new(system);
+        let law = system.column_law();
         let slopes = |body: &PillarBody| {
             let times = (1.0 + body.raised / self.scene.height) / body.radius;
             law.slopes(body.column, times)

@@ -131,13 +131,14 @@ impl PillarTop {
     /// The same top on another column: its mean gives way otherwise, by as much at all nodes, and its tilts may.
     pub(crate) fn on_column(&self, column: Column) -> Cow<'_, Self> {
         let ratios = self.ratios(column);
-        if ratios == [1.0; 3] {
+        let is_same = |ratio: &f64| ratio.to_bits() == 1.0_f64.to_bits();
+        if ratios.iter().all(is_same) {
             return Cow::Borrowed(self);
         }
         let mut top = self.clone();
         top.column = column;
         for (mode, ratio) in ratios.into_iter().enumerate().take(self.count) {
-            if ratio.to_bits() != 1.0_f64.to_bits() {
+            if !is_same(&ratio) {
                 top.scale_mode(mode, ratio);
             }
         }
