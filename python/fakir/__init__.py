@@ -26,7 +26,7 @@ from ._gradient import Gradient
 from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
 from ._rounded import HeightDesign, RoundedContact, RoundedTops, design_heights
-from ._state import ContactState, CriticalState, ErrorEstimate, Normalized
+from ._state import ContactState, CriticalState, ErrorEstimate, Limit, Normalized
 from ._sweep import Sweep, sweep
 from ._system import (
     CylinderLens,
@@ -85,6 +85,7 @@ __all__ = [
     "HomogenisedLattice",
     "LatticeOptions",
     "Lens",
+    "Limit",
     "Normalized",
     "NotConverged",
     "ObliqueTexture",

@@ -53,6 +53,19 @@ class ErrorEstimate(NamedTuple):
     """Relative error of the radius of the contact on the pillar tops; only critical states have it."""
 
 
+class Limit(NamedTuple):
+    """A condition of the model, and how near a contact comes to where it ends."""
+
+    name: str
+    """As in `limits` of the results."""
+    value: float
+    """Its value; where the name ends in a unit, in that."""
+    threshold: float | None
+    """From where on the model is doubtful; None of what only would change the answer."""
+    strained: bool
+    """Whether it is doubtful here."""
+
+
 class Normalized(NamedTuple):
     """The paper's reduced variables: F gamma_int/(h d), a/e and zeta/h."""
 
@@ -171,6 +184,14 @@ class ContactState:
     def warnings(self) -> list[str]:
         """What to be careful about."""
         return self._state.warnings
+
+    @property
+    def limits(self) -> list[Limit]:
+        """The conditions of the model, and how near the contact comes to where they end.
+
+        ``any(limit.strained for limit in state.limits)`` tells of an answer beyond its model.
+        """
+        return [Limit(**limit) for limit in self._summary["limits"]]
 
     @property
     def pillars(self) -> npt.NDArray[np.void]:
@@ -421,6 +442,14 @@ class CriticalState:
     def pillars_partially_in_contact(self) -> int:
         """Number of pillars crossed by the edge of the contact."""
         return self.state.pillars_partially_in_contact
+
+    @property
+    def limits(self) -> list[Limit]:
+        """The conditions of the model, and how near the contact comes to where they end.
+
+        ``any(limit.strained for limit in state.limits)`` tells of an answer beyond its model.
+        """
+        return [Limit(**limit) for limit in self._summary["limits"]]
 
     @property
     def pillars(self) -> npt.NDArray[np.void]:

@@ -217,7 +217,7 @@ class _LatticeTexture:
     height_spread: float
     missing: float
     seed: int
-    compliance: Literal["column", "none"]
+    compliance: Literal["column", "elastic", "none"]
 
     _lattice: ClassVar[str]
 
@@ -290,8 +290,8 @@ class LatticeOptions(TypedDict, total=False):
     """Probability that a pillar is missing."""
     seed: int
     """Whole number that decides which heights and which pillars."""
-    compliance: Literal["column", "none"]
-    """``"column"`` if pillars shorten under load, ``"none"`` if not."""
+    compliance: Literal["column", "elastic", "none"]
+    """``"column"`` if pillars shorten under load, ``"elastic"`` if they are elastic bodies, ``"none"`` if they do not give way."""
 
 
 def _one_of(pitch: Quantity | None, surface_fraction: Quantity | None) -> None:
@@ -421,7 +421,7 @@ class Pillars:
         The pillar from whose top indentations are counted, and that results are reduced by; without them, the highest pillar and
         the mean diameter.
     compliance
-        ``"column"`` if pillars shorten under load, ``"none"`` if not.
+        ``"column"`` if pillars shorten under load, ``"elastic"`` if they are elastic bodies, ``"none"`` if they do not give way.
 
     Examples
     --------
@@ -445,7 +445,7 @@ class Pillars:
         axis: tuple[Quantity, Quantity] = (0.0, 0.0),
         reference_height: Quantity | None = None,
         reference_diameter: Quantity | None = None,
-        compliance: Literal["column", "none"] = "column",
+        compliance: Literal["column", "elastic", "none"] = "column",
     ) -> None:
         columns = [np.asarray(values, dtype=float) for values in (x, y, height, diameter)]
         try:

@@ -15,7 +15,7 @@ use crate::row::{Field, Presence, Range};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
-    Adhesion, Arrangement, InvalidQuantity, LensProfile, LensShape, Method, PillarList,
+    Adhesion, Arrangement, InvalidQuantity, LensProfile, LensShape, Method, PillarList, Quantity,
     Requirement, ShapedLens, System, Texture,
 };
 use std::path::{Path, PathBuf};
@@ -569,6 +569,17 @@ impl CaseFile {
                     Key::Columns,
                     Key::Pillars
                 ));
+        }
+        if invalid.quantity == Quantity::PillarSlenderness {
+            return self
+                .problem(
+                    Key::PillarCompliance,
+                    format!(
+                        "cannot be \"elastic\" with a {} of {:.3}",
+                        invalid.quantity, invalid.value
+                    ),
+                )
+                .accepted(format!("that must be {}", invalid.requirement));
         }
         let key = Key::of(invalid.quantity);
         // A pitch that was not given follows from the surface fraction.

@@ -107,7 +107,7 @@ pub(crate) struct OutlineParts {
     pub(crate) drop: f64,
     pub(crate) chamfer_width: f64,
     pub(crate) edge_radius: f64,
-    pub(crate) compliance: PillarCompliance,
+    pub(crate) compliance: OfPattern,
 }
 
 /// The value of a key that must be given, until it is.
@@ -194,7 +194,7 @@ impl Default for Parts {
                 drop: NOT_GIVEN,
                 chamfer_width: NOT_GIVEN,
                 edge_radius: NOT_GIVEN,
-                compliance: PillarCompliance::default(),
+                compliance: OfPattern::default(),
             },
         }
     }
@@ -489,8 +489,22 @@ impl Words for FloorModel {
 pub(crate) const TRUE_OR_FALSE: [&str; 2] = ["true", "false"];
 
 impl Words for PillarCompliance {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("column", Self::Column), ("none", Self::None)];
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("column", Self::Column),
+        ("elastic", Self::Elastic),
+        ("none", Self::None),
+    ];
+}
+
+/// How the pillars of a pattern give way: elastic ones are known as flat cylinders of a texture only.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct OfPattern(pub(crate) PillarCompliance);
+
+impl Words for OfPattern {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("column", Self(PillarCompliance::Column)),
+        ("none", Self(PillarCompliance::None)),
+    ];
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -310,6 +310,14 @@ impl CaseFile {
                     .accepted(format!("{} = \"sphere\" or \"plate\"", Key::LensShape)));
             }
         }
+        if parts.texture.pillar.compliance == PillarCompliance::Elastic {
+            return Err(self
+                .problem(
+                    Key::PillarCompliance,
+                    "how elastic pillars give way is known under flat tops only",
+                )
+                .accepted("\"column\" or \"none\""));
+        }
         let needs_diameter = self.entry(Key::PillarCompliance).is_some()
             && parts.texture.pillar.compliance == PillarCompliance::Column
             && self.entry(Key::Pillars).is_none();

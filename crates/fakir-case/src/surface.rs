@@ -500,7 +500,7 @@ fn pillar(parts: &OutlineParts) -> PillarShape {
                 radius: parts.edge_radius,
             },
         },
-        compliance: parts.compliance,
+        compliance: parts.compliance.0,
     }
 }
 

@@ -168,7 +168,7 @@ keys! {
                 .symbol("h").usual(1e-8, 1e-4)
                 .range(Range::Below(Key::LensRadius)).of(Quantity::PillarHeight);
         PillarCompliance = "texture.pillar.compliance" is
-            word("column: pillars shorten under load; or none", |p| &mut p.texture.pillar.compliance)
+            word("column: pillars shorten under load; elastic: they are elastic bodies; or none", |p| &mut p.texture.pillar.compliance)
                 .optional();
         FloorContact = "floor.contact" is
             word("false: the lens goes through the floor, as in the paper; only the method spectral has floor contact", |p| &mut p.texture.floor)

@@ -124,6 +124,7 @@ fn what_rounded_tops_do_not_have_is_refused() {
             with("compliance = \"column\"\n"),
             "texture.pillar.diameter: this key is missing",
         ),
+        (with("compliance = \"elastic\"\n"), "under flat tops only"),
         (
             set("texture.top_radius=-1um"),
             "texture.top_radius: cannot be",

@@ -24,8 +24,9 @@ Start with `fakir init`, which writes a case file, and `fakir transition case.to
 const EXIT_STATUS: &str = "\
 Exit status:
   0    done
-  1    a solution did not converge, cases of a sweep failed, or verify found a disagreement or
-       cannot tell; the result is still printed and saved
+  1    a solution did not converge, cases of a sweep failed, verify found a disagreement or
+       cannot tell, or a limit of the model is strained with --strict; the result is still printed
+       and saved
   2    bad input: arguments, case file, or a file that cannot be read or written
   3    no answer: the contact is too large for the lens, for the surface or for memory, the method
        does not apply, or numbers became infinite
@@ -192,6 +193,15 @@ pub(crate) enum Command {
 }
 
 impl Command {
+    /// Whether an answer fails that strains its model.
+    pub(crate) fn is_strict(&self) -> bool {
+        match self {
+            Self::Transition(options) => options.limits.strict,
+            Self::Press(options) => options.limits.strict,
+            _ => false,
+        }
+    }
+
     pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Init(_) => "init",
@@ -235,6 +245,8 @@ pub(crate) struct Transition {
     #[command(flatten)]
     pub(crate) adhesion: RangeArguments,
     #[command(flatten)]
+    pub(crate) limits: LimitArguments,
+    #[command(flatten)]
     pub(crate) gradient: GradientArguments,
     #[command(flatten)]
     fields: FieldArguments,
@@ -264,6 +276,8 @@ pub(crate) struct Press {
     pub(crate) adhesion: RangeArguments,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
+    #[command(flatten)]
+    pub(crate) limits: LimitArguments,
     #[command(flatten)]
     pub(crate) gradient: GradientArguments,
     #[command(flatten)]
@@ -998,6 +1012,25 @@ impl GradientArguments {
             file.refuse_surface_for(TextureOnly::Gradient)?;
         }
         Ok(self.gradient)
+    }
+}
+
+/// What becomes of an answer that strains its model.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct LimitArguments {
+    /// Take it as a failure if a limit of the model is strained: exit status 1, and the result is still printed and saved
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+impl LimitArguments {
+    /// Refuses it where limits are not told.
+    pub(crate) fn refuse_without_limits(self) -> Result<(), Failure> {
+        if self.strict {
+            let problem = "--strict is for flat pillars of a [texture]: of other surfaces the limits of the model are not told";
+            return Err(Failure::Argument(problem.to_owned()));
+        }
+        Ok(())
     }
 }
 

@@ -182,6 +182,9 @@ pub(crate) type Status = u8;
 /// All was done.
 pub(crate) const DONE: Status = 0;
 
+/// The answer strains a limit of the model that it was not to strain.
+pub(crate) const STRAINED: Status = 1;
+
 /// There is no such contact, or no such texture.
 pub(crate) const NO_ANSWER: Status = 3;
 

@@ -51,6 +51,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let gradient = options.gradient.of(&file)?;
             if file.is_surface() {
                 options.adhesion.refuse_surface(&file)?;
+                options.limits.refuse_without_limits()?;
                 return deliver(command, &options.case, move || {
                     commands::surface::transition(&file, options.maps(), &session)
                 });
@@ -66,6 +67,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             options.floor.apply(&mut file)?;
             if file.is_rounded() && !file.is_surface() {
                 options.refuse_with_rounded()?;
+                options.limits.refuse_without_limits()?;
                 return deliver(command, &options.case, move || {
                     commands::rounded::press(&file, options.control(), options.maps(), &session)
                 });
@@ -73,6 +75,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let gradient = options.gradient.of(&file)?;
             if file.is_surface() {
                 options.adhesion.refuse_surface(&file)?;
+                options.limits.refuse_without_limits()?;
                 return deliver(command, &options.case, move || {
                     commands::surface::press(&file, options.control(), options.maps(), &session)
                 });
@@ -221,6 +224,11 @@ fn deliver(
     } else {
         &report.text
     })?;
+    if command.is_strict() && !report.strained.is_empty() {
+        let strained = report.strained.join("; ");
+        failure::tell(&format!("error: the model is strained: {strained}"));
+        return Ok(report.status().max(failure::STRAINED));
+    }
     Ok(report.status())
 }
 

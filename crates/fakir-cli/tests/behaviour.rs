@@ -299,8 +299,9 @@ fn loads_too_small_for_a_contact_are_refused() {
             let arguments = ["press", &case, load, "--set", offset, "--json", "--quiet"];
             let outcome = bench.run(&arguments);
             assert!(!outcome.stdout.is_empty(), "{}", outcome.stderr);
-            // The floor, which is not touched, is all that there is not.
+            // The floor, which is not touched, and some thresholds are all that there is not.
             let numbers = outcome.stdout.replace("\"floor\": null", "");
+            let numbers = numbers.replace("\"threshold\": null", "");
             for odd in ["null", "-0.0"] {
                 assert!(!numbers.contains(odd), "{load}: {numbers}");
             }
@@ -572,5 +573,80 @@ fn the_explorer_says_what_keeps_it_from_starting() {
         outcome.stderr.contains("cannot read missing.toml"),
         "{}",
         outcome.stderr
+    );
+}
+
+/// A substrate a thousand times softer than the lens: its columns are 4 % too soft, and strained by more than their modulus is good for.
+#[test]
+fn strained_models_fail_where_that_is_asked_for() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let soft = ["--set", "substrate.young_modulus=2kPa", "--quiet"];
+    let ask = |more: &[&str]| bench.run(&[&["transition", &case], &soft[..], more].concat());
+    let lenient = ask(&[]);
+    assert_eq!(lenient.status, Some(0), "{}", lenient.stderr);
+    let line = lenient
+        .stdout
+        .lines()
+        .find(|l| l.starts_with("limits of the model"));
+    assert!(line.unwrap().ends_with("strained:"), "{}", lenient.stdout);
+    assert!(lenient.stdout.contains("error of the columns"));
+    let strict = ask(&["--strict"]);
+    assert_eq!(strict.status, Some(1));
+    assert!(strict.stderr.contains("error: the model is strained: "));
+    assert!(
+        strict
+            .stderr
+            .contains("where the model is doubtful from 0.01 on")
+    );
+    assert!(strict.stdout.starts_with("Critical state"));
+    // Where nothing is strained it makes no difference, and elastic pillars tell what they are known to.
+    let elastic = ["--set", "texture.pillar.compliance=elastic", "--force=5uN"];
+    let light = [&["press", &case, "--strict"], &elastic[..]].concat();
+    let light = bench.run(&light);
+    assert_eq!(light.status, Some(0), "{}", light.stderr);
+    assert!(
+        light.stdout.contains("limits of the model")
+            && light.stdout.contains("error of the pillars")
+    );
+    let surface = example("square-pillars.toml");
+    let refused = bench.run(&["press", &surface, "--force=1uN", "--strict"]);
+    assert_eq!(refused.status, Some(2));
+    assert!(refused.stderr.contains("--strict is for flat pillars"));
+}
+
+#[test]
+fn elastic_pillars_are_refused_at_their_key() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let elastic = "texture.pillar.compliance=elastic";
+    for (set, words) in [
+        (
+            "texture.pillar.height=31um",
+            "texture.pillar.compliance: cannot be \"elastic\"",
+        ),
+        (
+            "substrate.poisson_ratio=0.2",
+            "substrate.poisson_ratio: cannot be 0.2",
+        ),
+        ("adhesion.work=50mJ/m2", "adhesion.work: cannot be 50 mJ/m2"),
+    ] {
+        let refused = bench.run(&["transition", &case, "--set", elastic, "--set", set]);
+        assert_eq!(refused.status, Some(2), "{set}");
+        assert!(refused.stderr.contains(words), "{set}: {}", refused.stderr);
+    }
+    let surface = example("square-pillars.toml");
+    let refused = bench.run(&[
+        "press",
+        &surface,
+        "--force=1uN",
+        "--set",
+        "surface.pillar.compliance=elastic",
+    ]);
+    assert_eq!(refused.status, Some(2));
+    assert!(
+        refused.stderr.contains("surface.pillar.compliance: "),
+        "{}",
+        refused.stderr
     );
 }

@@ -71,6 +71,7 @@ export interface PressSummary {
   /** Null before the transition, and past it where the lens goes through the floor. */
   readonly floor: FloorSummary | null;
   readonly relative_error_estimate: ErrorEstimate;
+  readonly limits: readonly Limit[];
   readonly converged: boolean;
   readonly wall_time_s: number;
 }
@@ -186,7 +187,8 @@ export interface CycleError {
 export interface Limit {
   readonly name: string;
   readonly value: number;
-  readonly threshold: number;
+  /** Null of what only would change the answer. */
+  readonly threshold: number | null;
   readonly strained: boolean;
 }
 

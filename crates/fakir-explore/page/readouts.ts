@@ -114,6 +114,34 @@ export function drawFacts(state: State): void {
   const answer = answerOf(state);
   warnings.textContent = answer?.warnings.join("; ") ?? "";
   warnings.hidden = warnings.textContent === "";
+  drawLimits(state.solved?.is.summary.limits ?? []);
+}
+
+/** What the limits of the model are called. */
+const LIMITS: Readonly<Record<string, string>> = {
+  slope: "slope of the lens",
+  contact_radius_over_lens_radius: "contact radius over lens radius",
+  pillar_stress: "stress of a pillar over its modulus",
+  buckling: "force on a pillar over its buckling load",
+  pillar_compliance: "compliance of pillars beside elastic ones",
+  kendall_strain: "strain of pillars at pull-off",
+};
+
+/** A quiet line about where the model holds, marked where it does not. */
+function drawLimits(limits: readonly Limit[]): void {
+  const line = byId("limits");
+  const known = limits.flatMap(({ name, value, threshold, strained }) => {
+    const words = LIMITS[name];
+    if (words === undefined || threshold === null) return [];
+    return [{ words: `${words} ${significant(value, 2)} of ${plain(threshold)}`, part: value / threshold, strained }];
+  });
+  const strained = known.filter((limit) => limit.strained);
+  const [nearest] = [...known].sort((one, other) => other.part - one.part);
+  line.classList.toggle("strained", strained.length > 0);
+  line.hidden = nearest === undefined;
+  const told = strained.map((limit) => limit.words).join("; ");
+  line.textContent =
+    strained.length > 0 ? `model strained: ${told}` : `limits of the model kept, the nearest: ${nearest?.words ?? ""}`;
 }
 
 /** How the contact or the cycle that is shown was solved; null while there is none. */
@@ -290,7 +318,7 @@ function errorWords(error: CycleError | null): string {
 /** A condition of the model, marked where it does not hold. */
 function drawLimit({ name, value, threshold, strained }: Limit): void {
   const shown = document.getElementById(`limit-${name}`);
-  if (shown === null) return;
+  if (shown === null || threshold === null) return;
   write(shown, `${significant(value, 2)} ${strained ? ">" : "<"} ${plain(threshold)}`);
   shown.parentElement?.classList.toggle("strained", strained);
 }

@@ -51,6 +51,7 @@ pub(crate) fn run(
         provenance,
         tables,
         converged: found.converged,
+        strained: Vec::new(),
         warnings: found.warnings,
     })
 }

@@ -4,7 +4,9 @@ use crate::failure::Failure;
 use crate::numbers::{digits, seconds, significant, with_unit};
 use crate::report::Report;
 use crate::report::figures::saved;
-use crate::report::state::{QuantityList, error_remark, strained_range, texture_line};
+use crate::report::state::{
+    QuantityList, error_remark, strained_range, strained_words, texture_line,
+};
 use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::problem::{Adhesion, CyclePlan, Drive};
@@ -62,6 +64,7 @@ pub(crate) fn run(
         tables,
         warnings: [cycle_warnings(&cycle), strained_range(&cycle.limits(range))].concat(),
         converged: cycle.converged(),
+        strained: strained_words(&cycle.limits(range)),
     })
 }
 

@@ -107,6 +107,7 @@ pub(crate) fn run(
         converged: scatter
             .as_ref()
             .is_none_or(|scatter| scatter.failures().next().is_none()),
+        strained: Vec::new(),
     };
     Ok(Designed { report, found })
 }

@@ -51,6 +51,7 @@ pub(crate) fn run(
         tables,
         warnings: fitted.warnings(),
         converged: fitted.converged(),
+        strained: Vec::new(),
     })
 }
 

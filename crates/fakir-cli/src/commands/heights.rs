@@ -78,6 +78,7 @@ pub(crate) fn run(
         tables,
         warnings,
         converged: true,
+        strained: Vec::new(),
     };
     Ok(Designed {
         report,

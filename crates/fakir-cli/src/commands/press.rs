@@ -6,7 +6,7 @@ use crate::report::Report;
 use crate::report::figures;
 use crate::report::maps::Maps;
 use crate::report::state::{
-    QuantityList, radius_digits, strained_range, texture_line, with_derivatives,
+    QuantityList, radius_digits, strained_range, strained_words, texture_line, with_derivatives,
 };
 use crate::session::Session;
 use fakir::problem::{Control, FloorModel, Method};
@@ -64,6 +64,7 @@ pub(crate) fn run(
         tables,
         warnings,
         converged: state.converged(),
+        strained: strained_words(&state.limits(range)),
     })
 }
 
@@ -128,6 +129,7 @@ fn text(state: &ContactState, range: Option<f64>, wall_time: f64) -> String {
         )
         .floor(state)
         .range(&state.limits(range))
+        .model(&state.limits(range))
         .solution(state, wall_time);
     format!(
         "Contact under load\n{}\n{}\n\n{}",

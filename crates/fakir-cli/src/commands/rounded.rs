@@ -59,6 +59,7 @@ pub(crate) fn press(
         tables,
         warnings: rounded_warnings(&case.field, case.height, &contact),
         converged: contact.converged(),
+        strained: Vec::new(),
     })
 }
 

@@ -6,7 +6,7 @@ use crate::report::Report;
 use crate::report::figures;
 use crate::report::maps::Maps;
 use crate::report::state::{
-    QuantityList, radius_digits, strained_range, texture_line, with_derivatives,
+    QuantityList, radius_digits, strained_range, strained_words, texture_line, with_derivatives,
 };
 use crate::session::Session;
 use fakir::problem::Control;
@@ -59,6 +59,7 @@ pub(crate) fn run(
         tables,
         warnings: [warnings(state), strained_range(&state.limits(range))].concat(),
         converged: state.converged(),
+        strained: strained_words(&state.limits(range)),
     })
 }
 
@@ -91,6 +92,7 @@ fn text(critical: &CriticalState, range: Option<f64>, wall_time: f64) -> String 
         )
         .pillars(state)
         .range(&state.limits(range))
+        .model(&state.limits(range))
         .solution(state, wall_time);
     let first = match critical.regime {
         Regime::TopFirst => "the lens rests on pillar tops and just reaches the floor",

@@ -49,6 +49,7 @@ pub(crate) fn run(
         tables: vec![csv("verify.csv", summary.answers())],
         warnings: answers(&verification).flat_map(warnings).collect(),
         converged: verification.agrees(),
+        strained: Vec::new(),
     })
 }
 

@@ -26,6 +26,8 @@ pub(crate) struct Report {
     /// Whether the numbers are to be relied on: every solution converged, and where two methods
     /// check each other they agree.
     pub(crate) converged: bool,
+    /// Limits of the model that it strains.
+    pub(crate) strained: Vec<String>,
 }
 
 impl Report {
@@ -65,6 +67,7 @@ mod tests {
             tables: Vec::new(),
             warnings: Vec::new(),
             converged,
+            strained: Vec::new(),
         };
         assert_eq!(report(true).status(), 0);
         assert_eq!(report(false).status(), 1);

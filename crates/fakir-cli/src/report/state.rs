@@ -170,16 +170,48 @@ pub(crate) fn strained_range(limits: &[Limit]) -> Vec<String> {
     let strained = limits.iter().filter(|limit| limit.strained);
     strained
         .filter(|limit| limit.name == RANGE)
-        .map(|limit| {
-            format!(
+        .filter_map(|limit| {
+            Some(format!(
                 "the range of the attraction does not count as small (Tabor number {} below {}): pull-off is then \
                  less sharp than the model (the JKR limit) has it",
                 significant(limit.value, 2),
-                limit.threshold
-            )
+                limit.threshold?
+            ))
         })
         .collect()
 }
+
+/// A limit of the model for a person.
+fn limit_words(name: &'static str) -> &'static str {
+    match name {
+        "kendall_strain" => "strain of pillars at pull-off",
+        "slope" => "slope of the lens",
+        "contact_radius_over_lens_radius" => "contact over lens radius",
+        "pillar_stress" => "stress over modulus",
+        "buckling" => "force over buckling load",
+        "pillar_compliance" => "error of the columns",
+        ELASTIC_ERROR => "error of the pillars",
+        RANGE => "Tabor number",
+        other => other,
+    }
+}
+
+/// What is to be told of limits that are strained where that is not to be.
+pub(crate) fn strained_words(limits: &[Limit]) -> Vec<String> {
+    let strained = limits.iter().filter(|limit| limit.strained);
+    let words = strained.filter_map(|limit| {
+        Some(format!(
+            "{}: {}, where the model is doubtful from {} on",
+            limit_words(limit.name),
+            significant(limit.value, 3),
+            limit.threshold?
+        ))
+    });
+    words.collect()
+}
+
+/// What elastic pillars are known to.
+const ELASTIC_ERROR: &str = "elastic_pillar_error";
 
 /// The limit that the range of the attraction sets.
 const RANGE: &str = "tabor_number";
@@ -315,13 +347,10 @@ impl QuantityList {
     /// How near a contact with adhesion comes to where the model is doubtful.
     pub(crate) fn limits(&mut self, limits: &[Limit]) -> &mut Self {
         for limit in limits {
-            let name = match limit.name {
-                "kendall_strain" => "strain of pillars at pull-off",
-                "slope" => "slope of the lens",
-                RANGE => "Tabor number",
-                other => other,
+            let name = limit_words(limit.name);
+            let Some(threshold) = limit.threshold else {
+                continue;
             };
-            let threshold = limit.threshold;
             let remark = match (limit.name, limit.strained) {
                 (RANGE, false) => {
                     format!("above {threshold}: the range counts as small (JKR limit)")
@@ -332,7 +361,40 @@ impl QuantityList {
                 (_, true) => format!("beyond {threshold}, where the model is doubtful"),
                 (_, false) => format!("below {threshold}, where the model is doubtful"),
             };
-            self.row(name, significant(limit.value, 2), "", &remark);
+            let digits = if limit.strained { 3 } else { 2 };
+            self.row(name, significant(limit.value, digits), "", &remark);
+        }
+        self
+    }
+
+    /// Whether a contact is where the model holds: the limit that it comes nearest to, or those that are strained.
+    pub(crate) fn model(&mut self, limits: &[Limit]) -> &mut Self {
+        if let Some(error) = limits.iter().find(|limit| limit.name == ELASTIC_ERROR) {
+            let remark = "of the model, the largest found beside finite elements";
+            self.row(
+                limit_words(error.name),
+                significant(error.value, 2),
+                "",
+                remark,
+            );
+        }
+        let strained: Vec<Limit> = limits.iter().filter(|l| l.strained).copied().collect();
+        if !strained.is_empty() {
+            let of = limits.iter().filter(|l| l.threshold.is_some()).count();
+            let count = format!("{} of {of}", strained.len());
+            self.row("limits of the model", count, "", "strained:");
+            return self.limits(&strained);
+        }
+        let with_nearness = limits.iter().filter_map(|l| Some((l, l.nearness()?)));
+        let nearest = with_nearness.max_by(|(_, one), (_, other)| one.total_cmp(other));
+        if let Some((limit, _)) = nearest {
+            let remark = format!(
+                "nearest: {} {}, doubtful from {}",
+                limit_words(limit.name),
+                significant(limit.value, 2),
+                limit.threshold.unwrap_or(f64::NAN)
+            );
+            self.row("limits of the model", "kept".to_owned(), "", &remark);
         }
         self
     }

@@ -138,6 +138,7 @@ pub(crate) fn loaded(
         provenance,
         tables,
         converged: found.converged,
+        strained: Vec::new(),
         warnings: found.warnings,
     }
 }
@@ -230,6 +231,7 @@ pub(crate) fn verified(control: Control, found: &SurfaceVerification, wall_time:
             .flat_map(|answered| warnings(&answered.answer))
             .collect(),
         converged: found.agrees(),
+        strained: Vec::new(),
     }
 }
 
@@ -274,6 +276,7 @@ fn report(
         tables,
         warnings,
         converged: contact.converged(),
+        strained: Vec::new(),
     }
 }
 

@@ -12,12 +12,12 @@ use serde::Serialize;
 /// A condition of the model, and how near this case comes to where it ends.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LimitObject {
-    /// `kendall_strain`, `slope` or `tabor_number`.
+    /// As [`ContactState::limits`](fakir::state::ContactState::limits) has it.
     pub name: &'static str,
     /// Its value here.
     pub value: f64,
-    /// From where on the model is doubtful.
-    pub threshold: f64,
+    /// From where on the model is doubtful; none of what only would change the answer.
+    pub threshold: Option<f64>,
     /// Whether it is doubtful here.
     pub strained: bool,
 }

@@ -79,8 +79,6 @@ pub struct PressSummary {
     /// None before the transition, and past it if the floor was to be ignored.
     floor: Option<FloorObject>,
     relative_error_estimate: RelativeErrors,
-    /// Of tops that stick.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     limits: Vec<LimitObject>,
     /// Where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]

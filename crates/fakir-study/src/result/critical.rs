@@ -28,8 +28,6 @@ pub struct TransitionSummary {
     pillars_partially_in_contact: usize,
     normalized: ReducedVariables,
     relative_error_estimate: RelativeErrors,
-    /// Of tops that stick.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     limits: Vec<LimitObject>,
     /// Where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -64,6 +64,7 @@ impl Drawn {
         );
         let compliance = match pillar.compliance {
             PillarCompliance::Column => "column",
+            PillarCompliance::Elastic => "elastic",
             PillarCompliance::None => "none",
         };
         format!(

@@ -19,6 +19,8 @@ pub(crate) trait Number:
 
     fn powi(self, exponent: i32) -> Self;
 
+    fn exp(self) -> Self;
+
     /// Whether it is smaller than a part of a sum, and so are its derivatives of those of the sum.
     fn is_below(self, part: f64, sum: Self) -> bool;
 
@@ -37,6 +39,10 @@ impl Number for f64 {
 
     fn powi(self, exponent: i32) -> Self {
         self.powi(exponent)
+    }
+
+    fn exp(self) -> Self {
+        self.exp()
     }
 
     fn is_below(self, part: f64, sum: Self) -> bool {
@@ -137,6 +143,11 @@ impl<const K: usize> Number for Dual<K> {
             .with_value(self.value.powi(exponent))
     }
 
+    fn exp(self) -> Self {
+        let value = self.value.exp();
+        self.scaled_apart(1.0, value).with_value(value)
+    }
+
     fn is_below(self, part: f64, sum: Self) -> bool {
         let mut pairs = self.derivatives.iter().zip(&sum.derivatives);
         self.value < part * sum.value && pairs.all(|(d, sum)| d.abs() <= part * sum.abs())
@@ -163,7 +174,7 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_the_formula() {
         fn formula<N: Number>([x, y]: [N; 2]) -> N {
-            (x * y + N::constant(2.0) - y.powi(3)) / (x * x * 0.5 + y.powi(0))
+            (x * y + N::constant(2.0) - y.powi(3)) / (x * x * 0.5 + y.powi(0)) + (x * y).exp()
         }
         let (x, y) = (1.3, -0.7);
         let found = formula([Dual::<2>::variable(x, 0), Dual::variable(y, 1)]);

@@ -1,4 +1,4 @@
-//! Gamma function at half-integers.
+//! Gamma function at half-integers, and Bessel functions of integer and half-integer order.
 
 use std::f64::consts::PI;
 
@@ -14,6 +14,75 @@ pub(crate) fn gamma_half(n: usize) -> f64 {
     value
 }
 
+/// Terms of a power series in `x^2/4` up to `x = 1`, the last of which is below the rounding.
+const SERIES_TERMS: usize = 10;
+
+/// How far above the order and the argument a downward recurrence starts.
+const HEAD_START: usize = 40;
+
+/// `J_0(x)` to `J_n(x)` for `x >= 0`, as many as there are values.
+pub(crate) fn bessel(x: f64, values: &mut [f64]) {
+    by_recurrence(x, values, [libm::j0(x), libm::j1(x)], 0.0);
+}
+
+/// The spherical Bessel functions `j_0(x)` to `j_n(x)` for `x >= 0`, as many as there are values.
+pub(crate) fn spherical_bessel(x: f64, values: &mut [f64]) {
+    let (sin, cos) = x.sin_cos();
+    by_recurrence(x, values, [sin / x, (sin / x - cos) / x], 1.0);
+}
+
+/// Functions with `f_(n-1) + f_(n+1) = (2n + b)/x f_n`, from the first two of them, which need be right from 1 on. Below, `f_n` starts as
+/// `x/(2n + b) f_(n-1)`, `f_0` as 1, and the terms of its series have the ratio `-(x^2/2)/(k (2n + 2k + b))`.
+fn by_recurrence(x: f64, values: &mut [f64], first_two: [f64; 2], b: f64) {
+    let Some(last) = values.len().checked_sub(1) else {
+        return;
+    };
+    if x < 1.0 {
+        let mut factor = 1.0;
+        for (order, value) in values.iter_mut().enumerate() {
+            if order > 0 {
+                factor *= x / (2.0 * order as f64 + b);
+            }
+            let (mut term, mut sum) = (1.0, 1.0);
+            for k in 1..=SERIES_TERMS {
+                let (n, k) = (order as f64, k as f64);
+                term *= -0.5 * x * x / (k * (2.0 * n + 2.0 * k + b));
+                sum += term;
+            }
+            *value = factor * sum;
+        }
+        return;
+    }
+    if last as f64 <= x {
+        // Upward, which is stable up to there.
+        for order in 0..=last {
+            values[order] = match order {
+                0 | 1 => first_two[order],
+                _ => (2.0 * (order as f64 - 1.0) + b) / x * values[order - 1] - values[order - 2],
+            };
+        }
+        return;
+    }
+    // Downward from where they are nothing, then scaled to the larger of the first two.
+    let (mut above, mut value) = (0.0, 1e-290);
+    let mut found = [0.0; 2];
+    for order in (0..last + HEAD_START).rev() {
+        // `value` belongs to order + 1.
+        (above, value) = (value, (2.0 * (order as f64 + 1.0) + b) / x * value - above);
+        if order <= last {
+            values[order] = value;
+        }
+        if order < 2 {
+            found[order] = value;
+        }
+    }
+    let larger = usize::from(first_two[1].abs() > first_two[0].abs());
+    let scale = first_two[larger] / found[larger];
+    for value in values {
+        *value *= scale;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -24,5 +93,59 @@ mod tests {
         assert!((gamma_half(1) - PI.sqrt()).abs() < 1e-15);
         assert!((gamma_half(5) - 0.75 * PI.sqrt()).abs() < 1e-15);
         assert!((gamma_half(10) - 24.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn bessel_functions_by_their_integrals() {
+        // J_n(x) = (1/pi) int_0^pi cos(n u - x sin u) du, by the trapezoidal rule, which is exact for periodic functions;
+        // j_n(x) = (-i)^n/2 int_-1^1 exp(i x u) P_n(u) du: NIST Digital Library of Mathematical Functions 10.9.2 and 10.54.2.
+        let rule = crate::numerics::quadrature::gauss_legendre(120);
+        for x in [
+            0.0,
+            1e-9,
+            0.3,
+            0.999,
+            1.0,
+            2.404_825_557_695_773,
+            PI,
+            7.3,
+            12.9,
+            31.0,
+            90.0,
+        ] {
+            let (mut cylindrical, mut spherical) = ([0.0; 19], [0.0; 19]);
+            bessel(x, &mut cylindrical);
+            spherical_bessel(x, &mut spherical);
+            for n in 0..19 {
+                let order = n as f64;
+                let steps = 400;
+                let sum: f64 = (0..2 * steps)
+                    .map(|k| PI * f64::from(k) / f64::from(steps))
+                    .map(|u| (order * u - x * u.sin()).cos())
+                    .sum();
+                let expected = sum / f64::from(2 * steps);
+                assert!((cylindrical[n] - expected).abs() < 2e-15, "J_{n}({x})");
+                let integral: f64 = rule
+                    .iter()
+                    .map(|&(u, weight)| {
+                        let phase = x * u - 0.5 * PI * order;
+                        0.5 * weight * phase.cos() * legendre(n, u)
+                    })
+                    .sum();
+                assert!((spherical[n] - integral).abs() < 5e-15, "j_{n}({x})");
+            }
+        }
+    }
+
+    fn legendre(n: usize, x: f64) -> f64 {
+        let (mut before, mut value) = (0.0, 1.0);
+        for k in 1..=n {
+            let k = k as f64;
+            (before, value) = (
+                value,
+                ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k,
+            );
+        }
+        value
     }
 }

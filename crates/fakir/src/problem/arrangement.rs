@@ -134,6 +134,23 @@ impl Arrangement {
         }
     }
 
+    /// The extremes of height over diameter, in that of the common pillar.
+    pub(super) fn slenderness(&self, common: f64) -> [f64; 2] {
+        match self {
+            Self::Hexagonal(_) => [1.0; 2],
+            Self::Lattice(lattice) => {
+                let most = Disorder::DEVIATIONS * lattice.disorder.height_spread;
+                [1.0 - most, 1.0 + most]
+            }
+            Self::Listed(list) => {
+                let each = list.pillars.iter().map(|p| p.height / p.diameter / common);
+                each.fold([f64::INFINITY, 0.0], |[least, most], times| {
+                    [least.min(times), most.max(times)]
+                })
+            }
+        }
+    }
+
     /// Whether there are finitely many pillars.
     #[must_use]
     pub fn is_finite(&self) -> bool {

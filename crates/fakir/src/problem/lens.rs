@@ -30,6 +30,11 @@ impl Material {
     pub fn plane_strain_compliance(&self) -> f64 {
         (1.0 - self.poisson_ratio * self.poisson_ratio) / self.young_modulus
     }
+
+    /// `E/(2 (1 + nu))`, Pa.
+    pub(crate) fn shear_modulus(&self) -> f64 {
+        self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
+    }
 }
 
 /// A spherical lens of an elastic material: the paper's. Others are a [`ShapedLens`].

@@ -1,6 +1,7 @@
 //! Where pillars stand and how they are made: a hexagonal lattice of equal ones, any other lattice, or a list. In the units of the solvers.
 
 use super::arrangement::{self, Arrangement, Disorder, reduced};
+use super::column::{Column, ColumnLaw};
 use super::lattice::HexagonalLattice;
 use super::lens::LensShape;
 use super::point::{Point, turned};
@@ -18,17 +19,17 @@ pub(crate) struct PillarBody {
     pub(crate) radius: f64,
     /// By how much it is higher than the common height over the floor.
     pub(crate) raised: f64,
-    /// `kappa`, by its own height and radius: shortening of the column over the indentation of its top, as a flat punch.
-    pub(crate) column_compliance_ratio: f64,
+    /// How it gives way, by its own height and radius.
+    pub(crate) column: Column,
 }
 
 impl PillarBody {
     /// Of the unit radius and the common height.
-    pub(crate) fn of_column(column_compliance_ratio: f64) -> Self {
+    pub(crate) fn of_column(column: impl Into<Column>) -> Self {
         Self {
             radius: 1.0,
             raised: 0.0,
-            column_compliance_ratio,
+            column: column.into(),
         }
     }
 }
@@ -150,6 +151,7 @@ struct Scatter {
     disorder: Disorder,
     /// The common height.
     height: f64,
+    law: ColumnLaw,
 }
 
 /// The numbers by which a point is a sum of two vectors.
@@ -181,17 +183,21 @@ impl PlaneLattice {
         lattice: &arrangement::PlaneLattice,
         length: f64,
         height: f64,
-        body: PillarBody,
+        law: ColumnLaw,
     ) -> Option<Self> {
         let scaled = |[x, y]: Point| [x / length, y / length];
         let [one, other] = lattice.vectors();
         let disorder = lattice.disorder;
+        let body = PillarBody::of_column(law.of_common());
         let whole = Self::new([scaled(one), scaled(other)], scaled(lattice.origin()), body)?;
         let rotation = lattice.rotation + from_hexagonal(lattice.form.vectors());
         Some(Self {
             rotation,
-            scatter: (disorder.height_spread > 0.0 || disorder.missing > 0.0)
-                .then_some(Scatter { disorder, height }),
+            scatter: (disorder.height_spread > 0.0 || disorder.missing > 0.0).then_some(Scatter {
+                disorder,
+                height,
+                law,
+            }),
             ends: lattice.ends(),
             ..whole
         })
@@ -207,11 +213,15 @@ impl PlaneLattice {
         }
         match &self.scatter {
             None => Some(self.body),
-            Some(Scatter { disorder, height }) => {
+            Some(Scatter {
+                disorder,
+                height,
+                law,
+            }) => {
                 let ratio = disorder.height_ratio((i, j))?;
                 Some(PillarBody {
                     raised: self.body.raised + (ratio - 1.0) * height,
-                    column_compliance_ratio: self.body.column_compliance_ratio * ratio,
+                    column: law.of(ratio, 1.0),
                     ..self.body
                 })
             }
@@ -311,7 +321,7 @@ impl PillarList {
             let values = [centre[0], centre[1], body.raised];
             body.radius > 0.0
                 && body.radius.is_finite()
-                && body.column_compliance_ratio >= 0.0
+                && body.column.is_valid()
                 && values.iter().all(|value| value.is_finite())
         });
         if pillars.is_empty() || !are_numbers {
@@ -345,7 +355,7 @@ pub(crate) enum PillarField {
     /// All of the unit radius and the common height.
     Hexagonal {
         lattice: HexagonalLattice,
-        column_compliance_ratio: f64,
+        column: Column,
     },
     Lattice(Arc<PlaneLattice>),
     Listed(Arc<PillarList>),
@@ -355,12 +365,11 @@ impl PillarField {
     /// In units of a length (m), the common pillar radius.
     /// Besides, by how much it is to be turned about the lens axis to stand as it was asked for (rad).
     pub(super) fn new(system: &System, length: f64) -> (Self, f64) {
-        let column_compliance_ratio = system.column_compliance_ratio();
-        let common = PillarBody::of_column(column_compliance_ratio);
+        let law = system.column_law();
         let height = system.pillar().height / length;
         let on_plane = |lattice: &arrangement::PlaneLattice| {
             let lattice =
-                PlaneLattice::of(lattice, length, height, common).expect("its angle was checked");
+                PlaneLattice::of(lattice, length, height, law).expect("its angle was checked");
             let rotation = lattice.rotation;
             let field = Self::Lattice(Arc::new(lattice));
             (field.turned(-rotation), rotation)
@@ -387,7 +396,7 @@ impl PillarField {
                     pitch: lattice.pitch / length,
                     ..*lattice
                 },
-                column_compliance_ratio,
+                column: law.of_common(),
             },
             Arrangement::Lattice(lattice) => return on_plane(lattice),
             Arrangement::Listed(list) => {
@@ -399,8 +408,7 @@ impl PillarField {
                         body: PillarBody {
                             radius,
                             raised: own_height - height,
-                            column_compliance_ratio: column_compliance_ratio * own_height
-                                / (height * radius),
+                            column: law.of(own_height, height * radius),
                         },
                     }
                 };
@@ -484,15 +492,12 @@ impl PillarField {
         }
     }
 
-    /// The column compliance that is common, or that of the first pillar.
-    pub(crate) fn column_compliance_ratio(&self) -> f64 {
+    /// How the pillars give way, or the first one.
+    pub(crate) fn column(&self) -> Column {
         match self {
-            Self::Hexagonal {
-                column_compliance_ratio,
-                ..
-            } => *column_compliance_ratio,
-            Self::Lattice(lattice) => lattice.body.column_compliance_ratio,
-            Self::Listed(list) => list.pillars[0].body.column_compliance_ratio,
+            Self::Hexagonal { column, .. } => *column,
+            Self::Lattice(lattice) => lattice.body.column,
+            Self::Listed(list) => list.pillars[0].body.column,
         }
     }
 
@@ -501,7 +506,7 @@ impl PillarField {
         match self {
             Self::Hexagonal { .. } => [true; 2],
             Self::Lattice(lattice) => {
-                let rigid = lattice.body.column_compliance_ratio == 0.0;
+                let rigid = lattice.body.column == Column::default();
                 let level = lattice
                     .scatter
                     .as_ref()
@@ -510,13 +515,11 @@ impl PillarField {
             }
             Self::Listed(list) => {
                 const ROUNDING: f64 = 1e-12;
-                let first = list.pillars[0].body.column_compliance_ratio;
+                let first = list.pillars[0].body.column;
                 let bodies = || list.pillars.iter().map(|pillar| &pillar.body);
                 [
                     bodies().all(|body| (body.radius - 1.0).abs() < ROUNDING),
-                    bodies().all(|body| {
-                        (body.column_compliance_ratio - first).abs() <= ROUNDING * first
-                    }),
+                    bodies().all(|body| body.column.is_near(first)),
                 ]
             }
         }
@@ -615,12 +618,11 @@ impl PillarField {
         };
         let pillar = match self {
             Self::Hexagonal {
-                lattice,
-                column_compliance_ratio,
+                lattice, column, ..
             } => {
                 let (i, j) = lattice.nearest_pillar(point);
                 let centre = lattice.centre(i, j);
-                let body = PillarBody::of_column(*column_compliance_ratio);
+                let body = PillarBody::of_column(*column);
                 Some(((i, j), ListedPillar { centre, body }))
             }
             Self::Lattice(lattice) => {
@@ -641,15 +643,14 @@ impl PillarField {
     pub(crate) fn listed_within(&self, radius: f64) -> (Vec<IndexedPillar>, bool) {
         match self {
             Self::Hexagonal {
-                lattice,
-                column_compliance_ratio,
+                lattice, column, ..
             } => {
                 let (near_i, near_j) = lattice.nearest_pillar([0.0, 0.0]);
                 // Lattice points within a distance r have indices within 2 r/(sqrt3 e).
                 let reach = (1.2 * radius / lattice.pitch).ceil() as i64 + 1;
                 let indices = (-reach..=reach)
                     .flat_map(|i| (-reach..=reach).map(move |j| (near_i + i, near_j + j)));
-                let body = PillarBody::of_column(*column_compliance_ratio);
+                let body = PillarBody::of_column(*column);
                 let pillars = indices.map(|(i, j)| {
                     let centre = lattice.centre(i, j);
                     ((i, j), ListedPillar { centre, body })

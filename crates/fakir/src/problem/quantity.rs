@@ -30,6 +30,8 @@ pub enum Quantity {
     PillarDiameter,
     /// Pillar height, m.
     PillarHeight,
+    /// Pillar height over diameter.
+    PillarSlenderness,
     /// Distance between the centres of neighbouring pillars, m.
     Pitch,
     /// Fraction of the surface covered by pillar tops.
@@ -89,6 +91,7 @@ impl fmt::Display for Quantity {
             Self::SubstratePoissonRatio => "Poisson's ratio of the substrate",
             Self::PillarDiameter => "pillar diameter",
             Self::PillarHeight => "pillar height",
+            Self::PillarSlenderness => "pillar height over diameter",
             Self::Pitch => "pitch",
             Self::SurfaceFraction => "surface fraction",
             Self::Offset => "offset",
@@ -173,6 +176,15 @@ pub enum Requirement {
     BelowLensRadius(f64),
     /// Of a plate: from zero to 10 degrees.
     Tilt,
+    /// Of elastic pillars: within the range for which their compliance is known.
+    KnownElastic {
+        /// The least.
+        least: f64,
+        /// The most.
+        most: f64,
+    },
+    /// Zero on elastic pillars, whose edges do not say when contact breaks.
+    ZeroOnElastic,
     /// Finite, under a lens of this shape, which touches endlessly many pillars of a lattice without end.
     FiniteUnder(&'static str),
 }
@@ -215,6 +227,14 @@ impl fmt::Display for Requirement {
                 "greater than 0 and at most pi/(2 sqrt 3) = 0.9069, where neighbouring pillars touch",
             ),
             Self::Tilt => f.write_str("from 0 to 10 deg (0.175 rad), as far as slopes are small"),
+            Self::KnownElastic { least, most } => write!(
+                f,
+                "between {least} and {most}, for which the compliance of elastic pillars is known (compliance = \"column\" takes any)"
+            ),
+            Self::ZeroOnElastic => f.write_str(
+                "0 on elastic pillars: at the corner of a real pillar the stress is not that of a half-space, from which it is told when \
+                 contact breaks (compliance = \"column\" takes it as if it were)",
+            ),
             Self::FiniteUnder(shape) => write!(
                 f,
                 "finite under a {shape}, which touches endlessly many pillars of a lattice without end: give `columns`, or a list of pillars"
@@ -248,6 +268,8 @@ impl Requirement {
                 Self::SurfaceFraction => value > 0.0 && value <= MAXIMUM_SURFACE_FRACTION,
                 Self::BelowLensRadius(radius) => value > 0.0 && value < radius,
                 Self::Tilt => (0.0..=LARGEST_TILT).contains(&value),
+                Self::KnownElastic { least, most } => (least..=most).contains(&value),
+                Self::ZeroOnElastic => value == 0.0,
                 Self::FiniteUnder(_) => true,
             };
         if accepted {

@@ -2,32 +2,11 @@
 
 use super::adhesion::Adhesion;
 use super::arrangement::Arrangement;
+use super::column::{ColumnLaw, Pillar, PillarCompliance};
 use super::lattice::HexagonalLattice;
 use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
-
-/// Whether a pillar gives way as a column, besides indenting at its top.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PillarCompliance {
-    /// The pillar top sinks uniformly by `4 h F/(pi E_s d^2)` (Hooke) more than
-    /// the floor around its foot, as in the paper.
-    #[default]
-    Column,
-    /// Pillars are as stiff as the half-space they stand on.
-    None,
-}
-
-/// A cylindrical pillar, of the material of the substrate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pillar {
-    /// Diameter `d`, m.
-    pub diameter: f64,
-    /// Height `h`, m.
-    pub height: f64,
-    /// Whether it shortens under load.
-    pub compliance: PillarCompliance,
-}
 
 /// Pillars, and where the lens lands on them.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,6 +56,7 @@ pub struct System {
     texture: Texture,
     floor: FloorModel,
     adhesion: Adhesion,
+    leaning: bool,
 }
 
 /// What becomes of the floor between the pillars where the lens comes down to it.
@@ -96,7 +76,8 @@ impl System {
     /// The first [`InvalidQuantity`]: lengths and moduli must be positive and
     /// finite, Poisson's ratios between 0 and 0.5, the pitch at least the
     /// diameter, the pillars lower than the lens radius, a scatter within its limits, a plate tilted by 10 degrees at the most; and under a
-    /// cylinder or a plate, which touch endlessly many pillars of a lattice without end, these have to be finitely many.
+    /// cylinder or a plate, which touch endlessly many pillars of a lattice without end, these have to be finitely many; and of elastic pillars it has
+    /// to be known how they give way.
     pub fn new(
         lens: impl Into<ShapedLens>,
         substrate: Material,
@@ -121,13 +102,22 @@ impl System {
         if !lens.is_axisymmetric() && !texture.arrangement.is_finite() {
             R::FiniteUnder(lens.shape_name()).check(Q::Columns, f64::INFINITY)?;
         }
-        Ok(Self {
+        let system = Self {
             lens,
             substrate,
             texture,
             floor: FloorModel::Contact,
             adhesion: Adhesion::NONE,
-        })
+            leaning: true,
+        };
+        let law = system.column_law();
+        for times in system
+            .arrangement()
+            .slenderness(pillar.height / pillar.diameter)
+        {
+            law.check(times)?;
+        }
+        Ok(system)
     }
 
     /// The same system with another model of the floor.
@@ -148,12 +138,29 @@ impl System {
     /// The same system with pillar tops that stick.
     ///
     /// # Errors
-    /// Works of adhesion that are negative or no numbers, and a receding one below the advancing one.
+    /// Works of adhesion that are negative or no numbers, a receding one below the advancing one, and any on elastic pillars.
     pub fn with_adhesion(&self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
+        let adhesion = adhesion.checked()?;
+        if self.pillar().compliance == PillarCompliance::Elastic {
+            Requirement::ZeroOnElastic.check(Quantity::WorkOfAdhesion, adhesion.receding())?;
+        }
         Ok(Self {
-            adhesion: adhesion.checked()?,
+            adhesion,
             ..self.clone()
         })
+    }
+
+    /// The same system with pillars that do not lean, as all methods but the spectral one have them.
+    pub(crate) fn without_leaning(&self) -> Self {
+        Self {
+            leaning: false,
+            ..self.clone()
+        }
+    }
+
+    /// Whether elastic pillars lean, by a method that knows how.
+    pub(crate) fn leans(&self) -> bool {
+        self.leaning && self.pillar().compliance == PillarCompliance::Elastic
     }
 
     /// The same system with pillar tops that do not stick.
@@ -241,7 +248,7 @@ impl System {
     }
 
     /// How far a pillar top sinks below its foot per unit force,
-    /// `4 h/(pi E_s d^2)`, m/N; 0 without column compliance.
+    /// `4 h/(pi E_s d^2)`, m/N; 0 without column compliance, and of elastic pillars what they give way by more than a half-space.
     #[must_use]
     pub fn column_compliance(&self) -> f64 {
         self.column_compliance_of(self.pillar().height, self.pillar().diameter)
@@ -255,7 +262,19 @@ impl System {
             PillarCompliance::Column => {
                 4.0 * height / (PI * self.substrate.young_modulus * diameter.powi(2))
             }
+            PillarCompliance::Elastic => {
+                let law = self.column_law();
+                let common = self.pillar().height / self.pillar().diameter;
+                let column = law.of(height / diameter, common);
+                column.shortening * self.contact_compliance() / diameter
+            }
         }
+    }
+
+    /// How its pillars give way.
+    pub(crate) fn column_law(&self) -> ColumnLaw {
+        let materials = [self.lens.material, self.substrate];
+        ColumnLaw::new(self.pillar(), materials, self.leaning)
     }
 
     /// `kappa = (4 h/(pi E_s d))/c`: column compliance of a pillar relative to
@@ -312,6 +331,7 @@ impl System {
         Ok(Self {
             floor: self.floor,
             adhesion: self.adhesion,
+            leaning: self.leaning,
             ..system
         })
     }

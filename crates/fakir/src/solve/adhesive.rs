@@ -172,7 +172,7 @@ impl<'a> Loading<'a> {
             receding: adhesion.receding() / scale,
         };
         let degree = degrees(accuracy, scene).coupling;
-        let kappa = scene.field.column_compliance_ratio();
+        let kappa = scene.field.column().shortening;
         let fronts = Fronts::new(degree, kappa, works, true);
         let held = match drive {
             Drive::Displacement => Held::Indentation,

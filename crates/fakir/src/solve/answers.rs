@@ -350,11 +350,16 @@ pub(super) fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPilla
     // In units of the radius of its top, and down from its own height.
     let unit = body.radius;
     let [x, y] = centre;
-    let largest = smaller(1.0 - x.hypot(y) / unit, scene.lens.widest() / unit);
+    let from_centre = x.hypot(y) / unit;
+    // A top that leans moves the contact off the lens axis.
+    if body.column.rocking > 0.0 && from_centre > 1e-9 {
+        return None;
+    }
+    let largest = smaller(1.0 - from_centre, scene.lens.widest() / unit);
     if largest <= 0.0 {
         return None;
     }
-    let solver = PatchSolver::new(body.column_compliance_ratio);
+    let solver = PatchSolver::new(body.column.shortening);
     let sag = |r: f64| scene.lens.sag([r * unit, 0.0]) / unit;
     let height = (scene.height + body.raised) / unit;
     let own = match target {
@@ -472,7 +477,7 @@ fn patch_state(
         edge_coefficient: Some([0.0; 2]),
     };
     let indentation = patch.indentation * scene.length;
-    let column = body.column_compliance_ratio / body.radius;
+    let column = body.column.shortening / body.radius;
     let [error, radius_error] = patch_errors(scene, patch, body.raised, column);
     floor_gap(
         scene,

@@ -62,6 +62,7 @@ fn solve(
 mod tests {
     use super::*;
     use crate::halfspace::disc::nodes::Resolution;
+    use crate::problem::column::Column;
     use crate::problem::pillar_field::{
         ListedPillar, PillarBody, PillarField, PillarList, PlaneLattice,
     };
@@ -80,7 +81,10 @@ mod tests {
     const RIGID: PillarBody = PillarBody {
         radius: 1.0,
         raised: 0.0,
-        column_compliance_ratio: 0.0,
+        column: Column {
+            shortening: 0.0,
+            rocking: 0.0,
+        },
     };
 
     /// In units of a length, all given in um.
@@ -329,7 +333,7 @@ mod tests {
             let paper = *scene.hexagonal_lattice().unwrap();
             let vectors = [(1, 0), (0, 1)]
                 .map(|(i, j)| HexagonalLattice::new(paper.pitch).lattice_vector(i, j));
-            let body = PillarBody::of_column(scene.field.column_compliance_ratio());
+            let body = PillarBody::of_column(scene.field.column());
             let lattice = PlaneLattice::new(vectors, paper.centre(0, 0), body).unwrap();
             let any = Scene {
                 field: on(lattice),
@@ -382,7 +386,7 @@ mod tests {
             let mut pillars = nine(3.0);
             for (number, pillar) in pillars.iter_mut().enumerate() {
                 pillar.body.raised += raised;
-                pillar.body.column_compliance_ratio = columns[usize::from(number > 0)];
+                pillar.body.column = columns[usize::from(number > 0)].into();
             }
             scene(listed(pillars), 400.0, 2.2, 3.0)
         };
@@ -447,7 +451,7 @@ mod tests {
             body: PillarBody {
                 radius: 2.5,
                 raised: 0.1,
-                column_compliance_ratio: 0.25,
+                column: 0.25.into(),
             },
         };
         let scene = scene(listed(vec![pillar]), f64::INFINITY, 2.2, 1.0);

@@ -8,11 +8,13 @@ use super::spectral::{Solution, exceeds_lens};
 use super::touched::{TouchedPillar, touched_pillars};
 use crate::halfspace::disc::basis::degree_with;
 use crate::problem::scaled::Scene;
-use crate::problem::{Accuracy, Control, ElementMesh, LensShape, Method, Point, PunchForm, System};
+use crate::problem::{
+    Accuracy, Control, ElementMesh, LensShape, Method, PillarCompliance, Point, PunchForm, System,
+};
 use crate::state::contact::contact_warnings;
 use crate::state::{
-    ContactState, ErrorEstimate, Fields, FloorContact, PillarStatus, Progress, Run, SolveError,
-    Stage, Termination,
+    ContactState, ErrorEstimate, Fields, FloorContact, PillarState, PillarStatus, Progress, Run,
+    SolveError, Stage, Termination,
 };
 use std::sync::Arc;
 
@@ -162,7 +164,7 @@ pub(super) fn assemble(
         .unwrap_or(0);
     let (pillars, discs): (Vec<_>, Vec<_>) = touched
         .into_iter()
-        .map(|p| (p.state, p.disc.turned(scene.rotation)))
+        .map(|p| (as_known(p.state, system), p.disc.turned(scene.rotation)))
         .unzip();
     let fields = Fields::new(
         scene.as_asked(),
@@ -191,6 +193,17 @@ pub(super) fn assemble(
         ..ContactState::untouched(system, method.into(), indentation * scene.length)
     };
     Ok(floor_gap(scene, state, indentation, lowest))
+}
+
+/// Without what the model does not know: the stress at the corners of elastic pillars is not that at the edge of a punch on a half-space.
+fn as_known(pillar: PillarState, system: &System) -> PillarState {
+    match system.pillar().compliance {
+        PillarCompliance::Elastic => PillarState {
+            edge_coefficient: None,
+            ..pillar
+        },
+        PillarCompliance::Column | PillarCompliance::None => pillar,
+    }
 }
 
 /// How far the contact reaches from where the lens is lowest, where it reaches so far from the lens axis. Under a table of heights it is to be

@@ -212,7 +212,7 @@ fn node_changes(
     let mut of_pillars = vec![[0.0_f64; 2]; partial.len()];
     let mut largest_sum = [0.0_f64; 2];
     for resolution in other_resolutions(newton.tops.top.resolution(), partial.len()) {
-        let ratio = newton.tops.sites.common_body().column_compliance_ratio;
+        let ratio = newton.tops.sites.common_body().column;
         let top = PillarTop::new(resolution, newton.degree(), ratio);
         let work = || (LocalSolver::new(&top), vec![0.0; modes]);
         let one = |(solver, refined): &mut (LocalSolver, Vec<f64>), number: usize| {
@@ -223,7 +223,7 @@ fn node_changes(
             let load = newton.full_load(pillar);
             let load = &load[..load.len().min(top.count())];
             let body = newton.tops.sites.body(pillar);
-            let top = top.on_column(body.column_compliance_ratio);
+            let top = top.on_column(body.column);
             let mut active = solver.first_guess(&top, load);
             solver.solve(&top, load, &mut active);
             solver.coefficients(&top, load, refined);

@@ -399,7 +399,8 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             tree.seen_from((middle, extent), SMALLNESS, small, alone);
             let of_point = |at: Point| {
                 let step = [0, 1].map(|k| at[k] - middle[k]);
-                let mut sum = [0, 1].map(|set| boxes[set].expanded(step) + discs[set].expanded(step));
+                let mut sum =
+                    [0, 1].map(|set| boxes[set].expanded(step) + discs[set].expanded(step));
                 for disc in &*near {
                     let own = beside(*disc, at, values);
                     sum = [0, 1].map(|set| sum[set] + own[set]);

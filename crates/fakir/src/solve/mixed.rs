@@ -801,7 +801,7 @@ mod tests {
         Scene {
             field: PillarField::Hexagonal {
                 lattice,
-                column_compliance_ratio: scene.field.column_compliance_ratio(),
+                column: scene.field.column(),
             },
             ..scene
         }

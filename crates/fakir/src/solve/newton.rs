@@ -752,7 +752,7 @@ impl<'a> Newton<'a> {
     pub(crate) fn rebuilt(&self, sites: Sites, degrees: Degrees) -> Self {
         let Degrees { coupling, tops } = degrees;
         let pair = PairCoupling::new(coupling, self.scene.field.spacing());
-        let top = PillarTop::new(tops, coupling, sites.common_body().column_compliance_ratio);
+        let top = PillarTop::new(tops, coupling, sites.common_body().column);
         let mut rebuilt = Self::new(&self.scene, self.run, self.stage, sites, &pair, top);
         rebuilt.kernels.clone_from(&self.kernels);
         rebuilt.start_from(self);
@@ -815,7 +815,7 @@ pub(crate) mod tests {
             turn: 0.0,
             rings: 10,
         };
-        let top = PillarTop::new(resolution, 2, scene.field.column_compliance_ratio());
+        let top = PillarTop::new(resolution, 2, scene.field.column());
         let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
         newton.tops.touch_within(0.9 * pitch);
         newton
@@ -923,7 +923,7 @@ pub(crate) mod tests {
         let soft = Scene {
             field: PillarField::Hexagonal {
                 lattice: *problem().hexagonal_lattice().unwrap(),
-                column_compliance_ratio: f64::NAN,
+                column: f64::NAN.into(),
             },
             ..problem()
         };

@@ -789,12 +789,7 @@ mod tests {
             advancing: work,
             receding: work,
         };
-        Fronts::new(
-            degree,
-            scene.field.column_compliance_ratio(),
-            works,
-            partial,
-        )
+        Fronts::new(degree, scene.field.column().shortening, works, partial)
     }
 
     fn least_force(path: &Path<'_>) -> f64 {

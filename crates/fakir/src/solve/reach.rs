@@ -179,7 +179,7 @@ struct Finer {
 
 impl Finer {
     fn new(newton: &Newton<'_>) -> Self {
-        let kappa = newton.tops.sites.common_body().column_compliance_ratio;
+        let kappa = newton.tops.sites.common_body().column;
         let resolution = Resolution::of_nodes(FINE_DEGREE);
         let top = PillarTop::new(resolution, newton.degree(), kappa);
         Self {
@@ -193,7 +193,7 @@ impl Finer {
     fn region(&mut self, newton: &Newton<'_>, pillar: usize) -> Option<Region> {
         let load = newton.full_load(pillar);
         let body = newton.tops.sites.body(pillar);
-        let top = self.top.on_column(body.column_compliance_ratio);
+        let top = self.top.on_column(body.column);
         let mut active = self.solver.first_guess(&top, &load);
         if !self.solver.solve(&top, &load, &mut active).converged {
             return None;

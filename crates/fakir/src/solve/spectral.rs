@@ -81,7 +81,7 @@ pub(crate) fn solve_punch<'a>(
     loop {
         let radius_used = limited(scene, radius);
         let sites = checked_sites(scene, radius_used, 1, run)?;
-        let top = PillarTop::new(CENTRES, 0, sites.common_body().column_compliance_ratio);
+        let top = PillarTop::new(CENTRES, 0, sites.common_body().column);
         let mut newton = Newton::new(scene, run, Stage::Punch, sites, &pair, top);
         if form == PunchForm::Plain {
             newton.load_at_centres();
@@ -126,11 +126,7 @@ pub(crate) fn solve_spectral<'a>(
         if coarse.touched() > FEW_PILLARS {
             tops.rings = 0;
         }
-        let top = PillarTop::new(
-            tops,
-            degrees.coupling,
-            sites.common_body().column_compliance_ratio,
-        );
+        let top = PillarTop::new(tops, degrees.coupling, sites.common_body().column);
         let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
         newton.start_from(&coarse);
         let outcome = newton.solve(target, Purpose::Answer)?;
@@ -191,7 +187,7 @@ fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Control) -> f64 {
             // Of Hertz, and of the lens on independent pillars, the larger.
             let hertz = (0.75 * lens * force).cbrt();
             let cell = scene.field.cell_area();
-            let layer = 0.5 * cell * (1.0 + scene.field.column_compliance_ratio());
+            let layer = 0.5 * cell * (1.0 + scene.field.column().shortening);
             let springs = (4.0 * lens * layer * force / std::f64::consts::PI).powf(0.25);
             hertz.max(springs)
         }
@@ -216,7 +212,7 @@ fn entered_at(scene: &Scene, target: Control) -> Option<f64> {
             let springs: Vec<[f64; 2]> = pillars
                 .iter()
                 .map(|(_, ListedPillar { centre, body })| {
-                    let stiffness = 2.0 * body.radius / (1.0 + body.column_compliance_ratio);
+                    let stiffness = 2.0 * body.radius / (1.0 + body.column.shortening);
                     let touched_at = scene.lens.sag_with_brim(*centre) - body.raised;
                     [stiffness, touched_at]
                 })
@@ -286,12 +282,11 @@ pub(crate) fn checked_sites(
     run: &Run<'_>,
 ) -> Result<Sites, SolveError> {
     if let PillarField::Hexagonal {
-        lattice,
-        column_compliance_ratio,
+        lattice, column, ..
     } = &scene.field
     {
         let window = checked_window(lattice, radius, modes, run)?;
-        return Ok(Sites::of_window(window, *lattice, *column_compliance_ratio));
+        return Ok(Sites::of_window(window, *lattice, *column));
     }
     // They have to be there before it is known how they stand; each takes this by itself at the least.
     let pillars = scene.field.expected_len(radius);
@@ -325,7 +320,7 @@ pub(crate) fn untouched<'a>(
     let pair = PairCoupling::new(degrees.coupling, scene.field.spacing());
     let radius = limited(scene, contact_radius + 1.5 * scene.field.spacing() + 1.0);
     let sites = checked_sites(scene, radius, mode_count(degrees.coupling), run)?;
-    let kappa = sites.common_body().column_compliance_ratio;
+    let kappa = sites.common_body().column;
     let top = PillarTop::new(degrees.tops, degrees.coupling, kappa);
     let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
     newton.contact.move_to(indentation);

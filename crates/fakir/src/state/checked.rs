@@ -1,11 +1,12 @@
 //! The last look at an answer before it is handed out: all of its numbers are numbers, and no zero
 //! has a sign.
 
-use super::contact::ContactState;
+use super::contact::{ContactState, Warning};
 use super::critical::CriticalState;
 use super::cycle::Cycle;
 use super::error::SolveError;
 use super::floor_contact::FloorContact;
+use crate::problem::{Method, PillarCompliance};
 
 impl ContactState {
     /// The state as it is handed out.
@@ -39,6 +40,12 @@ impl ContactState {
         }
         if let Some(floor) = &mut self.floor {
             floor.check()?;
+        }
+        let leans = matches!(self.method, Method::Spectral(_)) && self.system.leans();
+        let elastic = self.system.pillar().compliance == PillarCompliance::Elastic;
+        let left_out = Warning::LeaningLeftOut;
+        if elastic && !leans && !self.warnings.contains(&left_out) {
+            self.warnings.push(left_out);
         }
         Ok(self)
     }

@@ -3,7 +3,7 @@
 use super::contact::{ContactState, PillarState, Termination, Warning};
 use super::critical::CriticalState;
 use super::fields::Fields;
-use super::limit::{Limit, limits};
+use super::limit::{Limit, limits_of_adhesion};
 use crate::problem::{Accuracy, CyclePlan, Point, System};
 use std::sync::Arc;
 
@@ -272,6 +272,6 @@ impl Cycle {
     #[must_use]
     pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
         let farthest = self.stations.iter().map(|s| s.contact_radius);
-        limits(&self.system, farthest.fold(0.0, f64::max), range)
+        limits_of_adhesion(&self.system, farthest.fold(0.0, f64::max), range)
     }
 }

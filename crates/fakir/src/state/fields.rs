@@ -1,11 +1,14 @@
 //! Displacement, gap and pressure at any point of a contact state.
 
-use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, compliances, degree_with, turn};
+use crate::halfspace::disc::basis::{
+    BasisEvaluator, TILT_COMPLIANCE, TILT_MODE, UNIT_FORCE, compliances, degree_with, turn,
+};
 use crate::halfspace::disc::covered::{CoverFinder, CoveredPart};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::problem::Point;
-use crate::problem::pillar_field::IndexedPillar;
+use crate::problem::column::Column;
+use crate::problem::pillar_field::{IndexedPillar, ListedPillar};
 use crate::problem::point::turned;
 use crate::problem::scaled::Scene;
 use std::collections::HashMap;
@@ -277,18 +280,30 @@ impl Fields {
             None => above_common + self.scene.height,
             Some((index, pillar)) => {
                 let body = pillar.body;
-                let sink = self.column_sink(index, body.column_compliance_ratio / body.radius);
-                above_common - body.raised + sink
+                above_common - body.raised + self.column_sink(index, &pillar, at)
             }
         };
         gap * self.scene.length
     }
 
-    /// Shortening of a pillar: `kappa F/(2 a)` in scaled units, from `lambda_00 = pi (1 + kappa)`.
-    fn column_sink(&self, index: (i64, i64), compliance_ratio: f64) -> f64 {
-        self.disc_of
-            .get(&index)
-            .map_or(0.0, |&k| 0.5 * compliance_ratio * self.discs[k].force())
+    /// By how much a pillar gives way at a point of its top: it is shortened by `kappa F/(2 a)` in scaled units, from `lambda_00 = pi (1 + kappa)`,
+    /// and leans likewise.
+    fn column_sink(&self, index: (i64, i64), pillar: &ListedPillar, at: Point) -> f64 {
+        let Some(disc) = self.disc_of.get(&index).map(|&k| &self.discs[k]) else {
+            return 0.0;
+        };
+        let Column {
+            shortening,
+            rocking,
+        } = pillar.body.column;
+        let shortened = 0.5 * (shortening / pillar.body.radius) * disc.force();
+        if rocking == 0.0 {
+            return shortened;
+        }
+        let [cosine, sine] = [1, 2].map(|mode| disc.coefficients.get(mode).unwrap_or(&0.0));
+        let [x, y] = [0, 1].map(|k| at[k] - pillar.centre[k]);
+        let leaning = TILT_COMPLIANCE * rocking * TILT_MODE * (cosine * x + sine * y);
+        shortened + leaning
     }
 
     /// Contact pressure, Pa: zero out of contact, infinite at the very edge of a covered pillar

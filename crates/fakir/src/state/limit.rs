@@ -20,39 +20,71 @@ pub struct Limit {
     pub name: &'static str,
     /// Its value here.
     pub value: f64,
-    /// From where on it is doubtful.
-    pub threshold: f64,
+    /// From where on it is doubtful; none of what only would change the answer.
+    pub threshold: Option<f64>,
     /// Whether it is doubtful here.
     pub strained: bool,
 }
 
+impl Limit {
+    /// Of a value that is to be small.
+    pub(crate) fn at_most(name: &'static str, value: f64, threshold: f64) -> Self {
+        Self {
+            name,
+            value,
+            threshold: Some(threshold),
+            strained: value > threshold,
+        }
+    }
+
+    /// Of a value that is to be large.
+    pub(crate) fn at_least(name: &'static str, value: f64, threshold: f64) -> Self {
+        Self {
+            name,
+            value,
+            threshold: Some(threshold),
+            strained: value < threshold,
+        }
+    }
+
+    /// Of a value that cannot be strained.
+    pub(crate) fn told(name: &'static str, value: f64) -> Self {
+        Self {
+            name,
+            value,
+            threshold: None,
+            strained: false,
+        }
+    }
+
+    /// How near it is: above 1 where it is strained, and none without a threshold.
+    #[must_use]
+    pub fn nearness(&self) -> Option<f64> {
+        let ratio = self.value / self.threshold?;
+        Some(if self.strained == (ratio > 1.0) {
+            ratio
+        } else {
+            ratio.recip()
+        })
+    }
+}
+
 /// The conditions of the model with adhesion for a contact that reaches so far from the lens axis (m). `range` is that of the attraction (m),
 /// if it is known.
-pub(super) fn limits(system: &System, farthest: f64, range: Option<f64>) -> Vec<Limit> {
+pub(crate) fn limits_of_adhesion(system: &System, farthest: f64, range: Option<f64>) -> Vec<Limit> {
     let strain = system.kendall_strain();
     let slope = system.lens().slope_at(farthest);
     let mut limits = vec![
-        Limit {
-            name: "kendall_strain",
-            value: strain,
-            threshold: LARGEST_STRAIN,
-            strained: strain > LARGEST_STRAIN,
-        },
-        Limit {
-            name: "slope",
-            value: slope,
-            threshold: DOUBTFUL_CONTACT,
-            strained: slope > DOUBTFUL_CONTACT,
-        },
+        Limit::at_most("kendall_strain", strain, LARGEST_STRAIN),
+        Limit::at_most("slope", slope, DOUBTFUL_CONTACT),
     ];
     if let Some(range) = range {
         let number = system.tabor_number(range);
-        limits.push(Limit {
-            name: "tabor_number",
-            value: number,
-            threshold: SMALLEST_TABOR_NUMBER,
-            strained: number < SMALLEST_TABOR_NUMBER,
-        });
+        limits.push(Limit::at_least(
+            "tabor_number",
+            number,
+            SMALLEST_TABOR_NUMBER,
+        ));
     }
     limits
 }

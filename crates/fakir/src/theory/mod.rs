@@ -8,6 +8,7 @@
 //!   with the paper's fits and the exact limits of the fitted coefficients;
 //! * [`lattice_potential`]: what a uniformly loaded lattice of pillars does to one pillar
 //!   and to the floor between three;
+//! * [`layer`]: axisymmetric contacts with layers of finite thickness, and what a thick layer does to any contact;
 //! * [`homogenised`]: the model built on that, with no fitted constant.
 //!
 //! "The paper" is the one named in [`crate::problem`]. All quantities are in SI units.
@@ -17,6 +18,8 @@ pub mod closed_forms;
 pub mod homogenised;
 pub mod lattice_potential;
 pub mod lattice_sums;
+pub mod layer;
+mod limits;
 #[cfg(test)]
 pub(crate) mod reference;
 mod spring_layer;

@@ -66,6 +66,7 @@ pub(super) fn reference(system: &System) -> Reference {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     let compliance = match system.pillar().compliance {
         PillarCompliance::Column => "column",
+        PillarCompliance::Elastic => "elastic",
         PillarCompliance::None => "none",
     };
     reader

@@ -2,6 +2,7 @@
 
 use super::window::Window;
 use crate::numerics::neighbours::{Nearest, Neighbours};
+use crate::problem::column::Column;
 use crate::problem::pillar_field::{Counted, PillarBody, PillarField};
 use crate::problem::{HexagonalLattice, Point};
 use std::sync::OnceLock;
@@ -35,12 +36,11 @@ impl Sites {
     /// The pillars within a radius of the lens axis, or near it if there are none.
     pub(crate) fn within(field: &PillarField, radius: f64) -> Self {
         if let PillarField::Hexagonal {
-            lattice,
-            column_compliance_ratio,
+            lattice, column, ..
         } = field
         {
             let window = Window::new(lattice, radius);
-            return Self::of_window(window, *lattice, *column_compliance_ratio);
+            return Self::of_window(window, *lattice, *column);
         }
         let mut radius = radius;
         let (pillars, all) = loop {
@@ -69,12 +69,12 @@ impl Sites {
     pub(crate) fn of_window(
         window: Window,
         lattice: HexagonalLattice,
-        column_compliance_ratio: f64,
+        column: impl Into<Column>,
     ) -> Self {
         Self {
             radius: window.radius(),
             places: Places::Window { window, lattice },
-            common: PillarBody::of_column(column_compliance_ratio),
+            common: PillarBody::of_column(column),
             bodies: Vec::new(),
             neighbours: OnceLock::new(),
         }

@@ -8,10 +8,17 @@
 //! Problems of Potential Theory, 1991).
 
 use crate::numerics::special::gamma_half;
-use std::f64::consts::{PI, SQRT_2};
+use crate::problem::column::Column;
+use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
 /// `∫ Y_00 dOmega = sqrt(2 pi)`: the force of a unit coefficient of the lowest mode.
 pub(crate) const UNIT_FORCE: f64 = 2.506_628_274_631_000_7;
+
+/// `lambda_11`, of the tilts: the modes after the lowest.
+pub(crate) const TILT_COMPLIANCE: f64 = FRAC_PI_2;
+
+/// `sqrt(3/(2 pi))`: these modes are that times x and y.
+pub(crate) const TILT_MODE: f64 = 0.690_988_298_942_670_9;
 
 /// One mode of the pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -204,14 +211,22 @@ pub(crate) fn equator_value(degree: usize, order: usize) -> f64 {
 }
 
 /// Displacement inside the disc per coefficient: `lambda` of every mode up to `degree`, with
-/// the column compliance ratio `kappa` added to the mean: `lambda_00 = pi (1 + kappa)`.
-pub(crate) fn compliances(degree: usize, column_compliance_ratio: f64) -> Vec<f64> {
+/// that of the pillar added to the mean and to the tilts: `lambda_00 = pi (1 + kappa)`, and both `lambda_11` likewise.
+pub(crate) fn compliances(degree: usize, column: impl Into<Column>) -> Vec<f64> {
     let mut compliances: Vec<f64> = modes(degree)
         .iter()
         .map(|mode| eigenvalue(mode.degree, mode.order))
         .collect();
-    compliances[0] *= 1.0 + column_compliance_ratio;
+    for (compliance, factor) in compliances.iter_mut().zip(column_factors(column.into())) {
+        *compliance *= factor;
+    }
     compliances
+}
+
+/// By what the compliances of the first modes are larger on a pillar: of the mean and of the tilts along x and y.
+pub(crate) fn column_factors(column: Column) -> [f64; 3] {
+    let tilt = 1.0 + column.rocking;
+    [1.0 + column.shortening, tilt, tilt]
 }
 
 /// `Gamma(l + 3/2)`.

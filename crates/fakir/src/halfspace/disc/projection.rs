@@ -85,10 +85,10 @@ mod tests {
     #[test]
     fn mean_sag_over_a_pillar_top() {
         // The mean of r^2 with weight 1/mu over the unit disc is 2/3: X^2 + 2/3, over 2R.
-        let pillar = crate::problem::system::Pillar {
+        let pillar = crate::problem::Pillar {
             diameter: 2.0,
             height: 0.7,
-            compliance: crate::problem::system::PillarCompliance::None,
+            compliance: crate::problem::PillarCompliance::None,
         };
         let material = crate::problem::Material::new(1.0, 0.3);
         let radius = 1.0e7;

@@ -215,7 +215,7 @@ pub(super) mod tests {
     pub(in crate::halfspace::floor) fn hexagonal(lattice: HexagonalLattice) -> PillarField {
         PillarField::Hexagonal {
             lattice,
-            column_compliance_ratio: 0.0,
+            column: 0.0.into(),
         }
     }
 

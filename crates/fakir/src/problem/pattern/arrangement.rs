@@ -3,13 +3,13 @@
 use super::invalid::{InvalidPattern, PatternQuantity};
 use super::placement::{Random, Site};
 use super::shape::PillarShape;
+use crate::problem::column::PillarCompliance;
 use crate::problem::grid::Grid;
 use crate::problem::height_map::{HeightMap, PillarColumns};
 use crate::problem::lattice::HexagonalLattice;
 use crate::problem::lens::Material;
 use crate::problem::pattern::placement;
 use crate::problem::point::Point;
-use crate::problem::system::PillarCompliance;
 
 /// Where the pillars stand.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -171,7 +171,8 @@ impl Pattern {
                 PillarCompliance::Column => {
                     height / (substrate.young_modulus * self.pillar.cross_section.area())
                 }
-                PillarCompliance::None => 0.0,
+                // Elastic ones are refused.
+                PillarCompliance::None | PillarCompliance::Elastic => 0.0,
             };
             drawing.add(&self.pillar, site, height, compliance);
         }
@@ -212,6 +213,9 @@ impl Pattern {
         let spread = self.height_spread;
         Q::HeightSpread.within(spread, is_fraction(&spread), "from 0 to below 1")?;
         self.pillar.check(spread)?;
+        if self.pillar.compliance == PillarCompliance::Elastic {
+            return Err(InvalidPattern::NotElastic);
+        }
         let outer = self.pillar.cross_section.outer_diameter();
         match self.arrangement {
             Arrangement::Hexagonal(lattice) => {

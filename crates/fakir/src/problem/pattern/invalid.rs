@@ -112,6 +112,12 @@ pub enum InvalidPattern {
         /// What would be accepted.
         requirement: &'static str,
     },
+    /// Elastic pillars, of which it is known only as flat cylinders of a texture how they give way.
+    #[error(
+        "the compliance of elastic pillars is known for the cylinders of a texture only: here pillars are \
+         columns, or do not give way"
+    )]
+    NotElastic,
     /// Neighbours on a lattice overlap.
     #[error(
         "pillars {outer_diameter:e} m across overlap on a lattice of pitch {pitch:e} m: widen the \

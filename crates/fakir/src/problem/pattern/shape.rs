@@ -1,8 +1,8 @@
 //! The shape of one pillar.
 
 use super::invalid::{InvalidPattern, PatternQuantity};
+use crate::problem::column::PillarCompliance;
 use crate::problem::point::Point;
-use crate::problem::system::PillarCompliance;
 use std::f64::consts::PI;
 
 /// Outline of a pillar, before it is turned; its centre is the origin.

@@ -435,7 +435,7 @@ fn on_pillars<'a>(
 /// How far a pillar is shortened by a unit force.
 fn column_compliance(sites: &Sites, pillar: usize) -> f64 {
     let body = sites.body(pillar);
-    0.5 * body.column_compliance_ratio / body.radius
+    0.5 * body.column.shortening / body.radius
 }
 
 /// One grid over the pattern, with a corner of cells on the lens axis.

@@ -6,14 +6,12 @@ use super::surface_level::check_fields;
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::{
     Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, Indenter, InvalidGrid,
-    InvalidHeightMap, Lens, MeshLayout, Method, PillarColumns, PillarCompliance, PlacedPillar,
-    SurfaceSystem, System,
+    InvalidHeightMap, Lens, MeshLayout, Method, PillarColumns, PlacedPillar, SurfaceSystem, System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
 };
 use std::collections::HashMap;
-use std::f64::consts::PI;
 
 /// The contact on so many cells across a pillar, on a grid that holds all within `reach` (m) of the lens axis.
 ///
@@ -105,6 +103,7 @@ fn drawn(
     let mut labels = vec![HeightMap::NO_PILLAR; grid.cell_count()];
     let mut compliance = Vec::new();
     let shape = [grid.columns(), grid.rows()];
+    let law = system.column_law();
     for pillar in pillars {
         let label = compliance.len() as u32;
         let span = |axis: usize| {
@@ -125,13 +124,11 @@ fn drawn(
             }
         }
         if is_drawn {
-            let area = 0.25 * PI * pillar.diameter * pillar.diameter;
-            compliance.push(match system.pillar().compliance {
-                PillarCompliance::Column => {
-                    pillar.height / (system.substrate().young_modulus * area)
-                }
-                PillarCompliance::None => 0.0,
-            });
+            let common = system.pillar();
+            let slenderness = pillar.height * common.diameter;
+            let column = law.of(slenderness, common.height * pillar.diameter);
+            let stiffness = system.reduced_modulus() * pillar.diameter;
+            compliance.push(column.shortening / stiffness);
         }
     }
     HeightMap::new(*grid, heights)?.with_pillars(PillarColumns { labels, compliance })

@@ -9,6 +9,7 @@ use super::answers::{find_patch, homogenised_radius, lowest_point};
 use super::assembled::{OfFloor, PillarMethod, assemble, refined};
 use super::newton::{Newton, Purpose};
 use super::spectral::{degrees, solve_punch, solve_spectral};
+use crate::problem::column::{Column, ColumnSlopes};
 use crate::problem::pillar_field::PillarBody;
 use crate::problem::scaled::Scene;
 use crate::problem::{
@@ -159,14 +160,20 @@ impl Units<'_, '_> {
                 (self.newton.tops.sites.body(*place), raised, column)
             })
         };
-        // By the logarithm of the compliance ratio of all columns.
-        let by_columns: f64 = touched()
-            .map(|(body, _, column)| body.column_compliance_ratio * column)
-            .sum();
-        let columns = unit * by_columns;
-        // The ratio goes as `E* h/(E_s d)`, and `1/E* = c` is the sum over both bodies.
+        let law = system.column_law();
+        let slopes = |body: &PillarBody| {
+            let times = (1.0 + body.raised / self.scene.height) / body.radius;
+            law.slopes(body.column, times)
+        };
+        // By what all columns depend on.
+        let by = |of: fn(&ColumnSlopes) -> Column| -> f64 {
+            let each = touched().map(|(body, _, column)| column.times(of(&slopes(body))));
+            unit * each.sum::<f64>()
+        };
+        let columns = by(|slopes| slopes.slenderness);
+        // `1/E* = c` is the sum over both bodies.
         let modulus = system.reduced_modulus();
-        let by_compliance = -(by_modulus + columns) * modulus;
+        let by_compliance = (by(|slopes| slopes.contact_compliance) - by_modulus) * modulus;
         let young = |material: &Material| {
             -by_compliance * material.plane_strain_compliance() / material.young_modulus
         };
@@ -184,16 +191,19 @@ impl Units<'_, '_> {
             (Quantity::LensPoissonRatio, poisson(lens)),
             (
                 Quantity::SubstrateYoungModulus,
-                young(substrate) - columns / substrate.young_modulus,
+                young(substrate) + by(|slopes| slopes.young_modulus) / substrate.young_modulus,
             ),
-            (Quantity::SubstratePoissonRatio, poisson(substrate)),
+            (
+                Quantity::SubstratePoissonRatio,
+                poisson(substrate) + by(|slopes| slopes.poisson_ratio),
+            ),
         ]);
         // Listed pillars have heights, diameters and places of their own.
         if !matches!(system.arrangement(), Arrangement::Listed(_)) {
             let by_diameter = (unit * of_scene.all_radii - columns) / pillar.diameter;
             quantities.push((Quantity::PillarDiameter, by_diameter));
             // Heights that scatter do so in proportion.
-            let above = |(body, raised, _): (&PillarBody, &f64, &f64)| raised * body.raised;
+            let above = |(body, raised, _): (&PillarBody, &f64, &Column)| raised * body.raised;
             let above: f64 = touched().map(above).sum::<f64>() / self.scene.height;
             let by_height = unit * (of_scene.depth + above) / length + columns / pillar.height;
             quantities.push((Quantity::PillarHeight, by_height));
@@ -206,10 +216,11 @@ impl Units<'_, '_> {
         let of_index = |index: (i64, i64)| {
             let place = sites.find(index)?;
             let number = self.derivatives.places.binary_search(&place).ok()?;
-            let [raised, column] = [of_scene.raised[number], of_scene.column[number]];
+            let (raised, column) = (of_scene.raised[number], of_scene.column[number]);
             let body = sites.body(place);
             let height = (self.scene.height + body.raised) * length;
-            let value = unit * (raised / length + column * body.column_compliance_ratio / height);
+            let by_column = column.times(slopes(body).slenderness);
+            let value = unit * (raised / length + by_column / height);
             Some((index, value))
         };
         let indices = self.contact.pillars.iter().map(|pillar| pillar.index);
@@ -217,8 +228,8 @@ impl Units<'_, '_> {
             heights: indices.filter_map(of_index).collect(),
             quantities,
             column_compliance: {
-                let share = |(body, _, column): (&PillarBody, &f64, &f64)| {
-                    column * (1.0 + body.raised / self.scene.height) / body.radius
+                let share = |(body, _, column): (&PillarBody, &f64, &Column)| {
+                    column.shortening * (1.0 + body.raised / self.scene.height) / body.radius
                 };
                 unit * touched().map(share).sum::<f64>() * pillar.diameter * modulus
             },

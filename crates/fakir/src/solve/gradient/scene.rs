@@ -22,10 +22,11 @@
 
 use crate::halfspace::coupling::derivative::CouplingChange;
 use crate::halfspace::coupling::pair::PairCoupling;
-use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::halfspace::disc::basis::{TILT_COMPLIANCE, UNIT_FORCE};
 use crate::numerics::convergence::{larger, within};
 use crate::numerics::vector::{add_scaled, dot, subtract};
 use crate::problem::Point;
+use crate::problem::column::Column;
 use crate::solve::floor::{FloorDisplacement, FloorPoint, LoadedDiscs};
 use crate::solve::newton::{LINEAR_TOLERANCE, Newton};
 use crate::solve::rules::rim::Motion;
@@ -38,11 +39,11 @@ use std::f64::consts::PI;
 pub(crate) struct OfScene {
     /// By the height of every touched pillar, its column compliance kept.
     pub(crate) raised: Vec<f64>,
-    /// By the column compliance ratio of every touched pillar.
-    pub(crate) column: Vec<f64>,
-    /// By the radius of every touched pillar, its column compliance ratio kept; not on a hexagonal lattice.
+    /// By how much every touched pillar is shortened, as a ratio, and by how much it leans.
+    pub(crate) column: Vec<Column>,
+    /// By the radius of every touched pillar, its column kept; not on a hexagonal lattice.
     pub(crate) radii: Option<Vec<f64>>,
-    /// By the logarithm of all radii at once, the column compliance ratios kept.
+    /// By the logarithm of all radii at once, the columns kept.
     pub(crate) all_radii: f64,
     /// By the logarithm of all distances of the pillars from the lens axis.
     pub(crate) distances: f64,
@@ -194,7 +195,7 @@ impl OfScene {
     fn none(pillars: usize, with_radii: bool) -> Self {
         Self {
             raised: vec![0.0; pillars],
-            column: vec![0.0; pillars],
+            column: vec![Column::default(); pillars],
             radii: with_radii.then(|| vec![0.0; pillars]),
             all_radii: 0.0,
             distances: 0.0,
@@ -204,8 +205,10 @@ impl OfScene {
     }
 
     fn scale(&mut self, factor: f64) {
-        let lists = [&mut self.raised, &mut self.column];
-        let values = lists.into_iter().chain(&mut self.radii).flatten();
+        let columns = self.column.iter_mut();
+        let columns = columns.flat_map(|by| [&mut by.shortening, &mut by.rocking]);
+        let values = self.raised.iter_mut().chain(columns);
+        let values = values.chain(self.radii.iter_mut().flatten());
         let sums = [
             &mut self.all_radii,
             &mut self.distances,
@@ -287,7 +290,10 @@ fn by_load_and_operator(
             OfPillar {
                 raised: UNIT_FORCE * response[0],
                 // The column gives way under a sliver without moving that.
-                column: -PI / body.radius * held[0] * moments[0],
+                column: Column {
+                    shortening: -PI / body.radius * held[0] * moments[0],
+                    rocking: -TILT_COMPLIANCE / body.radius * work(&held[1..3], &moments[1..3]),
+                },
                 radius,
                 all_radii: own_radius + all_radii,
                 distance: work(&response, &by_distance) - by_coupling,
@@ -318,7 +324,7 @@ fn by_load_and_operator(
 /// What one pillar has in the derivatives.
 struct OfPillar {
     raised: f64,
-    column: f64,
+    column: Column,
     radius: Option<f64>,
     all_radii: f64,
     distance: f64,

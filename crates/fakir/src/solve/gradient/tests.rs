@@ -1,6 +1,7 @@
 //! Derivatives beside central differences of the solutions themselves, solved to rounding, whose states are all the same.
 
 use super::*;
+use crate::problem::column::Column;
 use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
 use crate::problem::scaled::Scene;
 use crate::problem::{
@@ -122,6 +123,7 @@ enum Along {
     AllRaised,
     Column(usize),
     AllColumns,
+    Rocking(usize),
     Radius(usize),
     AllRadii,
     Distances,
@@ -152,10 +154,15 @@ impl Listed {
                     pitch * (f64::from(index) - middle + dice.between(-0.1, 0.1))
                 };
                 let centre = [place(0, i, dice), place(1, j, dice)];
+                let [radius, raised] = [dice.between(0.7, 1.2), dice.between(-rough, rough)];
+                let shortening = dice.between(0.1, 1.0);
                 let body = PillarBody {
-                    radius: dice.between(0.7, 1.2),
-                    raised: dice.between(-rough, rough),
-                    column_compliance_ratio: dice.between(0.1, 1.0),
+                    radius,
+                    raised,
+                    column: Column {
+                        shortening,
+                        rocking: 3.0 * shortening,
+                    },
                 };
                 pillars.push(ListedPillar { centre, body });
             }
@@ -195,8 +202,9 @@ impl Listed {
             match along {
                 Along::Raised(one) if one == number => body.raised += by,
                 Along::AllRaised => body.raised += by,
-                Along::Column(one) if one == number => body.column_compliance_ratio += by,
-                Along::AllColumns => body.column_compliance_ratio += by,
+                Along::Column(one) if one == number => body.column.shortening += by,
+                Along::AllColumns => body.column.shortening += by,
+                Along::Rocking(one) if one == number => body.column.rocking += by,
                 Along::Radius(one) if one == number => body.radius += by,
                 Along::AllRadii => body.radius *= by.exp(),
                 Along::Distances => *centre = centre.map(|x| x * by.exp()),
@@ -212,11 +220,15 @@ fn derivative(of_scene: &OfScene, along: Along, places: &[usize]) -> f64 {
         let number = places.iter().position(|place| *place == one).unwrap();
         values[number]
     };
+    let columns = of_scene.column.iter();
+    let (shortening, rocking): (Vec<_>, Vec<_>) =
+        columns.map(|by| (by.shortening, by.rocking)).unzip();
     match along {
         Along::Raised(one) => of(&of_scene.raised, one),
         Along::AllRaised => of_scene.raised.iter().sum(),
-        Along::Column(one) => of(&of_scene.column, one),
-        Along::AllColumns => of_scene.column.iter().sum(),
+        Along::Column(one) => of(&shortening, one),
+        Along::AllColumns => shortening.iter().sum(),
+        Along::Rocking(one) => of(&rocking, one),
         Along::Radius(one) => of(of_scene.radii.as_ref().unwrap(), one),
         Along::AllRadii => of_scene.all_radii,
         Along::Distances => of_scene.distances,
@@ -280,6 +292,7 @@ fn any_arrangement() {
             Along::AllRaised,
             Along::Column(any),
             Along::AllColumns,
+            Along::Rocking(any),
             Along::Radius(any),
             Along::AllRadii,
             Along::Distances,
@@ -741,7 +754,7 @@ fn a_single_flat_punch() {
     let body = PillarBody {
         radius: 2.5,
         raised: 0.1,
-        column_compliance_ratio: 0.25,
+        column: 0.25.into(),
     };
     let centre = [3.0, 1.0];
     let listed = Listed {
@@ -765,7 +778,7 @@ fn a_single_flat_punch() {
     for (found, expected) in [
         (found.stiffness, stiffness),
         (raised[0], stiffness),
-        (column[0], -stiffness * 0.5 / 1.25),
+        (column[0].shortening, -stiffness * 0.5 / 1.25),
         (radii.unwrap()[0], stiffness * 0.5 / 2.5),
         (all_radii, stiffness * 0.5),
     ] {

@@ -17,11 +17,12 @@
 //! their centres; the mean of `1/r` over two aligned rectangles is a fourth difference of
 //! `x^2 y ln(y + r)/2 + x y^2 ln(x + r)/2 - r^3/6`.
 
-use crate::halfspace::disc::basis::{BasisEvaluator, mode_count};
+use crate::halfspace::disc::basis::{BasisEvaluator, TILT_COMPLIANCE, TILT_MODE, mode_count};
 use crate::halfspace::disc::nodes::Resolution;
 use crate::numerics::pivoting::{PivotSolver, Pivoting};
 use crate::numerics::roots;
 use crate::problem::Point;
+use crate::problem::column::Column;
 use crate::state::fields::SliverEdge;
 use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
@@ -263,7 +264,7 @@ fn first_zero(largest: f64, mut function: impl FnMut(f64) -> f64) -> Option<f64>
 pub(crate) struct RimSolver {
     /// Sectors and rings.
     shape: [usize; 2],
-    column_compliance_ratio: f64,
+    column: Column,
     basis: BasisEvaluator,
     pivot: PivotSolver,
     /// `H`
@@ -291,13 +292,13 @@ struct Cell {
 impl RimSolver {
     /// As finely as `resolution` says, for a pillar top of as many modes as its nodes have, the leading `lead` of which
     /// act on other pillars.
-    pub(crate) fn new(resolution: Resolution, lead: usize, column_compliance_ratio: f64) -> Self {
+    pub(crate) fn new(resolution: Resolution, lead: usize, column: Column) -> Self {
         let shape = [2 * resolution.rings, resolution.rings];
         let size = shape[0] * shape[1];
         let count = mode_count(resolution.nodes);
         Self {
             shape,
-            column_compliance_ratio,
+            column,
             basis: BasisEvaluator::new(resolution.nodes),
             pivot: PivotSolver::new(size),
             influence: vec![0.0; size * size],
@@ -341,7 +342,9 @@ impl RimSolver {
         }
         // The same for all pairs of sectors equally far apart.
         let size = along * across;
-        let column = 0.5 * self.column_compliance_ratio;
+        let shortening = 0.5 * self.column.shortening;
+        // A force at a distance `s` from the centre tilts the top, which sinks at a distance `r` by `lambda_11 Y(r) Y(s)` of both tilts.
+        let rocking = TILT_COMPLIANCE * TILT_MODE * TILT_MODE * self.column.rocking;
         let mut pairs = self.far.iter_mut();
         for ring in 0..across {
             for other in ring..across {
@@ -351,7 +354,8 @@ impl RimSolver {
                     if !as_before {
                         *far = are_far(&a, &b, angle);
                     }
-                    let value = mean_influence(&a, &b, angle, *far) + column;
+                    let leaning = rocking * a.radius * b.radius * angle.cos();
+                    let value = mean_influence(&a, &b, angle, *far) + shortening + leaning;
                     for first in 0..along - apart {
                         for [i, j] in [[first, first + apart], [first + apart, first]] {
                             let (row, col) = (ring * along + i, other * along + j);

@@ -122,8 +122,7 @@ impl Tops {
 
     /// The top of a pillar, on its own column.
     pub(crate) fn top_of(&self, pillar: usize) -> Cow<'_, PillarTop> {
-        self.top
-            .on_column(self.sites.body(pillar).column_compliance_ratio)
+        self.top.on_column(self.sites.body(pillar).column)
     }
 
     /// The lens shape and the height of a pillar, in as many modes as `load` holds.
@@ -137,7 +136,10 @@ impl Tops {
         for (value, lambda) in load.iter_mut().zip(self.top.lead_compliance()) {
             *value = body.radius * *value / lambda;
         }
-        load[0] *= self.top.mean_ratio(body.column_compliance_ratio);
+        let ratios = self.top.ratios(body.column);
+        for (value, ratio) in load.iter_mut().zip(ratios) {
+            *value *= ratio;
+        }
     }
 
     /// `bs`: the lens shape over every pillar top, in the leading modes.
@@ -408,7 +410,7 @@ impl Tops {
     }
 
     fn status_under(&self, pillar: usize, load: &[f64], rim: &mut Rim) -> PillarStatus {
-        let column = self.sites.body(pillar).column_compliance_ratio;
+        let column = self.sites.body(pillar).column;
         self.top
             .plain_status(load, column)
             .unwrap_or_else(|| self.top_of(pillar).status(load, rim))

@@ -10,11 +10,14 @@
 //! A sliver of contact along the rim lies between the nodes; it is solved on [cells](super::rim) instead.
 
 use super::rim::{Motion, Rim, RimSolver, Sliver};
-use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with, mode_count};
+use crate::halfspace::disc::basis::{
+    BasisEvaluator, column_factors, compliances, degree_with, mode_count,
+};
 use crate::halfspace::disc::nodes::{Resolution, bos_array};
 use crate::numerics::convergence::{larger, smaller, within};
 use crate::numerics::pivoting::{PivotSolver, Pivoting};
 use crate::numerics::vector::dot;
+use crate::problem::column::Column;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
 
@@ -26,7 +29,7 @@ const PRESSURE_TOLERANCE: f64 = 1e-11;
 #[derive(Debug, Clone)]
 pub(crate) struct PillarTop {
     resolution: Resolution,
-    column_compliance_ratio: f64,
+    column: Column,
     /// Number of modes, and of nodes.
     count: usize,
     /// Number of leading modes by which pillars act on each other.
@@ -50,14 +53,15 @@ pub(crate) struct LocalSolver {
     /// The rim and its cells are made when the first load needs them, the cells for every column.
     rim: Option<Rim>,
     cells: Option<Box<RimSolver>>,
-    column: f64,
+    column: Option<Column>,
     /// Whether the solution is that of a sliver, on cells.
     on_cells: bool,
 }
 
 impl PillarTop {
     /// `lead` is the degree of the coupling between pillars.
-    pub(crate) fn new(resolution: Resolution, lead: usize, column_compliance_ratio: f64) -> Self {
+    pub(crate) fn new(resolution: Resolution, lead: usize, column: impl Into<Column>) -> Self {
+        let column = column.into();
         let Resolution {
             nodes: degree,
             turn,
@@ -65,7 +69,7 @@ impl PillarTop {
         } = resolution;
         let count = mode_count(degree);
         let nodes = bos_array(degree, turn);
-        let compliance = compliances(degree, column_compliance_ratio);
+        let compliance = compliances(degree, column);
         let mut basis = BasisEvaluator::new(degree);
         let mut values = vec![0.0; count * count];
         for (node, row) in nodes.iter().zip(values.chunks_exact_mut(count)) {
@@ -87,7 +91,7 @@ impl PillarTop {
         let bounds = (0..lead.min(count)).map(largest).collect();
         Self {
             resolution,
-            column_compliance_ratio,
+            column,
             count,
             lead,
             bounds,
@@ -118,32 +122,47 @@ impl PillarTop {
         &self.compliance
     }
 
-    /// By what the answer of the mean load is multiplied on another column than its own.
-    pub(crate) fn mean_ratio(&self, column_compliance_ratio: f64) -> f64 {
-        (1.0 + self.column_compliance_ratio) / (1.0 + column_compliance_ratio)
+    /// By what the answers of the first modes are multiplied on another column than its own.
+    pub(crate) fn ratios(&self, column: Column) -> [f64; 3] {
+        let [own, other] = [self.column, column].map(column_factors);
+        std::array::from_fn(|mode| own[mode] / other[mode])
     }
 
-    /// The same top on another column: its mean gives way otherwise, by as much at all nodes.
-    pub(crate) fn on_column(&self, column_compliance_ratio: f64) -> Cow<'_, Self> {
-        let ratio = self.mean_ratio(column_compliance_ratio);
-        if ratio.to_bits() == 1.0_f64.to_bits() {
+    /// The same top on another column: its mean gives way otherwise, by as much at all nodes, and its tilts may.
+    pub(crate) fn on_column(&self, column: Column) -> Cow<'_, Self> {
+        let ratios = self.ratios(column);
+        let is_same = |ratio: &f64| ratio.to_bits() == 1.0_f64.to_bits();
+        if ratios.iter().all(is_same) {
             return Cow::Borrowed(self);
         }
         let mut top = self.clone();
-        top.column_compliance_ratio = column_compliance_ratio;
-        top.compliance[0] /= ratio;
-        let mut change = 0.0;
-        let rows = top.pressures.chunks_exact_mut(self.count);
-        for (pressures, values) in rows.zip(self.values.chunks_exact(self.count)) {
-            let before = pressures[0];
-            pressures[0] = before * ratio;
-            // The first mode is the same everywhere.
-            change = (pressures[0] - before) * values[0];
-        }
-        for response in &mut top.response {
-            *response += change;
+        top.column = column;
+        for (mode, ratio) in ratios.into_iter().enumerate().take(self.count) {
+            if !is_same(&ratio) {
+                top.scale_mode(mode, ratio);
+            }
         }
         Cow::Owned(top)
+    }
+
+    /// Multiplies the answer of a mode.
+    fn scale_mode(&mut self, mode: usize, ratio: f64) {
+        self.compliance[mode] /= ratio;
+        let changes: Vec<f64> = self
+            .pressures
+            .chunks_exact_mut(self.count)
+            .map(|pressures| {
+                let before = pressures[mode];
+                pressures[mode] = before * ratio;
+                pressures[mode] - before
+            })
+            .collect();
+        let rows = self.response.chunks_exact_mut(self.count);
+        for (row, change) in rows.zip(changes) {
+            for (response, values) in row.iter_mut().zip(self.values.chunks_exact(self.count)) {
+                *response += change * values[mode];
+            }
+        }
     }
 
     /// Row of a matrix of nodes and modes, or nodes and nodes.
@@ -152,15 +171,17 @@ impl PillarTop {
     }
 
     /// The status on some column where the mean load outweighs all that differs over the top, whatever its sign.
-    pub(crate) fn plain_status(&self, load: &[f64], column: f64) -> Option<PillarStatus> {
+    pub(crate) fn plain_status(&self, load: &[f64], column: Column) -> Option<PillarStatus> {
         let (mut wanted, mut pressure) = (0.0, 0.0);
+        let [of_mean, of_tilts, _] = self.ratios(column);
         let modes = load.iter().zip(&self.compliance).zip(&self.bounds);
-        for ((load, lambda), bound) in modes.skip(1) {
+        for (mode, ((load, lambda), bound)) in modes.enumerate().skip(1) {
             wanted += load.abs() * bound;
-            pressure += (load / lambda).abs() * bound;
+            let ratio = if mode < 3 { of_tilts } else { 1.0 };
+            pressure += (load / lambda * ratio).abs() * bound;
         }
         let (load, bound) = (*load.first()?, self.bounds[0]);
-        let mean = load / self.compliance[0] * self.mean_ratio(column);
+        let mean = load / self.compliance[0] * of_mean;
         if load * bound > wanted && mean * bound > pressure {
             Some(PillarStatus::Full)
         } else if load * bound < -wanted {
@@ -176,7 +197,7 @@ impl PillarTop {
     /// the condition is nowhere negative it is touched in full. Under a load that is no number
     /// it counts as partial, and has no solution.
     pub(crate) fn status(&self, load: &[f64], rim: &mut Rim) -> PillarStatus {
-        if let Some(status) = self.plain_status(load, self.column_compliance_ratio) {
+        if let Some(status) = self.plain_status(load, self.column) {
             return status;
         }
         let mut touched = false;
@@ -207,7 +228,7 @@ impl LocalSolver {
             right: vec![0.0; top.count * top.lead.max(1)],
             rim: None,
             cells: None,
-            column: f64::NAN,
+            column: None,
             on_cells: false,
         }
     }
@@ -241,15 +262,11 @@ impl LocalSolver {
     ) -> Pivoting {
         if let Some(sliver) = self.sliver(top, load, active) {
             self.on_cells = true;
-            if self.column.to_bits() != top.column_compliance_ratio.to_bits() {
-                (self.cells, self.column) = (None, top.column_compliance_ratio);
+            if self.column != Some(top.column) {
+                (self.cells, self.column) = (None, Some(top.column));
             }
             let cells = self.cells.get_or_insert_with(|| {
-                Box::new(RimSolver::new(
-                    top.resolution,
-                    top.lead,
-                    top.column_compliance_ratio,
-                ))
+                Box::new(RimSolver::new(top.resolution, top.lead, top.column))
             });
             return cells.solve(&sliver, load, active);
         }

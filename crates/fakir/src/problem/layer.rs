@@ -1,0 +1,97 @@
+//! Bodies of finite thickness.
+
+use super::lens::Material;
+
+/// What the back of a [`Layer`] rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Base {
+    /// It is bonded to something rigid, such as glass.
+    #[default]
+    Rigid,
+    /// It lies on something rigid without friction, and does not lift off.
+    Frictionless,
+    /// It is bonded to a half-space of this material.
+    Elastic(Material),
+}
+
+/// A body that is no half-space but a flat layer of infinite extent. Its approach to the other body is that of its back if that is rigid.
+///
+/// ```
+/// use fakir::problem::{Base, Layer};
+///
+/// let film = Layer::new(0.5e-3); // m
+/// assert_eq!(film.base, Base::Rigid);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layer {
+    /// Thickness `t`, m.
+    pub thickness: f64,
+    /// What its back rests on.
+    pub base: Base,
+}
+
+impl Layer {
+    /// A layer of that thickness (m) bonded to something rigid.
+    #[must_use]
+    pub fn new(thickness: f64) -> Self {
+        Self {
+            thickness,
+            base: Base::Rigid,
+        }
+    }
+}
+
+/// A layer among the bodies that are pressed together, in some unit of length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WeightedLayer {
+    /// Share of its material in the contact compliance, `c_b/c`.
+    pub(crate) weight: f64,
+    pub(crate) thickness: f64,
+    pub(crate) poisson_ratio: f64,
+    pub(crate) base: LayerBase,
+}
+
+/// A base relative to the layer on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum LayerBase {
+    Frictionless,
+    /// Bonded. The shear modulus of the layer over that of the base, 0 on a rigid one, and Poisson's ratio of the base.
+    Bonded {
+        shear_ratio: f64,
+        poisson_ratio: f64,
+    },
+}
+
+impl WeightedLayer {
+    /// The layers among bodies, with lengths divided by `unit` (m). Half-spaces have none.
+    pub(crate) fn among(bodies: &[(Material, Option<Layer>)], unit: f64) -> Vec<Self> {
+        let compliances = bodies.iter().map(|body| body.0.plane_strain_compliance());
+        let compliance: f64 = compliances.sum();
+        let layered = bodies.iter().filter_map(|(material, layer)| {
+            let layer = layer.as_ref()?;
+            Some(Self {
+                weight: material.plane_strain_compliance() / compliance,
+                thickness: layer.thickness / unit,
+                poisson_ratio: material.poisson_ratio,
+                base: LayerBase::under(material, &layer.base),
+            })
+        });
+        layered.collect()
+    }
+}
+
+impl LayerBase {
+    fn under(layer: &Material, base: &Base) -> Self {
+        match base {
+            Base::Frictionless => Self::Frictionless,
+            Base::Rigid => Self::Bonded {
+                shear_ratio: 0.0,
+                poisson_ratio: 0.0,
+            },
+            Base::Elastic(base) => Self::Bonded {
+                shear_ratio: layer.shear_modulus() / base.shear_modulus(),
+                poisson_ratio: base.poisson_ratio,
+            },
+        }
+    }
+}

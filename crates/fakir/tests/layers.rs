@@ -1,0 +1,344 @@
+//! Layers of finite thickness in closed form and in axisymmetric contacts, against `reference/layer.csv` and the equations of elasticity.
+//!
+//! The columns of the table: what it is, of what, its value, the error of that, and what it was checked against.
+
+use fakir::problem::{Base, Layer, Material};
+use fakir::theory::layer::{LayerResponse, Layers, cap_reduction};
+use std::f64::consts::PI;
+
+/// What, of what, value and error as they are written.
+fn rows(quantity: &str) -> Vec<[String; 3]> {
+    let table = include_str!("reference/layer.csv");
+    let records = csv::Reader::from_reader(table.as_bytes()).into_records();
+    let rows: Vec<[String; 3]> = records
+        .map(|record| record.unwrap())
+        .filter(|record| record[0].starts_with(quantity))
+        .map(|record| [1, 2, 3].map(|column| record[column].to_owned()))
+        .collect();
+    assert!(!rows.is_empty(), "{quantity}");
+    rows
+}
+
+/// The number behind a name in a text such as `bonded nu=.5 a/t=1`.
+fn number(case: &str, name: &str) -> Option<f64> {
+    let word = case.split_whitespace().find_map(|word| {
+        let rest = word.strip_prefix(name)?.strip_prefix('=')?;
+        Some(rest.trim_end_matches(',').to_owned())
+    })?;
+    Some(word.parse().unwrap())
+}
+
+/// Poisson's ratio of a layer, on what, and the ratio of shear moduli on an elastic base.
+fn bodies(case: &str) -> (Material, Layer) {
+    let nu = number(case, "nu").or_else(|| number(case, "nu1"));
+    let layer = Material::new(1e6, nu.unwrap_or(0.5));
+    let base = if case.contains("frictionless") {
+        Base::Frictionless
+    } else if let Some(ratio) = number(case, "mu1/mu2") {
+        let nu2 = number(case, "nu2").unwrap();
+        let shear = 1e6 / (2.0 * (1.0 + layer.poisson_ratio));
+        Base::Elastic(Material::new(2.0 * (1.0 + nu2) * shear / ratio, nu2))
+    } else {
+        Base::Rigid
+    };
+    (
+        layer,
+        Layer {
+            thickness: 1.0,
+            base,
+        },
+    )
+}
+
+fn response(case: &str) -> LayerResponse {
+    let (material, layer) = bodies(case);
+    LayerResponse::new(&material, &layer)
+}
+
+/// The layer under a body so stiff that it does not give way.
+fn on_rigid(case: &str) -> (Layers, f64) {
+    let (material, layer) = bodies(case);
+    let stiff = Material::new(1e6 * 1e30, 0.0);
+    let compliance = material.plane_strain_compliance();
+    (
+        Layers::new([(stiff, None), (material, Some(layer))]),
+        compliance,
+    )
+}
+
+#[test]
+fn responses_are_those_of_the_table() {
+    for [case, value, error] in rows("phi") {
+        let (value, error): (f64, f64) = (value.parse().unwrap(), error.parse().unwrap());
+        let found = response(&case).relative_compliance(number(&case, "x").unwrap());
+        assert!(
+            (found - value).abs() < error + 5e-14 * value,
+            "{case}: {found}"
+        );
+    }
+    for [case, value, error] in rows("Psi0") {
+        let difference = response(&case).shift() - value.parse::<f64>().unwrap();
+        assert!(
+            difference.abs() < error.parse().unwrap(),
+            "{case} {difference}"
+        );
+    }
+    for [case, value, error] in rows("Psi2") {
+        let difference = response(&case).curvature() - value.parse::<f64>().unwrap();
+        assert!(
+            difference.abs() < error.parse().unwrap(),
+            "{case} {difference}"
+        );
+    }
+    for [case, value, error] in rows("Psi(s)") {
+        let error: f64 = error.split(' ').next().unwrap().parse().unwrap();
+        let found = response(&case).far_displacement(number(&case, "s").unwrap());
+        // The table has twelve digits.
+        let difference = found - value.parse::<f64>().unwrap();
+        assert!(difference.abs() < error + 5e-13, "{case} {difference:e}");
+    }
+}
+
+#[test]
+fn punches_and_spheres_are_those_of_the_table() {
+    for [case, value, error] in rows("flat punch") {
+        let (layers, compliance) = on_rigid(&case);
+        let radius = number(&case, "a/t").unwrap();
+        let found = layers.flat_punch_stiffness(radius) / (2.0 * radius / compliance);
+        let value: f64 = value.parse().unwrap();
+        // The table has twelve digits.
+        let error = error.parse::<f64>().unwrap() + 5e-12 * value;
+        assert!((found - value).abs() < error, "{case}: {found}");
+    }
+    for [case, value, _] in rows("Hertz") {
+        let (layers, compliance) = on_rigid(&case);
+        let radius = 1e4;
+        let contact = number(&case, "a/t").unwrap();
+        let sphere = layers.sphere(radius, contact);
+        let delta = sphere.indentation;
+        let hertz = 4.0 / 3.0 * radius.sqrt() * delta.powf(1.5) / compliance;
+        let near = |found: f64, value: f64| (found / value - 1.0).abs() < 1e-8;
+        let square = number(&case, "a^2/(R delta)").unwrap_or_else(|| {
+            let text = case.split("delta)=").nth(1).unwrap();
+            text.parse().unwrap()
+        });
+        assert!(
+            near((radius * delta).sqrt(), number(&case, "chi").unwrap()),
+            "{case}"
+        );
+        assert!(near(contact * contact / (radius * delta), square), "{case}");
+        assert!(near(sphere.force / hertz, value.parse().unwrap()), "{case}");
+    }
+}
+
+#[test]
+fn small_contacts_have_the_series_of_the_table() {
+    for [case, value, _] in rows("F/F_H = 1") {
+        let coefficients: Vec<f64> = value.split(' ').map(|c| c.parse().unwrap()).collect();
+        let (layers, compliance) = on_rigid(&case);
+        let (radius, contact) = (1e4, 0.03);
+        let sphere = layers.sphere(radius, contact);
+        let chi = (radius * sphere.indentation).sqrt();
+        let hertz = 4.0 / 3.0 * radius.sqrt() * sphere.indentation.powf(1.5) / compliance;
+        let series = coefficients
+            .iter()
+            .rev()
+            .fold(0.0, |sum, c| (sum + c) * chi);
+        // What is left out is about chi^5. The table's own errors come on top, the first of which are those of its five digits.
+        let error = chi * 5e-6 + chi.powi(2) * 2e-5 + chi.powi(3) * 1e-4 + chi.powi(4) * 2e-2;
+        let difference = sphere.force / hertz - 1.0 - series;
+        assert!(difference.abs() < error, "{case} {difference:e} {error:e}");
+        // c1 = -2 Psi_0/pi, c2 = 7/6 c1^2.
+        let c1 = -2.0 * response(&case).shift() / PI;
+        assert!((c1 - coefficients[0]).abs() < 5e-6);
+        assert!((7.0 / 6.0 * c1 * c1 - coefficients[1]).abs() < 2e-5);
+    }
+}
+
+type Matrix = [[f64; 4]; 4];
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+/// `d/dz (U, W, T, N)` of displacements along and up, of shear and of normal stress, at the wave number 1 for the shear modulus given.
+fn equations(nu: f64, shear: f64) -> Matrix {
+    let (r, s) = (
+        nu / (1.0 - nu),
+        (1.0 - 2.0 * nu) / (2.0 * shear * (1.0 - nu)),
+    );
+    [
+        [0.0, 1.0, 1.0 / shear, 0.0],
+        [-r, 0.0, 0.0, s],
+        [2.0 * shear / (1.0 - nu), 0.0, 0.0, r],
+        [0.0, 0.0, -1.0, 0.0],
+    ]
+}
+
+/// `phi` from the plane equations of elasticity: the two states that the base allows go up through the layer, and the surface has no shear.
+fn from_equations(nu: f64, base: Base, x: f64) -> f64 {
+    let matrix = equations(nu, 1.0);
+    let allowed: [[f64; 4]; 2] = match base {
+        Base::Rigid => [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
+        Base::Frictionless => [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
+        Base::Elastic(base) => {
+            // Eigenvalues are 1 and -1, twice each: (A + 1)^2 leaves what decays downward.
+            let mut sum = equations(
+                base.poisson_ratio,
+                base.young_modulus / 2.0 / (1.0 + base.poisson_ratio),
+            );
+            for (k, row) in sum.iter_mut().enumerate() {
+                row[k] += 1.0;
+            }
+            let square = product(&sum, &sum);
+            [0, 1].map(|column| std::array::from_fn(|row| square[row][column]))
+        }
+    };
+    // The exponential by its series over a small step, squared.
+    let squarings = 10;
+    let step = x / f64::from(1 << squarings);
+    let mut through: Matrix =
+        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    let mut term = through;
+    for k in 1..14 {
+        term = product(&term, &matrix).map(|row| row.map(|v| v * step / f64::from(k)));
+        for (row, more) in through.iter_mut().zip(&term) {
+            for (value, more) in row.iter_mut().zip(more) {
+                *value += more;
+            }
+        }
+    }
+    for _ in 0..squarings {
+        through = product(&through, &through);
+    }
+    let [a, b]: [[f64; 4]; 2] = allowed
+        .map(|state| std::array::from_fn(|row| (0..4).map(|k| through[row][k] * state[k]).sum()));
+    // No shear: b[2] a - a[2] b.
+    let [w, n] = [1, 3].map(|k| b[2] * a[k] - a[2] * b[k]);
+    w / n / (1.0 - nu)
+}
+
+#[test]
+fn responses_solve_the_equations_of_elasticity() {
+    for nu in [0.0, 0.25, 0.3, 0.45, 0.49, 0.5] {
+        let material = Material::new(2.0 * (1.0 + nu), nu);
+        let elastic = |m: f64, nu2: f64| Base::Elastic(Material::new(2.0 * (1.0 + nu2) / m, nu2));
+        let bases = [
+            Base::Rigid,
+            Base::Frictionless,
+            elastic(1e-3, 0.3),
+            elastic(0.2, 0.5),
+            elastic(1.0, 0.0),
+            elastic(5.0, 0.35),
+            elastic(1e3, 0.5),
+        ];
+        for base in bases {
+            let response = LayerResponse::new(
+                &material,
+                &Layer {
+                    thickness: 1.0,
+                    base,
+                },
+            );
+            for x in [0.05, 0.3, 1.0, 2.5, 6.0] {
+                let expected = from_equations(nu, base, x);
+                let found = response.relative_compliance(x);
+                let difference = (found - expected).abs();
+                // The growing solutions cost digits that the formulas do not lose.
+                assert!(
+                    difference < 3e-12 * expected.max(1.0),
+                    "{nu} {base:?} {x}: {difference:e}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn responses_have_their_limits() {
+    // x -> 0: the layer is squeezed as a whole, or is as soft as its base; x -> infinity: a half-space.
+    let material = |nu| Material::new(1e6, nu);
+    for nu in [0.0, 0.3, 0.45] {
+        let response = LayerResponse::new(&material(nu), &Layer::new(1.0));
+        let slope = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu) * (1.0 - nu));
+        let x = 1e-5;
+        assert!((response.relative_compliance(x) / (slope * x) - 1.0).abs() < 1e-4);
+        assert!(response.deficit(400.0).abs() < 1e-300 && response.deficit(1e6).abs() < 1e-300);
+    }
+    let response = LayerResponse::new(&material(0.5), &Layer::new(1.0));
+    let x: f64 = 1e-3;
+    assert!((response.relative_compliance(x) / (2.0 / 3.0 * x.powi(3)) - 1.0).abs() < 1e-4);
+    let base = Base::Elastic(material(0.5));
+    let same = LayerResponse::new(
+        &material(0.5),
+        &Layer {
+            thickness: 1.0,
+            base,
+        },
+    );
+    for x in [0.0, 0.1, 1.0, 10.0] {
+        assert!(same.deficit(x).abs() < 1e-15);
+    }
+    assert!(same.far_displacement(0.3).abs() < 1e-14);
+    // On a base a thousand times as soft `phi` at 0 is the ratio of the moduli, and so is what is seen from afar: Psi goes as 999/s.
+    let base = Base::Elastic(Material::new(1e3, 0.5));
+    let soft = LayerResponse::new(
+        &material(0.5),
+        &Layer {
+            thickness: 1.0,
+            base,
+        },
+    );
+    assert!((soft.relative_compliance(0.0) / 1e3 - 1.0).abs() < 1e-12);
+    // A distance of many ratios of the moduli; what is next has one more power of that.
+    let far = 1e5;
+    assert!((soft.far_displacement(far) * far / 999.0 - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn thick_layers_are_a_shift_and_a_curvature() {
+    // Hertz's contact has the second moment 2 F a^2/5. The error of the force falls with the fifth power of a/t or so.
+    let (layers, compliance) = on_rigid("bonded nu=.5");
+    let radius = 1e3;
+    for (contact, error) in [(0.05_f64, 2e-6), (0.1, 5e-5), (0.2, 1e-3)] {
+        let exact = layers.sphere(radius, contact);
+        let second_moment = 0.4 * exact.force * contact * contact;
+        let shift = layers.shift(exact.force, second_moment);
+        let curvature = 1.0 / radius + shift.curvature;
+        let half_space = (0.75 * exact.force * compliance / curvature).powf(2.0 / 3.0) * curvature;
+        let indentation = half_space + shift.indentation;
+        assert!(
+            (indentation / exact.indentation - 1.0).abs() < error,
+            "{contact}"
+        );
+        assert!((half_space / exact.indentation - 1.0).abs() > 20.0 * error);
+    }
+}
+
+#[test]
+fn thick_layers_are_half_spaces() {
+    let rubber = Material::new(2e6, 0.5);
+    let of = |layer| Layers::new([(rubber, layer), (rubber, layer)]);
+    let [thick, none] = [Some(Layer::new(1e6)), None].map(of);
+    let (one, other) = (thick.sphere(10.0, 0.5), none.sphere(10.0, 0.5));
+    assert!((one.force / other.force - 1.0).abs() < 1e-6);
+    assert!((one.indentation / other.indentation - 1.0).abs() < 1e-5);
+    // Hertz.
+    assert!((other.indentation / (0.25 / 10.0) - 1.0).abs() < 1e-13);
+    let reduced = 2e6 / 0.75 / 2.0;
+    assert!((other.force / (4.0 / 3.0 * reduced * 0.125 / 10.0) - 1.0).abs() < 1e-13);
+    assert!(none.far_displacement(1.0).abs() < 1e-300);
+}
+
+#[test]
+fn caps_are_softer_than_flat_layers() {
+    // beta = -q Psi_0/pi, for the beta of the table, whose error is 2e-4.
+    let flat = -LayerResponse::new(&Material::new(1e6, 0.5), &Layer::new(1.0)).shift() / PI;
+    for [case, value, _] in rows("cap minus flat layer") {
+        let beta: f64 = value.parse().unwrap();
+        let q = cap_reduction(case.split("t0/R=").nth(1).unwrap().parse().unwrap()).unwrap();
+        assert!((q * flat - beta).abs() < 2e-3, "{case}");
+    }
+    assert!(cap_reduction(1.2).is_none() && cap_reduction(f64::NAN).is_none());
+    assert!(cap_reduction(0.0).unwrap().abs() < 1e-300);
+}
