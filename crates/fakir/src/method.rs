@@ -29,6 +29,7 @@ pub fn press(
 ) -> Result<ContactState, SolveError> {
     let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
     refuse_transition(system, control)?;
+    refuse_layers(system, method)?;
     if !system.adhesion().is_none() {
         return adhesive::press(system, control, with_adhesion(method)?, run)?.checked();
     }
@@ -78,6 +79,10 @@ pub fn gradient(
     if !system.adhesion().is_none() {
         let why =
             "with adhesion the contact depends on the way there; leave out the works of adhesion";
+        return Err(SolveError::NoGradient { why });
+    }
+    if system.has_layers() {
+        let why = "the derivatives with respect to layers are not there yet; leave out substrate.thickness and lens.thickness";
         return Err(SolveError::NoGradient { why });
     }
     let Method::Spectral(accuracy) = method else {
@@ -154,6 +159,7 @@ pub fn follow_cycle(
     if system.adhesion().is_none() {
         return Err(SolveError::NothingSticks);
     }
+    refuse_layers(system, method)?;
     adhesive::cycle(system, plan, with_adhesion(method)?, run, follower)?.checked()
 }
 
@@ -165,6 +171,25 @@ fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError
         });
     }
     Ok(())
+}
+
+/// Refuses what is made for half-spaces alone where a body is a layer.
+fn refuse_layers(system: &System, method: Method) -> Result<(), SolveError> {
+    if !system.has_layers() {
+        return Ok(());
+    }
+    let refused = |what, instead| Err(SolveError::NotWithLayers { what, instead });
+    if !system.adhesion().is_none() {
+        return refused("adhesion", "or the works of adhesion");
+    }
+    if !system.has_common_diameter() {
+        let instead = "or give all pillars of the list the diameter pillar.diameter";
+        return refused("a list of pillars of several diameters", instead);
+    }
+    match method {
+        Method::Love(_) => refused("the method of elements", "or use the spectral method"),
+        Method::Spectral(_) | Method::Punch(_) | Method::Homogenised => Ok(()),
+    }
 }
 
 /// Refuses a state whose lowest point of the floor is beyond the table of heights of the lens, where its gap is not known.

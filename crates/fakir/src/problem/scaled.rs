@@ -2,6 +2,7 @@
 //! reduced modulus, so that forces are in units of `E* (d/2)^2`.
 
 use super::lattice::HexagonalLattice;
+use super::layer::WeightedLayer;
 use super::lens::{Lens, ShapedLens};
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use super::point::{Point, turned};
@@ -21,6 +22,8 @@ pub(crate) struct Problem {
     pub(crate) lattice: HexagonalLattice,
     /// `kappa`
     pub(crate) column_compliance_ratio: f64,
+    /// The bodies that are no half-spaces.
+    pub(crate) layers: Vec<WeightedLayer>,
     /// Unit of length, `d/2`, m.
     pub(crate) length: f64,
     /// Unit of pressure, `E*`, Pa.
@@ -34,6 +37,8 @@ pub(crate) struct Scene {
     /// Common height of the pillars: the depth of the floor.
     pub(crate) height: f64,
     pub(crate) field: PillarField,
+    /// The bodies that are no half-spaces.
+    pub(crate) layers: Vec<WeightedLayer>,
     /// Unit of length, m.
     pub(crate) length: f64,
     /// Unit of pressure, `E*`, Pa.
@@ -51,6 +56,7 @@ impl Scene {
             lens: system.lens().in_unit(length).turned(-rotation),
             height: system.pillar().height / length,
             field,
+            layers: system.weighted_layers(length),
             length,
             pressure: system.reduced_modulus(),
             rotation,
@@ -94,6 +100,7 @@ impl Scene {
                 height: self.height,
                 lattice,
                 column_compliance_ratio,
+                layers: self.layers.clone(),
                 length: self.length,
                 pressure: self.pressure,
             }),
@@ -226,6 +233,7 @@ impl Problem {
                 lattice: self.lattice,
                 column_compliance_ratio: self.column_compliance_ratio,
             },
+            layers: self.layers.clone(),
             length: self.length,
             pressure: self.pressure,
             rotation: 0.0,

@@ -43,6 +43,12 @@ const UNKNOWN: ErrorEstimate = ErrorEstimate {
 /// estimated from within.
 const PUNCH_ERROR: [f64; 2] = [0.1, 0.02];
 
+/// A load past the transition where a body is a layer.
+const FLOOR_UNDER_LAYERS: SolveError = SolveError::NotWithLayers {
+    what: "contact with the floor, past the transition,",
+    instead: "lower the load, or set floor = \"ignored\"",
+};
+
 /// The contact under what is prescribed, which has been checked.
 pub(crate) fn press(
     system: &System,
@@ -79,6 +85,9 @@ pub(crate) fn press(
                 return Ok(without_contact(system, &scene, method, scene.height));
             }
             _ => {
+                if !scene.layers.is_empty() {
+                    return Err(FLOOR_UNDER_LAYERS);
+                }
                 if let Some(lattice) = &lattice {
                     return mixed::floor_first(system, lattice, target, accuracy, run);
                 }
@@ -141,7 +150,9 @@ fn solve(
         }
         state
     };
+    // A contact inside one top is known in closed form on half-spaces.
     if let PillarMethod::Spectral(_) = method
+        && scene.layers.is_empty()
         && let Some((pillar, patch)) = find_patch(scene, target)
     {
         let state = patch_state(system, scene, method, pillar, &patch);
@@ -158,6 +169,7 @@ fn solve(
         PillarMethod::Spectral(accuracy) => {
             if let Some(problem) = bears
                 && accuracy == Accuracy::Accurate
+                && scene.layers.is_empty()
                 && let Some(tops) = mixed::far_past_transition(problem, target, guess, run)?
             {
                 return mixed::past_transition(system, problem, target, accuracy, tops, run);
@@ -197,6 +209,9 @@ fn solve(
             let gap = lowest.map_or(0.0, |point| {
                 point.indentation - solution.outcome.indentation
             });
+            if borne && gap < 0.0 && !scene.layers.is_empty() {
+                return Err(FLOOR_UNDER_LAYERS);
+            }
             if let Some(problem) = bears
                 && gap < 0.0
             {
@@ -282,7 +297,9 @@ pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Control
         Control::Force(force) => Control::Force(force * problem.force()),
         Control::FloorContact => Control::FloorContact,
     };
-    let radius = homogenised::rough_contact_radius(system, control)? / problem.length;
+    // Where bodies are layers, that is a start as good as any.
+    let half_spaces = system.with_layers(None, None).ok()?;
+    let radius = homogenised::rough_contact_radius(&half_spaces, control)? / problem.length;
     Some(radius).filter(|radius| *radius > 0.0)
 }
 

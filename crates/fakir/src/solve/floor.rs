@@ -356,9 +356,16 @@ impl FloorDisplacement for LoadedDiscs<'_> {
         let one = |values: &mut Vec<f64>, number: usize| {
             let [x, y] = points[number];
             let (mut far, mut near) = ([0.0; 2], [0.0; 2]);
+            // By layers, per force.
+            let by_layers = |offset: Point| {
+                let mut value = [0.0];
+                self.exterior.layer_values(1, offset, &mut value);
+                value[0] / UNIT_FORCE
+            };
             let small = |place: usize| {
                 let [unit, rest, count, u, v] = sums[place];
-                let inverse = (PI * (x - u / count).hypot(y - v / count)).recip();
+                let offset = [x - u / count, y - v / count];
+                let inverse = (PI * offset[0].hypot(offset[1])).recip() + by_layers(offset);
                 far = [far[0] + unit * inverse, far[1] + rest * inverse];
             };
             let alone = |disc: usize| {
@@ -370,7 +377,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                     return;
                 }
                 if distance > BESIDE_DISC {
-                    let inverse = (PI * distance * radius).recip();
+                    let inverse = (PI * distance * radius).recip() + by_layers(offset);
                     let [unit, rest, ..] = forces[disc];
                     near = [near[0] + unit * inverse, near[1] + rest * inverse];
                     return;

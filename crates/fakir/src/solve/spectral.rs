@@ -25,9 +25,18 @@ pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {
     // Of discs of several radii the gap counts, over the smaller of the two.
     let pitch = 2.0 + scene.field.least_gap();
     let small_lens = scene.lens.quadratic_radius() < SMALL_LENS;
+    let layered = |degree: usize, accurate: usize| {
+        // Of the degree p, errors by a layer as thick as the diameter are 3e-6 at p = 2, by one half as thick 2e-5 at p = 4.
+        let diameters = scene.layers.iter().map(|layer| 0.5 * layer.thickness);
+        match diameters.fold(f64::INFINITY, f64::min) {
+            thick if thick >= 1.0 => degree,
+            half if half >= 0.5 => degree.max(4 + accurate),
+            _ => degree.max(8),
+        }
+    };
     match accuracy {
         Accuracy::Default => Degrees {
-            coupling: if pitch > 3.9 && !small_lens { 2 } else { 4 },
+            coupling: layered(if pitch > 3.9 && !small_lens { 2 } else { 4 }, 0),
             tops: Resolution {
                 nodes: 8,
                 turn: 0.0,
@@ -35,7 +44,7 @@ pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {
             },
         },
         Accuracy::Accurate => Degrees {
-            coupling: if pitch > 3.0 && !small_lens { 4 } else { 6 },
+            coupling: layered(if pitch > 3.0 && !small_lens { 4 } else { 6 }, 2),
             tops: Resolution {
                 nodes: 32,
                 turn: 0.0,
@@ -43,6 +52,11 @@ pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {
             },
         },
     }
+}
+
+/// The coupling of pillars up to a degree.
+pub(crate) fn coupling_of(scene: &Scene, degree: usize) -> PairCoupling {
+    PairCoupling::new(degree, scene.field.spacing()).with_layers(&scene.layers)
 }
 
 /// A solution and how it was reached.
@@ -77,6 +91,7 @@ pub(crate) fn solve_punch<'a>(
         PunchForm::Plain => PairCoupling::of_flat_punches(pitch),
         PunchForm::Corrected => PairCoupling::new(0, pitch),
     };
+    let pair = pair.with_layers(&scene.layers);
     let mut steps = 0;
     loop {
         let radius_used = limited(scene, radius);
@@ -115,7 +130,7 @@ pub(crate) fn solve_spectral<'a>(
 ) -> Result<Solution<'a>, SolveError> {
     let mut steps = punch.steps;
     let mut coarse = punch.newton;
-    let mut pair = PairCoupling::new(degrees.coupling, scene.field.spacing());
+    let mut pair = coupling_of(scene, degrees.coupling);
     let mut radius = coarse.tops.reach() + 1.5 * scene.field.spacing();
     loop {
         // That of more modes takes the room.
@@ -139,7 +154,7 @@ pub(crate) fn solve_spectral<'a>(
             radius = larger;
         } else if newton.touched() <= FEW_PILLARS && newton.has_marginal_pillars() {
             degrees.coupling += 2;
-            pair = PairCoupling::new(degrees.coupling, scene.field.spacing());
+            pair = coupling_of(scene, degrees.coupling);
         } else {
             return Ok(Solution {
                 newton,
@@ -299,7 +314,7 @@ pub(crate) fn checked_sites(
     let sites = Sites::within(&scene.field, radius);
     check_memory(
         sites.len() as f64,
-        memory_estimate_of_sites(&sites, modes),
+        memory_estimate_of_sites(&sites, modes, !scene.layers.is_empty()),
         run,
     )?;
     Ok(sites)
@@ -322,7 +337,7 @@ pub(crate) fn untouched<'a>(
     degrees: Degrees,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
-    let pair = PairCoupling::new(degrees.coupling, scene.field.spacing());
+    let pair = coupling_of(scene, degrees.coupling);
     let radius = limited(scene, contact_radius + 1.5 * scene.field.spacing() + 1.0);
     let sites = checked_sites(scene, radius, mode_count(degrees.coupling), run)?;
     let kappa = sites.common_body().column_compliance_ratio;
@@ -411,6 +426,7 @@ mod tests {
         };
         let pillars = random_discs(count, 0.2, gap, 5).into_iter().map(pillar);
         Scene {
+            layers: Vec::new(),
             lens: Lens {
                 radius: f64::INFINITY,
                 material: Material::new(1.0, 0.5),

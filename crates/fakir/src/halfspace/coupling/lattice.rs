@@ -45,7 +45,9 @@ impl<'p> LatticeCoupling<'p> {
         if let Some(window) = sites.window() {
             return Self::new(window, pair, workers);
         }
+        // Charges on a grid act as on half-spaces.
         if sites.len() > PAIRS_LIMIT
+            && !pair.has_layers()
             && let Some(grid) = GridCoupling::new(sites, pair, workers)
         {
             return Self::Grid(Box::new(grid));
@@ -77,8 +79,8 @@ impl Coupling for LatticeCoupling<'_> {
 }
 
 /// About how many bytes the solution of pillars at any places takes.
-pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize) -> f64 {
-    if sites.len() > PAIRS_LIMIT {
+pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize, layered: bool) -> f64 {
+    if sites.len() > PAIRS_LIMIT && !layered {
         Plan::new(sites, modes).memory(sites.len(), modes)
     } else {
         DirectCoupling::memory_estimate(sites.len() as f64, modes)

@@ -15,15 +15,21 @@
 //! beyond 1, which three-term recurrences give; all are positive. Radius 0 is a point that feels or acts by its mean alone.
 //!
 //! Pillars of one radius have that as the unit of length. Then the moments are the coefficients.
+//!
+//! Where bodies are [layers](crate::halfspace::layer), `(Phi(k) - 1)` times the integrand is added, for pillars of that radius alone: it is smooth, so that
+//! a pillar feels it of itself too, at the distance 0.
 
 use crate::halfspace::disc::basis::{
     Mode, UNIT_FORCE, equator_value, gamma_degree, mode_count, modes,
 };
 use crate::halfspace::disc::exterior::{MAXIMUM_DEGREE, RadialFunction};
+use crate::halfspace::layer::table::{RadialPart, RadialTable};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::special::gamma_half;
 use crate::numerics::vector::widest;
+use crate::problem::layer::WeightedLayer;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::sync::Arc;
 
 /// Relative size of the terms at which the series is cut.
 pub(super) const SERIES_TOLERANCE: f64 = 1e-17;
@@ -256,6 +262,8 @@ pub(crate) struct PairCoupling {
     series: SeriesTable,
     /// Whether pillars act as flat punches on the centres of the others, without series.
     flat_punches: Option<RadialFunction>,
+    /// What layers add to every series; none on half-spaces.
+    layers: Option<Arc<RadialTable>>,
     /// Whether it is the derivative with respect to the logarithm of the distance instead.
     by_distance: bool,
     /// Entries with source index >= receiver index, row by row.
@@ -293,6 +301,7 @@ impl PairCoupling {
             pitch,
             series: SeriesTable::new(series),
             flat_punches: None,
+            layers: None,
             by_distance: false,
             entries,
         }
@@ -305,6 +314,61 @@ impl PairCoupling {
             flat_punches: Some(RadialFunction::new(0, 0)),
             ..Self::new(0, pitch)
         }
+    }
+
+    /// The same on layers, given in the radius of the pillars.
+    pub(crate) fn with_layers(&self, layers: &[WeightedLayer]) -> Self {
+        if layers.is_empty() {
+            return self.clone();
+        }
+        // The displacement of a point by a point force, for flat punches: 2 is their force squared over pi.
+        let of_points = RadialPart {
+            factor: 2.0,
+            degrees: Vec::new(),
+            order: 0,
+            power: 0,
+        };
+        let mut parts = vec![of_points; self.radial_count()];
+        if self.flat_punches.is_none() {
+            for entry in &self.entries {
+                let Entry {
+                    receiver, source, ..
+                } = entry;
+                let [m, n] = [receiver.order, source.order];
+                for (series, order) in entry.series.into_iter().zip([m.abs_diff(n), m + n]) {
+                    let sign = (receiver.degree + order) as i64 - source.degree as i64;
+                    let sign = if sign % 4 == 0 { 1.0 } else { -1.0 };
+                    let values = [receiver, source]
+                        .map(|mode| equator_value(mode.degree, mode.order))
+                        .into_iter();
+                    parts[series] = RadialPart {
+                        factor: sign * 4.0 * PI * values.product::<f64>(),
+                        degrees: vec![receiver.degree, source.degree],
+                        order,
+                        power: 0,
+                    };
+                }
+            }
+        }
+        Self {
+            layers: Some(Arc::new(RadialTable::new(layers, parts))),
+            ..self.clone()
+        }
+    }
+
+    /// Whether there are layers, by which a pillar acts on itself.
+    pub(crate) fn has_layers(&self) -> bool {
+        self.layers.is_some()
+    }
+
+    /// What a pillar does to itself by layers, row by row.
+    pub(crate) fn own_block(&self) -> Option<Vec<f64>> {
+        let layers = self.layers.as_ref()?;
+        let mut radial = vec![0.0; self.radial_count()];
+        layers.values(0.0, &mut radial);
+        let mut block = vec![0.0; self.modes.len() * self.modes.len()];
+        self.fill_block([&radial; 2], [1.0, 0.0], &mut block);
+        Some(block)
     }
 
     /// The derivative with respect to the logarithm of the distance in place of the coupling: what a pitch changes. It has the same symmetries.
@@ -353,15 +417,21 @@ impl PairCoupling {
     pub(crate) fn radial_of(&self, discs: Discs, radial: &mut [f64]) {
         if let Some(punch) = &self.flat_punches {
             radial.fill(UNIT_FORCE * punch.value(discs.distance.recip()));
-            return;
-        }
-        if self.by_distance {
+        } else if self.by_distance {
             for (value, series) in radial.iter_mut().zip(&self.series.series) {
                 *value = series.derivatives(discs)[0];
             }
             return;
+        } else {
+            self.series.values(discs, radial);
         }
-        self.series.values(discs, radial);
+        if let Some(layers) = &self.layers {
+            let mut more = vec![0.0; radial.len()];
+            layers.values(discs.distance, &mut more);
+            for (value, more) in radial.iter_mut().zip(more) {
+                *value += more;
+            }
+        }
     }
 
     /// Entries on and above the diagonal of the block for the unit vector `direction` from

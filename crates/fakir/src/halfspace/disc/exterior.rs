@@ -5,11 +5,17 @@
 //! delta^(-l-1) 2F1((1+l+m)/2, (1+l-m)/2; l+3/2; 1/delta^2)`, with `delta` the distance from the
 //! centre in pillar radii. For `l = 0` this is `arcsin(1/delta)` up to its factor, the flat
 //! punch (Johnson, Contact Mechanics, eq. 3.37).
+//!
+//! Where bodies are [layers](crate::halfspace::layer),
+//! `2 y_lm (-1)^((l-m)/2) ∫ (Phi(k) - 1) j_l(k) J_m(k delta) dk` is added, with the same angular factor. That goes on inside the disc.
 
 use super::basis::{Mode, equator_value, gamma_degree, modes};
+use crate::halfspace::layer::table::{RadialPart, RadialTable};
 use crate::numerics::special::gamma_half;
 use crate::numerics::vector::{LANES, Lanes};
+use crate::problem::layer::WeightedLayer;
 use std::f64::consts::{PI, SQRT_2};
+use std::sync::Arc;
 
 /// Above this `z = 1/delta^2` the hypergeometric series is summed about `z = 1` instead.
 const NEAR: f64 = 0.75;
@@ -248,10 +254,15 @@ pub(crate) struct Exterior {
     /// One per (degree, order), and for every mode which.
     radial: Vec<RadialFunction>,
     radial_of: Vec<usize>,
+    /// What layers add to each of them; none on half-spaces.
+    layers: Option<Arc<RadialTable>>,
 }
 
 /// Highest degree of which derivatives are evaluated.
 pub(crate) const MAXIMUM_DEGREE: usize = 16;
+
+/// Radial functions up to there.
+const MOST_RADIAL: usize = (MAXIMUM_DEGREE / 2 + 1) * (MAXIMUM_DEGREE / 2 + 1);
 
 impl Exterior {
     pub(crate) fn new(degree: usize) -> Self {
@@ -268,6 +279,31 @@ impl Exterior {
             modes,
             radial,
             radial_of,
+            layers: None,
+        }
+    }
+
+    /// The same on layers, given in the radius of the disc.
+    pub(crate) fn with_layers(self, layers: &[WeightedLayer]) -> Self {
+        if layers.is_empty() {
+            return self;
+        }
+        let of_mode = |mode: &Mode| {
+            let angular = if mode.order == 0 { 1.0 } else { SQRT_2 };
+            let half = (mode.degree - mode.order) / 2;
+            let sign = if half.is_multiple_of(2) { 1.0 } else { -1.0 };
+            RadialPart {
+                factor: sign * angular * 2.0 * equator_value(mode.degree, mode.order),
+                degrees: vec![mode.degree],
+                order: mode.order,
+                power: mode.order,
+            }
+        };
+        let parts = self.modes.iter().filter(|mode| !mode.sine).map(of_mode);
+        let table = RadialTable::new(layers, parts.collect());
+        Self {
+            layers: Some(Arc::new(table)),
+            ..self
         }
     }
 
@@ -303,6 +339,13 @@ impl Exterior {
             let [re, im] = harmonics[k - 1];
             harmonics[k] = [re * x - im * y, re * y + im * x];
         }
+        let of_layers = self.layers.as_ref().map(|layers| {
+            let bears = |lane: usize| {
+                let of_disc = coefficients.iter().flat_map(|set| set[lane]);
+                of_disc.into_iter().any(|c| *c != 0.0)
+            };
+            layer_jets(layers, inverse_square, bears)
+        });
         let mut evaluated = usize::MAX;
         let mut radial = Jets {
             value: Lanes::default(),
@@ -313,6 +356,12 @@ impl Exterior {
             if self.radial_of[number] != evaluated {
                 evaluated = self.radial_of[number];
                 radial = self.radial[evaluated].jets(inverse_square, &powers);
+                if let Some(of_layers) = &of_layers {
+                    let [value, first, second] = of_layers[evaluated];
+                    radial.value += value;
+                    radial.first += first;
+                    radial.second += second;
+                }
             }
             let field = harmonic_times(mode, [x, y], &harmonics, &radial);
             for (sum, coefficients) in sums.iter_mut().zip(coefficients) {
@@ -329,10 +378,24 @@ impl Exterior {
         let inverse_distance = inverse_square.map(f64::sqrt);
         let mut radial = Lanes::default();
         let mut harmonic = [Lanes::default(); 2];
+        let of_layers = self.layers.as_ref().map(|layers| {
+            let mut of_layers = [Lanes::default(); MOST_RADIAL];
+            let mut values = [0.0; MOST_RADIAL];
+            for lane in 0..LANES {
+                layers.values(inverse_distance.0[lane].recip(), &mut values);
+                for (lanes, value) in of_layers[..layers.count()].iter_mut().zip(values) {
+                    lanes.0[lane] = value;
+                }
+            }
+            of_layers
+        });
         let modes = self.modes.iter().zip(&self.radial_of);
         for (value, (mode, &which)) in values.iter_mut().zip(modes) {
             if !mode.sine {
                 radial = self.radial[which].lane_values(inverse_square, inverse_distance);
+                if let Some(of_layers) = &of_layers {
+                    radial += of_layers[which];
+                }
                 harmonic = [Lanes::splat(1.0), Lanes::default()];
                 for _ in 0..mode.order {
                     let [re, im] = harmonic;
@@ -350,7 +413,34 @@ impl Exterior {
 
     /// As [`Self::values`], for the first `count` modes at the most.
     pub(crate) fn values_of_first(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
-        let inverse_distance = point[0].hypot(point[1]).recip();
+        let distance = point[0].hypot(point[1]);
+        self.fill_values(count, point, values, |radial| {
+            radial.value(distance.recip())
+        });
+    }
+
+    /// What layers add to them at any point, in the disc too: nothing on half-spaces.
+    pub(crate) fn layer_values(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
+        let values = &mut values[..count.min(self.modes.len())];
+        if self.layers.is_none() {
+            values.fill(0.0);
+            return;
+        }
+        self.fill_values(count, point, values, |_| 0.0);
+    }
+
+    fn fill_values(
+        &self,
+        count: usize,
+        point: [f64; 2],
+        values: &mut [f64],
+        of_half_spaces: impl Fn(&RadialFunction) -> f64,
+    ) {
+        let mut of_layers = Vec::new();
+        if let Some(layers) = &self.layers {
+            of_layers.resize(layers.count(), 0.0);
+            layers.values(point[0].hypot(point[1]), &mut of_layers);
+        }
         let mut radial = 0.0;
         for ((value, mode), &which) in values
             .iter_mut()
@@ -359,12 +449,38 @@ impl Exterior {
             .take(count)
         {
             if !mode.sine {
-                radial = self.radial[which].value(inverse_distance);
+                radial = of_half_spaces(&self.radial[which]);
+                if let Some(more) = of_layers.get(which) {
+                    radial += more;
+                }
             }
             let [re, im] = power(point, self.radial[which].order);
             *value = radial * if mode.sine { im } else { re };
         }
     }
+}
+
+/// What layers add to all radial functions at [`LANES`] places, with derivatives with respect to the square of the distance; of discs that
+/// bear nothing, nothing.
+fn layer_jets(
+    layers: &RadialTable,
+    inverse_square: Lanes,
+    bears: impl Fn(usize) -> bool,
+) -> [[Lanes; 3]; MOST_RADIAL] {
+    let mut jets = [[Lanes::default(); 3]; MOST_RADIAL];
+    let [mut value, mut first, mut second] = [[0.0; MOST_RADIAL]; 3];
+    for lane in (0..LANES).filter(|lane| bears(*lane)) {
+        let distance = inverse_square.0[lane].sqrt().recip();
+        layers.jets(distance, [&mut value, &mut first, &mut second]);
+        let half = 0.5 / distance;
+        for (number, jet) in jets[..layers.count()].iter_mut().enumerate() {
+            // d/d(r^2) = (1/2r) d/dr
+            jet[0].0[lane] = value[number];
+            jet[1].0[lane] = half * first[number];
+            jet[2].0[lane] = half * half * (second[number] - first[number] / distance);
+        }
+    }
+    jets
 }
 
 /// `(x + iy)^m`

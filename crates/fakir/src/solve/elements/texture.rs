@@ -29,6 +29,12 @@ pub(crate) fn press_with_floor(
     let not_made_for = || SolveError::not_made_for("the method of elements with a floor", system);
     let sphere = system.lens().sphere().ok_or_else(not_made_for)?;
     let lattice = system.hexagonal_lattice().ok_or_else(not_made_for)?;
+    if system.has_layers() {
+        return Err(SolveError::NotWithLayers {
+            what: "the method of elements with a floor",
+            instead: "or use the spectral method",
+        });
+    }
     let impossible = SolveError::NotFinite {
         what: "cell of the surface",
     };
