@@ -5,7 +5,9 @@ use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
 use crate::solve::gradient;
-use crate::state::{ContactState, CriticalState, Cycle, Gradient, Passage, Run, SolveError};
+use crate::state::{
+    ContactState, CriticalState, Cycle, Gradient, Passage, Run, SolveError, Warning,
+};
 use crate::theory;
 
 /// The contact under what is prescribed, by the given method.
@@ -41,7 +43,8 @@ pub fn press(
         Method::Love(mesh) => answers::press(system, control, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::press(system, control, run),
     }
-    .and_then(within_table)?
+    .and_then(within_table)
+    .map(with_layer_warnings)?
     .checked()
 }
 
@@ -171,6 +174,40 @@ fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError
         });
     }
     Ok(())
+}
+
+/// Thickness over diameter below which a layer is thin, and the part of it that is a large indentation.
+const THIN_LAYER: f64 = 2.0;
+const LARGE_STRAIN: f64 = 0.05;
+
+/// With what is to be said where bodies are layers.
+fn with_layer_warnings(mut state: ContactState) -> ContactState {
+    let system = &state.system;
+    let layers = [system.substrate_layer(), system.lens_layer()];
+    let thinnest = layers.iter().flatten().map(|layer| layer.thickness);
+    let thinnest = thinnest.fold(f64::INFINITY, f64::min);
+    let mut warnings = Vec::new();
+    let (lens, force) = (system.lens(), state.force);
+    if let (Some(layer), LensShape::Sphere { radius }) = (system.lens_layer(), &lens.shape) {
+        let response = theory::layer::LayerResponse::new(&lens.material, layer);
+        let shift = -response.shift() * lens.material.plane_strain_compliance() * force
+            / (std::f64::consts::PI * layer.thickness);
+        let reduction = theory::layer::cap_reduction(layer.thickness / radius);
+        if shift > 0.0 {
+            let deeper = reduction.map(|reduction| reduction * shift);
+            warnings.push(Warning::FlatLens { deeper });
+        }
+    }
+    let of_diameter = thinnest / system.largest_diameter();
+    if of_diameter < THIN_LAYER {
+        warnings.push(Warning::ThinLayer { ratio: of_diameter });
+    }
+    let strain = state.indentation / thinnest;
+    if strain > LARGE_STRAIN {
+        warnings.push(Warning::LayerStrain { ratio: strain });
+    }
+    state.warnings.extend(warnings);
+    state
 }
 
 /// Refuses what is made for half-spaces alone where a body is a layer.

@@ -46,7 +46,7 @@ const PUNCH_ERROR: [f64; 2] = [0.1, 0.02];
 /// A load past the transition where a body is a layer.
 const FLOOR_UNDER_LAYERS: SolveError = SolveError::NotWithLayers {
     what: "contact with the floor, past the transition,",
-    instead: "lower the load, or set floor = \"ignored\"",
+    instead: "lower the load, or set floor.contact = false",
 };
 
 /// The contact under what is prescribed, which has been checked.

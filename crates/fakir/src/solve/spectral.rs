@@ -473,6 +473,39 @@ mod tests {
     }
 
     #[test]
+    fn critical_state_on_a_compressible_film() {
+        // tests/reference/layer.csv: the Poisson's ratio 0.45 is that of the layer's response alone there.
+        use crate::halfspace::layer::tests::rows;
+        let mut scene = Scene::new(&crate::theory::reference::intermediate(0.03));
+        scene.layers = vec![crate::problem::layer::WeightedLayer {
+            weight: 0.5,
+            thickness: 100.0 / 3.0,
+            poisson_ratio: 0.45,
+            base: crate::problem::layer::LayerBase::Bonded {
+                shear_ratio: 0.0,
+                poisson_ratio: 0.0,
+            },
+        }];
+        let run = Run::default();
+        let target = Control::FloorContact;
+        let form = PunchForm::Corrected;
+        for (accuracy, tolerance) in [(Accuracy::Default, 1e-4), (Accuracy::Accurate, 5e-5)] {
+            let punch = solve_punch(&scene, target, None, form, Purpose::Start, &run).unwrap();
+            let solution =
+                solve_spectral(&scene, target, punch, degrees(accuracy, &scene), &run).unwrap();
+            for (quantity, found) in [
+                ("critical F^", 9.0 * solution.newton.force()),
+                ("critical zeta", 3.0 * solution.outcome.indentation),
+            ] {
+                let rows = rows(quantity);
+                let (_, value) = rows.iter().find(|row| row.0.contains("bonded.45")).unwrap();
+                let difference = found / value - 1.0;
+                assert!(difference.abs() < tolerance, "{quantity}: {difference:e}");
+            }
+        }
+    }
+
+    #[test]
     fn forces_on_a_grid_are_those_of_all_pairs() {
         let (scene, run) = (scene(700, 0.05), Run::default());
         let (by_pairs, _) = stiffness(&scene, 4, false, false, &run);

@@ -576,6 +576,7 @@ impl Angles {
 mod tests {
     use super::*;
     use crate::halfspace::disc::basis::BasisEvaluator;
+    use crate::halfspace::layer::tests::{film, modes_of, rows};
     use crate::numerics::quadrature::hemisphere;
 
     /// `∫∫ Y_i Y_j/(pi |x - x'|) dOmega dOmega'` over two discs, by product quadrature.
@@ -608,6 +609,110 @@ mod tests {
             }
         }
         block
+    }
+
+    #[test]
+    fn layers_add_what_the_table_has() {
+        // In um with a radius of 3 um.
+        let (half_spaces, film) = (PairCoupling::new(2, 4.0), film());
+        let layered = half_spaces.with_layers(&[film]);
+        for (case, value) in rows("Delta g") {
+            let (modes, distance) = modes_of(&case);
+            let order: usize = case.split("M=").nth(1).unwrap()[..1].parse().unwrap();
+            let is_it = |entry: &&Entry| {
+                let pair = [entry.receiver, entry.source];
+                let own = pair.map(|mode| (mode.degree, mode.order));
+                own == [modes[0], modes[1]] || own == [modes[1], modes[0]]
+            };
+            let entry = half_spaces.entries.iter().find(is_it).unwrap();
+            let [m, n] = [entry.receiver.order, entry.source.order];
+            let series = entry.series[usize::from(order != m.abs_diff(n))];
+            assert!(order == m.abs_diff(n) || order == m + n);
+            let radial = |pair: &PairCoupling| {
+                let mut radial = vec![0.0; pair.radial_count()];
+                pair.radial(distance / 3.0, &mut radial);
+                radial[series]
+            };
+            let found = if distance > 0.0 {
+                radial(&layered) - radial(&half_spaces)
+            } else {
+                layered.own_block().unwrap()[0]
+            };
+            let tolerance = 1e-12 + 1e-12 * value.abs();
+            assert!(
+                (3.0 * found - value).abs() < tolerance,
+                "{case}: {}",
+                3.0 * found
+            );
+        }
+    }
+
+    #[test]
+    fn a_layer_with_itself_by_double_quadrature() {
+        // Its far displacement between all points of two discs, and of one with itself.
+        let degree = 4;
+        let count = mode_count(degree);
+        let film = film();
+        let response = crate::halfspace::layer::LayerResponse::of(&film);
+        let mut basis = BasisEvaluator::new(degree);
+        let rule: Vec<_> = hemisphere(6, 24)
+            .into_iter()
+            .map(|(point, weight)| {
+                let mut values = vec![0.0; count];
+                basis.evaluate(point, &mut values);
+                (point, weight, values)
+            })
+            .collect();
+        // Even polynomials: enough for the distances here, to 1e-9.
+        let samples: Vec<f64> = (0..=2000)
+            .map(|k| response.far_displacement(f64::from(k) * 1e-3) / 2.0)
+            .collect();
+        let at = |distance: f64| {
+            let place = 0.5 * distance * 1e3;
+            let k = (place as usize).clamp(1, 1997);
+            let x = place - k as f64;
+            let [a, b, c, d] = [k - 1, k, k + 1, k + 2].map(|k| samples[k]);
+            // Cubic through four points.
+            -a * x * (x - 1.0) * (x - 2.0) / 6.0 + b * (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0
+                - c * (x + 1.0) * x * (x - 2.0) / 2.0
+                + d * (x + 1.0) * x * (x - 1.0) / 6.0
+        };
+        let pair = PairCoupling::new(degree, 4.0);
+        let layered = pair.with_layers(&[film]);
+        for offset in [[0.0, 0.0], [1.6, 1.4]] {
+            let mut expected = vec![0.0; count * count];
+            for (to, weight, receiver) in &rule {
+                for (from, of_source, source) in &rule {
+                    let distance = (to[0] + offset[0] - from[0]).hypot(to[1] + offset[1] - from[1]);
+                    let value = weight * of_source * at(distance) / PI;
+                    for (row, y) in receiver.iter().enumerate() {
+                        for (column, x) in source.iter().enumerate() {
+                            expected[row * count + column] += value * y * x;
+                        }
+                    }
+                }
+            }
+            let found = if offset == [0.0, 0.0] {
+                layered.own_block().unwrap()
+            } else {
+                let blocks = [&layered, &pair].map(|pair| {
+                    let mut block = vec![0.0; count * count];
+                    pair.block(offset, &mut block);
+                    block
+                });
+                blocks[0]
+                    .iter()
+                    .zip(&blocks[1])
+                    .map(|(a, b)| a - b)
+                    .collect()
+            };
+            for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                assert!(
+                    (found - expected).abs() < 1e-8,
+                    "entry {k}: {found} {expected}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -569,6 +569,58 @@ mod tests {
     use crate::numerics::quadrature::hemisphere;
 
     #[test]
+    fn layers_add_what_the_table_has() {
+        use crate::halfspace::layer::tests::{film, modes_of, rows};
+        let exterior = Exterior::new(2).with_layers(&[film()]);
+        for (case, value) in rows("Delta W") {
+            let (wanted, distance) = modes_of(&case);
+            let mut values = vec![0.0; exterior.count()];
+            exterior.layer_values(usize::MAX, [distance / 3.0, 0.0], &mut values);
+            let is_it = |mode: &Mode| (mode.degree, mode.order) == wanted[0] && !mode.sine;
+            let which = exterior.modes.iter().position(is_it).unwrap();
+            let angular = if wanted[0].1 == 0 { 1.0 } else { SQRT_2 };
+            let found = 3.0 * values[which] / angular;
+            assert!((found - value).abs() < 2e-12, "{case}: {found}");
+        }
+    }
+
+    #[test]
+    fn layers_have_their_derivatives() {
+        let film = crate::halfspace::layer::tests::film();
+        let exterior = Exterior::new(4).with_layers(&[film]);
+        let count = exterior.count();
+        let (step, zero) = (1e-4, vec![0.0; count]);
+        for point in [[1.3, 0.4], [-2.1, 3.3], [8.0, -5.0], [30.0, 2.0]] {
+            let coefficients: Vec<f64> = (0..count).map(|k| (1.3 * k as f64).cos()).collect();
+            let at = |dx: f64, dy: f64| {
+                let mut sums = [LaneJets::default(); 2];
+                let [x, y] = [point[0] + dx, point[1] + dy].map(Lanes::splat);
+                let sets: [&[f64]; LANES] = [&coefficients, &zero, &zero, &zero];
+                exterior.add_jets([x, y], [sets; 2], &mut sums);
+                sums[0].sum()
+            };
+            let jet = at(0.0, 0.0);
+            let mut values = vec![0.0; count];
+            exterior.values(point, &mut values);
+            let value: f64 = values.iter().zip(&coefficients).map(|(w, c)| w * c).sum();
+            assert!((jet.value - value).abs() < 1e-13, "{} {value}", jet.value);
+            let mut lanes = vec![Lanes::default(); count];
+            exterior.lane_values(point.map(Lanes::splat), &mut lanes);
+            for (lane, value) in lanes.iter().zip(&values) {
+                assert!((lane.0[0] - value).abs() < 1e-13);
+            }
+            let (left, right, down, up) =
+                (at(-step, 0.0), at(step, 0.0), at(0.0, -step), at(0.0, step));
+            let slope = |a: f64, b: f64| (b - a) / (2.0 * step);
+            assert!((slope(left.value, right.value) - jet.gradient[0]).abs() < 1e-7);
+            assert!((slope(down.value, up.value) - jet.gradient[1]).abs() < 1e-7);
+            assert!((slope(left.gradient[0], right.gradient[0]) - jet.hessian[0]).abs() < 1e-6);
+            assert!((slope(left.gradient[1], right.gradient[1]) - jet.hessian[1]).abs() < 1e-6);
+            assert!((slope(down.gradient[1], up.gradient[1]) - jet.hessian[2]).abs() < 1e-6);
+        }
+    }
+
+    #[test]
     fn flat_punch_outside() {
         // Johnson 3.37: u = (2/pi) zeta arcsin(1/delta) with c_00 Y_00 lambda = zeta = 1.
         let radial = RadialFunction::new(0, 0);

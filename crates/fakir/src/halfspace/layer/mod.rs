@@ -164,3 +164,36 @@ impl LayerResponse {
         ends.windows(2).flat_map(of_piece).collect()
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// An incompressible layer on something rigid, twice as thick as a pillar's radius: 6 um under the paper's pillars.
+    pub(crate) fn film() -> WeightedLayer {
+        let film = (Material::new(1.0, 0.5), Some(Layer::new(2.0)));
+        WeightedLayer::among(&[film], 1.0)[0]
+    }
+
+    /// The rows of `tests/reference/layer.csv` of some quantity: of what, and how much.
+    pub(crate) fn rows(quantity: &str) -> Vec<(String, f64)> {
+        let table = include_str!("../../../tests/reference/layer.csv");
+        let records = csv::Reader::from_reader(table.as_bytes()).into_records();
+        let rows = records.map(|record| record.unwrap());
+        rows.filter(|record| record[0].starts_with(quantity))
+            .map(|record| (record[1].to_owned(), record[2].parse().unwrap()))
+            .collect()
+    }
+
+    /// The degrees and orders in brackets, and the distance.
+    pub(crate) fn modes_of(case: &str) -> (Vec<(usize, usize)>, f64) {
+        let modes = case.split('(').skip(1).map(|text| {
+            let inside = text.split(')').next().unwrap();
+            let (degree, order) = inside.split_once(", ").unwrap();
+            (degree.parse().unwrap(), order.parse().unwrap())
+        });
+        let distance = case.split("r=").nth(1).unwrap();
+        let distance: f64 = distance.split(' ').next().unwrap().parse().unwrap();
+        (modes.collect(), distance)
+    }
+}
