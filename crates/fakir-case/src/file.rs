@@ -386,7 +386,7 @@ impl CaseFile {
         }
     }
 
-    /// Refuses what a body rests on where that is a half-space.
+    /// Refuses a thickness that is none, and what a body rests on where that is a half-space.
     fn check_bases(&self, parts: &Parts) -> Result<(), CaseError> {
         let bodies = [
             (
@@ -397,7 +397,9 @@ impl CaseFile {
             (&parts.lens_layer, Key::LensThickness, Key::LensBase),
         ];
         for (layer, thickness, base) in bodies {
-            if layer.thickness.is_nan() && self.entry(base).is_some() {
+            if self.entry(thickness).is_some() {
+                self.check_range(thickness, layer.thickness)?;
+            } else if self.entry(base).is_some() {
                 return Err(self
                     .problem(
                         base,

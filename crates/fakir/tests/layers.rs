@@ -477,12 +477,6 @@ fn critical_states_are_those_of_the_table() {
                 ((found / value - 1.0).abs(), tolerance + error / value)
             };
             let (force, allowed) = off(state.force, row.force);
-            println!(
-                "{} {accuracy:?}: force {force:.1e} of {allowed:.1e}, estimated {:.1e}; indentation {:.1e}",
-                row.case,
-                state.error.force,
-                off(state.indentation, row.indentation).0
-            );
             assert!(force < allowed, "{}: force {force:e}", row.case);
             assert!(force < state.error.force + row.force[1] / row.force[0]);
             let (indentation, allowed) = off(state.indentation, row.indentation);
@@ -511,7 +505,6 @@ fn critical_states_are_those_of_the_table() {
             let least = on_tops
                 .map(|at| fields.gap(at))
                 .fold(f64::INFINITY, f64::min);
-            println!("beyond {beyond:e} gap {least:e}");
             assert!(
                 beyond > 0.0 && least > 2e-8,
                 "{}: {beyond:e} {least:e}",

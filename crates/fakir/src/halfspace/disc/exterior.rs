@@ -261,7 +261,8 @@ pub(crate) struct Exterior {
 /// Highest degree of which derivatives are evaluated.
 pub(crate) const MAXIMUM_DEGREE: usize = 16;
 
-/// Radial functions up to there.
+/// Radial functions up to degree 6, and up to there.
+const FEW_RADIAL: usize = 16;
 const MOST_RADIAL: usize = (MAXIMUM_DEGREE / 2 + 1) * (MAXIMUM_DEGREE / 2 + 1);
 
 impl Exterior {
@@ -339,13 +340,29 @@ impl Exterior {
             let [re, im] = harmonics[k - 1];
             harmonics[k] = [re * x - im * y, re * y + im * x];
         }
-        let of_layers = self.layers.as_ref().map(|layers| {
+        let (mut few, mut many);
+        let mut of_layers: &mut [[Lanes; 3]] = &mut [];
+        if let Some(layers) = &self.layers {
             let bears = |lane: usize| {
                 let of_disc = coefficients.iter().flat_map(|set| set[lane]);
                 of_disc.into_iter().any(|c| *c != 0.0)
             };
-            layer_jets(layers, inverse_square, bears)
-        });
+            let lanes = (0..LANES).filter(|lane| bears(*lane));
+            let places = lanes.map(|lane| (lane, inverse_square.0[lane].sqrt().recip()));
+            if layers.count() <= FEW_RADIAL {
+                few = [[Lanes::default(); 3]; FEW_RADIAL];
+                of_layers = &mut few[..layers.count()];
+                for place in places {
+                    add_layer_jets::<FEW_RADIAL>(layers, place, of_layers);
+                }
+            } else {
+                many = [[Lanes::default(); 3]; MOST_RADIAL];
+                of_layers = &mut many[..layers.count()];
+                for place in places {
+                    add_layer_jets::<MOST_RADIAL>(layers, place, of_layers);
+                }
+            }
+        }
         let mut evaluated = usize::MAX;
         let mut radial = Jets {
             value: Lanes::default(),
@@ -356,8 +373,7 @@ impl Exterior {
             if self.radial_of[number] != evaluated {
                 evaluated = self.radial_of[number];
                 radial = self.radial[evaluated].jets(inverse_square, &powers);
-                if let Some(of_layers) = &of_layers {
-                    let [value, first, second] = of_layers[evaluated];
+                if let Some([value, first, second]) = of_layers.get(evaluated).copied() {
                     radial.value += value;
                     radial.first += first;
                     radial.second += second;
@@ -460,27 +476,23 @@ impl Exterior {
     }
 }
 
-/// What layers add to all radial functions at [`LANES`] places, with derivatives with respect to the square of the distance; of discs that
-/// bear nothing, nothing.
-fn layer_jets(
+/// What layers add to all radial functions, of which there are at most `N`, at the place of a lane, with derivatives with respect to the square of the
+/// distance.
+#[inline(always)]
+fn add_layer_jets<const N: usize>(
     layers: &RadialTable,
-    inverse_square: Lanes,
-    bears: impl Fn(usize) -> bool,
-) -> [[Lanes; 3]; MOST_RADIAL] {
-    let mut jets = [[Lanes::default(); 3]; MOST_RADIAL];
-    let [mut value, mut first, mut second] = [[0.0; MOST_RADIAL]; 3];
-    for lane in (0..LANES).filter(|lane| bears(*lane)) {
-        let distance = inverse_square.0[lane].sqrt().recip();
-        layers.jets(distance, [&mut value, &mut first, &mut second]);
-        let half = 0.5 / distance;
-        for (number, jet) in jets[..layers.count()].iter_mut().enumerate() {
-            // d/d(r^2) = (1/2r) d/dr
-            jet[0].0[lane] = value[number];
-            jet[1].0[lane] = half * first[number];
-            jet[2].0[lane] = half * half * (second[number] - first[number] / distance);
-        }
+    (lane, distance): (usize, f64),
+    jets: &mut [[Lanes; 3]],
+) {
+    let [mut value, mut first, mut second] = [[0.0; N]; 3];
+    layers.jets(distance, [&mut value, &mut first, &mut second]);
+    let half = 0.5 / distance;
+    for (number, jet) in jets.iter_mut().enumerate() {
+        // d/d(r^2) = (1/2r) d/dr
+        jet[0].0[lane] = value[number];
+        jet[1].0[lane] = half * first[number];
+        jet[2].0[lane] = half * half * (second[number] - first[number] / distance);
     }
-    jets
 }
 
 /// `(x + iy)^m`

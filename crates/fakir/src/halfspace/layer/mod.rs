@@ -15,6 +15,7 @@ use crate::numerics::quadrature::gauss_legendre;
 use crate::numerics::special::bessel;
 use crate::problem::layer::{LayerBase, WeightedLayer};
 use crate::problem::{Layer, Material};
+use std::sync::LazyLock;
 
 /// Beyond this argument `phi` is 1.
 const END: f64 = 26.0;
@@ -153,7 +154,8 @@ impl LayerResponse {
             let within = 1..=pieces as usize;
             ends.extend(within.map(|piece| part[0] + length * (piece as f64 / pieces)));
         }
-        let points = gauss_legendre(POINTS);
+        static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(POINTS));
+        let points = &*RULE;
         let of_piece = |ends: &[f64]| {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
             points.iter().map(move |&(node, weight)| {

@@ -88,7 +88,7 @@ impl RadialTable {
     }
 
     /// The polynomials about a distance, the variable in them, and its derivative with respect to the distance.
-    #[inline]
+    #[inline(always)]
     fn cell(&self, distance: f64) -> (&[f64], f64, f64) {
         let number = self.ends.partition_point(|end| *end <= distance);
         let number = number.clamp(1, self.pieces.len()) - 1;
@@ -118,7 +118,7 @@ impl RadialTable {
     }
 
     /// The functions at a distance with their first two derivatives.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn jets(&self, distance: f64, [value, first, second]: [&mut [f64]; 3]) {
         let (coefficients, x, inverse) = self.cell(distance);
         let count = self.count();
