@@ -3,6 +3,9 @@
 //!
 //! The columns of the table: what it is, of what, its value, the error of that, and what it was checked against.
 
+// The table is read by helpers too.
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_system};

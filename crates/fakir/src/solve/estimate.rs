@@ -14,7 +14,6 @@ use super::frozen::Response;
 use super::newton::{Newton, Outcome};
 use super::rules::tops::COSTLY_PILLARS;
 use super::rules::unilateral::{LocalSolver, PillarTop};
-use super::spectral::coupling_of;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::disc::basis::{compliances, degree_with, mode_count};
 use crate::halfspace::disc::exterior::Exterior;
@@ -385,7 +384,7 @@ enum Neighbours {
 
 impl Neighbours {
     fn new(newton: &Newton<'_>, degree: usize) -> Self {
-        let of_degree = |degree| coupling_of(&newton.scene, degree);
+        let of_degree = |degree| PairCoupling::of_scene(degree, &newton.scene);
         let Some(lattice) = newton.tops.sites.hexagonal_lattice() else {
             let [largest, _] = newton.scene.field.bounds();
             return Self::Pairs {

@@ -13,7 +13,6 @@ use super::rules::floor::{FloorCells, Places};
 use super::rules::groups::Groups;
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
-use super::spectral::coupling_of;
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::sites::Sites;
@@ -742,7 +741,7 @@ impl<'a> Newton<'a> {
     /// The same on other sites and with other degrees, without the floor's cells.
     pub(crate) fn rebuilt(&self, sites: Sites, degrees: Degrees) -> Self {
         let Degrees { coupling, tops } = degrees;
-        let pair = coupling_of(&self.scene, coupling);
+        let pair = PairCoupling::of_scene(coupling, &self.scene);
         let top = PillarTop::new(tops, coupling, sites.common_body().column_compliance_ratio);
         let mut rebuilt = Self::new(&self.scene, self.run, self.stage, sites, &pair, top);
         rebuilt.kernels.clone_from(&self.kernels);

@@ -54,11 +54,6 @@ pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {
     }
 }
 
-/// The coupling of pillars up to a degree.
-pub(crate) fn coupling_of(scene: &Scene, degree: usize) -> PairCoupling {
-    PairCoupling::new(degree, scene.field.spacing()).with_layers(&scene.layers)
-}
-
 /// A solution and how it was reached.
 pub(crate) struct Solution<'a> {
     pub(crate) newton: Newton<'a>,
@@ -130,7 +125,7 @@ pub(crate) fn solve_spectral<'a>(
 ) -> Result<Solution<'a>, SolveError> {
     let mut steps = punch.steps;
     let mut coarse = punch.newton;
-    let mut pair = coupling_of(scene, degrees.coupling);
+    let mut pair = PairCoupling::of_scene(degrees.coupling, scene);
     let mut radius = coarse.tops.reach() + 1.5 * scene.field.spacing();
     loop {
         // That of more modes takes the room.
@@ -154,7 +149,7 @@ pub(crate) fn solve_spectral<'a>(
             radius = larger;
         } else if newton.touched() <= FEW_PILLARS && newton.has_marginal_pillars() {
             degrees.coupling += 2;
-            pair = coupling_of(scene, degrees.coupling);
+            pair = PairCoupling::of_scene(degrees.coupling, scene);
         } else {
             return Ok(Solution {
                 newton,
@@ -337,7 +332,7 @@ pub(crate) fn untouched<'a>(
     degrees: Degrees,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
-    let pair = coupling_of(scene, degrees.coupling);
+    let pair = PairCoupling::of_scene(degrees.coupling, scene);
     let radius = limited(scene, contact_radius + 1.5 * scene.field.spacing() + 1.0);
     let sites = checked_sites(scene, radius, mode_count(degrees.coupling), run)?;
     let kappa = sites.common_body().column_compliance_ratio;

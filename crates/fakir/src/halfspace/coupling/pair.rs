@@ -28,6 +28,7 @@ use crate::numerics::dual::{Dual, Number};
 use crate::numerics::special::gamma_half;
 use crate::numerics::vector::widest;
 use crate::problem::layer::WeightedLayer;
+use crate::problem::scaled::Scene;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::Arc;
 
@@ -305,6 +306,11 @@ impl PairCoupling {
             by_distance: false,
             entries,
         }
+    }
+
+    /// That of the pillars of a scene, on layers where bodies are.
+    pub(crate) fn of_scene(degree: usize, scene: &Scene) -> Self {
+        Self::new(degree, scene.field.spacing()).with_layers(&scene.layers)
     }
 
     /// Degree 0 with the displacement `(2/pi) zeta arcsin(1/delta)` of a flat punch at the centre

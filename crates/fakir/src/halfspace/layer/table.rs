@@ -5,7 +5,7 @@
 //! polynomials on pieces that grow with the distance from there give all digits. Pieces are made when they are first asked for, and cut
 //! into cells with a short polynomial each.
 
-use super::LayerResponse;
+use super::response::LayerResponse;
 use crate::numerics::special::{bessel, spherical_bessel};
 use crate::problem::layer::WeightedLayer;
 use std::f64::consts::PI;
