@@ -30,8 +30,10 @@ from ._state import ContactState, CriticalState, ErrorEstimate, Limit, Normalize
 from ._sweep import Sweep, sweep
 from ._system import (
     CylinderLens,
+    ElasticBase,
     HexagonalTexture,
     LatticeOptions,
+    LayerOptions,
     Lens,
     ObliqueTexture,
     ParaboloidLens,
@@ -72,6 +74,7 @@ __all__ = [
     "DesignError",
     "Difference",
     "ErrorEstimate",
+    "ElasticBase",
     "Estimate",
     "FakirError",
     "FakirWarning",
@@ -84,6 +87,7 @@ __all__ = [
     "HexagonalTexture",
     "HomogenisedLattice",
     "LatticeOptions",
+    "LayerOptions",
     "Lens",
     "Limit",
     "Normalized",

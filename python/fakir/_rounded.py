@@ -16,7 +16,7 @@ from ._design import SEED
 from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, array, si
 from ._run import Progress, options, warn
-from ._system import Lens, Overrides, Substrate, _settings, load
+from ._system import Lens, Overrides, Substrate, _refuse_layers, _settings, load
 from .errors import NotConverged
 from .love import Plate
 
@@ -89,6 +89,7 @@ class RoundedTops:
     ) -> None:
         if not isinstance(indenter, (Lens, Plate)):
             raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
+        _refuse_layers(indenter, substrate)
         if compliance not in {"column", "none"}:
             raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')
         if accuracy not in {"default", "accurate"}:

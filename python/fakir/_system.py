@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict, Unpack
@@ -30,7 +30,101 @@ Overrides = Mapping[str, Quantity]
 
 
 @dataclass(frozen=True, init=False)
-class _RoundLens:
+class ElasticBase:
+    """A half-space that a lens or a substrate of finite thickness is bonded to.
+
+    Parameters
+    ----------
+    young_modulus
+        Young's modulus (Pa).
+    poisson_ratio
+        Poisson's ratio, from 0 to 0.5.
+    """
+
+    young_modulus: float
+    poisson_ratio: float
+
+    def __init__(self, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
+        modulus = si(young_modulus, "pressure", "substrate.base_young_modulus")
+        object.__setattr__(self, "young_modulus", modulus)
+        ratio = si(poisson_ratio, "number", "substrate.base_poisson_ratio")
+        object.__setattr__(self, "poisson_ratio", ratio)
+
+
+Base = Literal["rigid", "frictionless"] | ElasticBase
+
+
+class LayerOptions(TypedDict, total=False):
+    """What every lens and the substrate take besides their material, where they are no half-spaces."""
+
+    thickness: Quantity | None
+    """Thickness of the body as a flat layer (m), without which it is a half-space. Indentations are then the approach of the backs."""
+    base: Base
+    """What its back is bonded to: ``"rigid"``, or an `ElasticBase`; or ``"frictionless"``, where it lies on something rigid."""
+
+
+@dataclass(frozen=True, init=False)
+class _Body:
+    """What lenses and substrates have in common: their thickness."""
+
+    thickness: float | None = field(kw_only=True)
+    base: Base = field(kw_only=True)
+
+    def _set_layer(self, part: str, options: LayerOptions) -> None:
+        known = LayerOptions.__annotations__
+        for name in options:
+            if name not in known:
+                raise TypeError(f"{type(self).__name__} takes no {name}")
+        thickness = options.get("thickness")
+        base = options.get("base", "rigid")
+        if thickness is None and "base" in options and base != "rigid":
+            raise TypeError(f"a {part} has a base where it has a thickness: give that too")
+        if not isinstance(base, ElasticBase) and base not in ("rigid", "frictionless"):
+            raise ValueError(
+                f'{part}.base cannot be {base!r}: give "rigid", "frictionless" or an ElasticBase'
+            )
+        length = None if thickness is None else si(thickness, "length", f"{part}.thickness")
+        object.__setattr__(self, "thickness", length)
+        object.__setattr__(self, "base", base)
+
+    def _layer(self, part: str) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
+        """The numbers and words of a layer by their keys."""
+        if self.thickness is None:
+            return [], []
+        numbers: list[tuple[str, float | None]] = [(f"{part}.thickness", self.thickness)]
+        match self.base:
+            case ElasticBase() as base:
+                numbers.append((f"{part}.base_young_modulus", base.young_modulus))
+                numbers.append((f"{part}.base_poisson_ratio", base.poisson_ratio))
+                return numbers, [(f"{part}.base", "elastic")]
+            case word:
+                return numbers, [(f"{part}.base", word)]
+
+
+def _layer_of(values: Mapping[str, Any], part: str) -> LayerOptions:
+    """The layer that a body of a case is, if it is one."""
+    thickness = values.get(f"{part}.thickness")
+    if thickness is None:
+        return {}
+    match values.get(f"{part}.base", "rigid"):
+        case "elastic":
+            modulus = values[f"{part}.base_young_modulus"]
+            base = ElasticBase(modulus, values[f"{part}.base_poisson_ratio"])
+            return {"thickness": thickness, "base": base}
+        case "frictionless":
+            return {"thickness": thickness, "base": "frictionless"}
+    return {"thickness": thickness}
+
+
+def _refuse_layers(lens: object, substrate: Substrate) -> None:
+    """Where both bodies are half-spaces."""
+    for part, body in (("lens", lens), ("substrate", substrate)):
+        if isinstance(body, _Body) and body.thickness is not None:
+            raise ValueError(f"{part}.thickness is known to System only: leave it out here")
+
+
+@dataclass(frozen=True, init=False)
+class _RoundLens(_Body):
     """What the lenses with a radius have in common."""
 
     radius: float
@@ -38,8 +132,13 @@ class _RoundLens:
     poisson_ratio: float
 
     def __init__(
-        self, radius: Quantity, young_modulus: Quantity, poisson_ratio: Quantity
+        self,
+        radius: Quantity,
+        young_modulus: Quantity,
+        poisson_ratio: Quantity,
+        **options: Unpack[LayerOptions],
     ) -> None:
+        self._set_layer("lens", options)
         object.__setattr__(self, "radius", si(radius, "length", "lens.radius"))
         modulus = si(young_modulus, "pressure", "lens.young_modulus")
         object.__setattr__(self, "young_modulus", modulus)
@@ -59,6 +158,8 @@ class Lens(_RoundLens):
         Young's modulus (Pa).
     poisson_ratio
         Poisson's ratio, from 0 to 0.5.
+    **options
+        `LayerOptions`, which all lenses take: ``thickness``, ``base``.
     """
 
 
@@ -99,13 +200,14 @@ class CylinderLens(_RoundLens):
         poisson_ratio: Quantity,
         *,
         angle: Quantity = 0.0,
+        **options: Unpack[LayerOptions],
     ) -> None:
-        super().__init__(radius, young_modulus, poisson_ratio)
+        super().__init__(radius, young_modulus, poisson_ratio, **options)
         object.__setattr__(self, "angle", si(angle, "angle", "lens.angle"))
 
 
 @dataclass(frozen=True, init=False)
-class PlateLens:
+class PlateLens(_Body):
     """A flat plate that is kept from turning and reaches beyond all of finitely many pillars.
 
     Parameters
@@ -131,7 +233,9 @@ class PlateLens:
         *,
         tilt: Quantity = 0.0,
         tilt_direction: Quantity = 0.0,
+        **options: Unpack[LayerOptions],
     ) -> None:
+        self._set_layer("lens", options)
         modulus = si(young_modulus, "pressure", "lens.young_modulus")
         object.__setattr__(self, "young_modulus", modulus)
         ratio = si(poisson_ratio, "number", "lens.poisson_ratio")
@@ -142,7 +246,7 @@ class PlateLens:
 
 
 @dataclass(frozen=True, init=False)
-class ProfileLens:
+class ProfileLens(_Body):
     """An axisymmetric lens of any smooth shape that rises, by a table of its heights.
 
     Parameters
@@ -158,8 +262,13 @@ class ProfileLens:
     poisson_ratio: float
 
     def __init__(
-        self, profile: str | PathLike[str], young_modulus: Quantity, poisson_ratio: Quantity
+        self,
+        profile: str | PathLike[str],
+        young_modulus: Quantity,
+        poisson_ratio: Quantity,
+        **options: Unpack[LayerOptions],
     ) -> None:
+        self._set_layer("lens", options)
         object.__setattr__(self, "profile", str(Path(fspath(profile)).absolute()))
         modulus = si(young_modulus, "pressure", "lens.young_modulus")
         object.__setattr__(self, "young_modulus", modulus)
@@ -189,13 +298,34 @@ def _shape_of(lens: AnyLens) -> tuple[list[tuple[str, float | None]], list[tuple
 
 
 @dataclass(frozen=True, init=False)
-class Substrate:
-    """The elastic half-space under the pillars, and what they are made of."""
+class Substrate(_Body):
+    """The elastic body under the pillars, and what they are made of: a half-space, or a film of some thickness.
+
+    Parameters
+    ----------
+    young_modulus
+        Young's modulus (Pa).
+    poisson_ratio
+        Poisson's ratio, from 0 to 0.5.
+    **options
+        `LayerOptions`: ``thickness``, ``base``.
+
+    Examples
+    --------
+    >>> film = Substrate("2 MPa", 0.5, thickness="0.2 mm")
+    >>> texture = HexagonalTexture("6 um", "2.2 um", surface_fraction=0.1)
+    >>> system = System(Lens("2.2 mm", "2 MPa", 0.5), film, texture)
+    >>> round(1e6 * system.transition().indentation, 3)
+    10.566
+    """
 
     young_modulus: float
     poisson_ratio: float
 
-    def __init__(self, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
+    def __init__(
+        self, young_modulus: Quantity, poisson_ratio: Quantity, **options: Unpack[LayerOptions]
+    ) -> None:
+        self._set_layer("substrate", options)
         modulus = si(young_modulus, "pressure", "substrate.young_modulus")
         object.__setattr__(self, "young_modulus", modulus)
         ratio = si(poisson_ratio, "number", "substrate.poisson_ratio")
@@ -564,12 +694,15 @@ class System:
                     f"order: found {type(part).__name__} for {name}"
                 )
         of_shape, words_of_shape = _shape_of(lens)
+        of_layers = [lens._layer("lens"), substrate._layer("substrate")]
         numbers: list[tuple[str, float | None]] = [
             *of_shape,
             ("lens.young_modulus", lens.young_modulus),
             ("lens.poisson_ratio", lens.poisson_ratio),
             ("substrate.young_modulus", substrate.young_modulus),
             ("substrate.poisson_ratio", substrate.poisson_ratio),
+            *of_layers[0][0],
+            *of_layers[1][0],
         ]
         if adhesion is not None:
             sticks = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
@@ -577,6 +710,8 @@ class System:
             numbers.append(("adhesion.work_receding", sticks.work_receding))
         words = [
             *words_of_shape,
+            *of_layers[0][1],
+            *of_layers[1][1],
             ("texture.pillar.compliance", texture.compliance),
             ("floor.contact", "true" if floor_contact else "false"),
         ]
@@ -639,24 +774,26 @@ class System:
         """The lens."""
         values = self._case.values()
         modulus, ratio = values["lens.young_modulus"], values["lens.poisson_ratio"]
+        layer = _layer_of(values, "lens")
         match values.get("lens.shape", "sphere"):
             case "paraboloid":
-                return ParaboloidLens(values["lens.radius"], modulus, ratio)
+                return ParaboloidLens(values["lens.radius"], modulus, ratio, **layer)
             case "cylinder":
                 angle = values["lens.angle"]
-                return CylinderLens(values["lens.radius"], modulus, ratio, angle=angle)
+                return CylinderLens(values["lens.radius"], modulus, ratio, angle=angle, **layer)
             case "plate":
                 tilt, direction = values["lens.tilt"], values["lens.tilt_direction"]
-                return PlateLens(modulus, ratio, tilt=tilt, tilt_direction=direction)
+                return PlateLens(modulus, ratio, tilt=tilt, tilt_direction=direction, **layer)
             case "profile":
-                return ProfileLens(values["lens.profile"], modulus, ratio)
-        return Lens(values["lens.radius"], modulus, ratio)
+                return ProfileLens(values["lens.profile"], modulus, ratio, **layer)
+        return Lens(values["lens.radius"], modulus, ratio, **layer)
 
     @property
     def substrate(self) -> Substrate:
         """The substrate."""
         values = self._case.values()
-        return Substrate(values["substrate.young_modulus"], values["substrate.poisson_ratio"])
+        modulus, ratio = values["substrate.young_modulus"], values["substrate.poisson_ratio"]
+        return Substrate(modulus, ratio, **_layer_of(values, "substrate"))
 
     @property
     def texture(self) -> Texture:
@@ -966,7 +1103,11 @@ class System:
 
         def material(part: str) -> str:
             modulus = engineering(values[f"{part}.young_modulus"], "Pa")
-            return f"{modulus}, Poisson's ratio {values[f'{part}.poisson_ratio']:g}"
+            ratio = f"Poisson's ratio {values[f'{part}.poisson_ratio']:g}"
+            if f"{part}.thickness" not in values:
+                return f"{modulus}, {ratio}"
+            base = values.get(f"{part}.base", "rigid")
+            return f"{modulus}, {ratio}, thickness {length(f'{part}.thickness')}, base {base}"
 
         def shape() -> str:
             match values.get("lens.shape", "sphere"):

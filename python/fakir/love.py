@@ -19,7 +19,7 @@ from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn
 from ._state import FIELDS, ErrorEstimate
 from ._loading import Loading, checked_path
-from ._system import Lens, Overrides, Substrate, _settings, load
+from ._system import Lens, Overrides, Substrate, _refuse_layers, _settings, load
 from ._verification import Opinion, checked_cells
 from .errors import NotConverged
 
@@ -113,6 +113,7 @@ class Surface:
         origin = [-0.5 * columns * cell[0] - centre[0], -0.5 * rows * cell[1] - centre[1]]
         if not isinstance(indenter, (Lens, Plate)):
             raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
+        _refuse_layers(indenter, substrate)
         lens = plate = None
         if isinstance(indenter, Lens):
             lens = [indenter.radius, indenter.young_modulus, indenter.poisson_ratio]

@@ -3,7 +3,7 @@
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::{Key, Setting};
-use crate::parts::{Parts, ShapeForm, TextureArrangement};
+use crate::parts::{BaseForm, Parts, ShapeForm, TextureArrangement};
 use crate::row::Range;
 use fakir::problem::{
     Adhesion, Arrangement, HexagonalLattice, Lens, LensShape, Material, Method, Pillar,
@@ -143,6 +143,10 @@ impl Case {
             Key::Pillars => parts.texture.pillars.is_empty(),
             Key::LensShape => parts.shape.form == ShapeForm::Sphere,
             Key::LensProfile => parts.shape.profile.is_empty(),
+            Key::LensThickness => parts.lens_layer.thickness.is_nan(),
+            Key::LensBase => parts.lens_layer.base == BaseForm::Rigid,
+            Key::SubstrateThickness => parts.substrate_layer.thickness.is_nan(),
+            Key::SubstrateBase => parts.substrate_layer.base == BaseForm::Rigid,
             // Flat tops have none.
             Key::TopRadius => true,
             _ if key.is_of_scatter() => parts.texture.is_plain(),

@@ -248,6 +248,11 @@ impl CaseFile {
             .with_adhesion(adhesion)
             .map_err(|invalid| self.impossible(&invalid))?;
         self.check_adhesion(adhesion, method)?;
+        self.check_bases(&parts)?;
+        let [substrate, lens] = [&parts.substrate_layer, &parts.lens_layer];
+        let system = system
+            .with_layers(substrate.layer(), lens.layer())
+            .map_err(|invalid| self.impossible(&invalid))?;
         Ok(Case {
             system,
             method,
@@ -379,6 +384,31 @@ impl CaseFile {
                     Key::MethodName
                 ))),
         }
+    }
+
+    /// Refuses a thickness that is none, and what a body rests on where that is a half-space.
+    fn check_bases(&self, parts: &Parts) -> Result<(), CaseError> {
+        let bodies = [
+            (
+                &parts.substrate_layer,
+                Key::SubstrateThickness,
+                Key::SubstrateBase,
+            ),
+            (&parts.lens_layer, Key::LensThickness, Key::LensBase),
+        ];
+        for (layer, thickness, base) in bodies {
+            if self.entry(thickness).is_some() {
+                self.check_range(thickness, layer.thickness)?;
+            } else if self.entry(base).is_some() {
+                return Err(self
+                    .problem(
+                        base,
+                        "only a body of finite thickness has a back that rests on something",
+                    )
+                    .accepted(format!("give {thickness} too, or leave this out")));
+            }
+        }
+        Ok(())
     }
 
     /// The values of the keys of some parts: those that are given, and the defaults of the others.

@@ -82,6 +82,22 @@ impl Key {
         !matches!(self.part(), Part::Bodies | Part::Texture)
     }
 
+    /// Whether it makes a body a layer in place of a half-space.
+    #[must_use]
+    pub fn is_of_layers(self) -> bool {
+        matches!(
+            self,
+            Self::LensThickness
+                | Self::LensBase
+                | Self::LensBaseYoungModulus
+                | Self::LensBasePoissonRatio
+                | Self::SubstrateThickness
+                | Self::SubstrateBase
+                | Self::SubstrateBaseYoungModulus
+                | Self::SubstrateBasePoissonRatio
+        )
+    }
+
     /// Whether all cases have it: keys of the lens and the substrate.
     pub(crate) fn is_of_bodies(self) -> bool {
         self.part() == Part::Bodies

@@ -4,8 +4,8 @@
 
 use crate::case::{Case, Spacing};
 use fakir::problem::{
-    Accuracy, Arrangement, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice,
-    LatticeForm, Lens, LensShape, Material, MeshLayout, Method, Pillar, PillarCompliance,
+    Accuracy, Arrangement, Base, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice,
+    LatticeForm, Layer, Lens, LensShape, Material, MeshLayout, Method, Pillar, PillarCompliance,
     PlaneLattice, Point, PunchForm, ShapedLens,
 };
 
@@ -17,6 +17,8 @@ pub(crate) struct Parts {
     pub(crate) lens: Lens,
     pub(crate) shape: ShapeParts,
     pub(crate) substrate: Material,
+    pub(crate) lens_layer: LayerParts,
+    pub(crate) substrate_layer: LayerParts,
     pub(crate) texture: TextureParts,
     pub(crate) method: MethodParts,
     pub(crate) surface: SurfaceParts,
@@ -31,6 +33,15 @@ pub(crate) struct ShapeParts {
     pub(crate) tilt: f64,
     pub(crate) tilt_direction: f64,
     pub(crate) profile: String,
+}
+
+/// A body of finite thickness.
+#[derive(Debug, Clone)]
+pub(crate) struct LayerParts {
+    pub(crate) thickness: f64,
+    pub(crate) base: BaseForm,
+    /// Of an elastic base.
+    pub(crate) material: Material,
 }
 
 #[derive(Debug, Clone)]
@@ -117,6 +128,11 @@ impl Default for Parts {
     fn default() -> Self {
         let material = Material::new(NOT_GIVEN, NOT_GIVEN);
         let mesh = ElementMesh::default();
+        let half_space = LayerParts {
+            thickness: NOT_GIVEN,
+            base: BaseForm::Rigid,
+            material,
+        };
         Self {
             lens: Lens {
                 radius: NOT_GIVEN,
@@ -130,6 +146,8 @@ impl Default for Parts {
                 profile: String::new(),
             },
             substrate: material,
+            lens_layer: half_space.clone(),
+            substrate_layer: half_space,
             texture: TextureParts {
                 arrangement: TextureArrangement::Hexagonal,
                 pillars: String::new(),
@@ -211,6 +229,8 @@ impl Parts {
         parts.lens.material = *material;
         parts.lens.radius = case.system.lens().radius().unwrap_or(NOT_GIVEN);
         parts.shape.set(shape, case);
+        parts.lens_layer.set(case.system.lens_layer());
+        parts.substrate_layer.set(case.system.substrate_layer());
         parts.texture.set_arrangement(case);
         parts.texture.pillar = *case.system.pillar();
         parts.texture.floor = case.system.floor_model();
@@ -284,6 +304,39 @@ impl ShapeParts {
                 direction: self.tilt_direction,
             },
             ShapeForm::Profile => return None,
+        })
+    }
+}
+
+impl LayerParts {
+    fn set(&mut self, layer: Option<&Layer>) {
+        let Some(Layer { thickness, base }) = layer else {
+            return;
+        };
+        self.thickness = *thickness;
+        self.base = match base {
+            Base::Rigid => BaseForm::Rigid,
+            Base::Frictionless => BaseForm::Frictionless,
+            Base::Elastic(material) => {
+                self.material = *material;
+                BaseForm::Elastic
+            }
+        };
+    }
+
+    /// The layer that they describe; none of a half-space.
+    pub(crate) fn layer(&self) -> Option<Layer> {
+        if self.thickness.is_nan() {
+            return None;
+        }
+        let base = match self.base {
+            BaseForm::Rigid => Base::Rigid,
+            BaseForm::Frictionless => Base::Frictionless,
+            BaseForm::Elastic => Base::Elastic(self.material),
+        };
+        Some(Layer {
+            thickness: self.thickness,
+            base,
         })
     }
 }
@@ -455,6 +508,21 @@ impl Words for ShapeForm {
         ("cylinder", Self::Cylinder),
         ("plate", Self::Plate),
         ("profile", Self::Profile),
+    ];
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum BaseForm {
+    Rigid,
+    Frictionless,
+    Elastic,
+}
+
+impl Words for BaseForm {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("rigid", Self::Rigid),
+        ("frictionless", Self::Frictionless),
+        ("elastic", Self::Elastic),
     ];
 }
 

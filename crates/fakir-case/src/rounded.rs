@@ -281,6 +281,17 @@ impl CaseFile {
                 .problem(Key::WorkOfAdhesion, "rounded pillar tops do not stick here")
                 .accepted(format!("leave it out, or leave {} out", Key::TopRadius)));
         }
+        let layers = [
+            Key::SubstrateThickness,
+            Key::SubstrateBase,
+            Key::LensThickness,
+            Key::LensBase,
+        ];
+        if let Some(key) = layers.into_iter().find(|key| self.entry(*key).is_some()) {
+            return Err(self
+                .problem(key, "under rounded pillar tops both bodies are half-spaces")
+                .accepted(format!("leave it out, or leave {} out", Key::TopRadius)));
+        }
         if parts.method.name != MethodName::Spectral {
             return Err(self
                 .problem(Key::MethodName, "this method has flat pillar tops only")

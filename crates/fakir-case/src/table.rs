@@ -91,6 +91,19 @@ keys! {
         LensProfile = "lens.profile" is
             text("table of the heights of a lens: columns radius_m, height_m", |p| &mut p.shape.profile)
                 .with(Key::LensShape, &["profile"]);
+        LensThickness = "lens.thickness" is
+            length("thickness, of a flat layer; then indentations are the approach of the backs", |p| &mut p.lens_layer.thickness)
+                .label("thickness of the lens").symbol("t").usual(1e-5, 1e-2)
+                .positive().otherwise("it is a half-space").of(Quantity::LensThickness);
+        LensBase = "lens.base" is
+            word("what its back is bonded to: rigid or elastic; or frictionless: it lies on something rigid", |p| &mut p.lens_layer.base)
+                .label("base of the lens").optional();
+        LensBaseYoungModulus = "lens.base_young_modulus" is
+            pressure("of an elastic base: Young's modulus", |p| &mut p.lens_layer.material.young_modulus)
+                .label("Young's modulus of the base").positive().with(Key::LensBase, &["elastic"]).of(Quantity::LensBaseYoungModulus);
+        LensBasePoissonRatio = "lens.base_poisson_ratio" is
+            number("of an elastic base: Poisson's ratio, 0 to 0.5", |p| &mut p.lens_layer.material.poisson_ratio)
+                .label("Poisson's ratio of the base").range(POISSON).with(Key::LensBase, &["elastic"]).of(Quantity::LensBasePoissonRatio);
     }
     Bodies {
         SubstrateYoungModulus = "substrate.young_modulus" is
@@ -103,6 +116,19 @@ keys! {
                 .range(POISSON).of(Quantity::SubstratePoissonRatio);
     }
     Texture {
+        SubstrateThickness = "substrate.thickness" is
+            length("thickness, of a film; then indentations are the approach of the backs", |p| &mut p.substrate_layer.thickness)
+                .label("thickness of the substrate").symbol("t").usual(1e-5, 1e-2)
+                .positive().otherwise("it is a half-space").of(Quantity::SubstrateThickness);
+        SubstrateBase = "substrate.base" is
+            word("what its back is bonded to: rigid or elastic; or frictionless: it lies on something rigid", |p| &mut p.substrate_layer.base)
+                .label("base of the substrate").optional();
+        SubstrateBaseYoungModulus = "substrate.base_young_modulus" is
+            pressure("of an elastic base: Young's modulus", |p| &mut p.substrate_layer.material.young_modulus)
+                .label("Young's modulus of the base").positive().with(Key::SubstrateBase, &["elastic"]).of(Quantity::SubstrateBaseYoungModulus);
+        SubstrateBasePoissonRatio = "substrate.base_poisson_ratio" is
+            number("of an elastic base: Poisson's ratio, 0 to 0.5", |p| &mut p.substrate_layer.material.poisson_ratio)
+                .label("Poisson's ratio of the base").range(POISSON).with(Key::SubstrateBase, &["elastic"]).of(Quantity::SubstrateBasePoissonRatio);
         Lattice = "texture.lattice" is
             word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.arrangement)
                 .optional();

@@ -113,6 +113,30 @@ fn works_of_adhesion() {
 }
 
 #[test]
+fn layers_survive_writing_and_reading() {
+    use fakir::problem::{Base, Layer, Material};
+    let half_spaces = with(&[]).unwrap();
+    assert!(!half_spaces.system.has_layers());
+    assert!(!half_spaces.to_toml().contains("thickness"));
+    let film = with(&["substrate.thickness=0.2 mm"]).unwrap();
+    assert_eq!(film.system.substrate_layer(), Some(&Layer::new(0.2e-3)));
+    let overrides = [
+        "substrate.thickness=0.2 mm",
+        "substrate.base=elastic",
+        "substrate.base_young_modulus=3 GPa",
+        "substrate.base_poisson_ratio=0.4",
+        "lens.thickness=1 mm",
+        "lens.base=frictionless",
+    ];
+    let both = with(&overrides).unwrap();
+    let base = both.system.substrate_layer().unwrap().base;
+    assert_eq!(base, Base::Elastic(Material::new(3e9, 0.4)));
+    assert_eq!(both.system.lens_layer().unwrap().base, Base::Frictionless);
+    assert_eq!(parse(&both.to_toml()), both);
+    assert_eq!(parse(&film.to_toml()), film);
+}
+
+#[test]
 fn what_may_be_left_out() {
     let case = parse(
         r#"

@@ -60,6 +60,19 @@ fn refusal(key: Key, value: f64) -> Option<CaseError> {
             }
         }
     }
+    let of_layers = Key::ALL.into_iter().filter(|other| {
+        let is_on_elastic_base = other.goes_with().is_some();
+        let wanted = !is_on_elastic_base || key.goes_with().is_some();
+        other.is_of_layers() && wanted && other.table() == key.table()
+    });
+    for other in of_layers.filter(|_| key.is_of_layers()) {
+        match other.kind() {
+            Kind::Number(Dimension::Length) => file.set_number(other, 1e-3),
+            Kind::Number(Dimension::Pressure) => file.set_number(other, 1e9),
+            Kind::Number(_) => file.set_number(other, 0.3),
+            Kind::Word | Kind::Text => {}
+        }
+    }
     file.set_number(key, value);
     let error = if file.is_surface() {
         file.surface_case(MEMORY).err()?

@@ -124,7 +124,7 @@ pub(crate) fn is_on_page(key: Key) -> bool {
         Key::LensTiltDirection,
         Key::LensProfile,
     ];
-    !of_other_arrangements.contains(&key) && !of_other_lenses.contains(&key)
+    !of_other_arrangements.contains(&key) && !of_other_lenses.contains(&key) && !key.is_of_layers()
 }
 
 /// The values of a case, in SI units.
@@ -159,6 +159,15 @@ pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)
     }
     if case.system.lens().sphere().is_none() {
         return Some((Key::LensShape, "the page shows a spherical lens", "sphere"));
+    }
+    for (layer, key) in [
+        (case.system.substrate_layer(), Key::SubstrateThickness),
+        (case.system.lens_layer(), Key::LensThickness),
+    ] {
+        if layer.is_some() {
+            let words = "the page shows half-spaces";
+            return Some((key, words, "nothing: leave the key out"));
+        }
     }
     None
 }

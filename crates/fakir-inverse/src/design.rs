@@ -425,6 +425,8 @@ pub fn free_keys() -> Vec<Key> {
         key.is_positive()
             && ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension)
             && *key != Key::TopRadius
+            // What they change is not known to what the search starts from.
+            && !key.is_of_layers()
     };
     keys.filter(|key| is_made(key) && !key.is_of_surface())
         .collect()

@@ -28,6 +28,8 @@ pub enum Topic {
     ClosedForms,
     /// Fits of measured curves.
     LeastSquares,
+    /// Bodies of finite thickness.
+    Layers,
     /// Rounded pillar tops.
     RoundedTops,
     /// Heights of rounded tops for a wanted curve.
@@ -55,6 +57,7 @@ impl Topic {
         [Self::Method(case.method)]
             .into_iter()
             .chain(sticks.then_some(Self::Adhesion))
+            .chain(case.system.has_layers().then_some(Self::Layers))
             .chain(range.map(|_| Self::AttractionRange))
             .collect()
     }
@@ -68,7 +71,12 @@ impl Topic {
             random: surface.is_random,
         });
         let adhesion = study.has_adhesion().then_some(Self::Adhesion);
-        textures.chain(adhesion).chain(surfaces).collect()
+        let layers = study.has_layers().then_some(Self::Layers);
+        textures
+            .chain(adhesion)
+            .chain(layers)
+            .chain(surfaces)
+            .collect()
     }
 }
 
@@ -250,6 +258,7 @@ impl Topic {
             Self::AttractionRange => vec!["attraction_range"],
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
+            Self::Layers => vec!["layers"],
             Self::RoundedTops => vec!["rounded_tops"],
             Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {
@@ -348,6 +357,7 @@ mod tests {
                 Topic::Adhesion,
                 Topic::AttractionRange,
                 Topic::ClosedForms,
+                Topic::Layers,
                 Topic::RoundedTops,
                 Topic::DesignedHeights,
                 surface(true, false),

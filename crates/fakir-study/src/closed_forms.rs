@@ -123,6 +123,12 @@ pub fn check_arrangement(system: &System) -> Result<(), SolveError> {
     if system.hexagonal_lattice().is_none() || system.lens().sphere().is_none() {
         return Err(SolveError::not_made_for("the theory", system));
     }
+    if system.has_layers() {
+        return Err(SolveError::NotWithLayers {
+            what: "the theory",
+            instead: "or use the spectral method",
+        });
+    }
     Ok(())
 }
 

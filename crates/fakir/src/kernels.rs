@@ -262,6 +262,7 @@ pub fn press_discs(
     };
     let mut stages = vec![("list", clock(), 0)];
     let scene = Scene {
+        layers: Vec::new(),
         lens: Lens {
             radius,
             material: Material::new(1.0, 0.5),

@@ -5,7 +5,9 @@ use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
 use crate::solve::gradient;
-use crate::state::{ContactState, CriticalState, Cycle, Gradient, Passage, Run, SolveError};
+use crate::state::{
+    ContactState, CriticalState, Cycle, Gradient, Passage, Run, SolveError, Warning,
+};
 use crate::theory;
 
 /// The contact under what is prescribed, by the given method.
@@ -29,6 +31,7 @@ pub fn press(
 ) -> Result<ContactState, SolveError> {
     let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
     refuse_transition(system, control)?;
+    refuse_layers(system, method)?;
     if !system.adhesion().is_none() {
         return adhesive::press(system, control, with_adhesion(method)?, run)?.checked();
     }
@@ -40,7 +43,8 @@ pub fn press(
         Method::Love(mesh) => answers::press(system, control, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::press(system, control, run),
     }
-    .and_then(within_table)?
+    .and_then(within_table)
+    .map(with_layer_warnings)?
     .checked()
 }
 
@@ -78,6 +82,10 @@ pub fn gradient(
     if !system.adhesion().is_none() {
         let why =
             "with adhesion the contact depends on the way there; leave out the works of adhesion";
+        return Err(SolveError::NoGradient { why });
+    }
+    if system.has_layers() {
+        let why = "the derivatives with respect to layers are not there yet; leave out substrate.thickness and lens.thickness";
         return Err(SolveError::NoGradient { why });
     }
     let Method::Spectral(accuracy) = method else {
@@ -154,6 +162,7 @@ pub fn follow_cycle(
     if system.adhesion().is_none() {
         return Err(SolveError::NothingSticks);
     }
+    refuse_layers(system, method)?;
     adhesive::cycle(system, plan, with_adhesion(method)?, run, follower)?.checked()
 }
 
@@ -165,6 +174,59 @@ fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError
         });
     }
     Ok(())
+}
+
+/// Thickness over diameter below which a layer is thin, and the part of it that is a large indentation.
+const THIN_LAYER: f64 = 2.0;
+const LARGE_STRAIN: f64 = 0.05;
+
+/// With what is to be said where bodies are layers.
+fn with_layer_warnings(mut state: ContactState) -> ContactState {
+    let system = &state.system;
+    let layers = [system.substrate_layer(), system.lens_layer()];
+    let thinnest = layers.iter().flatten().map(|layer| layer.thickness);
+    let thinnest = thinnest.fold(f64::INFINITY, f64::min);
+    let mut warnings = Vec::new();
+    let (lens, force) = (system.lens(), state.force);
+    if let (Some(layer), LensShape::Sphere { radius }) = (system.lens_layer(), &lens.shape) {
+        let response = theory::layer::LayerResponse::new(&lens.material, layer);
+        let shift = -response.shift() * lens.material.plane_strain_compliance() * force
+            / (std::f64::consts::PI * layer.thickness);
+        let reduction = theory::layer::cap_reduction(layer.thickness / radius);
+        if shift > 0.0 {
+            let deeper = reduction.map(|reduction| reduction * shift);
+            warnings.push(Warning::FlatLens { deeper });
+        }
+    }
+    let of_diameter = thinnest / system.largest_diameter();
+    if of_diameter < THIN_LAYER {
+        warnings.push(Warning::ThinLayer { ratio: of_diameter });
+    }
+    let strain = state.indentation / thinnest;
+    if strain > LARGE_STRAIN {
+        warnings.push(Warning::LayerStrain { ratio: strain });
+    }
+    state.warnings.extend(warnings);
+    state
+}
+
+/// Refuses what is made for half-spaces alone where a body is a layer.
+fn refuse_layers(system: &System, method: Method) -> Result<(), SolveError> {
+    if !system.has_layers() {
+        return Ok(());
+    }
+    let refused = |what, instead| Err(SolveError::NotWithLayers { what, instead });
+    if !system.adhesion().is_none() {
+        return refused("adhesion", "or the works of adhesion");
+    }
+    if !system.has_common_diameter() {
+        let instead = "or give all pillars of the list the diameter pillar.diameter";
+        return refused("a list of pillars of several diameters", instead);
+    }
+    match method {
+        Method::Love(_) => refused("the method of elements", "or use the spectral method"),
+        Method::Spectral(_) | Method::Punch(_) | Method::Homogenised => Ok(()),
+    }
 }
 
 /// Refuses a state whose lowest point of the floor is beyond the table of heights of the lens, where its gap is not known.

@@ -221,12 +221,13 @@ impl StudyFile {
         let cases = self.number_of_cases()?;
         let mut examples: Vec<Case> = Vec::new();
         let mut surfaces = Surfaces::default();
-        let mut sticks = false;
+        let (mut sticks, mut layered) = (false, false);
         for index in 0..cases {
             let blame = |error| self.blame(error, index);
             match self.resolve(index).map_err(blame)?.case {
                 StudiedCase::Texture(case) => {
                     sticks |= !case.system.adhesion().is_none();
+                    layered |= case.system.has_layers();
                     if examples.iter().all(|example| example.method != case.method) {
                         examples.push(*case);
                     }
@@ -241,6 +242,7 @@ impl StudyFile {
             cases,
             examples,
             sticks,
+            layered,
             surfaces,
             text: String::new(),
         };
@@ -498,6 +500,7 @@ pub struct Study {
     examples: Vec<Case>,
     /// Whether there is adhesion in any case.
     sticks: bool,
+    layered: bool,
     surfaces: Surfaces,
     text: String,
 }
@@ -612,6 +615,12 @@ impl Study {
     #[must_use]
     pub fn has_adhesion(&self) -> bool {
         self.sticks
+    }
+
+    /// Whether a body is a layer in any of its cases.
+    #[must_use]
+    pub fn has_layers(&self) -> bool {
+        self.layered
     }
 
     /// The study as a study file. It depends on the study alone, and reading it gives the same

@@ -3,7 +3,7 @@
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
 use fakir::Difference;
-use fakir::problem::{Arrangement, Disorder, LensShape, Method, System};
+use fakir::problem::{Arrangement, Base, Disorder, Layer, LensShape, Method, System};
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::Dimension;
 use fakir_study::result::GradientObject;
@@ -79,7 +79,33 @@ pub(crate) fn texture_line(system: &System) -> String {
         ),
         other => format!("{} pillars, surface fraction {fraction}", other.name()),
     };
-    format!("{line}{}", lens_part(system))
+    format!("{line}{}{}", lens_part(system), layers_part(system))
+}
+
+/// What there is to say of bodies that are no half-spaces: `, on a film 200 um thick; indentations are the approach of the backs`.
+fn layers_part(system: &System) -> String {
+    let thickness = |layer: &Layer| {
+        let base = match layer.base {
+            Base::Frictionless => ", free to slide on its base",
+            Base::Elastic(_) => ", on an elastic base",
+            _ => "",
+        };
+        format!(
+            "{}{base}",
+            with_unit(layer.thickness, Dimension::Length, DIGITS)
+        )
+    };
+    let mut line = String::new();
+    if let Some(layer) = system.lens_layer() {
+        let _ = write!(line, ", under a layer of thickness {}", thickness(layer));
+    }
+    if let Some(layer) = system.substrate_layer() {
+        let _ = write!(line, ", on a film of thickness {}", thickness(layer));
+    }
+    if !line.is_empty() {
+        line.push_str("; the indentation is the approach of the backs");
+    }
+    line
 }
 
 /// What there is to say of a lens that is no sphere: `, under a cylinder of radius 2.2 mm`.

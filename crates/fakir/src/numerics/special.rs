@@ -17,70 +17,97 @@ pub(crate) fn gamma_half(n: usize) -> f64 {
 /// Terms of a power series in `x^2/4` up to `x = 1`, the last of which is below the rounding.
 const SERIES_TERMS: usize = 10;
 
-/// How far above the order and the argument a downward recurrence starts.
-const HEAD_START: usize = 40;
+/// How far above the highest order a downward recurrence starts, for arguments up to that: what it starts with then leaves 1e-16.
+const HEAD_START: usize = 24;
+
+/// Arguments below this have powers that may be no numbers.
+const TINY: f64 = 1e-12;
 
 /// `J_0(x)` to `J_n(x)` for `x >= 0`, as many as there are values.
 pub(crate) fn bessel(x: f64, values: &mut [f64]) {
-    by_recurrence(x, values, [libm::j0(x), libm::j1(x)], 0.0);
+    by_recurrence(x, values, [libm::j0, libm::j1], 0.0);
 }
 
 /// The spherical Bessel functions `j_0(x)` to `j_n(x)` for `x >= 0`, as many as there are values.
 pub(crate) fn spherical_bessel(x: f64, values: &mut [f64]) {
-    let (sin, cos) = x.sin_cos();
-    by_recurrence(x, values, [sin / x, (sin / x - cos) / x], 1.0);
+    let first = |x: f64| x.sin() / x;
+    let second = |x: f64| (x.sin() / x - x.cos()) / x;
+    by_recurrence(x, values, [first, second], 1.0);
 }
 
 /// Functions with `f_(n-1) + f_(n+1) = (2n + b)/x f_n`, from the first two of them, which need be right from 1 on. Below, `f_n` starts as
 /// `x/(2n + b) f_(n-1)`, `f_0` as 1, and the terms of its series have the ratio `-(x^2/2)/(k (2n + 2k + b))`.
-fn by_recurrence(x: f64, values: &mut [f64], first_two: [f64; 2], b: f64) {
+fn by_recurrence(x: f64, values: &mut [f64], first_two: [fn(f64) -> f64; 2], b: f64) {
     let Some(last) = values.len().checked_sub(1) else {
         return;
     };
-    if x < 1.0 {
+    let inverse = x.recip();
+    if x < TINY {
         let mut factor = 1.0;
         for (order, value) in values.iter_mut().enumerate() {
             if order > 0 {
                 factor *= x / (2.0 * order as f64 + b);
             }
-            let (mut term, mut sum) = (1.0, 1.0);
-            for k in 1..=SERIES_TERMS {
-                let (n, k) = (order as f64, k as f64);
-                term *= -0.5 * x * x / (k * (2.0 * n + 2.0 * k + b));
-                sum += term;
-            }
-            *value = factor * sum;
+            *value = factor;
         }
-        return;
-    }
-    if last as f64 <= x {
+    } else if x < 1.0 {
+        // The two highest by their series, and downward from there.
+        let mut factor = 1.0;
+        for order in 0..=last {
+            if order > 0 {
+                factor *= x / (2.0 * order as f64 + b);
+            }
+            if order + 1 >= last {
+                values[order] = factor * series(x, order as f64, b);
+            }
+        }
+        for order in (0..last.saturating_sub(1)).rev() {
+            let next = 2.0 * (order + 1) as f64 + b;
+            values[order] = next * inverse * values[order + 1] - values[order + 2];
+        }
+    } else if last as f64 <= x {
         // Upward, which is stable up to there.
         for order in 0..=last {
             values[order] = match order {
-                0 | 1 => first_two[order],
-                _ => (2.0 * (order as f64 - 1.0) + b) / x * values[order - 1] - values[order - 2],
+                0 | 1 => first_two[order](x),
+                _ => {
+                    let before = 2.0 * (order - 1) as f64 + b;
+                    before * inverse * values[order - 1] - values[order - 2]
+                }
             };
         }
-        return;
-    }
-    // Downward from where they are nothing, then scaled to the larger of the first two.
-    let (mut above, mut value) = (0.0, 1e-290);
-    let mut found = [0.0; 2];
-    for order in (0..last + HEAD_START).rev() {
-        // `value` belongs to order + 1.
-        (above, value) = (value, (2.0 * (order as f64 + 1.0) + b) / x * value - above);
-        if order <= last {
-            values[order] = value;
+    } else {
+        // Downward from where they are nothing, then scaled to the larger of the first two.
+        let (mut above, mut value) = (0.0, 1e-200);
+        for order in (0..last + HEAD_START).rev() {
+            // `value` belongs to order + 1.
+            let next = 2.0 * (order + 1) as f64 + b;
+            (above, value) = (value, next * inverse * value - above);
+            if order <= last {
+                values[order] = value;
+            }
         }
-        if order < 2 {
-            found[order] = value;
+        // Of both, which `value` and `above` are now.
+        let scale = if value.abs() >= above.abs() {
+            first_two[0](x) / value
+        } else {
+            first_two[1](x) / above
+        };
+        for value in values {
+            *value *= scale;
         }
     }
-    let larger = usize::from(first_two[1].abs() > first_two[0].abs());
-    let scale = first_two[larger] / found[larger];
-    for value in values {
-        *value *= scale;
+}
+
+/// The series of one of them, over its first term.
+fn series(x: f64, order: f64, b: f64) -> f64 {
+    let (mut term, mut sum) = (1.0, 1.0);
+    for k in 1..=SERIES_TERMS {
+        let k = k as f64;
+        term *= -0.5 * x * x / (k * (2.0 * order + 2.0 * k + b));
+        sum += term;
     }
+    sum
 }
 
 #[cfg(test)]

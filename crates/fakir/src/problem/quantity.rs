@@ -26,6 +26,18 @@ pub enum Quantity {
     SubstrateYoungModulus,
     /// Poisson's ratio of the substrate and its pillars.
     SubstratePoissonRatio,
+    /// Thickness of the substrate, m.
+    SubstrateThickness,
+    /// Young's modulus of what the substrate is bonded to, Pa.
+    SubstrateBaseYoungModulus,
+    /// Poisson's ratio of what the substrate is bonded to.
+    SubstrateBasePoissonRatio,
+    /// Thickness of the lens, m.
+    LensThickness,
+    /// Young's modulus of what the lens is bonded to, Pa.
+    LensBaseYoungModulus,
+    /// Poisson's ratio of what the lens is bonded to.
+    LensBasePoissonRatio,
     /// Pillar diameter, m.
     PillarDiameter,
     /// Pillar height, m.
@@ -89,6 +101,12 @@ impl fmt::Display for Quantity {
             Self::LensPoissonRatio => "Poisson's ratio of the lens",
             Self::SubstrateYoungModulus => "Young's modulus of the substrate",
             Self::SubstratePoissonRatio => "Poisson's ratio of the substrate",
+            Self::SubstrateThickness => "thickness of the substrate",
+            Self::SubstrateBaseYoungModulus => "Young's modulus of the base of the substrate",
+            Self::SubstrateBasePoissonRatio => "Poisson's ratio of the base of the substrate",
+            Self::LensThickness => "thickness of the lens",
+            Self::LensBaseYoungModulus => "Young's modulus of the base of the lens",
+            Self::LensBasePoissonRatio => "Poisson's ratio of the base of the lens",
             Self::PillarDiameter => "pillar diameter",
             Self::PillarHeight => "pillar height",
             Self::PillarSlenderness => "pillar height over diameter",
@@ -157,6 +175,10 @@ pub enum Requirement {
     PoissonRatio,
     /// At least the pillar diameter (m), so that neighbours do not overlap.
     AtLeastDiameter(f64),
+    /// Of a film: at least the height of the pillars on it (m).
+    AtLeastPillarHeight(f64),
+    /// Of a layer: at least a quarter of this diameter (m).
+    AtLeastQuarterDiameter(f64),
     /// Above zero and below half a turn (rad).
     BetweenRows,
     /// From zero to this.
@@ -215,6 +237,16 @@ impl fmt::Display for Requirement {
                 f,
                 "at least the pillar diameter, {diameter:e} m (closer pillars overlap)"
             ),
+            Self::AtLeastPillarHeight(height) => write!(
+                f,
+                "at least the pillar height, {height:e} m: in a thinner film the feet of the pillars, where they join it, give way otherwise than \
+                 the model has it"
+            ),
+            Self::AtLeastQuarterDiameter(diameter) => write!(
+                f,
+                "at least a quarter of the diameter of the widest pillar, {diameter:e} m: a thinner layer under a pillar is out of the range of \
+                 the model, in which pillars are punches on its surface"
+            ),
             Self::BetweenRows => f.write_str("above 0 and below 180 deg"),
             Self::UpTo(most) => write!(f, "between 0 and {most}"),
             Self::SomeLeft => f.write_str("lower, or the seed another one: of the columns given no pillar is left"),
@@ -261,6 +293,8 @@ impl Requirement {
                 Self::Pitches => (0.0..=1000.0).contains(&value),
                 Self::PoissonRatio => (0.0..=0.5).contains(&value),
                 Self::AtLeastDiameter(diameter) => value >= diameter,
+                Self::AtLeastPillarHeight(height) => value >= height,
+                Self::AtLeastQuarterDiameter(diameter) => value >= 0.25 * diameter,
                 Self::BetweenRows => value > 0.0 && value < std::f64::consts::PI,
                 Self::SomeLeft => false,
                 Self::UpTo(most) => (0.0..=most).contains(&value),

@@ -2,6 +2,7 @@
 //! reduced modulus, so that forces are in units of `E* (d/2)^2`.
 
 use super::lattice::HexagonalLattice;
+use super::layer::WeightedLayer;
 use super::lens::ShapedLens;
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use super::point::{Point, turned};
@@ -19,6 +20,8 @@ pub(crate) struct Scene {
     /// Common height of the pillars: the depth of the floor.
     pub(crate) height: f64,
     pub(crate) field: PillarField,
+    /// The bodies that are no half-spaces.
+    pub(crate) layers: Vec<WeightedLayer>,
     /// Unit of length, m.
     pub(crate) length: f64,
     /// Unit of pressure, `E*`, Pa.
@@ -36,6 +39,7 @@ impl Scene {
             lens: system.lens().in_unit(length).turned(-rotation),
             height: system.pillar().height / length,
             field,
+            layers: system.weighted_layers(length),
             length,
             pressure: system.reduced_modulus(),
             rotation,

@@ -4,6 +4,7 @@ use super::adhesion::Adhesion;
 use super::arrangement::Arrangement;
 use super::column::{ColumnLaw, Pillar, PillarCompliance};
 use super::lattice::HexagonalLattice;
+use super::layer::{Base, Layer, WeightedLayer};
 use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
@@ -57,6 +58,8 @@ pub struct System {
     floor: FloorModel,
     adhesion: Adhesion,
     leaning: bool,
+    /// Of the substrate and of the lens.
+    layers: [Option<Layer>; 2],
 }
 
 /// What becomes of the floor between the pillars where the lens comes down to it.
@@ -109,6 +112,7 @@ impl System {
             floor: FloorModel::Contact,
             adhesion: Adhesion::NONE,
             leaning: true,
+            layers: [None; 2],
         };
         let law = system.column_law();
         for times in system
@@ -118,6 +122,83 @@ impl System {
             law.check(times)?;
         }
         Ok(system)
+    }
+
+    /// The same system with bodies of finite thickness, the substrate and the lens; those without a layer are half-spaces. Indentations are
+    /// then the approach of their backs.
+    ///
+    /// A lens counts as a flat layer: [`cap_reduction`](crate::theory::layer::cap_reduction) tells how much stiffer that is than a cap.
+    ///
+    /// # Errors
+    /// Thicknesses and moduli of bases must be positive and finite, Poisson's ratios between 0 and 0.5; a film must not be thinner than the
+    /// pillars are high, nor a layer than a quarter of the widest pillar.
+    pub fn with_layers(
+        &self,
+        substrate: Option<Layer>,
+        lens: Option<Layer>,
+    ) -> Result<Self, InvalidQuantity> {
+        use Quantity as Q;
+        use Requirement as R;
+        let check = |layer: &Layer, [thickness, modulus, ratio]: [Quantity; 3]| {
+            R::Positive.check(thickness, layer.thickness)?;
+            R::AtLeastQuarterDiameter(self.largest_diameter()).check(thickness, layer.thickness)?;
+            if let Base::Elastic(base) = layer.base {
+                R::Positive.check(modulus, base.young_modulus)?;
+                R::PoissonRatio.check(ratio, base.poisson_ratio)?;
+            }
+            Ok(())
+        };
+        if let Some(film) = &substrate {
+            check(
+                film,
+                [
+                    Q::SubstrateThickness,
+                    Q::SubstrateBaseYoungModulus,
+                    Q::SubstrateBasePoissonRatio,
+                ],
+            )?;
+            R::AtLeastPillarHeight(self.pillar().height)
+                .check(Q::SubstrateThickness, film.thickness)?;
+        }
+        if let Some(layer) = &lens {
+            check(
+                layer,
+                [
+                    Q::LensThickness,
+                    Q::LensBaseYoungModulus,
+                    Q::LensBasePoissonRatio,
+                ],
+            )?;
+        }
+        Ok(Self {
+            layers: [substrate, lens],
+            ..self.clone()
+        })
+    }
+
+    /// The substrate as a layer, if it is no half-space.
+    #[must_use]
+    pub fn substrate_layer(&self) -> Option<&Layer> {
+        self.layers[0].as_ref()
+    }
+
+    /// The lens as a layer, if it is no half-space.
+    #[must_use]
+    pub fn lens_layer(&self) -> Option<&Layer> {
+        self.layers[1].as_ref()
+    }
+
+    /// Whether a body is a layer.
+    #[must_use]
+    pub fn has_layers(&self) -> bool {
+        self.layers.iter().any(Option::is_some)
+    }
+
+    /// The layers in a unit of length (m).
+    pub(crate) fn weighted_layers(&self, unit: f64) -> Vec<WeightedLayer> {
+        let [substrate, lens] = self.layers;
+        let bodies = [(self.substrate, substrate), (self.lens.material, lens)];
+        WeightedLayer::among(&bodies, unit)
     }
 
     /// The same system with another model of the floor.
@@ -235,6 +316,18 @@ impl System {
         }
     }
 
+    /// Whether all pillars have the common diameter.
+    pub(crate) fn has_common_diameter(&self) -> bool {
+        let common = self.pillar().diameter.to_bits();
+        match self.arrangement() {
+            Arrangement::Listed(list) => {
+                let mut pillars = list.pillars().iter();
+                pillars.all(|pillar| pillar.diameter.to_bits() == common)
+            }
+            _ => true,
+        }
+    }
+
     /// `c = (1 - nu_l^2)/E_l + (1 - nu_s^2)/E_s`, 1/Pa.
     #[must_use]
     pub fn contact_compliance(&self) -> f64 {
@@ -328,12 +421,13 @@ impl System {
     ) -> Result<Self, InvalidQuantity> {
         let texture = Texture::new(self.texture.pillar, arrangement);
         let system = Self::new(self.lens.clone(), self.substrate, texture)?;
-        Ok(Self {
+        Self {
             floor: self.floor,
             adhesion: self.adhesion,
             leaning: self.leaning,
             ..system
-        })
+        }
+        .with_layers(self.layers[0], self.layers[1])
     }
 }
 

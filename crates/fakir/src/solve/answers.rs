@@ -43,6 +43,12 @@ const UNKNOWN: ErrorEstimate = ErrorEstimate {
 /// estimated from within.
 const PUNCH_ERROR: [f64; 2] = [0.1, 0.02];
 
+/// A load past the transition where a body is a layer.
+const FLOOR_UNDER_LAYERS: SolveError = SolveError::NotWithLayers {
+    what: "contact with the floor, past the transition,",
+    instead: "lower the load, or set floor.contact = false",
+};
+
 /// The contact under what is prescribed, which has been checked.
 pub(crate) fn press(
     system: &System,
@@ -77,6 +83,7 @@ pub(crate) fn press(
             Control::Force(force) if force <= 0.0 => {
                 return Ok(without_contact(system, &scene, method, scene.height));
             }
+            _ if !scene.layers.is_empty() => return Err(FLOOR_UNDER_LAYERS),
             _ if scene.floor_bears() => {
                 return mixed::floor_first(system, &scene, target, accuracy, run);
             }
@@ -132,7 +139,9 @@ fn solve(
         }
         state
     };
+    // A contact inside one top is known in closed form on half-spaces.
     if let PillarMethod::Spectral(_) = method
+        && scene.layers.is_empty()
         && let Some((pillar, patch)) = find_patch(scene, target)
     {
         let state = patch_state(system, scene, method, pillar, &patch);
@@ -149,6 +158,7 @@ fn solve(
         PillarMethod::Spectral(accuracy) => {
             if bears
                 && accuracy == Accuracy::Accurate
+                && scene.layers.is_empty()
                 && let Some(tops) = mixed::far_past_transition(scene, target, guess, run)?
             {
                 return mixed::past_transition(system, scene, target, accuracy, tops, run);
@@ -188,6 +198,9 @@ fn solve(
             let gap = lowest.map_or(0.0, |point| {
                 point.indentation - solution.outcome.indentation
             });
+            if borne && gap < 0.0 && !scene.layers.is_empty() {
+                return Err(FLOOR_UNDER_LAYERS);
+            }
             if bears && gap < 0.0 {
                 return mixed::past_transition(system, scene, target, accuracy, solution, run);
             }
@@ -271,7 +284,9 @@ pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Control
         Control::Force(force) => Control::Force(force * scene.force()),
         Control::FloorContact => Control::FloorContact,
     };
-    let radius = homogenised::rough_contact_radius(system, control)? / scene.length;
+    // Where bodies are layers, that is a start as good as any.
+    let half_spaces = system.with_layers(None, None).ok()?;
+    let radius = homogenised::rough_contact_radius(&half_spaces, control)? / scene.length;
     Some(radius).filter(|radius| *radius > 0.0)
 }
 

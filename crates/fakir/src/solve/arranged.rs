@@ -90,6 +90,7 @@ mod tests {
     /// In units of a length, all given in um.
     fn scene(field: PillarField, lens: f64, height: f64, unit: f64) -> Scene {
         Scene {
+            layers: Vec::new(),
             lens: Lens {
                 radius: lens / unit,
                 material: Material::new(1.0, 0.5),

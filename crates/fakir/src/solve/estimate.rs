@@ -101,7 +101,8 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
     if near.is_empty() {
         return [0.0; 2];
     }
-    let exterior = Exterior::new(degree_with(newton.tops.top.count()));
+    let degree = degree_with(newton.tops.top.count());
+    let exterior = Exterior::new(degree).with_layers(&newton.scene.layers);
     let mut displacement = vec![0.0; newton.tops.top.count()];
     let mut solver = LocalSolver::new(&newton.tops.top);
     let change: f64 = near
@@ -265,7 +266,7 @@ fn degree_changes(
     let count = mode_count(extended);
     let neighbours = Neighbours::new(newton, extended);
     let compliance = compliances(extended, 0.0);
-    let exterior = Exterior::new(extended);
+    let exterior = Exterior::new(extended).with_layers(&newton.scene.layers);
     let fields = [
         total,
         adjoints[0].coefficients.as_slice(),
@@ -396,7 +397,7 @@ enum Neighbours {
 
 impl Neighbours {
     fn new(newton: &Newton<'_>, degree: usize) -> Self {
-        let of_degree = |degree| PairCoupling::new(degree, newton.scene.field.spacing());
+        let of_degree = |degree| PairCoupling::of_scene(degree, &newton.scene);
         let Some(lattice) = newton.tops.sites.hexagonal_lattice() else {
             let [largest, _] = newton.scene.field.bounds();
             return Self::Pairs {
@@ -415,7 +416,13 @@ impl Neighbours {
         for i in -reach..=reach {
             for j in -reach..=reach {
                 let [x, y]: Point = lattice.lattice_vector(i, j);
-                if (i, j) == (0, 0) || x.hypot(y) > neighbourhood(newton) {
+                if (i, j) == (0, 0) {
+                    if let Some(own) = pair.own_block() {
+                        blocks.push(((i, j), modes_beyond(&own, modes, count)));
+                    }
+                    continue;
+                }
+                if x.hypot(y) > neighbourhood(newton) {
                     continue;
                 }
                 pair.block([-x, -y], &mut whole);
@@ -457,6 +464,11 @@ impl Neighbours {
             Self::Pairs { pairs, largest } => {
                 let (at, radius) = (sites.centres()[pillar], sites.body(pillar).radius);
                 let reach = (PAIRS - 1.0) * radius;
+                let known = newton.degree();
+                if let Some(own) = pairs[known].own_block() {
+                    let (known, count) = (mode_count(known), pairs[known].modes().len());
+                    add(pillar, &modes_beyond(&own, known, count), known);
+                }
                 let mut whole = Vec::new();
                 for source in sites.neighbours().within(at, reach + largest) {
                     let source = source as usize;

@@ -370,7 +370,20 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             [0, 1].map(|set| radius * dot(values, self.coefficients_of(set, disc)))
         };
         let holes = Neighbours::new(points.iter().map(|point| (*point, 0.0)));
-        let groups = holes.groups(TOGETHER);
+        let groups = holes.groups(if self.exterior.has_layers() {
+            1
+        } else {
+            TOGETHER
+        });
+        // What layers add to the displacement by a force is not expanded.
+        let add = |forces: [f64; 2], offset: Point, sums: &mut [FieldJet; 2]| {
+            add_forces(forces, offset, sums);
+            let mut of_layers = [0.0];
+            self.exterior.layer_values(1, offset, &mut of_layers);
+            for (sum, force) in sums.iter_mut().zip(forces) {
+                sum.value += force * of_layers[0] / UNIT_FORCE;
+            }
+        };
         let work = || (vec![0.0; self.modes], Vec::new());
         let of_group = |(values, near): &mut (Vec<f64>, Vec<usize>), number: usize| {
             let (group, sides) = groups[number];
@@ -385,13 +398,14 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             let small = |place: usize| {
                 let [unit, rest, count, u, v] = sums[place];
                 let offset = [middle[0] - u / count, middle[1] - v / count];
-                add_forces([unit, rest], offset, &mut boxes);
+                add([unit, rest], offset, &mut boxes);
             };
             let alone = |disc: usize| {
                 let offset = [0, 1].map(|k| middle[k] - self.centres[disc][k]);
-                if offset[0].hypot(offset[1]) > extent / FAR_FROM_ALL {
+                let far = f64::max(extent / FAR_FROM_ALL, BESIDE_DISC * radii[disc]);
+                if offset[0].hypot(offset[1]) > far {
                     let [unit, rest, ..] = forces[disc];
-                    add_forces([unit, rest], offset, &mut discs);
+                    add([unit, rest], offset, &mut discs);
                 } else {
                     near.push(disc);
                 }

@@ -242,7 +242,7 @@ impl<'a> Newton<'a> {
             kernels: None,
             contact: FrozenContact::new(run, coupling, pair.modes().len(), own_load),
             tops,
-            exterior: Exterior::new(degree),
+            exterior: Exterior::new(degree).with_layers(&scene.layers),
             floor: FloorSearch::default(),
         }
     }
@@ -751,7 +751,7 @@ impl<'a> Newton<'a> {
     /// The same on other sites and with other degrees, without the floor's cells.
     pub(crate) fn rebuilt(&self, sites: Sites, degrees: Degrees) -> Self {
         let Degrees { coupling, tops } = degrees;
-        let pair = PairCoupling::new(coupling, self.scene.field.spacing());
+        let pair = PairCoupling::of_scene(coupling, &self.scene);
         let top = PillarTop::new(tops, coupling, sites.common_body().column);
         let mut rebuilt = Self::new(&self.scene, self.run, self.stage, sites, &pair, top);
         rebuilt.kernels.clone_from(&self.kernels);

@@ -58,6 +58,7 @@ mod tests {
             },
         };
         let scene = |pillars: Vec<ListedPillar>| Scene {
+            layers: Vec::new(),
             lens: Lens {
                 radius: 1000.0,
                 material: Material::new(1.0, 0.5),

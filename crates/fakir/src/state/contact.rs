@@ -104,6 +104,21 @@ pub enum Warning {
     },
     /// Elastic pillars also lean under a moment, which this method leaves out.
     LeaningLeftOut,
+    /// The lens is a layer, and counts as a flat one: a spherical cap as thick in its middle is softer.
+    FlatLens {
+        /// By how much more a cap comes down under this force, m; none where the lens is nearly half a sphere, for which that is not known.
+        deeper: Option<f64>,
+    },
+    /// A layer is thinner than two diameters of a pillar: how the pillars join it is left out.
+    ThinLayer {
+        /// Thickness over the diameter of the pillars.
+        ratio: f64,
+    },
+    /// The indentation is a large part of a thickness, beyond what small strains are good for.
+    LayerStrain {
+        /// Indentation over the thickness of the thinnest layer.
+        ratio: f64,
+    },
     /// The contact of a plate reaches the border of a grid that stands free, or at the border a lens
     /// is below the highest of the surface: there may be more contact on a larger surface.
     ReachesBorder,
@@ -144,6 +159,22 @@ impl std::fmt::Display for Warning {
             Self::LeaningLeftOut => f.write_str(
                 "elastic pillars also lean where they are pressed on one side: only the spectral method knows how, and by this one the \
                  critical force was up to 0.3 % off for that",
+            ),
+            Self::FlatLens { deeper: Some(deeper) } => write!(
+                f,
+                "the lens counts as a flat layer: a spherical cap as thick in its middle is softer, and comes down by about {deeper:.1e} m more \
+                 under this force"
+            ),
+            Self::FlatLens { deeper: None } => f.write_str(
+                "the lens counts as a flat layer, which is doubtful of one as thick as its radius of curvature",
+            ),
+            Self::ThinLayer { ratio } => write!(
+                f,
+                "a layer is only {ratio:.2} pillar diameters thick: below 2 the way in which pillars join it matters, which is left out"
+            ),
+            Self::LayerStrain { ratio } => write!(
+                f,
+                "the indentation is {ratio:.2} of the thickness of a layer: above 0.05 small strains no longer describe that"
             ),
             Self::ReachesBorder => f.write_str(
                 "at the border of the height map what is pressed is as low as the surface: what lies \

@@ -159,6 +159,16 @@ pub enum SolveError {
         /// Where the table ends, m.
         end: f64,
     },
+    /// What is made for half-spaces, asked where a body is a layer.
+    #[error(
+        "{what} is not there yet where the substrate or the lens is a layer: leave out substrate.thickness and lens.thickness, {instead}"
+    )]
+    NotWithLayers {
+        /// `"adhesion"` and others.
+        what: &'static str,
+        /// What can be asked for instead.
+        instead: &'static str,
+    },
     /// The critical state under a cylinder or a plate.
     #[error(
         "a {shape} has no transition: it comes nearest to the floor beyond the pillars; prescribe an indentation or a force"

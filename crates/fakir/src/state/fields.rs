@@ -168,8 +168,8 @@ impl Fields {
                 .enumerate()
                 .map(|(k, disc)| (disc.index, k))
                 .collect(),
-            exterior: Exterior::new(degree),
-            close_exterior: Exterior::new(close_degree),
+            exterior: Exterior::new(degree).with_layers(&scene.layers),
+            close_exterior: Exterior::new(close_degree).with_layers(&scene.layers),
             compliance: compliances(close_degree, 0.0),
             covered: OnceLock::new(),
             floor: None,
@@ -243,13 +243,19 @@ impl Fields {
         if distance <= 1.0 {
             let mut basis = BasisEvaluator::new(self.degree_of(disc));
             basis.evaluate(at, values);
-            return disc
+            let of_half_spaces: f64 = disc
                 .coefficients
                 .iter()
                 .zip(values.iter())
                 .zip(&self.compliance)
                 .map(|((c, y), lambda)| c * y * lambda)
                 .sum();
+            if self.scene.layers.is_empty() {
+                return of_half_spaces;
+            }
+            let count = self.close_exterior.count().min(disc.coefficients.len());
+            self.close_exterior.layer_values(count, at, values);
+            return of_half_spaces + dot(&values[..count], &disc.coefficients[..count]);
         }
         let exterior = if distance < NEAR {
             &self.close_exterior

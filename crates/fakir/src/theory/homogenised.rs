@@ -39,10 +39,16 @@ impl HomogenisedLattice {
     /// # Errors
     /// [`SolveError::TextureTooDense`] where `beta` is not positive: at and above the
     /// [`largest_surface_fraction`]. [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice, and [`SolveError::NotUnderShape`] of a lens that is
-    /// no sphere.
+    /// no sphere, and [`SolveError::NotWithLayers`] of bodies that are no half-spaces.
     pub fn new(system: &System) -> Result<Self, SolveError> {
         if system.hexagonal_lattice().is_none() || system.lens().sphere().is_none() {
             return Err(SolveError::not_made_for("the homogenised lattice", system));
+        }
+        if system.has_layers() {
+            return Err(SolveError::NotWithLayers {
+                what: "the homogenised lattice",
+                instead: "or use the spectral method",
+            });
         }
         let neighbours = neighbour_compliance(system);
         let own = system.internal_compliance() / system.pillar().diameter;

@@ -397,6 +397,14 @@ impl RowWork {
         let parts = pair.radial_count();
         for column in -reach..=reach {
             if (row, column) == (0, 0) {
+                // What layers do to a pillar by itself has no direction.
+                if let Some(own) = pair.own_block() {
+                    let modes = pair.modes().len();
+                    let upper = (0..modes).flat_map(|row| &own[row * modes + row..][..modes - row]);
+                    for (grid, value) in self.grids.chunks_exact_mut(columns).zip(upper) {
+                        grid[0] = *value;
+                    }
+                }
                 continue;
             }
             let norm = ((row * row + row * column + column * column) as f64).sqrt();

@@ -190,6 +190,8 @@ fn bands<R>(rows: &[Row<R>]) -> Vec<(Range<usize>, usize)> {
 /// All pairs: one dense matrix.
 pub(crate) struct DirectCoupling {
     blocks: PairBlocks<f64>,
+    /// What each does to itself, row by row; nothing on half-spaces.
+    own: Option<Vec<f64>>,
 }
 
 impl DirectCoupling {
@@ -207,6 +209,7 @@ impl DirectCoupling {
         };
         Self {
             blocks: PairBlocks::new([count, modes], after, |_| modes, fill, workers),
+            own: pair.own_block(),
         }
     }
 
@@ -219,5 +222,18 @@ impl DirectCoupling {
     pub(crate) fn apply(&self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
         far.fill(0.0);
         self.blocks.add(coefficients, far, workers);
+        if let Some(own) = &self.own {
+            let modes = own.len().isqrt();
+            let pillars = far.chunks_exact_mut(modes);
+            for (far, coefficients) in pillars.zip(coefficients.chunks_exact(modes)) {
+                for (far, row) in far.iter_mut().zip(own.chunks_exact(modes)) {
+                    *far += row
+                        .iter()
+                        .zip(coefficients)
+                        .map(|(b, c)| b * c)
+                        .sum::<f64>();
+                }
+            }
+        }
     }
 }

@@ -45,7 +45,9 @@ impl<'p> LatticeCoupling<'p> {
         if let Some(window) = sites.window() {
             return Self::new(window, pair, workers);
         }
+        // Charges on a grid act as on half-spaces.
         if sites.len() > PAIRS_LIMIT
+            && !pair.has_layers()
             && let Some(grid) = GridCoupling::new(sites, pair, workers)
         {
             return Self::Grid(Box::new(grid));
@@ -77,8 +79,8 @@ impl Coupling for LatticeCoupling<'_> {
 }
 
 /// About how many bytes the solution of pillars at any places takes.
-pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize) -> f64 {
-    if sites.len() > PAIRS_LIMIT {
+pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize, layered: bool) -> f64 {
+    if sites.len() > PAIRS_LIMIT && !layered {
         Plan::new(sites, modes).memory(sites.len(), modes)
     } else {
         DirectCoupling::memory_estimate(sites.len() as f64, modes)
@@ -124,33 +126,36 @@ mod tests {
                 offset_angle: 0.5,
             };
             let window = Window::new(&lattice, radius);
-            let pair = PairCoupling::new(degree, lattice.pitch);
-            let c = coefficients(window.len() * mode_count(degree));
-            let mut direct = vec![0.0; c.len()];
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(2)
-                .build()
-                .unwrap();
-            let cancel = CancelToken::default();
-            for pool in [None, Some(&pool)] {
-                let workers = Workers {
-                    pool,
-                    cancel: &cancel,
-                };
-                DirectCoupling::new(window.centres(), |_| 1.0, &pair, workers).apply(
-                    &c,
-                    &mut direct,
-                    workers,
-                );
-                let mut transformed = vec![f64::NAN; c.len()];
-                LatticeConvolution::new(&window, &pair, workers).apply(
-                    &c,
-                    &mut transformed,
-                    workers,
-                );
-                let scale = direct.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-                for (a, b) in direct.iter().zip(&transformed) {
-                    assert!((a - b).abs() < 1e-13 * scale, "degree {degree}: {a} {b}");
+            let half_spaces = PairCoupling::new(degree, lattice.pitch);
+            let film = crate::halfspace::layer::tests::film();
+            for pair in [half_spaces.with_layers(&[film]), half_spaces] {
+                let c = coefficients(window.len() * mode_count(degree));
+                let mut direct = vec![0.0; c.len()];
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(2)
+                    .build()
+                    .unwrap();
+                let cancel = CancelToken::default();
+                for pool in [None, Some(&pool)] {
+                    let workers = Workers {
+                        pool,
+                        cancel: &cancel,
+                    };
+                    DirectCoupling::new(window.centres(), |_| 1.0, &pair, workers).apply(
+                        &c,
+                        &mut direct,
+                        workers,
+                    );
+                    let mut transformed = vec![f64::NAN; c.len()];
+                    LatticeConvolution::new(&window, &pair, workers).apply(
+                        &c,
+                        &mut transformed,
+                        workers,
+                    );
+                    let scale = direct.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+                    for (a, b) in direct.iter().zip(&transformed) {
+                        assert!((a - b).abs() < 1e-13 * scale, "degree {degree}: {a} {b}");
+                    }
                 }
             }
         }

@@ -15,15 +15,22 @@
 //! beyond 1, which three-term recurrences give; all are positive. Radius 0 is a point that feels or acts by its mean alone.
 //!
 //! Pillars of one radius have that as the unit of length. Then the moments are the coefficients.
+//!
+//! Where bodies are [layers](crate::halfspace::layer), `(Phi(k) - 1)` times the integrand is added, for pillars of that radius alone: it is smooth, so that
+//! a pillar feels it of itself too, at the distance 0.
 
 use crate::halfspace::disc::basis::{
     Mode, UNIT_FORCE, equator_value, gamma_degree, mode_count, modes,
 };
 use crate::halfspace::disc::exterior::{MAXIMUM_DEGREE, RadialFunction};
+use crate::halfspace::layer::table::{RadialPart, RadialTable};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::special::gamma_half;
 use crate::numerics::vector::widest;
+use crate::problem::layer::WeightedLayer;
+use crate::problem::scaled::Scene;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::sync::Arc;
 
 /// Relative size of the terms at which the series is cut.
 pub(super) const SERIES_TOLERANCE: f64 = 1e-17;
@@ -256,6 +263,8 @@ pub(crate) struct PairCoupling {
     series: SeriesTable,
     /// Whether pillars act as flat punches on the centres of the others, without series.
     flat_punches: Option<RadialFunction>,
+    /// What layers add to every series; none on half-spaces.
+    layers: Option<Arc<RadialTable>>,
     /// Whether it is the derivative with respect to the logarithm of the distance instead.
     by_distance: bool,
     /// Entries with source index >= receiver index, row by row.
@@ -293,9 +302,15 @@ impl PairCoupling {
             pitch,
             series: SeriesTable::new(series),
             flat_punches: None,
+            layers: None,
             by_distance: false,
             entries,
         }
+    }
+
+    /// That of the pillars of a scene, on layers where bodies are.
+    pub(crate) fn of_scene(degree: usize, scene: &Scene) -> Self {
+        Self::new(degree, scene.field.spacing()).with_layers(&scene.layers)
     }
 
     /// Degree 0 with the displacement `(2/pi) zeta arcsin(1/delta)` of a flat punch at the centre
@@ -305,6 +320,61 @@ impl PairCoupling {
             flat_punches: Some(RadialFunction::new(0, 0)),
             ..Self::new(0, pitch)
         }
+    }
+
+    /// The same on layers, given in the radius of the pillars.
+    pub(crate) fn with_layers(&self, layers: &[WeightedLayer]) -> Self {
+        if layers.is_empty() {
+            return self.clone();
+        }
+        // The displacement of a point by a point force, for flat punches: 2 is their force squared over pi.
+        let of_points = RadialPart {
+            factor: 2.0,
+            degrees: Vec::new(),
+            order: 0,
+            power: 0,
+        };
+        let mut parts = vec![of_points; self.radial_count()];
+        if self.flat_punches.is_none() {
+            for entry in &self.entries {
+                let Entry {
+                    receiver, source, ..
+                } = entry;
+                let [m, n] = [receiver.order, source.order];
+                for (series, order) in entry.series.into_iter().zip([m.abs_diff(n), m + n]) {
+                    let sign = (receiver.degree + order) as i64 - source.degree as i64;
+                    let sign = if sign % 4 == 0 { 1.0 } else { -1.0 };
+                    let values = [receiver, source]
+                        .map(|mode| equator_value(mode.degree, mode.order))
+                        .into_iter();
+                    parts[series] = RadialPart {
+                        factor: sign * 4.0 * PI * values.product::<f64>(),
+                        degrees: vec![receiver.degree, source.degree],
+                        order,
+                        power: 0,
+                    };
+                }
+            }
+        }
+        Self {
+            layers: Some(Arc::new(RadialTable::new(layers, parts))),
+            ..self.clone()
+        }
+    }
+
+    /// Whether there are layers, by which a pillar acts on itself.
+    pub(crate) fn has_layers(&self) -> bool {
+        self.layers.is_some()
+    }
+
+    /// What a pillar does to itself by layers, row by row.
+    pub(crate) fn own_block(&self) -> Option<Vec<f64>> {
+        let layers = self.layers.as_ref()?;
+        let mut radial = vec![0.0; self.radial_count()];
+        layers.values(0.0, &mut radial);
+        let mut block = vec![0.0; self.modes.len() * self.modes.len()];
+        self.fill_block([&radial; 2], [1.0, 0.0], &mut block);
+        Some(block)
     }
 
     /// The derivative with respect to the logarithm of the distance in place of the coupling: what a pitch changes. It has the same symmetries.
@@ -353,15 +423,21 @@ impl PairCoupling {
     pub(crate) fn radial_of(&self, discs: Discs, radial: &mut [f64]) {
         if let Some(punch) = &self.flat_punches {
             radial.fill(UNIT_FORCE * punch.value(discs.distance.recip()));
-            return;
-        }
-        if self.by_distance {
+        } else if self.by_distance {
             for (value, series) in radial.iter_mut().zip(&self.series.series) {
                 *value = series.derivatives(discs)[0];
             }
             return;
+        } else {
+            self.series.values(discs, radial);
         }
-        self.series.values(discs, radial);
+        if let Some(layers) = &self.layers {
+            let mut more = vec![0.0; radial.len()];
+            layers.values(discs.distance, &mut more);
+            for (value, more) in radial.iter_mut().zip(more) {
+                *value += more;
+            }
+        }
     }
 
     /// Entries on and above the diagonal of the block for the unit vector `direction` from
@@ -506,6 +582,7 @@ impl Angles {
 mod tests {
     use super::*;
     use crate::halfspace::disc::basis::BasisEvaluator;
+    use crate::halfspace::layer::tests::{film, modes_of, rows};
     use crate::numerics::quadrature::hemisphere;
 
     /// `∫∫ Y_i Y_j/(pi |x - x'|) dOmega dOmega'` over two discs, by product quadrature.
@@ -538,6 +615,110 @@ mod tests {
             }
         }
         block
+    }
+
+    #[test]
+    fn layers_add_what_the_table_has() {
+        // In um with a radius of 3 um.
+        let (half_spaces, film) = (PairCoupling::new(2, 4.0), film());
+        let layered = half_spaces.with_layers(&[film]);
+        for (case, value) in rows("Delta g") {
+            let (modes, distance) = modes_of(&case);
+            let order: usize = case.split("M=").nth(1).unwrap()[..1].parse().unwrap();
+            let is_it = |entry: &&Entry| {
+                let pair = [entry.receiver, entry.source];
+                let own = pair.map(|mode| (mode.degree, mode.order));
+                own == [modes[0], modes[1]] || own == [modes[1], modes[0]]
+            };
+            let entry = half_spaces.entries.iter().find(is_it).unwrap();
+            let [m, n] = [entry.receiver.order, entry.source.order];
+            let series = entry.series[usize::from(order != m.abs_diff(n))];
+            assert!(order == m.abs_diff(n) || order == m + n);
+            let radial = |pair: &PairCoupling| {
+                let mut radial = vec![0.0; pair.radial_count()];
+                pair.radial(distance / 3.0, &mut radial);
+                radial[series]
+            };
+            let found = if distance > 0.0 {
+                radial(&layered) - radial(&half_spaces)
+            } else {
+                layered.own_block().unwrap()[0]
+            };
+            let tolerance = 1e-12 + 1e-12 * value.abs();
+            assert!(
+                (3.0 * found - value).abs() < tolerance,
+                "{case}: {}",
+                3.0 * found
+            );
+        }
+    }
+
+    #[test]
+    fn a_layer_with_itself_by_double_quadrature() {
+        // Its far displacement between all points of two discs, and of one with itself.
+        let degree = 4;
+        let count = mode_count(degree);
+        let film = film();
+        let response = crate::halfspace::layer::LayerResponse::of(&film);
+        let mut basis = BasisEvaluator::new(degree);
+        let rule: Vec<_> = hemisphere(6, 24)
+            .into_iter()
+            .map(|(point, weight)| {
+                let mut values = vec![0.0; count];
+                basis.evaluate(point, &mut values);
+                (point, weight, values)
+            })
+            .collect();
+        // Even polynomials: enough for the distances here, to 1e-9.
+        let samples: Vec<f64> = (0..=2000)
+            .map(|k| response.far_displacement(f64::from(k) * 1e-3) / 2.0)
+            .collect();
+        let at = |distance: f64| {
+            let place = 0.5 * distance * 1e3;
+            let k = (place as usize).clamp(1, 1997);
+            let x = place - k as f64;
+            let [a, b, c, d] = [k - 1, k, k + 1, k + 2].map(|k| samples[k]);
+            // Cubic through four points.
+            -a * x * (x - 1.0) * (x - 2.0) / 6.0 + b * (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0
+                - c * (x + 1.0) * x * (x - 2.0) / 2.0
+                + d * (x + 1.0) * x * (x - 1.0) / 6.0
+        };
+        let pair = PairCoupling::new(degree, 4.0);
+        let layered = pair.with_layers(&[film]);
+        for offset in [[0.0, 0.0], [1.6, 1.4]] {
+            let mut expected = vec![0.0; count * count];
+            for (to, weight, receiver) in &rule {
+                for (from, of_source, source) in &rule {
+                    let distance = (to[0] + offset[0] - from[0]).hypot(to[1] + offset[1] - from[1]);
+                    let value = weight * of_source * at(distance) / PI;
+                    for (row, y) in receiver.iter().enumerate() {
+                        for (column, x) in source.iter().enumerate() {
+                            expected[row * count + column] += value * y * x;
+                        }
+                    }
+                }
+            }
+            let found = if offset == [0.0, 0.0] {
+                layered.own_block().unwrap()
+            } else {
+                let blocks = [&layered, &pair].map(|pair| {
+                    let mut block = vec![0.0; count * count];
+                    pair.block(offset, &mut block);
+                    block
+                });
+                blocks[0]
+                    .iter()
+                    .zip(&blocks[1])
+                    .map(|(a, b)| a - b)
+                    .collect()
+            };
+            for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                assert!(
+                    (found - expected).abs() < 1e-8,
+                    "entry {k}: {found} {expected}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -5,11 +5,17 @@
 //! delta^(-l-1) 2F1((1+l+m)/2, (1+l-m)/2; l+3/2; 1/delta^2)`, with `delta` the distance from the
 //! centre in pillar radii. For `l = 0` this is `arcsin(1/delta)` up to its factor, the flat
 //! punch (Johnson, Contact Mechanics, eq. 3.37).
+//!
+//! Where bodies are [layers](crate::halfspace::layer),
+//! `2 y_lm (-1)^((l-m)/2) ∫ (Phi(k) - 1) j_l(k) J_m(k delta) dk` is added, with the same angular factor. That goes on inside the disc.
 
 use super::basis::{Mode, equator_value, gamma_degree, modes};
+use crate::halfspace::layer::table::{RadialPart, RadialTable};
 use crate::numerics::special::gamma_half;
 use crate::numerics::vector::{LANES, Lanes};
+use crate::problem::layer::WeightedLayer;
 use std::f64::consts::{PI, SQRT_2};
+use std::sync::Arc;
 
 /// Above this `z = 1/delta^2` the hypergeometric series is summed about `z = 1` instead.
 const NEAR: f64 = 0.75;
@@ -255,10 +261,16 @@ pub(crate) struct Exterior {
     /// One per (degree, order), and for every mode which.
     radial: Vec<RadialFunction>,
     radial_of: Vec<usize>,
+    /// What layers add to each of them; none on half-spaces.
+    layers: Option<Arc<RadialTable>>,
 }
 
 /// Highest degree of which derivatives are evaluated.
 pub(crate) const MAXIMUM_DEGREE: usize = 16;
+
+/// Radial functions up to degree 6, and up to there.
+const FEW_RADIAL: usize = 16;
+const MOST_RADIAL: usize = (MAXIMUM_DEGREE / 2 + 1) * (MAXIMUM_DEGREE / 2 + 1);
 
 impl Exterior {
     pub(crate) fn new(degree: usize) -> Self {
@@ -275,6 +287,31 @@ impl Exterior {
             modes,
             radial,
             radial_of,
+            layers: None,
+        }
+    }
+
+    /// The same on layers, given in the radius of the disc.
+    pub(crate) fn with_layers(self, layers: &[WeightedLayer]) -> Self {
+        if layers.is_empty() {
+            return self;
+        }
+        let of_mode = |mode: &Mode| {
+            let angular = if mode.order == 0 { 1.0 } else { SQRT_2 };
+            let half = (mode.degree - mode.order) / 2;
+            let sign = if half.is_multiple_of(2) { 1.0 } else { -1.0 };
+            RadialPart {
+                factor: sign * angular * 2.0 * equator_value(mode.degree, mode.order),
+                degrees: vec![mode.degree],
+                order: mode.order,
+                power: mode.order,
+            }
+        };
+        let parts = self.modes.iter().filter(|mode| !mode.sine).map(of_mode);
+        let table = RadialTable::new(layers, parts.collect());
+        Self {
+            layers: Some(Arc::new(table)),
+            ..self
         }
     }
 
@@ -310,6 +347,29 @@ impl Exterior {
             let [re, im] = harmonics[k - 1];
             harmonics[k] = [re * x - im * y, re * y + im * x];
         }
+        let (mut few, mut many);
+        let mut of_layers: &mut [[Lanes; 3]] = &mut [];
+        if let Some(layers) = &self.layers {
+            let bears = |lane: usize| {
+                let of_disc = coefficients.iter().flat_map(|set| set[lane]);
+                of_disc.into_iter().any(|c| *c != 0.0)
+            };
+            let lanes = (0..LANES).filter(|lane| bears(*lane));
+            let places = lanes.map(|lane| (lane, inverse_square.0[lane].sqrt().recip()));
+            if layers.count() <= FEW_RADIAL {
+                few = [[Lanes::default(); 3]; FEW_RADIAL];
+                of_layers = &mut few[..layers.count()];
+                for place in places {
+                    add_layer_jets::<FEW_RADIAL>(layers, place, of_layers);
+                }
+            } else {
+                many = [[Lanes::default(); 3]; MOST_RADIAL];
+                of_layers = &mut many[..layers.count()];
+                for place in places {
+                    add_layer_jets::<MOST_RADIAL>(layers, place, of_layers);
+                }
+            }
+        }
         let mut evaluated = usize::MAX;
         let mut radial = Jets {
             value: Lanes::default(),
@@ -320,6 +380,11 @@ impl Exterior {
             if self.radial_of[number] != evaluated {
                 evaluated = self.radial_of[number];
                 radial = self.radial[evaluated].jets(inverse_square, &powers);
+                if let Some([value, first, second]) = of_layers.get(evaluated).copied() {
+                    radial.value += value;
+                    radial.first += first;
+                    radial.second += second;
+                }
             }
             let field = harmonic_times(mode, [x, y], &harmonics, &radial);
             for (sum, coefficients) in sums.iter_mut().zip(coefficients) {
@@ -336,10 +401,24 @@ impl Exterior {
         let inverse_distance = inverse_square.map(f64::sqrt);
         let mut radial = Lanes::default();
         let mut harmonic = [Lanes::default(); 2];
+        let of_layers = self.layers.as_ref().map(|layers| {
+            let mut of_layers = [Lanes::default(); MOST_RADIAL];
+            let mut values = [0.0; MOST_RADIAL];
+            for lane in 0..LANES {
+                layers.values(inverse_distance.0[lane].recip(), &mut values);
+                for (lanes, value) in of_layers[..layers.count()].iter_mut().zip(values) {
+                    lanes.0[lane] = value;
+                }
+            }
+            of_layers
+        });
         let modes = self.modes.iter().zip(&self.radial_of);
         for (value, (mode, &which)) in values.iter_mut().zip(modes) {
             if !mode.sine {
                 radial = self.radial[which].lane_values(inverse_square, inverse_distance);
+                if let Some(of_layers) = &of_layers {
+                    radial += of_layers[which];
+                }
                 harmonic = [Lanes::splat(1.0), Lanes::default()];
                 for _ in 0..mode.order {
                     let [re, im] = harmonic;
@@ -357,7 +436,39 @@ impl Exterior {
 
     /// As [`Self::values`], for the first `count` modes at the most.
     pub(crate) fn values_of_first(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
-        let inverse_distance = point[0].hypot(point[1]).recip();
+        let distance = point[0].hypot(point[1]);
+        self.fill_values(count, point, values, |radial| {
+            radial.value(distance.recip())
+        });
+    }
+
+    /// Whether it is that on layers.
+    pub(crate) fn has_layers(&self) -> bool {
+        self.layers.is_some()
+    }
+
+    /// What layers add to them at any point, in the disc too: nothing on half-spaces.
+    pub(crate) fn layer_values(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
+        let values = &mut values[..count.min(self.modes.len())];
+        if self.layers.is_none() {
+            values.fill(0.0);
+            return;
+        }
+        self.fill_values(count, point, values, |_| 0.0);
+    }
+
+    fn fill_values(
+        &self,
+        count: usize,
+        point: [f64; 2],
+        values: &mut [f64],
+        of_half_spaces: impl Fn(&RadialFunction) -> f64,
+    ) {
+        let mut of_layers = Vec::new();
+        if let Some(layers) = &self.layers {
+            of_layers.resize(layers.count(), 0.0);
+            layers.values(point[0].hypot(point[1]), &mut of_layers);
+        }
         let mut radial = 0.0;
         for ((value, mode), &which) in values
             .iter_mut()
@@ -366,11 +477,33 @@ impl Exterior {
             .take(count)
         {
             if !mode.sine {
-                radial = self.radial[which].value(inverse_distance);
+                radial = of_half_spaces(&self.radial[which]);
+                if let Some(more) = of_layers.get(which) {
+                    radial += more;
+                }
             }
             let [re, im] = power(point, self.radial[which].order);
             *value = radial * if mode.sine { im } else { re };
         }
+    }
+}
+
+/// What layers add to all radial functions, of which there are at most `N`, at the place of a lane, with derivatives with respect to the square of the
+/// distance.
+#[inline(always)]
+fn add_layer_jets<const N: usize>(
+    layers: &RadialTable,
+    (lane, distance): (usize, f64),
+    jets: &mut [[Lanes; 3]],
+) {
+    let [mut value, mut first, mut second] = [[0.0; N]; 3];
+    layers.jets(distance, [&mut value, &mut first, &mut second]);
+    let half = 0.5 / distance;
+    for (number, jet) in jets.iter_mut().enumerate() {
+        // d/d(r^2) = (1/2r) d/dr
+        jet[0].0[lane] = value[number];
+        jet[1].0[lane] = half * first[number];
+        jet[2].0[lane] = half * half * (second[number] - first[number] / distance);
     }
 }
 
@@ -458,6 +591,58 @@ mod tests {
     use super::super::basis::mode_count;
     use super::*;
     use crate::numerics::quadrature::hemisphere;
+
+    #[test]
+    fn layers_add_what_the_table_has() {
+        use crate::halfspace::layer::tests::{film, modes_of, rows};
+        let exterior = Exterior::new(2).with_layers(&[film()]);
+        for (case, value) in rows("Delta W") {
+            let (wanted, distance) = modes_of(&case);
+            let mut values = vec![0.0; exterior.count()];
+            exterior.layer_values(usize::MAX, [distance / 3.0, 0.0], &mut values);
+            let is_it = |mode: &Mode| (mode.degree, mode.order) == wanted[0] && !mode.sine;
+            let which = exterior.modes.iter().position(is_it).unwrap();
+            let angular = if wanted[0].1 == 0 { 1.0 } else { SQRT_2 };
+            let found = 3.0 * values[which] / angular;
+            assert!((found - value).abs() < 2e-12, "{case}: {found}");
+        }
+    }
+
+    #[test]
+    fn layers_have_their_derivatives() {
+        let film = crate::halfspace::layer::tests::film();
+        let exterior = Exterior::new(4).with_layers(&[film]);
+        let count = exterior.count();
+        let (step, zero) = (1e-4, vec![0.0; count]);
+        for point in [[1.3, 0.4], [-2.1, 3.3], [8.0, -5.0], [30.0, 2.0]] {
+            let coefficients: Vec<f64> = (0..count).map(|k| (1.3 * k as f64).cos()).collect();
+            let at = |dx: f64, dy: f64| {
+                let mut sums = [LaneJets::default(); 2];
+                let [x, y] = [point[0] + dx, point[1] + dy].map(Lanes::splat);
+                let sets: [&[f64]; LANES] = [&coefficients, &zero, &zero, &zero];
+                exterior.add_jets([x, y], [sets; 2], &mut sums);
+                sums[0].sum()
+            };
+            let jet = at(0.0, 0.0);
+            let mut values = vec![0.0; count];
+            exterior.values(point, &mut values);
+            let value: f64 = values.iter().zip(&coefficients).map(|(w, c)| w * c).sum();
+            assert!((jet.value - value).abs() < 1e-13, "{} {value}", jet.value);
+            let mut lanes = vec![Lanes::default(); count];
+            exterior.lane_values(point.map(Lanes::splat), &mut lanes);
+            for (lane, value) in lanes.iter().zip(&values) {
+                assert!((lane.0[0] - value).abs() < 1e-13);
+            }
+            let (left, right, down, up) =
+                (at(-step, 0.0), at(step, 0.0), at(0.0, -step), at(0.0, step));
+            let slope = |a: f64, b: f64| (b - a) / (2.0 * step);
+            assert!((slope(left.value, right.value) - jet.gradient[0]).abs() < 1e-7);
+            assert!((slope(down.value, up.value) - jet.gradient[1]).abs() < 1e-7);
+            assert!((slope(left.gradient[0], right.gradient[0]) - jet.hessian[0]).abs() < 1e-6);
+            assert!((slope(left.gradient[1], right.gradient[1]) - jet.hessian[1]).abs() < 1e-6);
+            assert!((slope(down.gradient[1], up.gradient[1]) - jet.hessian[2]).abs() < 1e-6);
+        }
+    }
 
     #[test]
     fn flat_punch_outside() {

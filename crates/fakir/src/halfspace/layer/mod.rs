@@ -9,156 +9,41 @@
 //! `phi` of layers on a rigid base: W. C. Hayes, L. M. Keer, G. Herrmann, L. F. Mockros, J. Biomech. 5, 541 (1972), and K. L. Johnson, Contact
 //! Mechanics, section 5.8; on an elastic one: D. M. Burmister, J. Appl. Phys. 16, 89 (1945).
 
-use crate::numerics::quadrature::gauss_legendre;
-use crate::numerics::special::bessel;
-use crate::problem::layer::{LayerBase, WeightedLayer};
-use crate::problem::{Layer, Material};
+pub(crate) mod response;
+pub(crate) mod table;
 
-/// Beyond this argument `phi` is 1.
-const END: f64 = 26.0;
+pub use response::LayerResponse;
 
-/// Gauss points of a piece.
-const POINTS: usize = 64;
+#[cfg(test)]
+pub(crate) mod tests {
+    use crate::problem::layer::WeightedLayer;
+    use crate::problem::{Layer, Material};
 
-/// Shear modulus of a layer over that of its base from which `phi` changes so quickly near 0 that pieces have to become shorter there.
-const SOFT_BASE: f64 = 10.0;
-
-/// Length of the pieces then, where they no longer do.
-const PIECE: f64 = 0.5;
-
-/// The compliance of one layer relative to that of a half-space of its material, for all wave numbers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LayerResponse {
-    form: Form,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Form {
-    Frictionless,
-    /// `L`, `kappa`, what both lack to 1, and the ratio of the shear moduli.
-    Bonded {
-        numbers: [f64; 2],
-        complements: [f64; 2],
-        shear_ratio: f64,
-    },
-}
-
-impl LayerResponse {
-    /// A layer of this material.
-    #[must_use]
-    pub fn new(material: &Material, layer: &Layer) -> Self {
-        let body = [(*material, Some(*layer))];
-        let layers = WeightedLayer::among(&body, 1.0);
-        Self::of(&layers[0])
+    /// An incompressible layer on something rigid, twice as thick as a pillar's radius: 6 um under the paper's pillars.
+    pub(crate) fn film() -> WeightedLayer {
+        let film = (Material::new(1.0, 0.5), Some(Layer::new(2.0)));
+        WeightedLayer::among(&[film], 1.0)[0]
     }
 
-    pub(crate) fn of(layer: &WeightedLayer) -> Self {
-        let form = match layer.base {
-            LayerBase::Frictionless => Form::Frictionless,
-            LayerBase::Bonded {
-                shear_ratio: m,
-                poisson_ratio,
-            } => {
-                let nu = layer.poisson_ratio;
-                let complements = [
-                    4.0 * (1.0 - nu) / (1.0 + m * (3.0 - 4.0 * poisson_ratio)),
-                    4.0 * (1.0 - nu) / (m + 3.0 - 4.0 * nu),
-                ];
-                Form::Bonded {
-                    numbers: complements.map(|complement| 1.0 - complement),
-                    complements,
-                    shear_ratio: m,
-                }
-            }
-        };
-        Self { form }
+    /// The rows of `tests/reference/layer.csv` of some quantity: of what, and how much.
+    pub(crate) fn rows(quantity: &str) -> Vec<(String, f64)> {
+        let table = include_str!("../../../tests/reference/layer.csv");
+        let records = csv::Reader::from_reader(table.as_bytes()).into_records();
+        let rows = records.map(|record| record.unwrap());
+        rows.filter(|record| record[0].starts_with(quantity))
+            .map(|record| (record[1].to_owned(), record[2].parse().unwrap()))
+            .collect()
     }
 
-    /// `phi(x) - 1` at `x = k t >= 0`, written so that nothing cancels or overflows.
-    #[must_use]
-    pub fn deficit(&self, x: f64) -> f64 {
-        let e = (-2.0 * x).exp();
-        let one_less = -(-2.0 * x).exp_m1();
-        match self.form {
-            Form::Frictionless => {
-                // -E (2 + 4x - 2E)/(1 + 4xE - E^2)
-                if x <= 0.0 {
-                    return -1.0;
-                }
-                let square_less = -(-4.0 * x).exp_m1();
-                -e * (2.0 * one_less + 4.0 * x) / (square_less + 4.0 * x * e)
-            }
-            Form::Bonded {
-                numbers: [l, k],
-                complements,
-                ..
-            } => {
-                // E (L + k + 4kx + 4kx^2 - 2LkE)/(1 - (L + k + 4kx^2) E + LkE^2)
-                let [of_l, of_k] = complements.map(|complement| one_less + complement * e);
-                let above = l * of_k + k * of_l + 4.0 * k * x * (1.0 + x);
-                let below = of_l * of_k - 4.0 * k * x * x * e;
-                e * above / below
-            }
-        }
-    }
-
-    /// `phi(x)`: how much more a layer gives way than a half-space.
-    #[must_use]
-    pub fn relative_compliance(&self, x: f64) -> f64 {
-        1.0 + self.deficit(x)
-    }
-
-    /// `Psi(s) = ∫_0^∞ (phi(x) - 1) J_0(x s) dx` to 1e-14, at the distance `s >= 0` in thicknesses.
-    #[must_use]
-    pub fn far_displacement(&self, s: f64) -> f64 {
-        let mut value = [0.0];
-        let terms = self.rule(s).into_iter().map(|(x, weight)| {
-            bessel(x * s, &mut value);
-            weight * value[0]
+    /// The degrees and orders in brackets, and the distance.
+    pub(crate) fn modes_of(case: &str) -> (Vec<(usize, usize)>, f64) {
+        let modes = case.split('(').skip(1).map(|text| {
+            let inside = text.split(')').next().unwrap();
+            let (degree, order) = inside.split_once(", ").unwrap();
+            (degree.parse().unwrap(), order.parse().unwrap())
         });
-        terms.sum()
-    }
-
-    /// `Psi_0 = Psi(0)`: how far a force on a small part of the surface shifts all around it.
-    #[must_use]
-    pub fn shift(&self) -> f64 {
-        self.rule(0.0).iter().map(|(_, weight)| weight).sum()
-    }
-
-    /// `Psi_2` in `Psi = Psi_0 + Psi_2 s^2 + ..`: how it bends what is around.
-    #[must_use]
-    pub fn curvature(&self) -> f64 {
-        let terms = self.rule(0.0).into_iter();
-        terms.map(|(x, weight)| -0.25 * weight * x * x).sum()
-    }
-
-    /// Nodes `x`, and weights times `phi(x) - 1`, for integrals with functions that turn `reach` times as fast as the cosine at the most.
-    pub(crate) fn rule(&self, reach: f64) -> Vec<(f64, f64)> {
-        // A piece has 14.3 points for every turn over the whole length, and enough for what changes with the thickness.
-        let mut longest = END / ((90.0 + 14.3 * reach) / POINTS as f64).ceil();
-        let mut graded = vec![0.0];
-        if let Form::Bonded { shear_ratio, .. } = self.form
-            && shear_ratio > SOFT_BASE
-        {
-            graded.extend((-30..=-2).map(|power| 2f64.powi(power)));
-            longest = longest.min(PIECE);
-        }
-        graded.push(END);
-        let mut ends = vec![0.0];
-        for part in graded.windows(2) {
-            let length = part[1] - part[0];
-            let pieces = (length / longest).ceil().max(1.0);
-            let within = 1..=pieces as usize;
-            ends.extend(within.map(|piece| part[0] + length * (piece as f64 / pieces)));
-        }
-        let points = gauss_legendre(POINTS);
-        let of_piece = |ends: &[f64]| {
-            let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-            points.iter().map(move |&(node, weight)| {
-                let x = middle + half * node;
-                (x, half * weight * self.deficit(x))
-            })
-        };
-        ends.windows(2).flat_map(of_piece).collect()
+        let distance = case.split("r=").nth(1).unwrap();
+        let distance: f64 = distance.split(' ').next().unwrap().parse().unwrap();
+        (modes.collect(), distance)
     }
 }

@@ -35,6 +35,12 @@ pub(crate) fn press_with_floor(
     if !pillars.iter().all(has_common_diameter) {
         return Err(not_made_for());
     }
+    if system.has_layers() {
+        return Err(SolveError::NotWithLayers {
+            what: "the method of elements with a floor",
+            instead: "or use the spectral method",
+        });
+    }
     let impossible = SolveError::NotFinite {
         what: "cell of the surface",
     };

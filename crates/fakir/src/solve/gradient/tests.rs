@@ -177,6 +177,7 @@ impl Listed {
     fn scene(&self) -> Scene {
         let list = PillarList::new(self.pillars.clone()).unwrap();
         Scene {
+            layers: Vec::new(),
             lens: Lens {
                 radius: self.lens,
                 material: Material::new(1.0, 0.5),

@@ -1,0 +1,261 @@
+//! What layers add, as smooth functions of a distance, from tables.
+//!
+//! Every function is `factor r^(-power) sum_b w_b ∫ (phi_b(k t_b) - 1) j_l(k) j_l'(k) .. J_M(k r) dk`, in pillar radii, with as many spherical Bessel
+//! functions as there are discs in it. It is analytic but for branches at `r = ±n ± 2i t`, with `n` the number of discs, so that Chebyshev
+//! polynomials on pieces that grow with the distance from there give all digits. Pieces are made when they are first asked for, and cut
+//! into cells with a short polynomial each.
+
+use super::response::LayerResponse;
+use crate::numerics::special::{bessel, spherical_bessel};
+use crate::problem::layer::WeightedLayer;
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Chebyshev points of a piece: what they leave is 1e-15 where branches are as far off as they are.
+const POINTS: usize = 24;
+
+/// Cells of a piece, and coefficients of the polynomial on each: as exact.
+const CELLS: usize = 16;
+const TERMS: usize = 9;
+
+/// Length of a piece over its distance from the branches at the most.
+const GROWTH: f64 = 1.5;
+
+/// Distance up to which there are pieces: far beyond the radius of any lens.
+const FARTHEST: f64 = 1e8;
+
+/// One function of the distance.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct RadialPart {
+    pub(crate) factor: f64,
+    /// Degrees of the modes of the discs in it.
+    pub(crate) degrees: Vec<usize>,
+    /// `M`
+    pub(crate) order: usize,
+    /// Power of the distance by which it is divided.
+    pub(crate) power: usize,
+}
+
+/// Some functions of the distance.
+#[derive(Debug)]
+pub(crate) struct RadialTable {
+    parts: Vec<RadialPart>,
+    layers: Vec<(WeightedLayer, LayerResponse)>,
+    /// Discs in a function.
+    discs: f64,
+    /// Where pieces begin and end.
+    ends: Vec<f64>,
+    pieces: Vec<OnceLock<Piece>>,
+}
+
+#[derive(Debug)]
+struct Piece {
+    start: f64,
+    /// Half the length of a cell.
+    half: f64,
+    /// Of every cell, for every power of the distance from its middle in units of its half length, all functions.
+    coefficients: Vec<f64>,
+}
+
+impl RadialTable {
+    /// The layers are given in pillar radii.
+    pub(crate) fn new(layers: &[WeightedLayer], parts: Vec<RadialPart>) -> Self {
+        let discs = parts.iter().map(|part| part.degrees.len()).max();
+        let discs = discs.unwrap_or(0) as f64;
+        let thicknesses = layers.iter().map(|layer| layer.thickness);
+        let thinnest = thicknesses.fold(f64::INFINITY, f64::min);
+        let mut ends = vec![0.0];
+        let mut end = 0.0;
+        while end < FARTHEST {
+            end += (2.0 * thinnest).max(GROWTH * (end - discs));
+            ends.push(end);
+        }
+        Self {
+            pieces: ends.windows(2).map(|_| OnceLock::new()).collect(),
+            layers: layers
+                .iter()
+                .map(|layer| (*layer, LayerResponse::of(layer)))
+                .collect(),
+            parts,
+            discs,
+            ends,
+        }
+    }
+
+    /// Number of functions.
+    pub(crate) fn count(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// The polynomials about a distance, the variable in them, and its derivative with respect to the distance.
+    #[inline(always)]
+    fn cell(&self, distance: f64) -> (&[f64], f64, f64) {
+        let number = self.ends.partition_point(|end| *end <= distance);
+        let number = number.clamp(1, self.pieces.len()) - 1;
+        let piece = self.pieces[number].get_or_init(|| self.piece(number));
+        let inverse = piece.half.recip();
+        let place = (distance - piece.start) * inverse;
+        let cell = ((0.5 * place) as usize).min(CELLS - 1);
+        let size = TERMS * self.count();
+        let variable = place - (2 * cell + 1) as f64;
+        (
+            &piece.coefficients[cell * size..][..size],
+            variable,
+            inverse,
+        )
+    }
+
+    /// The functions at a distance.
+    pub(crate) fn values(&self, distance: f64, values: &mut [f64]) {
+        let (coefficients, x, _) = self.cell(distance);
+        let values = &mut values[..self.count()];
+        values.fill(0.0);
+        for row in coefficients.chunks_exact(values.len()).rev() {
+            for (value, coefficient) in values.iter_mut().zip(row) {
+                *value = *value * x + coefficient;
+            }
+        }
+    }
+
+    /// The functions at a distance with their first two derivatives.
+    #[inline(always)]
+    pub(crate) fn jets(&self, distance: f64, [value, first, second]: [&mut [f64]; 3]) {
+        let (coefficients, x, inverse) = self.cell(distance);
+        let count = self.count();
+        let (value, first, second) = (
+            &mut value[..count],
+            &mut first[..count],
+            &mut second[..count],
+        );
+        value.fill(0.0);
+        first.fill(0.0);
+        second.fill(0.0);
+        for row in coefficients.chunks_exact(count).rev() {
+            for k in 0..count {
+                second[k] = second[k] * x + first[k];
+                first[k] = first[k] * x + value[k];
+                value[k] = value[k] * x + row[k];
+            }
+        }
+        for k in 0..count {
+            first[k] *= inverse;
+            second[k] *= 2.0 * inverse * inverse;
+        }
+    }
+
+    fn piece(&self, number: usize) -> Piece {
+        let (start, end) = (self.ends[number], self.ends[number + 1]);
+        let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
+        let count = self.count();
+        let nodes = chebyshev_points(POINTS).map(|x| middle + half * x);
+        let at_nodes = self.integrals(&nodes.collect::<Vec<f64>>(), end);
+        let of_piece = chebyshev_coefficients(&at_nodes, count);
+        let cell_half = 1.0 / CELLS as f64;
+        let mut coefficients = Vec::with_capacity(CELLS * TERMS * count);
+        for cell in 0..CELLS {
+            let centre = -1.0 + cell_half * (2 * cell + 1) as f64;
+            let mut at_points = Vec::with_capacity(TERMS * count);
+            for x in chebyshev_points(TERMS) {
+                at_points.extend(chebyshev_sums(&of_piece, count, centre + cell_half * x));
+            }
+            coefficients.extend(monomials(&chebyshev_coefficients(&at_points, count), count));
+        }
+        Piece {
+            start,
+            half: half * cell_half,
+            coefficients,
+        }
+    }
+
+    /// The functions at distances up to the largest, one distance after the other.
+    fn integrals(&self, distances: &[f64], largest: f64) -> Vec<f64> {
+        let count = self.count();
+        let highest = |of: fn(&RadialPart) -> usize| self.parts.iter().map(of).max().unwrap_or(0);
+        let order = highest(|part| part.order);
+        let degree = highest(|part| part.degrees.iter().copied().max().unwrap_or(0));
+        let (mut around, mut along) = (vec![0.0; order + 1], vec![0.0; degree + 1]);
+        let mut sums = vec![0.0; distances.len() * count];
+        let mut products = vec![0.0; count];
+        for (layer, response) in &self.layers {
+            let inverse = layer.thickness.recip();
+            for (x, weight) in response.rule((largest + self.discs) * inverse) {
+                let k = x * inverse;
+                spherical_bessel(k, &mut along);
+                let scale = layer.weight * weight * inverse;
+                for (product, part) in products.iter_mut().zip(&self.parts) {
+                    let discs = part.degrees.iter().map(|degree| along[*degree]);
+                    *product = scale * part.factor * discs.product::<f64>();
+                }
+                for (distance, sums) in distances.iter().zip(sums.chunks_exact_mut(count)) {
+                    bessel(k * distance, &mut around);
+                    for ((sum, product), part) in sums.iter_mut().zip(&products).zip(&self.parts) {
+                        *sum += product * around[part.order];
+                    }
+                }
+            }
+        }
+        for (distance, sums) in distances.iter().zip(sums.chunks_exact_mut(count)) {
+            for (sum, part) in sums.iter_mut().zip(&self.parts) {
+                *sum /= distance.powi(part.power as i32);
+            }
+        }
+        sums
+    }
+}
+
+/// The zeros of Chebyshev's polynomial of that degree.
+fn chebyshev_points(count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |k| (PI * (k as f64 + 0.5) / count as f64).cos())
+}
+
+/// Coefficients of Chebyshev's polynomials from values of some functions at these points.
+fn chebyshev_coefficients(values: &[f64], count: usize) -> Vec<f64> {
+    let points = values.len() / count;
+    let mut coefficients = vec![0.0; values.len()];
+    for (degree, sums) in coefficients.chunks_exact_mut(count).enumerate() {
+        for (k, values) in values.chunks_exact(count).enumerate() {
+            let angle = PI * degree as f64 * (k as f64 + 0.5) / points as f64;
+            let weight = if degree == 0 { 1.0 } else { 2.0 } / points as f64 * angle.cos();
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += weight * value;
+            }
+        }
+    }
+    coefficients
+}
+
+/// Their sums at a place.
+fn chebyshev_sums(coefficients: &[f64], count: usize, x: f64) -> Vec<f64> {
+    // T_0, and T_(-1) = T_1.
+    let (mut value, mut before) = (1.0, x);
+    let mut sums = vec![0.0; count];
+    for row in coefficients.chunks_exact(count) {
+        for (sum, coefficient) in sums.iter_mut().zip(row) {
+            *sum += value * coefficient;
+        }
+        (before, value) = (value, 2.0 * x * value - before);
+    }
+    sums
+}
+
+/// The same polynomials in powers.
+fn monomials(coefficients: &[f64], count: usize) -> Vec<f64> {
+    let terms = coefficients.len() / count;
+    let mut powers = vec![0.0; coefficients.len()];
+    // T_n in powers, and T_(n-1).
+    let (mut present, mut before) = (vec![0.0; terms], vec![0.0; terms]);
+    present[0] = 1.0;
+    for (degree, row) in coefficients.chunks_exact(count).enumerate() {
+        for (power, factor) in powers.chunks_exact_mut(count).zip(&present) {
+            for (value, coefficient) in power.iter_mut().zip(row) {
+                *value += factor * coefficient;
+            }
+        }
+        let twice = if degree == 0 { 1.0 } else { 2.0 };
+        let next: Vec<f64> = (0..terms)
+            .map(|k| twice * if k > 0 { present[k - 1] } else { 0.0 } - before[k])
+            .collect();
+        before = std::mem::replace(&mut present, next);
+    }
+    powers
+}
