@@ -19,6 +19,7 @@ pub(crate) struct ByKey {
 impl ByKey {
     pub(crate) fn new(file: &CaseFile, case: &Case) -> Result<Self, CaseError> {
         let has_heights = match case.system.arrangement() {
+            Arrangement::Hexagonal(_) => false,
             Arrangement::Lattice(lattice) => lattice.disorder.height_spread > 0.0,
             _ => true,
         };

@@ -601,7 +601,7 @@ fn noisy_fit(seed: u64, compliance: f64, error: Option<f64>, run: &Run<'_>) -> F
 
 #[test]
 fn fits_that_describe_the_data_warn_as_often_as_the_level_says() {
-    const DRAWS: u64 = 150;
+    const DRAWS: u64 = 100;
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let run = Run {
         pool: Some(&pool),
@@ -619,10 +619,10 @@ fn fits_that_describe_the_data_warn_as_often_as_the_level_says() {
             small[1] += i32::from(misfit.left_out.iter().find(compliance).unwrap().p_value < 0.1);
         }
         eprintln!("warned {warned} of {DRAWS}, p < 0.1: runs and compliance {small:?}");
-        // Level 0.01: of 150, more than 6 have the probability 0.0009 (binomial distribution). At 0.1 the t-test is exact
-        // in a linear model: 15 of 150, with a standard deviation of 3.7. Runs are at most as many.
-        assert!(warned <= 6, "{warned}");
-        assert!(small[0] <= 26 && (5..=26).contains(&small[1]), "{small:?}");
+        // Level 0.01: of 100, more than 5 have the probability 0.0005 (binomial distribution). At 0.1 the t-test is exact
+        // in a linear model: 10 of 100, with a standard deviation of 3. Runs are at most as many.
+        assert!(warned <= 5, "{warned}");
+        assert!(small[0] <= 20 && (2..=20).contains(&small[1]), "{small:?}");
     }
 }
 
@@ -632,55 +632,31 @@ fn a_machine_that_is_left_out_is_named() {
     let truth = case_file(&["substrate.young_modulus=1.4MPa", SPECTRAL]);
     let depths: Vec<f64> = (0..22).map(|k| 0.15e-6 * f64::from(k) + 0.1e-6).collect();
     let [displacement, force, _] = loading(&truth, &depths);
-    for seed in 0..3 {
-        let mut random = ChaCha12Rng::seed_from_u64(seed);
-        let noise = Normal::new(0.0, 0.5e-6).unwrap();
-        let noisy = force.iter().map(|force| force + noise.sample(&mut random));
-        let columns = [
-            (Column::Displacement, displacement.clone()),
-            (Column::Force, noisy.collect()),
-        ];
-        let data = Measurements::new(&columns).unwrap();
-        let free = [SUBSTRATE, Parameter::ContactPoint];
-        let without = run_fit(&case_file(&[SPECTRAL]), &data, &free);
-        let most = without.misfit.wanted().next();
-        let most = most.unwrap_or_else(|| panic!("{:?}", without.misfit));
-        assert_eq!(most.parameter, Parameter::MachineCompliance);
-        assert!(close(most.value.unwrap(), COMPLIANCE, 0.2), "{most:?}");
-        let warnings = without.warnings().join("\n");
-        assert!(warnings.contains("does not describe the data"), "{warnings}");
-        assert!(warnings.contains("machine_compliance (p = "), "{warnings}");
-        let options = FitOptions {
-            machine_compliance: COMPLIANCE,
-            ..FitOptions::default()
-        };
-        let with = fit(&case_file(&[SPECTRAL]), &data, &free, &options, &Run::default()).unwrap();
-        assert!(with.misfit.describes_data(), "{:?}", with.misfit);
-    }
-}
-
-#[test]
-fn exact_derivatives_are_differences() {
-    // The same fit with exact derivatives and with differences, which a row on the floor has: here all rows are above it, and the method "punch"
-    // would have differences only. So it is compared with what the fit with differences gave: the truth.
-    let truth = case_file(&[
-        "substrate.young_modulus=1.3MPa",
-        "lens.radius=2mm",
-        SPECTRAL,
-    ]);
-    let [displacement, force, _] = loading(&truth, &indentations(12));
-    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
-    let data = Measurements::new(&columns).unwrap();
-    let free = [
-        SUBSTRATE,
-        Parameter::Key(Key::LensRadius),
-        Parameter::ContactPoint,
+    let mut random = ChaCha12Rng::seed_from_u64(0);
+    let noise = Normal::new(0.0, 0.5e-6).unwrap();
+    let noisy = force.iter().map(|force| force + noise.sample(&mut random));
+    let columns = [
+        (Column::Displacement, displacement.clone()),
+        (Column::Force, noisy.collect()),
     ];
+    let data = Measurements::new(&columns).unwrap();
+    let free = [SUBSTRATE, Parameter::ContactPoint];
+    let without = run_fit(&case_file(&[SPECTRAL]), &data, &free);
+    let most = without.misfit.wanted().next();
+    let most = most.unwrap_or_else(|| panic!("{:?}", without.misfit));
+    assert_eq!(most.parameter, Parameter::MachineCompliance);
+    assert!(close(most.value.unwrap(), COMPLIANCE, 0.2), "{most:?}");
+    let warnings = without.warnings().join("\n");
+    assert!(
+        warnings.contains("does not describe the data"),
+        "{warnings}"
+    );
+    assert!(warnings.contains("machine_compliance (p = "), "{warnings}");
     let options = FitOptions {
         machine_compliance: COMPLIANCE,
         ..FitOptions::default()
     };
-    let fitted = fit(
+    let with = fit(
         &case_file(&[SPECTRAL]),
         &data,
         &free,
@@ -688,13 +664,7 @@ fn exact_derivatives_are_differences() {
         &Run::default(),
     )
     .unwrap();
-    for (estimate, truth) in fitted.estimates.iter().zip([1.3e6, 2e-3, CONTACT_POINT]) {
-        assert!(close(estimate.value, truth, 1e-6), "{estimate:?}");
-    }
-    eprintln!(
-        "{} steps, {} solutions",
-        fitted.iterations, fitted.solutions
-    );
+    assert!(with.misfit.describes_data(), "{:?}", with.misfit);
 }
 
 #[test]

@@ -266,7 +266,8 @@ fn probability(p: f64) -> String {
     } else if p < 1e-3 {
         format!("{p:.0e}")
     } else {
-        format!("{p:.1$}", if p < 1e-2 { 4 } else { 2 })
+        let digits = if p < 1e-2 { 4 } else { 2 };
+        format!("{p:.digits$}")
     }
 }
 

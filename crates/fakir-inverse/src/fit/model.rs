@@ -951,3 +951,58 @@ fn stretches(data: &Measurements, orders: &[Vec<usize>; 2]) -> Vec<f64> {
     }
     stretches
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::measurements::Column;
+
+    #[test]
+    fn exact_derivatives_are_those_of_the_states() {
+        // Central differences of the states themselves, with a step whose square is the relative error.
+        const STEP: f64 = 1e-3;
+        let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
+        file.set("texture.surface_fraction=0.01").unwrap();
+        // Between touches of pillars, with one and with seven of them.
+        let displacement = vec![0.5e-6, 1.0e-6, 2.0e-6];
+        let columns = [
+            (Column::Displacement, displacement),
+            (Column::Force, vec![1e-6; 3]),
+        ];
+        let data = Measurements::new(&columns).unwrap();
+        let mut free = Parameter::ALL.to_vec();
+        free.retain(|free| !free.is_work());
+        free.retain(|free| !matches!(free, Parameter::Key(Key::Offset | Key::OffsetAngle)));
+        let options = FitOptions {
+            contact_point: Some(0.1e-6),
+            machine_compliance: 2e-3,
+            ..FitOptions::default()
+        };
+        let run = Run::default();
+        let model = Model::new(&file, &data, &free, &options, &run).unwrap();
+        let begin = model.start().unwrap();
+        let states = model.states(&begin, 0.0).unwrap();
+        let before = model.solved();
+        let derivatives = model.derivatives(&begin, &states, 0.0).unwrap();
+        // One gradient for every row, where differences took 2 solutions along the load and 2 for each of 6 keys.
+        assert_eq!(model.solved() - before, 3);
+        for (number, parameter) in free.iter().enumerate() {
+            let moved = |step: f64| {
+                let mut moved = begin.clone();
+                moved[number] += step;
+                model.states(&moved, 0.0).unwrap()
+            };
+            let (below, above) = (moved(-STEP), moved(STEP));
+            for (row, derivative) in derivatives.iter().enumerate() {
+                let slope = (above[row].read_force - below[row].read_force) / (2.0 * STEP);
+                let scale = slope.abs().max(1e-3 * states[row].force);
+                assert!(
+                    (derivative.force[number] - slope).abs() < 1e-3 * scale,
+                    "{} {row}: {} {slope}",
+                    parameter.name(),
+                    derivative.force[number]
+                );
+            }
+        }
+    }
+}

@@ -626,7 +626,7 @@ impl Reader<'_> {
         for used in &heading.used {
             let (name, values) = &named_values[used.place];
             let Some(values) = values else {
-                return Err(self.fail(None, Some(name), "is no column of numbers"));
+                return Err(self.fail(None, Some(name), "give a column of numbers"));
             };
             let sign = if used.negated { -1.0 } else { 1.0 };
             let si = |value: &f64| match &used.scale {
@@ -790,7 +790,11 @@ impl Reader<'_> {
             return Err(self.fail(None, None, problem));
         };
         let numbers = SEPARATORS.map(|separator| cells(line, separator));
-        let number = numbers.iter().flatten().find(|cell| number(cell).is_some());
+        let number = numbers
+            .iter()
+            .rev()
+            .flatten()
+            .find(|cell| number(cell).is_some());
         if let Some(cell) = number {
             let problem = "a number in the heading: the first line names the columns, or name them by hand by their numbers, as force=\"#2 [mN]\"";
             return Err(self.fail(Some(index as u64 + 1), Some(cell), problem));
