@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pandas
 
 Measurements: TypeAlias = Union[str, PathLike[str], Mapping[str, Any], "pandas.DataFrame"]
-"""A CSV file, or its columns: a dictionary or a table of pandas."""
+"""A table as instruments write it, or its columns: a dictionary or a table of pandas."""
 
 UNITS = {
     "J_per_m2": "J/m^2",
@@ -66,11 +66,40 @@ class FittedPullOff(NamedTuple):
     """What that is of the work of adhesion: it is not in its interval. ``None`` if no work was fitted."""
 
 
+class RunsTest(NamedTuple):
+    """How often residuals of a quantity change sign, in the order of the load."""
+
+    quantity: str
+    """``"force"`` or ``"contact radius"``."""
+    branch: str
+    """``"loading"`` or ``"unloading"``."""
+    runs: int
+    """Runs of residuals of one sign."""
+    expected: float
+    """How many are to be expected."""
+    p_value: float
+    """The probability of so few or fewer by chance."""
+
+
+class LeftOut(NamedTuple):
+    """A parameter that was held, and what the data say of it."""
+
+    name: str
+    """The parameter."""
+    p_value: float
+    """The probability that residuals lie so far along what it would change by chance: the score test."""
+    value: float | None
+    """About where it would be found, in SI units; ``None`` if that is far away."""
+    wanted: bool
+    """Whether the fit does not describe the data without it."""
+
+
 class Fit:
     """What came of a fit."""
 
-    def __init__(self, fitted: _fakir.Fitted) -> None:
+    def __init__(self, fitted: _fakir.Fitted, understood: Sequence[str] = ()) -> None:
         self._fitted = fitted
+        self._understood = list(understood)
         self._summary: dict[str, Any] = json.loads(fitted.json())
 
     @property
@@ -110,6 +139,50 @@ class Fit:
     def force_offset(self) -> float:
         """What the instrument reads without any force, N."""
         return float(self._summary["force_offset_N"])
+
+    @property
+    def displacement_drift(self) -> float:
+        """By how much the displacement drifts from the first row to the last, m."""
+        return float(self._summary["displacement_drift_m"])
+
+    @property
+    def force_drift(self) -> float:
+        """By how much the force drifts from the first row to the last, N."""
+        return float(self._summary["force_drift_N"])
+
+    @property
+    def describes_data(self) -> bool:
+        """Whether nothing speaks against the fit: runs of residuals, chi-square, or parameters that were held."""
+        return bool(self._summary["describes_data"])
+
+    @property
+    def runs(self) -> list[RunsTest]:
+        """The runs tests of the residuals."""
+        names = ("quantity", "branch", "runs", "expected_runs", "p_value")
+        return [RunsTest(*(test[name] for name in names)) for test in self._summary["tests"]["runs"]]
+
+    @property
+    def chi_square_p_value(self) -> float | None:
+        """The probability of a chi-square so large by chance; ``None`` where errors are estimated."""
+        return _optional(self._summary["tests"]["chi_square_p_value"])
+
+    @property
+    def left_out(self) -> list[LeftOut]:
+        """The parameters that were held, the most suspect first."""
+        return [
+            LeftOut(
+                name=given["name"],
+                p_value=given["p_value"],
+                value=next(value for name, value in given.items() if name.startswith("value")),
+                wanted=given["wanted"],
+            )
+            for given in self._summary["tests"]["left_out"]
+        ]
+
+    @property
+    def understood(self) -> list[str]:
+        """What the columns of the data were taken for, a line for each."""
+        return list(self._understood)
 
     @property
     def pull_off(self) -> FittedPullOff | None:
@@ -198,6 +271,10 @@ class Fit:
             text = f"{engineering(measured, 'N', 3)} measured, {engineering(fitted, 'N', 3)} fitted"
             rows.append(("pull-off", f"{text}; {error}"))
         rows.append(("residuals", f"{self.degrees_of_freedom} degrees of freedom, {scatter}"))
+        if not self.describes_data:
+            wanted = [left.name for left in self.left_out if left.wanted]
+            text = f"it would take {wanted[0]}" if wanted else "the residuals are not random"
+            rows.append(("does not describe the data", text))
         return rows
 
     def __repr__(self) -> str:
@@ -215,6 +292,10 @@ def fit(
     contact_point: Quantity | None = None,
     machine_compliance: Quantity = 0.0,
     force_offset: Quantity = 0.0,
+    displacement_drift: Quantity = 0.0,
+    force_drift: Quantity = 0.0,
+    starts: int = 1,
+    columns: Mapping[str, str] | None = None,
     position_error: Quantity | None = None,
     force_error: Quantity | None = None,
     contact_radius_error: Quantity | None = None,
@@ -229,24 +310,33 @@ def fit(
     Parameters
     ----------
     measurements
-        A CSV file or its columns in SI units, each as long as the others, with NaN or empty cells for
+        A table as instruments write it, or its columns, each as long as the others, with NaN or empty cells for
         what was not measured: ``displacement_m`` (reading of the instrument) or ``indentation_m``,
         ``force_N``, ``contact_radius_m``, two of them at the least, and their standard errors
-        ``force_error_N`` and so on. ``branch`` tells with adhesion what was measured on ``"loading"`` and what on
-        ``"unloading"``; without it unloading begins after the largest load. Columns with units of pint may be
-        called without: ``"force"``.
+        ``force_error_N`` and so on; in other units too, as ``displacement_um`` or ``Load [mN]``. ``branch`` tells with
+        adhesion what was measured on ``"loading"`` and what on ``"unloading"``; without it unloading begins after the
+        largest load. ``time_s`` says when. Columns with units of pint may be called without: ``"force"``. Columns that
+        are not understood are not used: see `Fit.understood`.
     system
         All else; the values of the free parameters are where the search begins.
     free
         Keys such as ``"substrate.young_modulus"`` or ``"texture.offset"``; ``"adhesion.work"`` and
-        ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``; and, with displacements,
-        ``"contact_point"`` and ``"machine_compliance"``.
+        ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
+        displacements, ``"contact_point"``, ``"machine_compliance"`` and ``"displacement_drift"``.
     contact_point
         Displacement (m) at which the lens would touch the pillar tops, or where to begin.
     machine_compliance
         How far the instrument gives way (m/N), or where to begin.
     force_offset
         What the instrument reads without any force (N), or where to begin. It is in all measured forces.
+    displacement_drift, force_drift
+        By how much the readings drift from the first row to the last (m, N), or where to begin: linear in time if there
+        is a column of times, or else in the number of the row.
+    starts
+        From how many places the search begins, the first of which is the system; the best fit counts.
+    columns
+        Columns by hand, headings by quantities: ``{"force": "Channel 2 [mN]"}``. ``"#2 [mN]"`` is the second column, and a
+        minus sign before the heading turns the sign of its values.
     position_error, force_error, contact_radius_error
         Standard errors (m, N, m) of what has none in the columns. Without any they are estimated from
         the residuals.
@@ -265,34 +355,45 @@ def fit(
         _error(force_error, "force", "force_error"),
         _error(contact_radius_error, "length", "contact_radius_error"),
     ]
-    data = _data(measurements).with_errors(*errors)
+    if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
+        raise ValueError(f"starts is {starts!r}: give a number from 1 to 32")
+    raw = _data(measurements, dict(columns or {}))
+    data = raw.with_errors(*errors)
     point = None if contact_point is None else finite(contact_point, "length", "contact_point")
     compliance = _compliance(machine_compliance)
     run = options(threads, progress, memory_limit)
-    instrument = (point, compliance, finite(force_offset, "force", "force_offset"))
-    result = Fit(_fakir.fit(system._case, data, list(free), instrument, run))
+    instrument = (
+        point,
+        compliance,
+        finite(force_offset, "force", "force_offset"),
+        finite(displacement_drift, "length", "displacement_drift"),
+        finite(force_drift, "force", "force_drift"),
+    )
+    fitted = _fakir.fit(system._case, data, list(free), instrument, starts, run)
+    result = Fit(fitted, raw.understood())
     warn(result._fitted.warnings, depth=1)
     if not result.converged:
         raise NotConverged(f"the fit {result._summary['termination']}", result)
     return result
 
 
-def _data(measurements: Measurements) -> _fakir.Data:
+def _data(measurements: Measurements, named: Mapping[str, str]) -> _fakir.Data:
+    by_hand = [(str(quantity), str(heading)) for quantity, heading in named.items()]
     if isinstance(measurements, (str, PathLike)):
-        return _fakir.Data.read(fspath(measurements))
+        return _fakir.Data.read(fspath(measurements), by_hand)
     items = getattr(measurements, "items", None)
     if items is None:
         raise TypeError(
-            f"measurements are of type {type(measurements).__name__}: give the path of a CSV file, or "
+            f"measurements are of type {type(measurements).__name__}: give the path of a file, or "
             "a dictionary or table of columns"
         )
-    return _fakir.Data.of([_column(str(name), values) for name, values in items()])
+    return _fakir.Data.of([_column(str(name), values) for name, values in items()], by_hand)
 
 
-def _column(name: str, values: Any) -> tuple[str, FloatArray]:
-    """Name and values in SI units; NaN is what was not measured."""
-    unit = "N" if name.startswith("force") else "m"
+def _column(name: str, values: Any) -> tuple[str, FloatArray | None]:
+    """Heading and values; NaN is what was not measured. None for what is no column of numbers, which cannot be used."""
     if isinstance(values, WithUnit):
+        unit = "s" if name.startswith("time") else "N" if name.startswith("force") else "m"
         try:
             values = values.to(unit).magnitude
         except Exception as error:
@@ -306,9 +407,7 @@ def _column(name: str, values: Any) -> tuple[str, FloatArray]:
             raise FitError('branch: give "loading" or "unloading" for every row')
         return name, np.ascontiguousarray(unloading, dtype=np.float64)
     if found.ndim != 1 or found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
-        raise FitError(
-            f"{name} is an array of {found.dtype} of shape {found.shape}: give a column of numbers"
-        )
+        return name, None
     return name, np.ascontiguousarray(found, dtype=np.float64)
 
 

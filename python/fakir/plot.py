@@ -543,13 +543,16 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
     data, curve = result.columns(), result.curve
     names = result.compared
     axes = _axes(ax, 2, len(names), (4.2 * len(names), 4.6), sharex=True, height_ratios=[2, 1])
-    at = data[result.load]
+    # Without drifts, as the curve is at the first row.
+    none = np.zeros(len(data["used"]))
+    drifts = {name: data.get(name.replace("_", "_drift_"), none) for name in ("displacement_m", "force_N")}
+    at = data[result.load] - drifts.get(result.load, none)
     used = np.array(data["used"], dtype=bool)
     for name, upper, lower in zip(names, axes, axes[len(names) :]):
         quantity, unit = name.rsplit("_", 1)
         shown = used & np.isfinite(data[name])
         error = MICRO * data[f"{quantity}_error_{unit}"]
-        measured, rest = MICRO * data[name], MICRO * data[f"{quantity}_residual_{unit}"]
+        measured, rest = MICRO * (data[name] - drifts.get(name, none)), MICRO * data[f"{quantity}_residual_{unit}"]
         back = result.unloading
         branches = [("", np.ones(len(at), dtype=bool), ~back, "k")]
         if back.any():
@@ -573,6 +576,8 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
         lower.set_ylabel(f"residual (µ{unit})")
         load = result.load.removeprefix("measured_").rsplit("_", 1)
         lower.set_xlabel(f"{load[0].replace('_', ' ')} (µ{load[1]})")
+    if not result.describes_data:
+        axes[0].set_title("does not describe the data")
     _legend(axes[0])
     return axes
 

@@ -88,6 +88,51 @@ def test_given_errors_and_figure(system):
     assert all(axis.has_data() for axis in axes)
 
 
+def test_headings_of_instruments_and_columns_by_hand(system, fitted):
+    table = pandas.read_csv(DATA, comment="#")
+    columns = {
+        "Sample": ["a"] * len(table),
+        "Z position [um]": table.displacement_m * 1e6,
+        "Channel 2": -table.force_N * 1e3,
+    }
+    found = fakir.fit(columns, system, FREE, columns={"force": "-Channel 2 [mN]"})
+    for name in FREE:
+        assert abs(found[name].value - fitted[name].value) < 1e-3 * fitted[name].standard_error
+    assert found.understood == [
+        'not used: column 1 "Sample"',
+        'displacement: column 2 "Z position [um]", in um',
+        'force: column 3 "Channel 2", in mN, with the opposite sign, named by hand',
+    ]
+    assert found.describes_data and fitted.describes_data
+    with pytest.raises(ValueError, match="is no quantity of measurements"):
+        fakir.fit(columns, system, FREE, columns={"mass": "Channel 2"})
+
+
+def test_a_fit_that_does_not_describe_the_data_says_so(system):
+    exact = system.replace({"method.name": "spectral"})
+    with pytest.warns(fakir.FakirWarning, match="it would take machine_compliance"):
+        poor = fakir.fit(DATA, exact, FREE[:2])
+    assert not poor.describes_data and "does not describe" in repr(poor)
+    most = poor.left_out[0]
+    assert most.name == "machine_compliance" and most.wanted and most.p_value < 1e-9
+    assert 1e-3 < most.value < 3e-3
+    assert poor.runs[0].runs < poor.runs[0].expected and poor.chi_square_p_value is None
+    assert fakir.plot.fit(poor)[0].get_title() == "does not describe the data"
+
+
+def test_drifts_and_starts(system):
+    table = pandas.read_csv(DATA, comment="#")
+    table["time_s"] = np.arange(len(table)) * 2.0
+    table["force_N"] += 4e-6 * table.time_s / table.time_s.max()
+    found = fakir.fit(table, system, [*FREE, "force_drift"], starts=2)
+    low, high = found["force_drift"].interval
+    assert low < 4e-6 < high and found.force_drift == found["force_drift"].value
+    assert len(found.to_dict()["starts"]) == 2 and found.to_dict()["drift_over"] == "time"
+    assert fakir.plot.fit(found)[0].has_data()
+    with pytest.raises(ValueError, match="starts is 0"):
+        fakir.fit(table, system, FREE, starts=0)
+
+
 def test_what_is_not_determined_is_said(system):
     table = pandas.read_csv(DATA, comment="#")
     free = ["substrate.young_modulus", "lens.young_modulus", "contact_point"]
@@ -104,7 +149,9 @@ def test_what_is_not_determined_is_said(system):
     ("columns", "words"),
     [
         ({"force_N": [1e-6]}, "data"),
-        ({"force": [1e-6]}, 'no column of measurements is called "force"'),
+        ({"force": [1e-6]}, "force: no unit"),
+        ({"mass": [1.0]}, 'seen were "mass", not understood'),
+        ({"Load [um]": [1.0], "z_um": [1.0]}, "um is a unit of length, not of force"),
         ({"force_N": [1e-6], "contact_radius_m": [1e-6, 2e-6]}, "has 2 values"),
         ({"force_N": [[1e-6]], "contact_radius_m": [1e-6]}, "a column of numbers"),
         ({"force_N": ["a"], "contact_radius_m": [1e-6]}, "a column of numbers"),

@@ -7,7 +7,7 @@ use fakir::problem::{Control, CyclePlan, Drive, Turn};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_inverse::design::{Wanted, free_key};
-use fakir_inverse::fit::{FitOptions, Measurements, Parameter};
+use fakir_inverse::fit::{FitOptions, Measurements, NamedColumn, Parameter};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::fields::MOST_POINTS;
@@ -684,15 +684,20 @@ pub(crate) struct HeightsQuestion<'a> {
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
-    /// Measured curve of loading, or of loading and unloading (CSV)
+    /// Measured curve of loading, or of loading and unloading: a table as instruments write it, with commas, semicolons or tabs,
+    /// and a unit in the heading of every column, as in force_uN or Load [mN]
     data: PathBuf,
+    /// A column by hand, as in force="Channel 2 [mN]" or force="#2 [mN]"; a minus sign before the heading turns the sign of its values;
+    /// may be repeated
+    #[arg(long = "column", value_name = "QUANTITY=HEADING", value_parser = NamedColumn::parse)]
+    columns: Vec<NamedColumn>,
     /// Case file (TOML) with everything that is known, and where to begin; `-` for standard input
     #[arg(long)]
     case: PathBuf,
     /// What is fitted: substrate.young_modulus, lens.young_modulus, lens.radius,
     /// texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
     /// texture.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
-    /// force_offset; with commas, or repeated
+    /// force_offset, displacement_drift, force_drift; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
     /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or where to
@@ -710,6 +715,16 @@ pub(crate) struct Fit {
     /// What the instrument reads without any force (N, mN, uN, nN), or where to begin; it is in all measured forces
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
     force_offset: f64,
+    /// By how much the displacement drifts from the first row to the last (m, mm, um, nm), or where to begin: linear in time if there is
+    /// a column of times, or else in the number of the row
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, default_value = "0")]
+    displacement_drift: f64,
+    /// The same of the force (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
+    force_drift: f64,
+    /// Begin from so many places, the first of which is the case, and take the best fit: against local minima
+    #[arg(long, value_name = "COUNT", default_value_t = 1)]
+    starts: usize,
     /// Standard error of forces that have none in the file (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     force_error: Option<f64>,
@@ -755,7 +770,7 @@ impl Fit {
 
     /// The data, with the errors of the arguments where they have none.
     pub(crate) fn measurements(&self) -> Result<Measurements, Failure> {
-        let mut data = Measurements::read(&self.data)?;
+        let mut data = Measurements::read(&self.data, &self.columns)?;
         for (name, error) in [
             ("--force-error", self.force_error),
             ("--contact-radius-error", self.contact_radius_error),
@@ -782,6 +797,9 @@ impl Fit {
             contact_point: self.contact_point,
             machine_compliance: self.machine_compliance,
             force_offset: self.force_offset,
+            displacement_drift: self.displacement_drift,
+            force_drift: self.force_drift,
+            starts: self.starts,
         }
     }
 }

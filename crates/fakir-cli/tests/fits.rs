@@ -120,3 +120,114 @@ fn the_example_of_a_retraction_gives_its_truth() {
     let provenance = bench.read("results/provenance.json");
     assert!(provenance.contains("Kendall"), "{provenance}");
 }
+
+/// Examples in the styles of instruments, read without options: truths as crates/fakir-inverse/examples/synthetic_instruments.rs has them.
+#[test]
+fn examples_of_instruments_give_their_truths() {
+    const COMPLIANCE: [&str; 2] = ["--machine-compliance", "0.002"];
+    type Truths<'a> = &'a [(&'a str, f64)];
+    let cases: [(&str, &str, &[&str], Truths); 3] = [
+        (
+            "nanoindenter.txt",
+            "substrate.young_modulus,contact_point,displacement_drift",
+            &COMPLIANCE,
+            &[("_Pa", 1.4e6), ("_m", 500e-9), ("_m", 60e-9)],
+        ),
+        (
+            "tester.csv",
+            "substrate.young_modulus,contact_point,machine_compliance,force_offset",
+            &[],
+            &[
+                ("_Pa", 1.4e6),
+                ("_m", 12e-6),
+                ("_m_per_N", 2e-3),
+                ("_N", 5e-6),
+            ],
+        ),
+        (
+            "microscope.csv",
+            "substrate.young_modulus",
+            &["--set", "texture.surface_fraction=0.05"],
+            &[("_Pa", 1.4e6)],
+        ),
+    ];
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    for (name, free, more, truths) in cases {
+        let data = example(&format!("fit/{name}"));
+        let arguments = ["fit", &data, "--case", &case, "--free", free, "--quiet"];
+        let result = bench.json(&[&arguments[..], more].concat());
+        for (estimate, (suffix, truth)) in
+            result["parameters"].as_array().unwrap().iter().zip(truths)
+        {
+            let ends = &estimate[format!("confidence_interval_95{suffix}")];
+            let [low, high] = [0, 1].map(|end| ends[end].as_f64().unwrap());
+            assert!(low < *truth && *truth < high, "{name}: {estimate}");
+        }
+        assert_eq!(
+            result["describes_data"], true,
+            "{name}: {}",
+            result["tests"]
+        );
+    }
+}
+
+#[test]
+fn a_machine_that_is_left_out_of_the_example_is_named() {
+    let bench = Bench::new();
+    let (data, case) = (example("fit/loading.csv"), example("fit/case.toml"));
+    let free = "substrate.young_modulus,contact_point";
+    let outcome = bench.run(&[
+        "fit", &data, "--case", &case, "--free", free, "--output", "results",
+    ]);
+    assert_eq!(outcome.status, Some(0));
+    let warning = "warning: the fit does not describe the data";
+    assert!(outcome.stderr.contains(warning), "{}", outcome.stderr);
+    assert!(
+        outcome
+            .stderr
+            .contains("it would take machine_compliance (p = "),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        outcome
+            .stdout
+            .contains("force: column 2 \"force_N\", in N\n")
+    );
+    let summary: Value = serde_json::from_str(&bench.read("results/summary.json")).unwrap();
+    assert_eq!(summary["describes_data"], false);
+    let most = &summary["tests"]["left_out"][0];
+    assert_eq!(most["name"], "machine_compliance");
+    assert_eq!(summary["columns"][1]["quantity"], "force");
+    assert!(
+        bench
+            .read("results/fit.svg")
+            .contains("does not describe the data")
+    );
+}
+
+#[test]
+fn columns_are_named_on_the_command_line() {
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    let text = std::fs::read_to_string(example("fit/loading.csv")).unwrap();
+    let text = text.replace("displacement_m,force_N", "Channel 1,Channel 2");
+    bench.write("data.csv", &text);
+    let named = [
+        "--column",
+        "displacement=Channel 1 [m]",
+        "--column",
+        "force=#2 [N]",
+    ];
+    let by_hand = bench.json(&[&arguments("data.csv", &case)[..], &named].concat());
+    let plain = example("fit/loading.csv");
+    let plain = bench.json(&arguments(&plain, &case));
+    assert_eq!(by_hand["parameters"], plain["parameters"]);
+    let outcome = bench.run(&arguments("data.csv", &case));
+    assert_eq!(outcome.status, Some(2));
+    let outcome =
+        bench.run(&[&arguments("data.csv", &case)[..], &["--column", "mass=#1"]].concat());
+    assert_eq!(outcome.status, Some(2));
+    assert!(outcome.stderr.contains("\"mass\" is no quantity"));
+}

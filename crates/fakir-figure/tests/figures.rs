@@ -156,11 +156,23 @@ fn figures_of_many_states() -> Vec<Figure> {
             percentiles: vec![5.0, 50.0, 95.0],
         })
         .unwrap(),
-        fit_curves(FittedLoad::Displacement, &[fitted(FittedQuantity::Force)]).named("fit-force"),
+        fit_curves(
+            FittedLoad::Displacement,
+            &[fitted(FittedQuantity::Force)],
+            true,
+        )
+        .named("fit-force"),
         fit_curves(
             FittedLoad::Force,
             &[FittedQuantity::Force, FittedQuantity::ContactRadius].map(fitted),
+            true,
         ),
+        fit_curves(
+            FittedLoad::Displacement,
+            &[fitted(FittedQuantity::Force)],
+            false,
+        )
+        .named("fit-misfit"),
     ]
 }
 

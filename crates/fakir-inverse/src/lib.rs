@@ -9,6 +9,7 @@
 //!   [`fakir_study::result`] has all others; [`Spread::table`](spread::Spread::table) and
 //!   [`Fit::table`](fit::Fit::table) are their tables.
 
+mod derivative;
 pub mod design;
 pub mod fit;
 pub mod heights;

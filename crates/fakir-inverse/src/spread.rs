@@ -4,7 +4,8 @@
 //!
 //! Beside the samples stands what the exact derivatives of the critical state make of the deviations to first order.
 
-use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, LatticeForm, Point, Quantity};
+use crate::derivative::ByKey;
+use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, LatticeForm, Point};
 use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument, parse_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
@@ -279,27 +280,7 @@ fn first_order(
         Err(error) => return Ok(Err(error.to_string())),
         Ok(gradient) => gradient,
     };
-    // With a surface fraction that is given the pitch goes with the diameter.
-    let fraction = file.given(Key::SurfaceFraction)?;
-    let diameter = case.system.pillar().diameter;
-    let pitch = case.system.pitch();
-    let by_key = |derivatives: &Derivatives, key: Key| -> Option<f64> {
-        match (key, fraction) {
-            (Key::SurfaceFraction, Some(fraction)) => {
-                Some(-derivatives.by(Quantity::Pitch)? * pitch / (2.0 * fraction))
-            }
-            (Key::PillarDiameter, Some(_)) => {
-                let by_pitch = derivatives.by(Quantity::Pitch)?;
-                Some(derivatives.by(Quantity::PillarDiameter)? + by_pitch * pitch / diameter)
-            }
-            _ => {
-                let mut known = derivatives.quantities.iter();
-                known
-                    .find(|(quantity, _)| Key::of(*quantity) == Some(key))
-                    .map(|(_, value)| *value)
-            }
-        }
-    };
+    let by_key = ByKey::new(file, case)?;
     let height_deviation =
         disorder.map_or(0.0, |it| it.height_spread * case.system.pillar().height);
     let deviation = |derivatives: &Option<Derivatives>| -> Result<f64, String> {
@@ -311,7 +292,7 @@ fn first_order(
             .map(|(_, slope)| (slope * height_deviation).powi(2))
             .sum();
         for (key, _, deviation) in varied {
-            let slope = by_key(derivatives, *key).ok_or_else(|| {
+            let slope = by_key.of(derivatives, *key).ok_or_else(|| {
                 format!("there are no derivatives with respect to {}", key.path())
             })?;
             variance += (slope * deviation).powi(2);

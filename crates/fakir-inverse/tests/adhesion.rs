@@ -282,7 +282,7 @@ fn what_the_data_of_adhesion_lack_is_told() {
     let message = told(&partly, work, &[WORK]);
     assert!(message.contains("branch: no branch here"), "{message}");
     let odd = "branch,indentation_m,force_N\nup,1e-6,1e-6\n";
-    let message = Measurements::from_csv("data.csv", odd.as_bytes())
+    let message = Measurements::from_csv("data.csv", odd.as_bytes(), &[])
         .unwrap_err()
         .to_string();
     assert_eq!(
@@ -314,7 +314,7 @@ fn branches_are_given_or_found() {
             })
             .collect();
         let text = format!("indentation_m,force_N{branch}\n{text}");
-        let data = Measurements::from_csv("data", text.as_bytes())
+        let data = Measurements::from_csv("data", text.as_bytes(), &[])
             .unwrap()
             .with_force_error(1e-7);
         let file = case_file(&["texture.surface_fraction=0.01"]);

@@ -6,7 +6,7 @@ use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir::state::Branch;
 use fakir_inverse::fit::{
-    Column, Fit, FitOptions, FitSummary, Measurements, Parameter, Position, Quantity,
+    Column, Fit, FitOptions, FitSummary, Measurements, NamedColumn, Parameter, Position, Quantity,
 };
 use fakir_study::Table;
 use fakir_study::result::json;
@@ -23,29 +23,35 @@ pub(crate) struct Data {
 
 #[pymethods]
 impl Data {
-    /// Reads a CSV file.
+    /// Reads a file, with columns named by hand: quantity and heading.
     #[staticmethod]
-    fn read(path: PathBuf) -> PyResult<Self> {
-        let measurements = Measurements::read(&path).map_err(|error| fit_error(&error.into()))?;
-        Ok(Self { measurements })
+    fn read(path: PathBuf, named: Vec<(String, String)>) -> PyResult<Self> {
+        let measurements = Measurements::read(&path, &by_hand(&named)?);
+        Ok(Self {
+            measurements: measurements.map_err(|error| fit_error(&error.into()))?,
+        })
     }
 
-    /// Columns by their names, NaN for what was not measured.
+    /// Columns by their headings, NaN for what was not measured; none for columns that are not of numbers.
     #[staticmethod]
-    fn of(named: Vec<(String, PyReadonlyArray1<'_, f64>)>) -> PyResult<Self> {
-        let columns = named.iter().map(|(name, values)| {
-            let column = Column::named(name).ok_or_else(|| {
-                let names: Vec<&str> = Column::ALL.iter().map(|column| column.name()).collect();
-                value_error(format!(
-                    "no column of measurements is called \"{name}\": give some of {}",
-                    names.join(", ")
-                ))
-            })?;
-            Ok((column, values.as_array().to_vec()))
+    fn of(
+        columns: Vec<(String, Option<PyReadonlyArray1<'_, f64>>)>,
+        named: Vec<(String, String)>,
+    ) -> PyResult<Self> {
+        let columns = columns.into_iter().map(|(name, values)| {
+            let values = values.map(|values| values.as_array().to_vec());
+            (name, values)
         });
-        let columns = columns.collect::<PyResult<Vec<_>>>()?;
-        let measurements = Measurements::new(&columns).map_err(|error| fit_error(&error.into()))?;
-        Ok(Self { measurements })
+        let columns: Vec<(String, Option<Vec<f64>>)> = columns.collect();
+        let measurements = Measurements::from_columns(&columns, &by_hand(&named)?);
+        Ok(Self {
+            measurements: measurements.map_err(|error| fit_error(&error.into()))?,
+        })
+    }
+
+    /// What became of every column, a line for each.
+    fn understood(&self) -> Vec<String> {
+        self.measurements.layout().lines()
     }
 
     /// The same with standard errors of position (m), force (N) and contact radius (m) where none
@@ -68,6 +74,14 @@ impl Data {
         }
         Self { measurements }
     }
+}
+
+/// Columns that are named by hand.
+fn by_hand(named: &[(String, String)]) -> PyResult<Vec<NamedColumn>> {
+    let one = |(quantity, heading): &(String, String)| {
+        NamedColumn::new(quantity, heading).map_err(value_error)
+    };
+    named.iter().map(one).collect()
 }
 
 /// What came of a fit.
@@ -145,7 +159,8 @@ pub(crate) fn fit(
     case: &Case,
     data: &Data,
     free: Vec<String>,
-    instrument: (Option<f64>, f64, f64),
+    instrument: (Option<f64>, f64, f64, f64, f64),
+    starts: usize,
     options: Options,
 ) -> PyResult<Fitted> {
     let free = free.iter().map(|name| {
@@ -155,11 +170,15 @@ pub(crate) fn fit(
         })
     });
     let free = free.collect::<PyResult<Vec<_>>>()?;
-    let (contact_point, machine_compliance, force_offset) = instrument;
+    let (contact_point, machine_compliance, force_offset, displacement_drift, force_drift) =
+        instrument;
     let known = FitOptions {
         contact_point,
         machine_compliance,
         force_offset,
+        displacement_drift,
+        force_drift,
+        starts,
     };
     let file = case.file()?;
     let measurements = &data.measurements;

@@ -71,8 +71,9 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
         count => format!(", {count} of them past the transition and left out"),
     };
     let mut text = format!(
-        "{}: {rows} states{out}\n{}\n{}, {} in {} steps, in {}\n\n",
+        "{}: {rows} states{out}\n{}{}\n{}, {} in {} steps, in {}\n\n",
         data.name(),
+        understood(data),
         texture_line(&case.system),
         method_words(case.method),
         fitted.termination.description(),
@@ -132,6 +133,49 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
             fitted.degrees_of_freedom
         ),
     };
+    text += &description(fitted);
+    text
+}
+
+/// What the columns of the file were taken for.
+fn understood(data: &Measurements) -> String {
+    let lines = data.layout().lines();
+    lines.iter().map(|line| format!("  {line}\n")).collect()
+}
+
+/// Whether the fit describes the data, and where its searches began.
+fn description(fitted: &Fit) -> String {
+    let misfit = &fitted.misfit;
+    let least = |values: &mut dyn Iterator<Item = f64>| values.fold(1.0, f64::min);
+    let mut parts = Vec::new();
+    if !misfit.runs.is_empty() {
+        let p = least(&mut misfit.runs.iter().map(|test| test.p_value));
+        parts.push(format!("runs of residuals p = {}", significant(p, 2)));
+    }
+    if let Some(p) = misfit.chi_square_p_value {
+        parts.push(format!("chi-square p = {}", significant(p, 2)));
+    }
+    if let Some(left) = misfit.left_out.first() {
+        parts.push(format!(
+            "of {} parameters held most suspect {}, p = {}",
+            misfit.left_out.len(),
+            left.parameter.name(),
+            significant(left.p_value, 2)
+        ));
+    }
+    let verdict = if misfit.describes_data() {
+        "describes the data"
+    } else {
+        "does not describe the data"
+    };
+    let mut text = match &parts[..] {
+        [] => String::new(),
+        parts => format!("{verdict}: {}\n", parts.join("; ")),
+    };
+    if fitted.starts.len() > 1 {
+        let same = fitted.starts.iter().filter(|start| start.is_answer).count();
+        text += &format!("{} starts: {same} came to this fit\n", fitted.starts.len());
+    }
     text
 }
 
@@ -189,23 +233,35 @@ fn correlations(fitted: &Fit) -> String {
 }
 
 fn figure(data: &Measurements, fitted: &Fit) -> Figure {
-    let load = match data.position() {
+    let load_of = match data.position() {
         Position::Displacement => FittedLoad::Displacement,
         Position::Indentation => FittedLoad::Indentation,
         Position::None => FittedLoad::Force,
     };
     let curve = |scatter: &fakir_inverse::fit::Scatter| {
         let quantity = scatter.quantity;
-        let point = |row: &FittedRow| {
+        let point = |(number, row): (usize, &FittedRow)| {
             let compared = row.compared(quantity)?;
-            let load = match load {
+            let load = match load_of {
                 FittedLoad::Force => row.measurement.force,
                 _ => row.measurement.position,
             }?;
+            // Without the drift, as the curve is at the first row.
+            let moment = fitted.moments.get(number).copied().unwrap_or(0.0);
+            let force_drift = moment * fitted.force_drift;
+            let [load_drift, drift] = match (load_of, quantity) {
+                (FittedLoad::Displacement, Quantity::Force) => {
+                    [moment * fitted.displacement_drift, force_drift]
+                }
+                (FittedLoad::Displacement, _) => [moment * fitted.displacement_drift, 0.0],
+                (FittedLoad::Indentation, Quantity::Force) => [0.0, force_drift],
+                (FittedLoad::Indentation, _) => [0.0, 0.0],
+                (FittedLoad::Force, _) => [force_drift, 0.0],
+            };
             Some(FittedPoint {
-                load: load.value,
-                measured: compared.measured,
-                computed: compared.computed,
+                load: load.value - load_drift,
+                measured: compared.measured - drift,
+                computed: compared.computed - drift,
                 error: compared.error,
                 used: row.used,
                 unloading: row.branch == Some(Branch::Unloading),
@@ -224,11 +280,12 @@ fn figure(data: &Measurements, fitted: &Fit) -> Figure {
                 Quantity::Force => FittedQuantity::Force,
                 Quantity::ContactRadius => FittedQuantity::ContactRadius,
             },
-            points: fitted.rows.iter().filter_map(point).collect(),
+            points: fitted.rows.iter().enumerate().filter_map(point).collect(),
             curve: forth.into_iter().map(place).collect(),
             unloading: back.into_iter().map(place).collect(),
         }
     };
     let curves: Vec<FittedCurve> = fitted.scatter.iter().map(curve).collect();
-    fit_curves(load, &curves)
+    let describes = fitted.misfit.describes_data();
+    fit_curves(load_of, &curves, describes)
 }

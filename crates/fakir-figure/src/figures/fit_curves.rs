@@ -59,9 +59,16 @@ pub struct FittedCurve {
 }
 
 /// Measured points with error bars on fitted curves, each above a panel of measured less fitted
-/// values; side by side for several quantities under the same load. There must be one at least.
+/// values; side by side for several quantities under the same load. There must be one at least. A fit that does not
+/// describe the data says so above.
 #[must_use]
-pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve]) -> Figure {
+pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve], describes_data: bool) -> Figure {
+    let warning = || Text::from("does not describe the data");
+    let titles = if describes_data {
+        Vec::new()
+    } else {
+        curves.iter().map(|_| warning()).collect()
+    };
     let panels: Vec<[Chart; 2]> = curves.iter().map(|curve| panels(load, curve)).collect();
     let upper = panels.iter().map(|[upper, _]| upper.clone());
     let lower = panels.iter().map(|[_, lower]| lower.clone());
@@ -73,7 +80,7 @@ pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve]) -> Figure {
         heights: vec![130.0, 76.0],
         common_x: true,
         common_y: false,
-        titles: Vec::new(),
+        titles,
         tagged: false,
     }
     .figure()

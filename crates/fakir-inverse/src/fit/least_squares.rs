@@ -70,6 +70,22 @@ impl Linear {
         step
     }
 
+    /// What is left of a vector, a number for each value, without what the unknowns explain of it.
+    pub(super) fn rest(&self, vector: &[f64]) -> Vec<f64> {
+        let mut rest = vector.to_vec();
+        for k in (0..self.unknowns()).filter(|k| self.is_seen(*k)) {
+            let along: f64 = vector
+                .iter()
+                .enumerate()
+                .map(|(i, value)| self.left[(i, k)] * value)
+                .sum();
+            for (i, rest) in rest.iter_mut().enumerate() {
+                *rest -= along * self.left[(i, k)];
+            }
+        }
+        rest
+    }
+
     /// How far each datum draws the fit to itself, 0 to 1.
     pub(super) fn leverages(&self, count: usize) -> Vec<f64> {
         let seen = || (0..self.unknowns()).filter(|k| self.is_seen(*k));
@@ -135,6 +151,11 @@ mod tests {
             assert!((leverage - expected).abs() < 1e-12);
         }
         assert!(linear.unseen().is_empty());
+        // Of squares 0, 1, 4, 9 a straight line leaves 1, -1, -1, 1.
+        let rest = linear.rest(&[0.0, 1.0, 4.0, 9.0]);
+        for (rest, expected) in rest.iter().zip([1.0, -1.0, -1.0, 1.0]) {
+            assert!((rest - expected).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Measured curves of loading and unloading.
 
+use super::reading::{Layout, NamedColumn, Reader};
 use fakir::state::Branch;
 use fakir_case::input::{self, LARGEST_TABLE};
+use fakir_case::unit::Dimension;
 use std::path::Path;
 
 /// A column of measured values, in SI units; the branch as 0 of loading and 1 of unloading.
@@ -16,12 +18,13 @@ pub enum Column {
     ForceError,
     ContactRadius,
     ContactRadiusError,
+    Time,
     Branch,
 }
 
 impl Column {
     /// All columns.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Displacement,
         Self::DisplacementError,
         Self::Indentation,
@@ -30,6 +33,7 @@ impl Column {
         Self::ForceError,
         Self::ContactRadius,
         Self::ContactRadiusError,
+        Self::Time,
         Self::Branch,
     ];
 
@@ -45,18 +49,39 @@ impl Column {
             Self::ForceError => "force_error_N",
             Self::ContactRadius => "contact_radius_m",
             Self::ContactRadiusError => "contact_radius_error_m",
+            Self::Time => "time_s",
             Self::Branch => "branch",
         }
     }
 
-    /// The column of that name.
+    /// What it is of, without a unit: `"displacement"`, `"force_error"`.
     #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|column| column.name() == name)
+    pub fn quantity(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::DisplacementError => "displacement_error",
+            Self::Indentation => "indentation",
+            Self::IndentationError => "indentation_error",
+            Self::Force => "force",
+            Self::ForceError => "force_error",
+            Self::ContactRadius => "contact_radius",
+            Self::ContactRadiusError => "contact_radius_error",
+            Self::Time => "time",
+            Self::Branch => "branch",
+        }
+    }
+
+    /// What it measures; none of times and branches.
+    pub(super) fn dimension(self) -> Option<Dimension> {
+        match self {
+            Self::Force | Self::ForceError => Some(Dimension::Force),
+            Self::Time | Self::Branch => None,
+            _ => Some(Dimension::Length),
+        }
     }
 
     /// Of a column of standard errors, the column they belong to.
-    fn errors_of(self) -> Option<Self> {
+    pub(super) fn errors_of(self) -> Option<Self> {
         match self {
             Self::DisplacementError => Some(Self::Displacement),
             Self::IndentationError => Some(Self::Indentation),
@@ -125,6 +150,8 @@ pub struct Measurement {
     pub contact_radius: Option<Measured>,
     /// Whether it was measured on loading or on unloading, if the data say so.
     pub branch: Option<Branch>,
+    /// When, s, if the data say so.
+    pub time: Option<f64>,
 }
 
 impl Measurement {
@@ -139,8 +166,10 @@ impl Measurement {
 
 /// A measured loading experiment.
 ///
-/// As a CSV file: a heading, then a row for every state, cells that were not measured empty; lines
-/// that begin with `#` are passed over. Columns, in any order and as far as measured, in SI units:
+/// As a file: a heading, then a row for every state, cells that were not measured empty. Between columns are commas, semicolons or tabs;
+/// with the latter two, numbers can have decimal commas. Lines before the heading, and lines that begin with `#`, `%`, `;`, `//` or `!`, are
+/// passed over. Columns, in any order and as far as measured, in any known unit, which stands in the name (`force_uN`), in the heading
+/// (`Load [mN]`) or in a row of units below:
 ///
 /// | column | |
 /// |---|---|
@@ -148,17 +177,19 @@ impl Measurement {
 /// | `indentation_m` | in place of it: how far the lens has come down since its lowest point was level with the pillar tops |
 /// | `force_N` | normal force |
 /// | `contact_radius_m` | distance from the lens axis of the farthest point of a pillar top in contact |
-///
-/// | `branch` | `loading` or `unloading`; without it unloading begins after the largest load |
+/// | `time_s` | when, for a drift |
+/// | `branch` | `loading` or `unloading`, also as a line between the rows; without it unloading begins after the largest load |
 ///
 /// and their standard errors in columns of the same names with `_error` before the unit:
 /// `displacement_error_m`, `indentation_error_m`, `force_error_N`, `contact_radius_error_m`. A
-/// quantity has errors in all of its rows or in none.
+/// quantity has errors in all of its rows or in none. Other columns are not used; [`layout`](Self::layout) says what was understood, and a
+/// [`NamedColumn`] names a column by hand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurements {
     name: String,
     position: Position,
     rows: Vec<Measurement>,
+    layout: Layout,
 }
 
 /// Why measured values cannot be used.
@@ -177,31 +208,52 @@ pub struct DataError {
 }
 
 /// The values of one row of the file, each with its column.
-type RowValues = Vec<(Column, f64)>;
+pub(super) type RowValues = Vec<(Column, f64)>;
+
+/// How the columns were understood, which there are, and for every row its line in the file and its values.
+pub(super) type Table = (Layout, Vec<Column>, Vec<(u64, RowValues)>);
 
 impl Measurements {
-    /// Reads a CSV file.
+    /// Reads a file, with the columns that are named by hand.
     ///
     /// # Errors
     /// [`DataError`] names file, line and column.
-    pub fn read(path: &Path) -> Result<Self, DataError> {
+    pub fn read(path: &Path, named: &[NamedColumn]) -> Result<Self, DataError> {
         let name = path.display().to_string();
         match input::read(path, LARGEST_TABLE) {
-            Ok(bytes) => Self::from_csv(&name, &bytes),
+            Ok(bytes) => Self::from_csv(&name, &bytes, named),
             Err(error) => {
                 Err(Reader { name: &name }.fail(None, None, format!("cannot read: {error}")))
             }
         }
     }
 
-    /// Reads the contents of a CSV file; `name` is what errors call it.
+    /// Reads the contents of a file; `name` is what errors call it.
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    pub fn from_csv(name: &str, bytes: &[u8]) -> Result<Self, DataError> {
+    pub fn from_csv(name: &str, bytes: &[u8], named: &[NamedColumn]) -> Result<Self, DataError> {
         let reader = Reader { name };
-        let (columns, rows) = reader.table(bytes)?;
-        reader.measurements(&columns, rows)
+        let (layout, columns, rows) = reader.table(bytes, named)?;
+        reader.measurements(layout, &columns, rows)
+    }
+
+    /// Columns by their headings, as in a file, with values in the unit of the heading; none for columns that are not of numbers, which cannot be
+    /// used. Branches are 0 for loading and 1 for unloading.
+    ///
+    /// # Errors
+    /// [`DataError`]
+    pub fn from_columns(
+        columns: &[(String, Option<Vec<f64>>)],
+        named: &[NamedColumn],
+    ) -> Result<Self, DataError> {
+        let reader = Reader { name: "data" };
+        let (layout, columns) = reader.arrays(columns, named)?;
+        let measurements = Self::new(&columns);
+        measurements.map(|measurements| Self {
+            layout,
+            ..measurements
+        })
     }
 
     /// Columns of values, all of the same length; NaN stands for what was not measured. Errors call
@@ -230,7 +282,13 @@ impl Measurements {
             )
         };
         let names: Vec<Column> = columns.iter().map(|(column, _)| *column).collect();
-        reader.measurements(&names, (0..length).map(row).collect())
+        reader.measurements(Layout::default(), &names, (0..length).map(row).collect())
+    }
+
+    /// How a file, or the headings of columns, were understood.
+    #[must_use]
+    pub fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// The same with a standard error of the force (N) where none was given.
@@ -280,6 +338,13 @@ impl Measurements {
     #[must_use]
     pub fn rows(&self) -> &[Measurement] {
         &self.rows
+    }
+
+    /// Whether all rows have a time, and the last is after the first: then a drift is linear in time.
+    #[must_use]
+    pub fn has_times(&self) -> bool {
+        let times: Option<Vec<f64>> = self.rows.iter().map(|row| row.time).collect();
+        times.is_some_and(|times| times.last() > times.first())
     }
 
     /// The branch of every row: as given, or loading up to the first of the largest loads and unloading after it.
@@ -348,117 +413,19 @@ impl Measurements {
     }
 }
 
-/// Columns, and for every row its line in the file and its values.
-type Table = (Vec<Column>, Vec<(u64, RowValues)>);
-
-/// The number that the text of a cell stands for.
-fn value(column: Column, text: &str) -> Result<f64, String> {
-    if column == Column::Branch {
-        let mut numbers = [0.0, 1.0].into_iter();
-        let is_named = |number: &f64| branch(*number).is_some_and(|branch| branch.name() == text);
-        return numbers
-            .find(is_named)
-            .ok_or_else(|| format!("\"{text}\" is no branch: give loading or unloading"));
-    }
-    text.parse()
-        .map_err(|_| format!("\"{text}\" is no number: give one like 1.2e-5, without unit"))
-}
-
-struct Reader<'a> {
-    name: &'a str,
-}
-
 impl Reader<'_> {
-    fn fail(
-        &self,
-        line: Option<u64>,
-        column: Option<&str>,
-        problem: impl Into<String>,
-    ) -> DataError {
-        DataError {
-            name: self.name.to_owned(),
-            line,
-            column: column.map(str::to_owned),
-            problem: problem.into(),
-        }
-    }
-
-    fn table(&self, bytes: &[u8]) -> Result<Table, DataError> {
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .from_reader(bytes);
-        let bad = |error: &csv::Error| {
-            let line = error.position().map(csv::Position::line);
-            let problem = match error.kind() {
-                csv::ErrorKind::UnequalLengths {
-                    expected_len, len, ..
-                } => {
-                    format!("{len} cells, but {expected_len} in the heading")
-                }
-                csv::ErrorKind::Utf8 { .. } => "is not UTF-8 text".to_owned(),
-                _ => error.to_string(),
-            };
-            self.fail(line, None, problem)
-        };
-        let heading = reader.headers().map_err(|error| bad(&error))?.clone();
-        let line = heading.position().map_or(1, csv::Position::line);
-        let columns = self.columns(&heading, line)?;
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(|error| bad(&error))?;
-            let line = record.position().map_or(0, csv::Position::line);
-            let mut cells = RowValues::new();
-            for (column, text) in columns.iter().zip(&record) {
-                if text.is_empty() {
-                    continue;
-                }
-                let value = value(*column, text)
-                    .map_err(|problem| self.fail(Some(line), Some(column.name()), problem))?;
-                cells.push((*column, value));
-            }
-            rows.push((line, cells));
-        }
-        Ok((columns, rows))
-    }
-
-    fn columns(&self, heading: &csv::StringRecord, line: u64) -> Result<Vec<Column>, DataError> {
-        let known = || Column::ALL.map(Column::name).join(", ");
-        if heading.iter().all(str::is_empty) {
-            let problem = format!(
-                "no heading: the first line names the columns, of {}",
-                known()
-            );
-            return Err(self.fail(None, None, problem));
-        }
-        let mut columns = Vec::new();
-        for name in heading {
-            let fail = |problem: String| self.fail(Some(line), Some(name), problem);
-            let column = Column::named(name).ok_or_else(|| match name.parse::<f64>() {
-                Ok(_) => {
-                    fail("a number in the heading: the first line names the columns".to_owned())
-                }
-                Err(_) => fail(format!("unknown column; known, in SI units: {}", known())),
-            })?;
-            if columns.contains(&column) {
-                return Err(fail("is there twice".to_owned()));
-            }
-            columns.push(column);
-        }
-        Ok(columns)
-    }
-
     fn measurements(
         &self,
+        layout: Layout,
         columns: &[Column],
         rows: Vec<(u64, RowValues)>,
     ) -> Result<Measurements, DataError> {
-        let position = self.check_columns(columns)?;
+        let position = self.check_columns(&layout, columns)?;
         let mut measurements = Measurements {
             name: self.name.to_owned(),
             position,
             rows: Vec::new(),
+            layout,
         };
         for (line, cells) in rows {
             let row = self.measurement(line, &cells)?;
@@ -473,7 +440,7 @@ impl Reader<'_> {
         Ok(measurements)
     }
 
-    fn check_columns(&self, columns: &[Column]) -> Result<Position, DataError> {
+    fn check_columns(&self, layout: &Layout, columns: &[Column]) -> Result<Position, DataError> {
         let has = |column: Column| columns.contains(&column);
         for column in columns {
             if let Some(owner) = column.errors_of().filter(|owner| !has(*owner)) {
@@ -483,7 +450,7 @@ impl Reader<'_> {
         }
         let position = match (has(Column::Displacement), has(Column::Indentation)) {
             (true, true) => {
-                let problem = "displacement_m and indentation_m: give only one of them";
+                let problem = "displacement_m and indentation_m: give only one of them, or name the one that counts by hand";
                 return Err(self.fail(None, None, problem));
             }
             (true, false) => Position::Displacement,
@@ -495,8 +462,14 @@ impl Reader<'_> {
             _ => has(Column::Force) || has(Column::ContactRadius),
         };
         if !enough {
-            let problem = "columns are missing: at least two of displacement_m (or indentation_m), \
-                           force_N and contact_radius_m must be there";
+            let mut problem =
+                "columns are missing: at least two of displacement_m (or indentation_m), \
+                               force_N and contact_radius_m must be there"
+                    .to_owned();
+            if !layout.columns.is_empty() {
+                problem += &format!("; seen were {}", layout.seen());
+                problem += "; columns can be named by hand, as force=\"HEADING [mN]\"";
+            }
             return Err(self.fail(None, None, problem));
         }
         Ok(position)
@@ -509,6 +482,7 @@ impl Reader<'_> {
             force: None,
             contact_radius: None,
             branch: None,
+            time: None,
         };
         for (column, value) in cells {
             if let Some(problem) = column.problem(*value) {
@@ -527,6 +501,7 @@ impl Reader<'_> {
                 Column::Indentation => row.position = of(Column::IndentationError),
                 Column::Force => row.force = of(Column::ForceError),
                 Column::ContactRadius => row.contact_radius = of(Column::ContactRadiusError),
+                Column::Time => row.time = Some(*value),
                 Column::Branch => row.branch = branch(*value),
                 _ => {}
             }

@@ -4,7 +4,7 @@
 //! radius: see [`Measurements`]. Where the position is measured it is the load, and force and
 //! contact radius are compared with the contact at the indentation
 //! `zeta = displacement - contact_point - machine_compliance F`; elsewhere the force is the load. A `force_offset` is in all measured
-//! forces.
+//! forces. Displacement and force may drift, linearly in time, or in the number of the row.
 //! States past the transition, where the lens rests on the floor too, are used where the floor bears its part: by the spectral
 //! method, unless the case ignores the floor. Otherwise they are left out.
 //!
@@ -14,8 +14,8 @@
 //! # Method
 //! The sum of squares of (measured - computed)/error is minimised by the method of Levenberg and
 //! Marquardt (K. Levenberg, Q. Appl. Math. 2, 164 (1944); D. W. Marquardt, J. SIAM 11, 431 (1963)), over
-//! the logarithms of moduli and sizes, with derivatives by central differences. Errors are renewed at
-//! every step:
+//! the logarithms of moduli and sizes, with the exact derivatives of the contact, or central differences where it has none
+//! (floor in contact, adhesion, contact radius, other methods). Errors are renewed at every step:
 //!
 //! * An error of the load counts through the slope of the curve, `sigma^2 + (slope sigma_x)^2` (J. Orear,
 //!   Am. J. Phys. 50, 912 (1982)); that it shifts force and contact radius of a row together is
@@ -40,16 +40,25 @@
 //! the data cannot determine, because the derivatives are linearly dependent or the error exceeds a
 //! factor of e (of a contact point or compliance: the range of the data), has no interval, but a
 //! [`Undetermined`] that says so.
+//!
+//! # Whether the fit describes the data
+//! [`Misfit`] has tests of that, each with a p-value: runs of residuals of one sign in the order of the load; chi-square, where errors were given;
+//! and for every parameter that was held the score test, which says whether the residuals lie along what it would change. With estimated errors that
+//! is the t-test of an added column of a linear regression. Rows whose error is mostly that of jumps know them together, and have no runs test.
 
 mod curve;
 mod least_squares;
 mod measurements;
+mod misfit;
 mod model;
 mod parameter;
+mod reading;
 mod report;
 
 pub use measurements::{Column, DataError, Measured, Measurement, Measurements, Position};
+pub use misfit::{LEVEL, LeftOut, Misfit, RunsTest};
 pub use parameter::Parameter;
+pub use reading::{Layout, NamedColumn, ReadColumn};
 pub use report::FitSummary;
 
 use fakir::numerics::convergence::{larger, within};
@@ -57,8 +66,10 @@ use fakir::numerics::roots::{self, Point};
 use fakir::state::{Branch, Cycle, Run, SolveError, Termination};
 use fakir_case::{CaseError, CaseFile, Key, TextureOnly};
 use least_squares::Linear;
+use misfit::Score;
 use model::{Derivatives, Model, State};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use std::cell::Cell as StdCell;
 use std::convert::Infallible;
 
 /// What is known besides the case and the data.
@@ -71,6 +82,12 @@ pub struct FitOptions {
     pub machine_compliance: f64,
     /// What the instrument reads without any force, N: its value, or where the fit begins.
     pub force_offset: f64,
+    /// By how much the displacement drifts from the first row to the last, m: its value, or where the fit begins.
+    pub displacement_drift: f64,
+    /// By how much the force drifts from the first row to the last, N: its value, or where the fit begins.
+    pub force_drift: f64,
+    /// From how many places the fit begins, against local minima, up to [`MOST_STARTS`]; 0 counts as 1.
+    pub starts: usize,
 }
 
 /// Why there is no fit.
@@ -104,11 +121,16 @@ pub enum FitError {
         parameter: Parameter,
     },
     /// An offset of forces without forces.
-    #[error("{name}: force_offset takes a column force_N")]
+    #[error("{name}: {} takes a column force_N", .parameter.name())]
     NoForce {
         /// The file.
         name: String,
+        /// The parameter.
+        parameter: Parameter,
     },
+    /// More starts than a fit has.
+    #[error("{0} starts: give 1 to {MOST_STARTS}")]
+    TooManyStarts(usize),
     /// A work of adhesion without the data that show it.
     #[error(
         "{name}: {} takes rows of the unloading: on loading adhesion hardly shows, and pull-off does", .parameter.name()
@@ -329,6 +351,17 @@ pub struct FittedPullOff {
     pub work_error: Option<f64>,
 }
 
+/// A search for the best fit, from one of several starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StartedFit {
+    /// Whether it came to an end, and not to a case that cannot be.
+    pub converged: bool,
+    /// Twice the negative logarithm of the likelihood per value: the least is the best.
+    pub deviance: Option<f64>,
+    /// Whether it came to the fit that is the answer.
+    pub is_answer: bool,
+}
+
 /// What came of a fit.
 #[derive(Debug, Clone)]
 pub struct Fit {
@@ -354,6 +387,18 @@ pub struct Fit {
     pub machine_compliance: f64,
     /// Offset of the measured forces, N, fitted or given.
     pub force_offset: f64,
+    /// Drift of the displacement (m) and of the force (N) from the first row to the last, fitted or given.
+    pub displacement_drift: f64,
+    /// That of the force, N.
+    pub force_drift: f64,
+    /// When every row was measured, from 0 at the first to 1 at the last: what a drift is linear in.
+    pub moments: Vec<f64>,
+    /// Whether the fit describes the data.
+    pub misfit: Misfit,
+    /// The searches, the first from where the case is.
+    pub starts: Vec<StartedFit>,
+    /// Contacts, gradients and cycles that were solved.
+    pub solutions: usize,
     /// The cycle with the fitted values; none without adhesion.
     pub cycle: Option<Cycle>,
     /// Its pull-off beside that of the data; none without unloading.
@@ -423,6 +468,18 @@ const MOST_DAMPING: f64 = 1e8;
 /// The smallest error that is estimated for a quantity, relative to its largest value: that of the solver.
 const LEAST_SCATTER: f64 = 1e-9;
 
+/// The most places from which a fit begins.
+pub const MOST_STARTS: usize = 32;
+
+/// Fits whose deviances per value differ by no more than this are the same.
+const SAME_DEVIANCE: f64 = 1e-4;
+
+/// Residuals as small as this part of the largest value are errors of the solver.
+const SOLVED: f64 = 1e-5;
+
+/// The part of the square of its error that jumps may have in a value of a runs test.
+const JUMPS: f64 = 0.1;
+
 /// Points of the computed curve.
 const CURVE: usize = 61;
 
@@ -444,14 +501,67 @@ pub fn fit(
     file.refuse_surface_for(TextureOnly::Fit)?;
     check(data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
-    let stages = if model.sticks { &STRETCHES[..] } else { &[0.0] };
-    let mut search = Search::new(&model, stages[0])?;
-    let mut termination = search.run(run)?;
-    for stretch in &stages[1..] {
-        search.restart(*stretch)?;
-        termination = search.run(run)?;
+    let begin = model.start()?;
+    let (mut search, mut termination) = model.search(begin.clone(), run)?;
+    let mut starts = vec![search.started(termination)];
+    let mut answer = 0;
+    for number in 1..options.starts {
+        match model.search(model.other_start(&begin, number), run) {
+            Ok((other, ended)) => {
+                let started = other.started(ended);
+                let best = starts[answer];
+                let is_better = match (started.deviance, best.deviance) {
+                    (Some(one), Some(two)) => one < two - SAME_DEVIANCE,
+                    (one, _) => one.is_some(),
+                };
+                if (started.converged, is_better) > (best.converged, false) {
+                    (search, termination, answer) = (other, ended, number);
+                }
+                starts.push(started);
+            }
+            Err(FitError::Solve(SolveError::Interrupted)) => {
+                return Err(SolveError::Interrupted.into());
+            }
+            // It began where no case or no contact can be.
+            Err(_) => starts.push(StartedFit {
+                converged: false,
+                deviance: None,
+                is_answer: false,
+            }),
+        }
     }
-    search.answer(termination)
+    let best = starts[answer].deviance;
+    for started in &mut starts {
+        started.is_answer = match (started.deviance, best) {
+            (Some(one), Some(two)) => within((one - two).abs(), SAME_DEVIANCE),
+            _ => false,
+        };
+    }
+    starts[answer].is_answer = true;
+    let mut fitted = search.answer(termination)?;
+    fitted.starts = starts;
+    Ok(fitted)
+}
+
+impl<'a> Model<'a> {
+    /// A search that begins at some unknowns, to its end.
+    fn search<'m>(
+        &'m self,
+        unknowns: Vec<f64>,
+        run: &Run<'_>,
+    ) -> Result<(Search<'m>, Termination), FitError>
+    where
+        'a: 'm,
+    {
+        let stages = if self.sticks { &STRETCHES[..] } else { &[0.0] };
+        let mut search = Search::new(self, unknowns, stages[0])?;
+        let mut termination = search.run(run)?;
+        for stretch in &stages[1..] {
+            search.restart(*stretch)?;
+            termination = search.run(run)?;
+        }
+        Ok((search, termination))
+    }
 }
 
 fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Result<(), FitError> {
@@ -474,9 +584,11 @@ fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Resul
             });
         }
         let name = || data.name().to_owned();
-        if *parameter == Parameter::ForceOffset && data.rows().iter().all(|row| row.force.is_none())
-        {
-            return Err(FitError::NoForce { name: name() });
+        if parameter.is_of_force() && data.rows().iter().all(|row| row.force.is_none()) {
+            return Err(FitError::NoForce {
+                name: name(),
+                parameter: *parameter,
+            });
         }
         if parameter.is_work() && !data.branches().contains(&Branch::Unloading) {
             return Err(FitError::NoUnloading {
@@ -493,6 +605,12 @@ fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Resul
     }
     if !options.force_offset.is_finite() {
         return Err(FitError::NotFinite("the force offset"));
+    }
+    if !(options.displacement_drift.is_finite() && options.force_drift.is_finite()) {
+        return Err(FitError::NotFinite("a drift"));
+    }
+    if options.starts > MOST_STARTS {
+        return Err(FitError::TooManyStarts(options.starts));
     }
     Ok(())
 }
@@ -522,16 +640,17 @@ struct Search<'a> {
     iterations: usize,
     /// Steps with other stretches before.
     earlier_iterations: usize,
+    /// Contacts that were solved for the tests.
+    solved: StdCell<usize>,
 }
 
 impl<'a> Search<'a> {
-    fn new(model: &'a Model<'a>, stretch: f64) -> Result<Self, FitError> {
+    fn new(model: &'a Model<'a>, unknowns: Vec<f64>, stretch: f64) -> Result<Self, FitError> {
         let rows = model.data.rows();
         let scale = |quantity: Quantity| {
             let values = rows.iter().filter_map(|row| quantity.of(row));
             values.fold(0.0, |largest: f64, value| largest.max(value.value.abs()))
         };
-        let unknowns = model.start()?;
         let mut search = Self {
             model,
             stretch,
@@ -544,6 +663,7 @@ impl<'a> Search<'a> {
             linear: None,
             iterations: 0,
             earlier_iterations: 0,
+            solved: StdCell::new(0),
             unknowns,
         };
         search.select();
@@ -913,6 +1033,191 @@ impl<'a> Search<'a> {
         if sum.is_nan() { f64::INFINITY } else { sum }
     }
 
+    /// How the search ended.
+    fn started(&self, termination: Termination) -> StartedFit {
+        let terms = self.residuals().into_iter().zip(&self.errors);
+        let sum: f64 = terms.map(|(r, e)| (r / e).powi(2) + 2.0 * e.ln()).sum();
+        let deviance = sum / self.data.len() as f64;
+        StartedFit {
+            converged: termination == Termination::Converged,
+            deviance: Some(deviance).filter(|deviance| deviance.is_finite()),
+            is_answer: false,
+        }
+    }
+
+    /// The largest value of a quantity.
+    fn largest(&self, quantity: Quantity) -> f64 {
+        let values = self.data.iter().filter(|datum| datum.quantity == quantity);
+        values.fold(0.0, |largest: f64, datum| {
+            largest.max(datum.measured.value.abs())
+        })
+    }
+
+    /// Whether the errors of a quantity are estimated from residuals as small as the errors of the solver.
+    fn is_exact(&self, quantity: Quantity) -> bool {
+        let mut of = self.data.iter().filter(|datum| datum.quantity == quantity);
+        let estimated = of
+            .next()
+            .is_some_and(|datum| datum.measured.error.is_none());
+        estimated
+            && within(
+                self.scatter[quantity as usize],
+                SOLVED * self.largest(quantity),
+            )
+    }
+
+    /// The tests of whether the fit describes the data.
+    fn misfit(&self) -> Result<Misfit, FitError> {
+        let freedom = self.data.len().saturating_sub(self.unknowns.len());
+        let given = !self.has_scatter() && freedom > 0;
+        let chi_square = self.chi_square_of_values();
+        Ok(Misfit {
+            runs: self.runs()?,
+            chi_square_p_value: given.then(|| misfit::chi_square_above(chi_square, freedom)),
+            small_chi_square_p_value: given.then(|| misfit::chi_square_below(chi_square, freedom)),
+            left_out: self.left_out(freedom)?,
+        })
+    }
+
+    fn runs(&self) -> Result<Vec<RunsTest>, FitError> {
+        let residuals = self.residuals();
+        let half_pitch = self.half_pitch()?;
+        let mut tests = Vec::new();
+        for quantity in Quantity::ALL {
+            if self.is_exact(quantity) {
+                continue;
+            }
+            let least = SOLVED * self.largest(quantity);
+            for branch in [Branch::Loading, Branch::Unloading] {
+                let counts = |(k, datum): &(usize, &Datum)| {
+                    // Rows that share jumps know them together. Where tops do not stick a jump of the radius is that of a single row.
+                    let known = self.known_variance(datum, half_pitch);
+                    let jumps = if self.model.sticks { known } else { 0.0 };
+                    datum.quantity == quantity
+                        && self.model.branches[datum.row] == branch
+                        && jumps <= JUMPS * self.errors[*k].powi(2)
+                        && residuals[*k].abs() > 0.1 * least
+                };
+                let mut of: Vec<(f64, f64)> = self
+                    .data
+                    .iter()
+                    .enumerate()
+                    .filter(counts)
+                    .map(|(k, datum)| {
+                        let load = model::load_of(&self.model.data.rows()[datum.row]);
+                        (load, residuals[k])
+                    })
+                    .collect();
+                of.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let ordered: Vec<f64> = of.into_iter().map(|(_, residual)| residual).collect();
+                tests.extend(RunsTest::new(quantity, branch, &ordered));
+            }
+        }
+        Ok(tests)
+    }
+
+    /// What could have been free besides.
+    fn held(&self) -> Vec<Parameter> {
+        let data = self.model.data;
+        let compares_force = self
+            .data
+            .iter()
+            .any(|datum| datum.quantity == Quantity::Force);
+        let is_by_force = self.is_by_force();
+        let has_unloading = data.branches().contains(&Branch::Unloading);
+        let could = |parameter: &Parameter| match parameter {
+            // Where the lens landed cannot be told from the middle, where all directions are alike; with adhesion every key takes two cycles.
+            Parameter::Key(Key::Offset | Key::OffsetAngle) => false,
+            Parameter::Key(_) if parameter.is_work() => self.model.sticks && has_unloading,
+            Parameter::Key(_) => true,
+            _ if parameter.is_of_displacement() => data.position() == Position::Displacement,
+            _ => compares_force || is_by_force,
+        };
+        let is_held = |parameter: &Parameter| !self.model.free.contains(parameter);
+        let all = Parameter::ALL.into_iter();
+        all.filter(|parameter| is_held(parameter) && could(parameter))
+            .collect()
+    }
+
+    fn left_out(&self, freedom: usize) -> Result<Vec<LeftOut>, FitError> {
+        let quantities = Quantity::ALL.into_iter();
+        let mut there = quantities.filter(|q| self.data.iter().any(|d| d.quantity == *q));
+        let Some(linear) = self.linear.as_ref().filter(|_| freedom > 1) else {
+            return Ok(Vec::new());
+        };
+        if there.all(|quantity| self.is_exact(quantity)) {
+            return Ok(Vec::new());
+        }
+        // Each by itself may be one that the case does not have.
+        let exists = |parameter: &Parameter| {
+            let free = [*parameter];
+            let model = self.model.with(&self.unknowns, &free);
+            let Ok((start, model)) = model.and_then(|model| Ok((model.start()?, model))) else {
+                return false;
+            };
+            let near = [-1e-2, 1e-2].map(|step| model.settings(&[start[0] + step]));
+            near.iter().all(Result::is_ok)
+        };
+        let held: Vec<Parameter> = self.held().into_iter().filter(exists).collect();
+        if held.is_empty() {
+            return Ok(Vec::new());
+        }
+        let model = self.model.with(&self.unknowns, &held)?;
+        let start = model.start()?;
+        let derivatives = match model.derivatives(&start, &self.states, self.stretch) {
+            Ok(derivatives) => derivatives,
+            Err(FitError::Solve(SolveError::Interrupted)) => {
+                return Err(SolveError::Interrupted.into());
+            }
+            Err(_) => return Ok(Vec::new()),
+        };
+        self.solved.set(self.solved.get() + model.solved());
+        let weighted: Vec<f64> = self
+            .residuals()
+            .iter()
+            .zip(&self.errors)
+            .map(|(residual, error)| residual / error)
+            .collect();
+        let residuals = linear.rest(&weighted);
+        let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
+        // Errors that are all known besides, as those of jumps, are not estimated.
+        let is_estimated = self.scatter_counts();
+        let score = |(number, parameter): (usize, &Parameter)| {
+            let column: Vec<f64> = self
+                .data
+                .iter()
+                .zip(&self.errors)
+                .map(|(datum, error)| {
+                    let row = &derivatives[datum.row];
+                    let slopes = match datum.quantity {
+                        Quantity::Force => &row.force,
+                        Quantity::ContactRadius => &row.contact_radius,
+                    };
+                    slopes[number] / error
+                })
+                .collect();
+            let length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
+            let score = Score::new(&residuals, &linear.rest(&column), length)?;
+            let unknown = start[number] + score.step;
+            Some(LeftOut {
+                parameter: *parameter,
+                p_value: score.p_value(squares, freedom, is_estimated),
+                value: Some(model.value(number, unknown)).filter(|_| score.step.abs() <= 1.0),
+            })
+        };
+        let mut left: Vec<LeftOut> = held.iter().enumerate().filter_map(score).collect();
+        left.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+        Ok(left)
+    }
+
+    /// Whether there are errors that were estimated and count.
+    fn scatter_counts(&self) -> bool {
+        self.data.iter().zip(&self.errors).any(|(datum, error)| {
+            let own = self.scatter[datum.quantity as usize];
+            datum.measured.error.is_none() && own * own > JUMPS * error * error
+        })
+    }
+
     fn answer(&self, termination: Termination) -> Result<Fit, FitError> {
         let covariance = self.covariance();
         let undetermined = self.undetermined(&covariance);
@@ -974,6 +1279,12 @@ impl<'a> Search<'a> {
             contact_point: settings.contact_point,
             machine_compliance: settings.machine_compliance,
             force_offset: settings.force_offset,
+            displacement_drift: settings.displacement_drift,
+            force_drift: settings.force_drift,
+            moments: self.model.moments.clone(),
+            misfit: self.misfit()?,
+            starts: Vec::new(),
+            solutions: self.model.solved() + self.solved.get(),
             cycle: solved.map(|(_, cycle)| cycle),
             pull_off,
             file: self.model.file(&self.unknowns),
@@ -992,12 +1303,7 @@ impl<'a> Search<'a> {
         let parameter = self.model.free[number];
         let unknown = self.unknowns[number];
         let value = self.model.value(number, unknown);
-        // The derivative of the value by the unknown.
-        let slope = if parameter.is_positive() {
-            value
-        } else {
-            self.model.unit(number)
-        };
+        let slope = self.model.slope(number, unknown);
         let ends = |deviation: f64| {
             let reach = quantile * deviation;
             if parameter.is_positive() {
@@ -1173,7 +1479,7 @@ impl<'a> Search<'a> {
     fn curve_of_cycle(&self, settings: &model::Settings, curve: &curve::Curve) -> Vec<CurvePoint> {
         let loads = self.model.data.rows().iter().map(model::load_of);
         let least = loads.fold(f64::INFINITY, f64::min);
-        let instrument = least - settings.load(self.model.data.position(), least);
+        let instrument = least - settings.load(self.model.data.position(), least, 0.0);
         let of_branch = |branch: Branch| {
             let first = curve.at(branch, least - instrument);
             let places = curve.places(branch).iter().copied();
@@ -1224,9 +1530,9 @@ impl<'a> Search<'a> {
             .map(|k| {
                 let load = at(k);
                 let state = if self.is_by_force() {
-                    self.model.state_under(settings, load)?
+                    self.model.state_under(settings, load, 0.0)?
                 } else {
-                    self.model.state_at(settings, load, 0.0)?
+                    self.model.state_at(settings, load, 0.0, 0.0)?
                 };
                 Ok(CurvePoint {
                     branch: None,

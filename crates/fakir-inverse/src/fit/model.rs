@@ -5,13 +5,15 @@ use super::curve::Curve;
 use super::measurements::{Measurement, Measurements, Position};
 use super::parameter::Parameter;
 use super::{FitError, FitOptions};
+use crate::derivative::ByKey;
 use fakir::numerics::convergence::{larger, within};
 use fakir::problem::{Control, CyclePlan, Drive, Method, Turn};
-use fakir::state::{Branch, ContactState, Cycle, Run, SolveError};
+use fakir::state::{Branch, ContactState, Cycle, Gradient, Run, SolveError};
 use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Relative step of derivatives: the error of a difference is its square, and kinks of the curve,
+/// Relative step of differences: the error of a difference is its square, and kinks of the curve,
 /// where pillars are touched first, are spread as errors of measurement spread them.
 const DIFFERENCE: f64 = 1e-2;
 
@@ -74,18 +76,28 @@ pub(super) struct Settings {
     pub(super) contact_point: f64,
     /// Machine compliance, m/N.
     pub(super) machine_compliance: f64,
-    /// What the instrument reads without any force, N.
+    /// What the instrument reads without any force at the first row, N.
     pub(super) force_offset: f64,
+    /// By how much the displacement (m) and the force (N) drift from the first row to the last.
+    pub(super) displacement_drift: f64,
+    pub(super) force_drift: f64,
 }
 
 impl Settings {
-    /// What a measured load is without what the instrument adds to it.
-    pub(super) fn load(&self, position: Position, measured: f64) -> f64 {
+    /// What a measured load is without what the instrument adds to it at a moment, 0 at the first row and 1 at the last.
+    pub(super) fn load(&self, position: Position, measured: f64, moment: f64) -> f64 {
         match position {
-            Position::Displacement => measured - self.contact_point,
+            Position::Displacement => {
+                measured - self.contact_point - self.displacement_drift * moment
+            }
             Position::Indentation => measured,
-            Position::None => measured - self.force_offset,
+            Position::None => measured - self.offset(moment),
         }
+    }
+
+    /// What the instrument reads without any force at a moment, N.
+    pub(super) fn offset(&self, moment: f64) -> f64 {
+        self.force_offset + self.force_drift * moment
     }
 }
 
@@ -108,6 +120,10 @@ pub(super) struct Model<'a> {
     orders: [Vec<usize>; 2],
     /// For every row the load from the one before to the one after it on its branch.
     stretches: Vec<f64>,
+    /// When every row was measured, from 0 at the first to 1 at the last.
+    pub(super) moments: Vec<f64>,
+    /// Contacts and cycles that were solved.
+    solved: AtomicUsize,
 }
 
 impl<'a> Model<'a> {
@@ -137,6 +153,8 @@ impl<'a> Model<'a> {
                 contact_point: options.contact_point.unwrap_or(0.0),
                 machine_compliance: options.machine_compliance,
                 force_offset: options.force_offset,
+                displacement_drift: options.displacement_drift,
+                force_drift: options.force_drift,
             },
             units: Vec::new(),
             // Threads share the rows, and every row is computed by one thread.
@@ -151,23 +169,63 @@ impl<'a> Model<'a> {
             stretches: stretches(data, &orders),
             orders,
             branches,
+            moments: moments(data),
+            solved: AtomicUsize::new(0),
         };
         if free.contains(&Parameter::ContactPoint) && options.contact_point.is_none() {
             model.start.contact_point = model.likely_contact_point()?;
         }
         model.begin_with_work()?;
-        let range = model.load_range();
+        model.units = model.units_of(free)?;
+        Ok(model)
+    }
+
+    /// The model at some unknowns, with other parameters free.
+    pub(super) fn with<'b>(
+        &self,
+        unknowns: &[f64],
+        free: &'b [Parameter],
+    ) -> Result<Model<'b>, FitError>
+    where
+        'a: 'b,
+    {
+        let mut model: Model<'b> = Model {
+            file: self.file(unknowns),
+            data: self.data,
+            free,
+            start: self.settings(unknowns)?,
+            units: Vec::new(),
+            single: self.single.clone(),
+            pool: self.pool,
+            wants_radius: self.wants_radius,
+            sticks: self.sticks,
+            branches: self.branches.clone(),
+            orders: self.orders.clone(),
+            stretches: self.stretches.clone(),
+            moments: self.moments.clone(),
+            solved: AtomicUsize::new(0),
+        };
+        model.units = model.units_of(free)?;
+        Ok(model)
+    }
+
+    /// How many contacts and cycles were solved so far.
+    pub(super) fn solved(&self) -> usize {
+        self.solved.load(Ordering::Relaxed)
+    }
+
+    fn units_of(&self, free: &[Parameter]) -> Result<Vec<f64>, FitError> {
+        let range = self.load_range();
         let units = free.iter().map(|parameter| {
             Ok(match parameter {
-                Parameter::Key(_) if parameter.is_positive() => model.start_of(*parameter)?,
+                Parameter::Key(_) if parameter.is_positive() => self.start_of(*parameter)?,
                 Parameter::Key(_) => 1.0,
-                Parameter::ContactPoint => range,
-                Parameter::MachineCompliance => range / model.largest_force(),
-                Parameter::ForceOffset => model.largest_force(),
+                Parameter::ContactPoint | Parameter::DisplacementDrift => range,
+                Parameter::MachineCompliance => range / self.largest_force(),
+                Parameter::ForceOffset | Parameter::ForceDrift => self.largest_force(),
             })
         });
-        model.units = units.collect::<Result<_, FitError>>()?;
-        Ok(model)
+        units.collect()
     }
 
     fn load_range(&self) -> f64 {
@@ -285,6 +343,8 @@ impl<'a> Model<'a> {
             Parameter::ContactPoint => Ok(self.start.contact_point),
             Parameter::MachineCompliance => Ok(self.start.machine_compliance),
             Parameter::ForceOffset => Ok(self.start.force_offset),
+            Parameter::DisplacementDrift => Ok(self.start.displacement_drift),
+            Parameter::ForceDrift => Ok(self.start.force_drift),
         }
     }
 
@@ -312,9 +372,22 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// What an unknown of 1 stands for, if it is no logarithm.
-    pub(super) fn unit(&self, number: usize) -> f64 {
-        self.units[number]
+    /// Another place to begin: moduli and sizes up to a factor of 3 away, contact point and machine up to a quarter of the range of the data. The
+    /// places are spread evenly, by multiples of irrational numbers (H. Weyl, Math. Ann. 77, 313 (1916)), the same for all fits.
+    pub(super) fn other_start(&self, begin: &[f64], number: usize) -> Vec<f64> {
+        let places = begin.iter().zip(self.free).enumerate();
+        places
+            .map(|(place, (begin, parameter))| {
+                const GOLDEN: f64 = 1.618_033_988_749_895;
+                let step = 1.0 / GOLDEN + place as f64 * std::f64::consts::SQRT_2;
+                let part = (number as f64 * step).fract();
+                let reach = match parameter {
+                    _ if parameter.is_positive() => 3f64.ln(),
+                    _ => 0.25,
+                };
+                begin + reach * (2.0 * part - 1.0)
+            })
+            .collect()
     }
 
     pub(super) fn file(&self, unknowns: &[f64]) -> CaseFile {
@@ -339,6 +412,10 @@ impl<'a> Model<'a> {
                     settings.machine_compliance = self.value(number, *unknown);
                 }
                 Parameter::ForceOffset => settings.force_offset = self.value(number, *unknown),
+                Parameter::DisplacementDrift => {
+                    settings.displacement_drift = self.value(number, *unknown);
+                }
+                Parameter::ForceDrift => settings.force_drift = self.value(number, *unknown),
                 Parameter::Key(_) => {}
             }
         }
@@ -352,10 +429,11 @@ impl<'a> Model<'a> {
         if self.sticks {
             return self.states_of_cycle(&settings, stretch * self.load_range());
         }
-        self.for_each_row(|_, row| {
-            let state = self.state(&settings, row)?;
+        self.for_each_row(|number, row| {
+            let moment = self.moments[number];
+            let state = self.state(&settings, row, moment)?;
             Ok(State {
-                read_force: state.force + settings.force_offset,
+                read_force: state.force + settings.offset(moment),
                 ..state
             })
         })
@@ -364,8 +442,9 @@ impl<'a> Model<'a> {
     /// The cycle that was measured, up to the largest measured load, with its curve; none if that load is before contact.
     pub(super) fn cycle(&self, settings: &Settings) -> Result<Option<(Curve, Cycle)>, FitError> {
         let position = self.data.position();
-        let loads = self.data.rows().iter().map(load_of);
-        let largest = settings.load(position, loads.fold(f64::NEG_INFINITY, f64::max));
+        let rows = self.data.rows().iter().zip(&self.moments);
+        let loads = rows.map(|(row, moment)| settings.load(position, load_of(row), *moment));
+        let largest = loads.fold(f64::NEG_INFINITY, f64::max);
         if largest <= 0.0 {
             return Ok(None);
         }
@@ -380,6 +459,7 @@ impl<'a> Model<'a> {
                 retract,
             };
             let case = &settings.case;
+            self.solved.fetch_add(1, Ordering::Relaxed);
             let cycle = fakir::cycle(&case.system, plan, case.method, &self.single)?;
             Ok((Curve::new(&cycle, compliance), cycle))
         };
@@ -424,7 +504,8 @@ impl<'a> Model<'a> {
         let deepest = critical.map_or(f64::INFINITY, |state| state.contact.indentation);
         let state = |(number, row): (usize, &Measurement)| {
             let branch = self.branches[number];
-            let position = settings.load(self.data.position(), load_of(row));
+            let moment = self.moments[number];
+            let position = settings.load(self.data.position(), load_of(row), moment);
             let place = curve.at(branch, position);
             let stretch = self.stretches[number].max(least_stretch);
             let average = curve.average(branch, position, stretch);
@@ -437,7 +518,7 @@ impl<'a> Model<'a> {
             State {
                 indentation: place.indentation,
                 force: place.force,
-                read_force: force + settings.force_offset,
+                read_force: force + settings.offset(moment),
                 force_variance,
                 sharing: larger(2.0 * stretch / self.stretches[number], 1.0)
                     .min(self.branches.len() as f64),
@@ -485,32 +566,46 @@ impl<'a> Model<'a> {
         }
     }
 
-    fn state(&self, settings: &Settings, row: &Measurement) -> Result<State, FitError> {
+    fn state(
+        &self,
+        settings: &Settings,
+        row: &Measurement,
+        moment: f64,
+    ) -> Result<State, FitError> {
         match (row.position, row.force) {
             (Some(position), force) => {
-                let guess = force.map_or(0.0, |force| force.value - settings.force_offset);
-                self.state_at(settings, position.value, guess)
+                let guess = force.map_or(0.0, |force| force.value - settings.offset(moment));
+                self.state_at(settings, position.value, moment, guess)
             }
-            (None, force) => self.state_under(settings, force.map_or(0.0, |force| force.value)),
+            (None, force) => {
+                let reading = force.map_or(0.0, |force| force.value);
+                self.state_under(settings, reading, moment)
+            }
         }
     }
 
-    /// The state under a force that was read.
-    pub(super) fn state_under(&self, settings: &Settings, reading: f64) -> Result<State, FitError> {
-        let force = settings.load(Position::None, reading);
+    /// The state under a force that was read at a moment.
+    pub(super) fn state_under(
+        &self,
+        settings: &Settings,
+        reading: f64,
+        moment: f64,
+    ) -> Result<State, FitError> {
+        let force = settings.load(Position::None, reading, moment);
         Ok(self.solve(&settings.case, Control::Force(force.max(0.0)))?)
     }
 
     /// The state at a reading: the indentation `zeta` with
-    /// `zeta + machine_compliance F(zeta) = reading - contact_point`, by secants.
+    /// `zeta + machine_compliance F(zeta) = reading - contact_point - drift`, by secants.
     pub(super) fn state_at(
         &self,
         settings: &Settings,
         reading: f64,
+        moment: f64,
         likely_force: f64,
     ) -> Result<State, FitError> {
         let position = self.data.position();
-        let target = settings.load(position, reading);
+        let target = settings.load(position, reading, moment);
         let compliance = match position {
             Position::Displacement => settings.machine_compliance,
             _ => 0.0,
@@ -564,6 +659,7 @@ impl<'a> Model<'a> {
                 converged: true,
             });
         }
+        self.solved.fetch_add(1, Ordering::Relaxed);
         let press = |method: Method| fakir::press(&case.system, load, method, &self.single);
         let contact: ContactState = press(case.method)?;
         let smooth_radius = if !self.wants_radius || case.method == Method::Homogenised {
@@ -586,9 +682,9 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// Derivatives by central differences, at fixed indentation, and from these at fixed reading:
-    /// with `F' = dF/dzeta` and `C` the machine compliance,
-    /// `dzeta = (d(reading) - d(contact_point) - F dC - C dF|_zeta)/(1 + C F')`.
+    /// Derivatives at fixed indentation, and from these at fixed reading: with `F' = dF/dzeta` and `C` the machine compliance,
+    /// `dzeta = (d(reading) - d(contact_point) - d(drift) - F dC - C dF|_zeta)/(1 + C F')`. Those of the force are exact where the contact has
+    /// a [gradient](fakir::gradient), or else central differences.
     pub(super) fn derivatives(
         &self,
         unknowns: &[f64],
@@ -599,31 +695,36 @@ impl<'a> Model<'a> {
             return self.derivatives_of_cycle(unknowns, states, stretch);
         }
         let settings = self.settings(unknowns)?;
-        let mut sides = Vec::new();
+        let by_key = ByKey::new(&self.file(unknowns), &settings.case)?;
+        let mut cases = Vec::new();
         for (number, parameter) in self.free.iter().enumerate() {
-            sides.push(match parameter {
-                Parameter::Key(_) => Some([-DIFFERENCE, DIFFERENCE].map(|step| {
-                    let mut moved = unknowns.to_vec();
-                    moved[number] += step;
-                    self.settings(&moved).map(|settings| settings.case)
-                })),
+            let side = |step: f64| -> Result<Case, FitError> {
+                let mut moved = unknowns.to_vec();
+                moved[number] += step;
+                Ok(self.settings(&moved)?.case)
+            };
+            cases.push(match parameter {
+                Parameter::Key(_) => Some([side(-DIFFERENCE)?, side(DIFFERENCE)?]),
                 _ => None,
             });
         }
-        let mut cases = Vec::new();
-        for side in sides {
-            cases.push(match side {
-                Some([below, above]) => Some([below?, above?]),
-                None => None,
-            });
-        }
-        self.for_each_row(|number, row| {
-            let state = &states[number];
+        self.for_each_row(|row_number, row| {
+            let state = &states[row_number];
+            let moment = self.moments[row_number];
             let load = match row.position {
                 Some(_) => Control::Indentation(state.indentation),
                 None => Control::Force(state.force),
             };
-            let along = self.along_load(&settings.case, load)?;
+            let gradient = self.gradient(&settings.case, load, state)?;
+            let along = match &gradient {
+                Some(gradient) => {
+                    let of = |factor| self.smooth_radius(&settings.case, scaled(load, factor));
+                    let radius = (of(1.0 + DIFFERENCE)? - of(1.0 - DIFFERENCE)?)
+                        / (2.0 * DIFFERENCE * value_of(load));
+                    [gradient.stiffness, radius]
+                }
+                None => self.along_load(&settings.case, load)?,
+            };
             let mut all = Derivatives::default();
             let compliance = match (row.position, self.data.position()) {
                 (Some(_), Position::Displacement) => settings.machine_compliance,
@@ -640,23 +741,76 @@ impl<'a> Model<'a> {
             all.force_by_position = along[0] * follow;
             all.radius_by_position = along[1] * follow;
             for (number, parameter) in self.free.iter().enumerate() {
+                let unit = self.units[number];
                 let ([force, radius], moved) = match (parameter, &cases[number]) {
-                    (Parameter::Key(_), Some(cases)) => {
-                        let held = self.between(cases, load)?;
+                    (Parameter::Key(key), Some(cases)) => {
+                        let exact = gradient
+                            .as_ref()
+                            .and_then(|gradient| by_key.exactly(gradient.force.as_ref()?, *key));
+                        let held = match exact {
+                            Some(slope) => {
+                                let of = |case: &Case| self.smooth_radius(case, load);
+                                let radius = (of(&cases[1])? - of(&cases[0])?) / (2.0 * DIFFERENCE);
+                                [slope * self.slope(number, unknowns[number]), radius]
+                            }
+                            None => self.between(cases, load)?,
+                        };
                         (held, -compliance * held[0] * follow)
                     }
-                    (Parameter::ContactPoint, _) => ([0.0; 2], -self.units[number] * follow),
-                    (Parameter::ForceOffset, _) => {
-                        let unit = self.units[number];
+                    (Parameter::ContactPoint, _) => ([0.0; 2], -unit * follow),
+                    (Parameter::DisplacementDrift, _) => ([0.0; 2], -unit * moment * follow),
+                    (Parameter::ForceOffset, _) => ([unit, -unit * all.radius_by_force], 0.0),
+                    (Parameter::ForceDrift, _) => {
+                        let unit = unit * moment;
                         ([unit, -unit * all.radius_by_force], 0.0)
                     }
-                    _ => ([0.0; 2], -self.units[number] * state.force * follow),
+                    _ => ([0.0; 2], -unit * state.force * follow),
                 };
                 all.force.push(force + along[0] * moved);
                 all.contact_radius.push(radius + along[1] * moved);
             }
             Ok(all)
         })
+    }
+
+    /// The derivative of a value by its unknown.
+    pub(super) fn slope(&self, number: usize, unknown: f64) -> f64 {
+        if self.free[number].is_positive() {
+            self.value(number, unknown)
+        } else {
+            self.units[number]
+        }
+    }
+
+    /// The exact derivatives of the force, where the contact has them.
+    fn gradient(
+        &self,
+        case: &Case,
+        load: Control,
+        state: &State,
+    ) -> Result<Option<Gradient>, SolveError> {
+        let above_floor = state.smallest_floor_gap.is_some_and(|gap| gap > 0.0);
+        let Control::Indentation(zeta) = load else {
+            return Ok(None); // a force that is the load is not compared
+        };
+        if zeta <= 0.0 || !above_floor || !matches!(case.method, Method::Spectral(_)) {
+            return Ok(None);
+        }
+        self.solved.fetch_add(1, Ordering::Relaxed);
+        match fakir::gradient(&case.system, load, case.method, &self.single) {
+            Ok(gradient) => Ok(Some(gradient)),
+            Err(SolveError::Interrupted) => Err(SolveError::Interrupted),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// The contact radius of the homogenised lattice, m, where contact radii were measured.
+    fn smooth_radius(&self, case: &Case, load: Control) -> Result<f64, SolveError> {
+        if !self.wants_radius {
+            return Ok(0.0);
+        }
+        let contact = fakir::press(&case.system, load, Method::Homogenised, &self.single)?;
+        Ok(contact.contact_radius)
     }
 
     /// Derivatives by central differences of whole cycles.
@@ -720,20 +874,12 @@ impl<'a> Model<'a> {
 
     /// Derivatives of force and smooth contact radius by the load.
     fn along_load(&self, case: &Case, load: Control) -> Result<[f64; 2], SolveError> {
-        let at = |factor: f64| match load {
-            Control::Indentation(value) => Control::Indentation(factor * value),
-            Control::Force(value) => Control::Force(factor * value),
-            Control::FloorContact => Control::FloorContact,
-        };
-        let value = match load {
-            Control::Indentation(value) | Control::Force(value) => value,
-            Control::FloorContact => 0.0, // nothing to go along
-        };
+        let value = value_of(load);
         if value <= 0.0 {
             return Ok([0.0; 2]);
         }
-        let below = self.solve(case, at(1.0 - DIFFERENCE))?;
-        let above = self.solve(case, at(1.0 + DIFFERENCE))?;
+        let below = self.solve(case, scaled(load, 1.0 - DIFFERENCE))?;
+        let above = self.solve(case, scaled(load, 1.0 + DIFFERENCE))?;
         Ok(difference(&below, &above, DIFFERENCE * value))
     }
 
@@ -742,6 +888,40 @@ impl<'a> Model<'a> {
         let (below, above) = (self.solve(below, load)?, self.solve(above, load)?);
         Ok(difference(&below, &above, DIFFERENCE))
     }
+}
+
+/// A load times a factor.
+fn scaled(load: Control, factor: f64) -> Control {
+    match load {
+        Control::Indentation(value) => Control::Indentation(factor * value),
+        Control::Force(value) => Control::Force(factor * value),
+        Control::FloorContact => Control::FloorContact,
+    }
+}
+
+fn value_of(load: Control) -> f64 {
+    match load {
+        Control::Indentation(value) | Control::Force(value) => value,
+        Control::FloorContact => 0.0, // nothing to go along
+    }
+}
+
+/// When every row was measured, from 0 at the first to 1 at the last: by the time if all rows have one, or else by their number.
+fn moments(data: &Measurements) -> Vec<f64> {
+    let rows = data.rows();
+    let times: Option<Vec<f64>> = rows.iter().map(|row| row.time).collect();
+    let times = times.filter(|_| data.has_times());
+    let times = times.unwrap_or_else(|| (0..rows.len()).map(|number| number as f64).collect());
+    let ends = [times.first(), times.last()].map(|end| end.copied().unwrap_or(0.0));
+    let length = ends[1] - ends[0];
+    let moment = |time: &f64| {
+        if length > 0.0 {
+            (time - ends[0]) / length
+        } else {
+            0.0
+        }
+    };
+    times.iter().map(moment).collect()
 }
 
 fn difference(below: &State, above: &State, step: f64) -> [f64; 2] {
@@ -770,4 +950,59 @@ fn stretches(data: &Measurements, orders: &[Vec<usize>; 2]) -> Vec<f64> {
         }
     }
     stretches
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::measurements::Column;
+
+    #[test]
+    fn exact_derivatives_are_those_of_the_states() {
+        // Central differences of the states themselves, with a step whose square is the relative error.
+        const STEP: f64 = 1e-3;
+        let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
+        file.set("texture.surface_fraction=0.01").unwrap();
+        // Between touches of pillars. The forces say only what a step of the compliance is.
+        let displacement = vec![0.5e-6, 1.0e-6, 2.0e-6];
+        let columns = [
+            (Column::Displacement, displacement),
+            (Column::Force, vec![1e-4; 3]),
+        ];
+        let data = Measurements::new(&columns).unwrap();
+        let mut free = Parameter::ALL.to_vec();
+        free.retain(|free| !free.is_work());
+        free.retain(|free| !matches!(free, Parameter::Key(Key::Offset | Key::OffsetAngle)));
+        let options = FitOptions {
+            contact_point: Some(0.1e-6),
+            machine_compliance: 2e-3,
+            ..FitOptions::default()
+        };
+        let run = Run::default();
+        let model = Model::new(&file, &data, &free, &options, &run).unwrap();
+        let begin = model.start().unwrap();
+        let states = model.states(&begin, 0.0).unwrap();
+        let before = model.solved();
+        let derivatives = model.derivatives(&begin, &states, 0.0).unwrap();
+        // One gradient for every row, where differences took 2 solutions along the load and 2 for each of 6 keys.
+        assert_eq!(model.solved() - before, 3);
+        for (number, parameter) in free.iter().enumerate() {
+            let moved = |step: f64| {
+                let mut moved = begin.clone();
+                moved[number] += step;
+                model.states(&moved, 0.0).unwrap()
+            };
+            let (below, above) = (moved(-STEP), moved(STEP));
+            for (row, derivative) in derivatives.iter().enumerate() {
+                let slope = (above[row].read_force - below[row].read_force) / (2.0 * STEP);
+                let scale = slope.abs().max(1e-3 * states[row].force);
+                assert!(
+                    (derivative.force[number] - slope).abs() < 1e-3 * scale,
+                    "{} {row}: {} {slope}",
+                    parameter.name(),
+                    derivative.force[number]
+                );
+            }
+        }
+    }
 }

@@ -14,11 +14,15 @@ pub enum Parameter {
     MachineCompliance,
     /// What the instrument reads without any force, N.
     ForceOffset,
+    /// By how much the reading of the displacement drifts from the first row to the last, m: linear in time, or in the number of the row.
+    DisplacementDrift,
+    /// By how much what the instrument reads without any force drifts from the first row to the last, N.
+    ForceDrift,
 }
 
 impl Parameter {
     /// All that can be fitted.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::Key(Key::SubstrateYoungModulus),
         Self::Key(Key::LensYoungModulus),
         Self::Key(Key::LensRadius),
@@ -32,9 +36,12 @@ impl Parameter {
         Self::ContactPoint,
         Self::MachineCompliance,
         Self::ForceOffset,
+        Self::DisplacementDrift,
+        Self::ForceDrift,
     ];
 
-    /// Its name: the key with its tables, `contact_point`, `machine_compliance` or `force_offset`.
+    /// Its name: the key with its tables, `contact_point`, `machine_compliance`, `force_offset`,
+    /// `displacement_drift` or `force_drift`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -42,6 +49,8 @@ impl Parameter {
             Self::ContactPoint => "contact_point",
             Self::MachineCompliance => "machine_compliance",
             Self::ForceOffset => "force_offset",
+            Self::DisplacementDrift => "displacement_drift",
+            Self::ForceDrift => "force_drift",
         }
     }
 
@@ -70,15 +79,23 @@ impl Parameter {
     pub fn dimension(self) -> Option<Dimension> {
         match self {
             Self::Key(key) => Some(key.dimension()),
-            Self::ContactPoint => Some(Dimension::Length),
+            Self::ContactPoint | Self::DisplacementDrift => Some(Dimension::Length),
             Self::MachineCompliance => None,
-            Self::ForceOffset => Some(Dimension::Force),
+            Self::ForceOffset | Self::ForceDrift => Some(Dimension::Force),
         }
     }
 
     /// Whether it takes a displacement to be seen.
     pub(super) fn is_of_displacement(self) -> bool {
-        matches!(self, Self::ContactPoint | Self::MachineCompliance)
+        matches!(
+            self,
+            Self::ContactPoint | Self::MachineCompliance | Self::DisplacementDrift
+        )
+    }
+
+    /// Whether it is in measured forces.
+    pub(super) fn is_of_force(self) -> bool {
+        matches!(self, Self::ForceOffset | Self::ForceDrift)
     }
 
     /// Whether it is a work of adhesion, which only unloading shows.

@@ -1,10 +1,12 @@
 //! A fit as a JSON object, as a table and in warnings: what command line and Python package show.
 
 use super::{
-    Estimate, Fit, FittedRow, Measured, Measurements, Parameter, Position, Quantity, Scatter,
+    Estimate, Fit, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit, Parameter, Position,
+    Quantity, ReadColumn, RunsTest, Scatter,
 };
 use fakir::problem::Method;
 use fakir::state::Termination;
+use fakir_case::unit::format_quantity;
 use fakir_study::result::cycle_warnings;
 use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
@@ -15,6 +17,19 @@ const WITH_FLOOR: &str = "the method spectral uses them, unless the case has flo
 
 /// The same with adhesion.
 const WITH_ADHESION: &str = "with adhesion the loading ends where the lens reaches the floor, and the unloading is that from there";
+
+/// A value of a parameter with its unit.
+fn value_words(parameter: Parameter, value: f64) -> String {
+    const DIGITS: i32 = 2;
+    // Rounded before a unit is chosen.
+    let rounded: f64 = format!("{value:.*e}", DIGITS as usize - 1)
+        .parse()
+        .unwrap_or(value);
+    match parameter.dimension() {
+        Some(dimension) => format_quantity(rounded, dimension),
+        None => format!("{rounded} m/N"),
+    }
+}
 
 impl Fit {
     /// What a reader of the result must know: parameters that are not determined, rows left out, and
@@ -55,18 +70,12 @@ impl Fit {
         if self.termination != Termination::Converged {
             warnings.push(format!("the fit {}", self.termination.description()));
         }
-        // Beyond three standard deviations of chi-square, which is 2 per degree of freedom.
-        let freedom = self.degrees_of_freedom as f64;
-        if self.reduced_chi_square().is_some()
-            && (self.chi_square - freedom).abs() > 3.0 * (2.0 * freedom).sqrt()
-        {
-            let problem = if self.chi_square > freedom {
-                "larger than it should be: the errors that were given are too small, or the model does \
-                 not describe the data; the intervals are too narrow"
-            } else {
-                "smaller than it should be: the errors that were given are too large"
-            };
-            warnings.push(format!("chi-square is {problem}"));
+        warnings.extend(self.misfit.statement(value_words));
+        if self.misfit.is_chi_square_small() {
+            warnings.push(
+                "chi-square is smaller than it should be: the errors that were given are too large"
+                    .to_owned(),
+            );
         }
         for estimate in &self.estimates {
             if estimate.parameter == Parameter::MachineCompliance
@@ -135,6 +144,18 @@ impl Fit {
                 }),
             ]);
         }
+        if self.displacement_drift != 0.0 || self.force_drift != 0.0 {
+            for (name, drift) in [
+                ("displacement_drift_m", self.displacement_drift),
+                ("force_drift_N", self.force_drift),
+            ] {
+                let values = self.moments.iter().map(|moment| Some(drift * moment));
+                columns.push(Column {
+                    name: name.to_owned(),
+                    values: Values::Numbers(values.collect()),
+                });
+            }
+        }
         columns.push(numbers("smallest_floor_gap_m", &|row| {
             row.smallest_floor_gap
         }));
@@ -157,6 +178,13 @@ pub struct FitSummary {
     contact_point_m: Option<f64>,
     machine_compliance_m_per_N: Option<f64>,
     force_offset_N: f64,
+    displacement_drift_m: f64,
+    force_drift_N: f64,
+    drift_over: &'static str,
+    describes_data: bool,
+    tests: TestsJson,
+    starts: Vec<StartJson>,
+    columns: Vec<ColumnJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pull_off: Option<PullOffJson>,
     rows: usize,
@@ -170,6 +198,7 @@ pub struct FitSummary {
     converged: bool,
     termination: &'static str,
     iterations: usize,
+    solutions: usize,
     wall_time_s: f64,
     fakir_version: &'static str,
 }
@@ -181,6 +210,92 @@ struct PullOffJson {
     fitted_force_N: f64,
     relative_error_of_model: f64,
     relative_error_of_work: Option<f64>,
+}
+
+/// Tests of whether the fit describes the data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct TestsJson {
+    level: f64,
+    runs: Vec<RunsJson>,
+    chi_square_p_value: Option<f64>,
+    left_out: Vec<Map<String, Value>>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct RunsJson {
+    quantity: &'static str,
+    branch: &'static str,
+    positive: usize,
+    negative: usize,
+    runs: usize,
+    expected_runs: f64,
+    p_value: f64,
+}
+
+impl TestsJson {
+    fn new(misfit: &Misfit) -> Self {
+        let runs = |test: &RunsTest| RunsJson {
+            quantity: test.quantity.name(),
+            branch: test.branch.name(),
+            positive: test.signs[0],
+            negative: test.signs[1],
+            runs: test.runs,
+            expected_runs: test.expected(),
+            p_value: test.p_value,
+        };
+        let wanted: Vec<Parameter> = misfit.wanted().map(|left| left.parameter).collect();
+        let left_out = |left: &LeftOut| {
+            Map::from_iter([
+                ("name".to_owned(), Value::from(left.parameter.name())),
+                ("p_value".to_owned(), Value::from(left.p_value)),
+                (
+                    "wanted".to_owned(),
+                    Value::from(wanted.contains(&left.parameter)),
+                ),
+                (
+                    format!("value{}", left.parameter.suffix()),
+                    Value::from(left.value),
+                ),
+            ])
+        };
+        Self {
+            level: LEVEL,
+            runs: misfit.runs.iter().map(runs).collect(),
+            chi_square_p_value: misfit.chi_square_p_value,
+            left_out: misfit.left_out.iter().map(left_out).collect(),
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct StartJson {
+    converged: bool,
+    deviance_per_value: Option<f64>,
+    is_answer: bool,
+}
+
+/// What a column of the data was taken for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ColumnJson {
+    number: usize,
+    heading: String,
+    quantity: Option<&'static str>,
+    unit: Option<String>,
+    negated: bool,
+    by_hand: bool,
+}
+
+impl ColumnJson {
+    fn new(read: &ReadColumn) -> Self {
+        Self {
+            number: read.number,
+            heading: read.heading.clone(),
+            quantity: read.column.map(super::Column::quantity),
+            unit: read.unit.clone(),
+            negated: read.negated,
+            by_hand: read.by_hand,
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -209,6 +324,21 @@ impl FitSummary {
             contact_point_m: of_displacement.then_some(fitted.contact_point),
             machine_compliance_m_per_N: of_displacement.then_some(fitted.machine_compliance),
             force_offset_N: fitted.force_offset,
+            displacement_drift_m: fitted.displacement_drift,
+            force_drift_N: fitted.force_drift,
+            drift_over: if data.has_times() { "time" } else { "rows" },
+            describes_data: fitted.misfit.describes_data(),
+            tests: TestsJson::new(&fitted.misfit),
+            starts: fitted
+                .starts
+                .iter()
+                .map(|start| StartJson {
+                    converged: start.converged,
+                    deviance_per_value: start.deviance,
+                    is_answer: start.is_answer,
+                })
+                .collect(),
+            columns: data.layout().columns.iter().map(ColumnJson::new).collect(),
             pull_off: fitted.pull_off.map(|pull_off| PullOffJson {
                 measured_force_N: pull_off.measured,
                 fitted_force_N: pull_off.computed,
@@ -230,6 +360,7 @@ impl FitSummary {
             converged: fitted.converged(),
             termination: fitted.termination.description(),
             iterations: fitted.iterations,
+            solutions: fitted.solutions,
             wall_time_s: wall_time,
             fakir_version: VERSION,
         }
