@@ -106,7 +106,7 @@ fn floor() -> f64 {
         exterior: &exterior,
         modes,
         centres: window.centres(),
-        radii: &[(1.0, window.len())],
+        radii: &[1.0],
         coefficients: [&c, &c],
         run: &Run::default(),
     };

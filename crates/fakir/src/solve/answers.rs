@@ -418,7 +418,7 @@ fn patch_floor(scene: &Scene, exterior: &Exterior, patch: &Patch) -> Option<Floo
         exterior,
         modes: patch.coefficients.len(),
         centres: &[[0.0, 0.0]],
-        radii: &[(patch.radius, 1)],
+        radii: &[patch.radius],
         coefficients: [&zeros, &patch.coefficients],
         run: &Run::default(),
     };

@@ -58,8 +58,8 @@ pub(crate) struct LoadedDiscs<'a> {
     pub(crate) modes: usize,
     /// Centres of the discs that bear pressure.
     pub(crate) centres: &'a [Point],
-    /// Their radii: so many of one, then so many of another.
-    pub(crate) radii: &'a [(f64, usize)],
+    /// The radius that all have, or that of every one.
+    pub(crate) radii: &'a [f64],
     /// Coefficients `c1` and `c0`, disc by disc.
     pub(crate) coefficients: [&'a [f64]; 2],
     pub(crate) run: &'a Run<'a>,
@@ -258,18 +258,31 @@ impl LoadedDiscs<'_> {
         &self.coefficients[set][disc * self.modes..(disc + 1) * self.modes]
     }
 
-    /// What some discs of one radius do, in units of that.
+    /// The radius of a disc.
     #[inline(always)]
-    fn sums(&self, discs: Range<usize>, radius: f64, [x, y]: Point) -> [LaneJets; 2] {
+    fn radius_of(&self, disc: usize) -> f64 {
+        self.radii.get(disc).copied().unwrap_or(self.radii[0])
+    }
+
+    /// What some discs do; where they have one radius, in units of that.
+    #[inline(always)]
+    fn sums(&self, discs: Range<usize>, [x, y]: Point) -> [LaneJets; 2] {
         let mut sums = [LaneJets::default(); 2];
-        let (scale, end) = (radius.recip(), discs.end);
+        let end = discs.end;
+        let differ = self.radii.len() > 1;
+        let mut radius = Lanes::splat(self.radii[0]);
+        let mut scale = radius.map(f64::recip);
         let zeros = [0.0; NO_LOAD];
         for first in discs.step_by(LANES) {
             // Where there are no more discs, one far away that bears nothing.
             let centre = |lane: usize| self.centres[..end].get(first + lane);
+            if differ {
+                radius = Lanes(std::array::from_fn(|lane| self.radius_of(first + lane)));
+                scale = radius.map(f64::recip);
+            }
             let offset = |along: usize, at: f64| {
                 Lanes(std::array::from_fn(|lane| {
-                    centre(lane).map_or(FAR_AWAY, |centre| (at - centre[along]) * scale)
+                    centre(lane).map_or(FAR_AWAY, |centre| (at - centre[along]) * scale.0[lane])
                 }))
             };
             let coefficients = |set: usize| {
@@ -278,11 +291,17 @@ impl LoadedDiscs<'_> {
                     None => &zeros[..],
                 })
             };
-            self.exterior.add_jets(
-                [offset(0, x), offset(1, y)],
-                [coefficients(0), coefficients(1)],
-                &mut sums,
-            );
+            let offsets = [offset(0, x), offset(1, y)];
+            let coefficients = [coefficients(0), coefficients(1)];
+            if differ {
+                let mut own = [LaneJets::default(); 2];
+                self.exterior.add_jets(offsets, coefficients, &mut own);
+                for (sum, own) in sums.iter_mut().zip(&own) {
+                    sum.add_scaled(radius, scale, own);
+                }
+            } else {
+                self.exterior.add_jets(offsets, coefficients, &mut sums);
+            }
         }
         sums
     }
@@ -302,35 +321,28 @@ const FAR_AWAY: f64 = 1e3;
 
 impl FloorDisplacement for LoadedDiscs<'_> {
     fn displacement(&self, position: Point) -> [FieldJet; 2] {
+        let count = self.centres.len();
+        let block = |(): &mut (), number: usize| {
+            let first = number * BLOCK;
+            widest(
+                #[inline(always)]
+                || self.sums(first..count.min(first + BLOCK), position),
+            )
+            .map(|sums| sums.sum())
+        };
+        let workers = self.run.workers();
+        let blocks = workers.map(count.div_ceil(BLOCK), BLOCKS, || (), block);
         let mut total = [FieldJet::default(); 2];
-        let mut start = 0;
-        for &(radius, count) in self.radii {
-            let end = start + count;
-            let block = |(): &mut (), number: usize| {
-                let first = start + number * BLOCK;
-                widest(
-                    #[inline(always)]
-                    || self.sums(first..end.min(first + BLOCK), radius, position),
-                )
-                .map(|sums| sums.sum())
-            };
-            let workers = self.run.workers();
-            let blocks = workers.map(count.div_ceil(BLOCK), BLOCKS, || (), block);
-            let mut sums = [FieldJet::default(); 2];
-            for block in blocks {
-                for (sum, part) in sums.iter_mut().zip(block) {
-                    sum.add_scaled(1.0, &part);
-                }
+        for block in blocks {
+            for (sum, part) in total.iter_mut().zip(block) {
+                sum.add_scaled(1.0, &part);
             }
-            for (total, sum) in total.iter_mut().zip(sums) {
-                let of_radius = FieldJet {
-                    value: sum.value * radius,
-                    hessian: sum.hessian.map(|h| h / radius),
-                    ..sum
-                };
-                total.add_scaled(1.0, &of_radius);
+        }
+        if let [radius] = *self.radii {
+            for sum in &mut total {
+                sum.value *= radius;
+                sum.hessian = sum.hessian.map(|h| h / radius);
             }
-            start = end;
         }
         total
     }
@@ -341,20 +353,18 @@ impl FloorDisplacement for LoadedDiscs<'_> {
         if points.len() * self.centres.len() < MANY {
             return None;
         }
-        let radii = self.radii.iter();
-        let radii = radii.flat_map(|(radius, count)| std::iter::repeat_n(*radius, *count));
-        let radii: Vec<f64> = radii.collect();
-        let tree = Neighbours::new(self.centres.iter().copied().zip(radii.iter().copied()));
+        let discs = self.centres.iter().enumerate();
+        let tree = Neighbours::new(discs.map(|(disc, at)| (*at, self.radius_of(disc))));
         let of_disc = |disc: usize| {
             let [x, y] = self.centres[disc];
-            let square = UNIT_FORCE * radii[disc] * radii[disc];
+            let square = UNIT_FORCE * self.radius_of(disc).powi(2);
             let [unit, rest] = [0, 1].map(|set| square * self.coefficients_of(set, disc)[0]);
             [unit, rest, 1.0, x, y]
         };
         let forces: Vec<_> = (0..self.centres.len()).map(of_disc).collect();
         let sums = tree.sums(|disc| forces[disc]);
         let beside = |disc: usize, [x, y]: Point, values: &mut Vec<f64>| {
-            let (centre, radius) = (self.centres[disc], radii[disc]);
+            let (centre, radius) = (self.centres[disc], self.radius_of(disc));
             let offset = [(x - centre[0]) / radius, (y - centre[1]) / radius];
             let square = offset[0] * offset[0] + offset[1] * offset[1];
             // There is no floor on a pillar.
@@ -402,7 +412,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             };
             let alone = |disc: usize| {
                 let offset = [0, 1].map(|k| middle[k] - self.centres[disc][k]);
-                let far = f64::max(extent / FAR_FROM_ALL, BESIDE_DISC * radii[disc]);
+                let far = f64::max(extent / FAR_FROM_ALL, BESIDE_DISC * self.radius_of(disc));
                 if offset[0].hypot(offset[1]) > far {
                     let [unit, rest, ..] = forces[disc];
                     add([unit, rest], offset, &mut discs);
@@ -832,7 +842,7 @@ mod tests {
             exterior: &Exterior::new(2),
             modes: 6,
             centres: &centres,
-            radii: &[(0.75, discs.len())],
+            radii: &[0.75],
             coefficients: [&none, &coefficients],
             run: &Run::default(),
         };

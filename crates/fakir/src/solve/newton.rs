@@ -714,10 +714,9 @@ impl<'a> Newton<'a> {
         let modes = self.contact.modes();
         let sites = &self.tops.sites;
         let radius = |pillar: usize| sites.body(pillar).radius;
-        let mut touched: Vec<usize> = (0..sites.len())
+        let touched: Vec<usize> = (0..sites.len())
             .filter(|&p| self.tops.status[p] != PillarStatus::Untouched)
             .collect();
-        touched.sort_by(|a, b| radius(*a).total_cmp(&radius(*b)));
         let gather = |coefficients: &[f64]| -> Vec<f64> {
             let of_pillar = |&pillar: &usize| {
                 let square = radius(pillar) * radius(pillar);
@@ -735,8 +734,12 @@ impl<'a> Newton<'a> {
             vec![0.0; without.len()]
         };
         let centres: Vec<Point> = touched.iter().map(|&p| sites.centres()[p]).collect();
-        let alike = touched.chunk_by(|a, b| radius(*a).to_bits() == radius(*b).to_bits());
-        let radii: Vec<(f64, usize)> = alike.map(|of| (radius(of[0]), of.len())).collect();
+        let mut radii: Vec<f64> = touched.iter().map(|&p| radius(p)).collect();
+        if let Some(first) = radii.first().map(|first| first.to_bits())
+            && radii.iter().all(|radius| radius.to_bits() == first)
+        {
+            radii.truncate(1);
+        }
         let discs = LoadedDiscs {
             exterior: &self.exterior,
             modes,

@@ -745,7 +745,7 @@ impl<'a> Path<'a> {
             exterior: &self.exterior,
             modes,
             centres: &centres,
-            radii: &[(1.0, touched.len())],
+            radii: &[1.0],
             coefficients: [&along, &without],
             run: self.run,
         };

@@ -536,6 +536,18 @@ impl LaneJets {
         }
     }
 
+    /// Adds what is in units of a radius for every lane; `scale` is one over that.
+    #[inline(always)]
+    pub(crate) fn add_scaled(&mut self, radius: Lanes, scale: Lanes, other: &Self) {
+        self.value += radius * other.value;
+        for k in 0..2 {
+            self.gradient[k] += other.gradient[k];
+        }
+        for k in 0..3 {
+            self.hessian[k] += scale * other.hessian[k];
+        }
+    }
+
     /// Sum of all.
     pub(crate) fn sum(&self) -> FieldJet {
         FieldJet {

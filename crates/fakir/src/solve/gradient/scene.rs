@@ -351,7 +351,7 @@ fn add_floor(newton: &Newton<'_>, places: &[usize], point: Point, of_scene: &mut
             exterior: &newton.exterior,
             modes,
             centres: &[centre],
-            radii: &[(radius, 1)],
+            radii: &[radius],
             coefficients: [&coefficients, &coefficients],
             run: newton.run,
         };
