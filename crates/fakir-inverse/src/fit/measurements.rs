@@ -213,6 +213,9 @@ pub(super) type RowValues = Vec<(Column, f64)>;
 /// How the columns were understood, which there are, and for every row its line in the file and its values.
 pub(super) type Table = (Layout, Vec<Column>, Vec<(u64, RowValues)>);
 
+/// How arrays were understood, and their columns with values in SI units.
+pub(super) type Arrays = (Layout, Vec<(Column, Vec<f64>)>);
+
 impl Measurements {
     /// Reads a file, with the columns that are named by hand.
     ///

@@ -4,7 +4,7 @@
 //! heading (`displacement_um`, `Load [mN]`, `Force (mN)`, `F / mN`) or in a row of units below. Whatever is not understood is not used,
 //! and the [`Layout`] says so.
 
-use super::measurements::{Column, DataError, RowValues, Table};
+use super::measurements::{Arrays, Column, DataError, RowValues, Table};
 use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_quantity};
 use std::borrow::Cow;
@@ -619,7 +619,7 @@ impl Reader<'_> {
         &self,
         named_values: &[(String, Option<Vec<f64>>)],
         named: &[NamedColumn],
-    ) -> Result<(Layout, Vec<(Column, Vec<f64>)>), DataError> {
+    ) -> Result<Arrays, DataError> {
         let headings: Vec<String> = named_values.iter().map(|(name, _)| name.clone()).collect();
         let heading = self.heading(&headings, &[], None, named)?;
         let mut columns = Vec::new();
