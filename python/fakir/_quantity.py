@@ -101,6 +101,8 @@ def _accepted(dimension: Dimension) -> str:
         "length": '"6 um"',
         "pressure": '"2 MPa"',
         "force": '"20 uN"',
+        "energy per area": '"50 mJ/m2"',
+        "stiffness": '"20 N/m"',
         "angle": '"30 deg"',
     }
     if dimension == "number":

@@ -2,7 +2,8 @@
 
 The formulas are those of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104,
 055007 (2021), as printed and as corrected. They are for a lens axis on a pillar, and without adhesion; those of
-pillar tops that stick are in `adhesion`. Numbers are in SI units, and radii in lattice sums in pitches.
+pillar tops that stick are in `adhesion`, those of a floor that sticks too in `free_annulus`, `annulus_radius`,
+`largest_tension`, `collapse_threshold`, `net_work`, `stuck_floor_pull_off`, `patch` and `Grooves`. Numbers are in SI units, and radii in lattice sums in pitches.
 """
 
 from __future__ import annotations
@@ -18,26 +19,41 @@ from ._system import System
 
 __all__ = [
     "AdhesionTheory",
+    "AnnulusCoefficients",
+    "CollapseThreshold",
     "Constants",
+    "FreeAnnulus",
+    "GrooveThreshold",
+    "Grooves",
+    "LargestTension",
     "LatticeSums",
     "Phase",
     "PullOffEstimate",
+    "StickySphere",
     "TransitionEstimate",
     "adhesion",
+    "annulus_coefficients",
+    "annulus_radius",
     "closed_forms",
+    "collapse_threshold",
     "constants",
     "fit_sum_coefficients",
     "fitted_lattice_sums",
+    "free_annulus",
     "hertz_contact_radius",
     "hollow_potential",
     "inverse_power_sum",
     "large_contact",
+    "largest_tension",
     "lattice_potential",
     "lattice_sums",
+    "net_work",
     "one_pillar",
+    "patch",
     "phase",
     "site_potential",
     "small_contact",
+    "stuck_floor_pull_off",
     "sum_coefficients",
     "to_dict",
     "transition_force",
@@ -114,6 +130,78 @@ class AdhesionTheory(NamedTuple):
     """Stress of a flat pillar at pull-off over the modulus of the substrate; doubtful from 0.3 on."""
     tabor_number: float | None
     """Of a pillar top, if the range of the attraction is given: the range counts as small from 5 on."""
+
+
+class AnnulusCoefficients(NamedTuple):
+    """A free annulus round a pillar of unit radius, in units of the reduced modulus: a step h opens it, a pressure p far away closes it."""
+
+    force_per_step: Any
+    """F1: the pillar bears F1 h + V1 p."""
+    volume_per_step: Any
+    """V1: the annulus has the volume V1 h - D p."""
+    volume_per_pressure: Any
+    """D."""
+    intensity_per_step: Any
+    """K1: the stress intensity at the outer edge is K1 h - K2 p."""
+    intensity_per_pressure: Any
+    """K2."""
+
+
+class FreeAnnulus(NamedTuple):
+    """A free annulus round a pillar of a floor that is stuck to the lens."""
+
+    outer_radius: float
+    """m."""
+    step: float
+    """Height between floor and top with the column shortened, m."""
+    pillar_force: float
+    """N."""
+    opened_volume: float
+    """Between lens and floor, m^3."""
+    stress_intensity: float
+    """At the outer edge, Pa m^(1/2); below 0 the annulus closes."""
+    energy_release_rate: float
+    """There, J/m^2."""
+    energy: float
+    """J."""
+
+
+class LargestTension(NamedTuple):
+    """The tension under which the floor round a pillar comes off on and on."""
+
+    tension: float
+    """Pa, positive."""
+    annulus_radius: float
+    """Radius of the annulus just before, m."""
+
+
+class CollapseThreshold(NamedTuple):
+    """When a flat lattice that bears no load collapses."""
+
+    work: float
+    """Work of adhesion, J/m^2."""
+    annulus_radius: float
+    """Outer radius of the free annuli there, m."""
+
+
+class StickySphere(NamedTuple):
+    """A circular contact of a sphere that sticks."""
+
+    radius: float
+    """m."""
+    force: float
+    """N."""
+    indentation: float
+    """m."""
+
+
+class GrooveThreshold(NamedTuple):
+    """When grooves collapse."""
+
+    work: float
+    """Work of adhesion, J/m^2."""
+    strip_width: float
+    """Width of the strip that sticks in every groove, m."""
 
 
 class LatticeSums(NamedTuple):
@@ -278,6 +366,120 @@ def site_potential() -> float:
 def hollow_potential() -> float:
     """The same at a hollow site: v_h."""
     return _fakir.hollow_potential()
+
+
+def annulus_coefficients(radius_ratio: object) -> AnnulusCoefficients:
+    """Of free annuli, by their outer radius over that of the pillar (above 1.0001)."""
+    ratios = array(radius_ratio, "number", "radius_ratio")
+    rows = np.array([_fakir.annulus_coefficients(float(ratio)) for ratio in ratios.flat])
+    return AnnulusCoefficients(*np.moveaxis(rows.reshape(*ratios.shape, 5), -1, 0))
+
+
+def free_annulus(
+    system: System, outer_radius: Quantity, pressure: Quantity = 0.0
+) -> FreeAnnulus:
+    """The annulus of an outer radius round a pillar in a floor that is stuck all round, under a pressure far away (below 0 where the floor is pulled)."""
+    radius = si(outer_radius, "length", "outer_radius")
+    return FreeAnnulus(*_fakir.free_annulus(system._case, radius, si(pressure, "pressure", "pressure")))
+
+
+def annulus_radius(
+    system: System, pressure: Quantity = 0.0, work: Quantity | None = None
+) -> float:
+    """The outer radius (m) at which the edge of a free annulus stands under a pressure far away (Pa).
+
+    It is the radius of the pillar where the pillar is pressed down to the floor, and infinite under a tension beyond `largest_tension`. ``work`` is the
+    work of adhesion, that of the system where contact is broken if not given.
+    """
+    found = si(pressure, "pressure", "pressure")
+    return _fakir.annulus_radius(system._case, _work(system, work), found)
+
+
+def largest_tension(system: System, work: Quantity | None = None) -> LargestTension:
+    """The tension far away from a lone pillar under which its annulus comes off on and on."""
+    return LargestTension(*_fakir.largest_tension(system._case, _work(system, work)))
+
+
+def collapse_threshold(system: System) -> CollapseThreshold:
+    """The work of adhesion above which the floor of the flat lattice sticks by itself."""
+    return CollapseThreshold(*_fakir.collapse_threshold(system._case))
+
+
+def net_work(system: System, work: Quantity | None = None) -> float | None:
+    """What a stuck floor wins per area, less what bends round the pillars, J/m^2; none where annuli fill the cells."""
+    return _fakir.net_work(system._case, _work(system, work))
+
+
+def stuck_floor_pull_off(system: System, work: Quantity | None = None) -> float | None:
+    """The pull-off force (N) of the lens from a stuck floor seen as smooth; none where the net work is not positive."""
+    return _fakir.stuck_floor_pull_off(system._case, _work(system, work))
+
+
+def patch(
+    system: System,
+    radius: Quantity,
+    indentation: Quantity = 0.0,
+    work: Quantity | None = None,
+) -> StickySphere | None:
+    """The patch of floor that sticks after the lens has jumped onto it, small against the hole.
+
+    Parameters
+    ----------
+    radius
+        Radius of curvature of the gap where it is first closed, m.
+    indentation
+        Below first touch, m.
+    work
+        Work of adhesion, that of the system where contact is broken if not given.
+    """
+    lengths = si(radius, "length", "radius"), si(indentation, "length", "indentation")
+    found = _fakir.sticky_sphere(system._case, _work(system, work), *lengths)
+    return None if found is None else StickySphere(*found)
+
+
+class Grooves:
+    """Parallel ridges with grooves between them in plane strain, whose floor is stuck along a strip in the middle of every groove.
+
+    Parameters
+    ----------
+    reduced_modulus
+        Of both bodies, Pa.
+    period
+        Of the ridges, m.
+    ridge_width
+        m.
+    depth
+        Of the grooves, m.
+    """
+
+    def __init__(
+        self, reduced_modulus: Quantity, period: Quantity, ridge_width: Quantity, depth: Quantity
+    ) -> None:
+        self._numbers = (
+            si(reduced_modulus, "pressure", "reduced_modulus"),
+            si(period, "length", "period"),
+            si(ridge_width, "length", "ridge_width"),
+            si(depth, "length", "depth"),
+        )
+        _fakir.groove_threshold(*self._numbers)  # refuses what cannot be
+
+    def energy(self, strip_width: Quantity) -> float:
+        """Energy per period and length with strips of a width (m) stuck, J/m."""
+        return _fakir.groove_energy(*self._numbers, si(strip_width, "length", "strip_width"))
+
+    def threshold(self) -> GrooveThreshold:
+        """The work of adhesion above which the grooves collapse by themselves."""
+        return GrooveThreshold(*_fakir.groove_threshold(*self._numbers))
+
+
+def _work(system: System, work: Quantity | None) -> float:
+    if work is not None:
+        return si(work, "energy per area", "work")
+    adhesion = system.adhesion
+    if adhesion is None:
+        raise ValueError('nothing sticks: give work, as in work="50 mJ/m2", or the system adhesion')
+    receding = adhesion.work_receding
+    return adhesion.work if receding is None else receding
 
 
 def _form(system: System, name: str) -> TransitionEstimate:

@@ -47,9 +47,11 @@ mod _fakir {
     };
     #[pymodule_export]
     use super::theory::{
-        adhesion, closed_form, closed_forms, constants, exact_lattice_sums, fitted_lattice_sums,
-        hertz_contact_radius, hollow_potential, homogenised, inverse_power_sum, lattice_potential,
-        phase, site_potential, sum_coefficients, theory, transition_force,
+        adhesion, annulus_coefficients, annulus_radius, closed_form, closed_forms,
+        collapse_threshold, constants, exact_lattice_sums, fitted_lattice_sums, free_annulus,
+        groove_energy, groove_threshold, hertz_contact_radius, hollow_potential, homogenised,
+        inverse_power_sum, largest_tension, lattice_potential, net_work, phase, site_potential,
+        sticky_sphere, stuck_floor_pull_off, sum_coefficients, theory, transition_force,
         transition_from_exact_sums,
     };
     #[pymodule_export]

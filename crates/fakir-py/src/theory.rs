@@ -2,14 +2,18 @@
 
 use crate::case::Case;
 use crate::error::{solve_error, value_error};
-use fakir::problem::System;
+use fakir::problem::{InvalidQuantity, System};
 use fakir::state::SolveError;
+use fakir::theory::adhesion::sticky_sphere_at_indentation;
 use fakir::theory::closed_forms as forms;
 use fakir::theory::closed_forms::{Region, TransitionEstimate};
 use fakir::theory::homogenised::HomogenisedLattice;
 use fakir::theory::lattice_potential as potential;
 use fakir::theory::lattice_sums;
 use fakir::theory::lattice_sums::{LatticeSums, SumCoefficients, SumFit};
+use fakir::theory::stuck_floor::{
+    AnnulusCoefficients, AnnulusEdge, Grooves, StuckFloor, StuckPillar,
+};
 use fakir_study::closed_forms::{Formula, check_arrangement};
 use fakir_study::result::{AdhesionObject, TheorySummary, json};
 use pyo3::prelude::*;
@@ -184,4 +188,124 @@ pub(crate) fn site_potential() -> f64 {
 #[pyfunction]
 pub(crate) fn hollow_potential() -> f64 {
     potential::hollow_potential()
+}
+
+fn invalid(error: InvalidQuantity) -> PyErr {
+    value_error(error.to_string())
+}
+
+/// `F1`, `V1`, `D`, `K1` and `K2` of a free annulus, by its radius over that of the pillar.
+#[pyfunction]
+pub(crate) fn annulus_coefficients(radius_ratio: f64) -> PyResult<(f64, f64, f64, f64, f64)> {
+    let found = AnnulusCoefficients::new(radius_ratio).map_err(invalid)?;
+    Ok((
+        found.force_per_step,
+        found.volume_per_step,
+        found.volume_per_pressure,
+        found.intensity_per_step,
+        found.intensity_per_pressure,
+    ))
+}
+
+/// A free annulus: radius, step, force on the pillar, volume, stress intensity, energy release rate, energy.
+type Annulus = (f64, f64, f64, f64, f64, f64, f64);
+
+/// The free annulus of a radius (m) under a pressure far away (Pa).
+#[pyfunction]
+pub(crate) fn free_annulus(case: &Case, outer_radius: f64, pressure: f64) -> PyResult<Annulus> {
+    let pillar = StuckPillar::of(&case.case.system);
+    let found = pillar.annulus(outer_radius, pressure).map_err(invalid)?;
+    Ok((
+        found.outer_radius,
+        found.step,
+        found.pillar_force,
+        found.opened_volume,
+        found.stress_intensity,
+        found.energy_release_rate,
+        found.energy,
+    ))
+}
+
+/// Outer radius (m) of the free annulus that a work of adhesion (J/m^2) holds: that of the pillar where it is closed, infinite where it runs.
+#[pyfunction]
+pub(crate) fn annulus_radius(case: &Case, work: f64, pressure: f64) -> PyResult<f64> {
+    let pillar = StuckPillar::of(&case.case.system);
+    Ok(match pillar.edge(work, pressure).map_err(invalid)? {
+        AnnulusEdge::At(radius) => radius,
+        AnnulusEdge::Closed => pillar.radius(),
+        AnnulusEdge::Runs => f64::INFINITY,
+    })
+}
+
+/// Largest tension (Pa) under which an annulus stands still, and its radius (m) there.
+#[pyfunction]
+pub(crate) fn largest_tension(case: &Case, work: f64) -> PyResult<(f64, f64)> {
+    StuckPillar::of(&case.case.system)
+        .largest_tension(work)
+        .map_err(invalid)
+}
+
+/// The stuck floor of a case.
+fn floor_of(case: &Case) -> PyResult<StuckFloor> {
+    StuckFloor::of(&case.case.system).map_err(|error| value_error(error.to_string()))
+}
+
+/// Work (J/m^2) above which the flat lattice collapses, and radius of its annuli (m).
+#[pyfunction]
+pub(crate) fn collapse_threshold(case: &Case) -> PyResult<(f64, f64)> {
+    let found = floor_of(case)?.collapse_threshold();
+    Ok((found.work, found.annulus_radius))
+}
+
+/// What a stuck floor wins per area (J/m^2); none where annuli fill the cells.
+#[pyfunction]
+pub(crate) fn net_work(case: &Case, work: f64) -> PyResult<Option<f64>> {
+    floor_of(case)?.net_work(work).map_err(invalid)
+}
+
+/// Pull-off force (N) of the stuck floor seen as smooth; none where it holds nothing by itself.
+#[pyfunction]
+pub(crate) fn stuck_floor_pull_off(case: &Case, work: f64) -> PyResult<Option<f64>> {
+    let lens = of_sphere(case)?.lens().sphere_radius();
+    floor_of(case)?.pull_off(lens, work).map_err(invalid)
+}
+
+/// Radius (m), force (N) and indentation (m) of a sphere of a radius (m) that sticks, at an indentation; none where it has come off.
+#[pyfunction]
+pub(crate) fn sticky_sphere(
+    case: &Case,
+    work: f64,
+    radius: f64,
+    indentation: f64,
+) -> PyResult<Option<(f64, f64, f64)>> {
+    let modulus = case.case.system.reduced_modulus();
+    let found =
+        sticky_sphere_at_indentation(modulus, radius, work, indentation).map_err(invalid)?;
+    Ok(found.map(|it| (it.radius, it.force, it.indentation)))
+}
+
+/// Energy per period and length (J/m) of grooves with a strip of their floor stuck.
+#[pyfunction]
+pub(crate) fn groove_energy(
+    modulus: f64,
+    period: f64,
+    ridge_width: f64,
+    depth: f64,
+    strip_width: f64,
+) -> PyResult<f64> {
+    let grooves = Grooves::new(modulus, period, ridge_width, depth).map_err(invalid)?;
+    grooves.energy(strip_width).map_err(invalid)
+}
+
+/// Work (J/m^2) above which grooves collapse, and width (m) of the strip that sticks then.
+#[pyfunction]
+pub(crate) fn groove_threshold(
+    modulus: f64,
+    period: f64,
+    ridge_width: f64,
+    depth: f64,
+) -> PyResult<(f64, f64)> {
+    let grooves = Grooves::new(modulus, period, ridge_width, depth).map_err(invalid)?;
+    let found = grooves.threshold();
+    Ok((found.work, found.strip_width))
 }

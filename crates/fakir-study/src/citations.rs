@@ -24,6 +24,8 @@ pub enum Topic {
     Adhesion,
     /// The range of the attraction of tops that stick.
     AttractionRange,
+    /// The closed forms of a floor that sticks.
+    StuckFloor,
     /// The closed forms of the paper, with their lattice sums.
     ClosedForms,
     /// Fits of measured curves.
@@ -256,6 +258,7 @@ impl Topic {
             Self::Method(_) => Vec::new(), // a method that is added must name its sources here
             Self::Adhesion => vec!["adhesion"],
             Self::AttractionRange => vec!["attraction_range"],
+            Self::StuckFloor => vec!["stuck_floor"],
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
             Self::Layers => vec!["layers"],
@@ -356,6 +359,7 @@ mod tests {
             .chain([
                 Topic::Adhesion,
                 Topic::AttractionRange,
+                Topic::StuckFloor,
                 Topic::ClosedForms,
                 Topic::Layers,
                 Topic::RoundedTops,

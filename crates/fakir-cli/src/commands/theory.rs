@@ -12,8 +12,8 @@ use fakir_case::unit::{Dimension, format_quantity};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::Provenance;
 use fakir_study::result::{
-    AdhesionObject, CoefficientRow, Constants, CurveRow, FormulaRow, PullOffRow, SumRow,
-    TheorySummary, csv, json,
+    ANNULI_ALONE, AdhesionObject, CoefficientRow, Constants, CurveRow, FormulaRow, PullOffRow,
+    StuckFloorObject, SumRow, TheorySummary, csv, json,
 };
 
 pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
@@ -22,6 +22,8 @@ pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
     let adhesion = summary.adhesion.as_ref();
     let mut topics = vec![Topic::ClosedForms, Topic::Method(Method::Homogenised)];
     topics.extend(adhesion.map(|_| Topic::Adhesion));
+    let floor = adhesion.and_then(|it| it.stuck_floor);
+    topics.extend(floor.map(|_| Topic::StuckFloor));
     topics.extend(range.map(|_| Topic::AttractionRange));
     let pull_off = adhesion.map(|it| csv("pull_off.csv", &it.pull_off));
     Ok(Report {
@@ -30,6 +32,7 @@ pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
             format!("Closed forms\n{}\n", texture_line(system)),
             constants_text(&summary.constants, summary.no_homogenised.as_ref()),
             adhesion.map_or(String::new(), adhesion_text),
+            floor.map_or(String::new(), |floor| stuck_floor_text(&floor)),
             critical_text(
                 &summary.critical_states,
                 &summary.constants,
@@ -167,6 +170,73 @@ fn adhesion_text(adhesion: &AdhesionObject) -> String {
          Kendall and Roberts, and with a range of attraction that of Maugis. The stress at pull-off is {strain} of\n\
          Young's modulus of the substrate; the model is doubtful from 0.3 on.\n{range}",
         table(rows, &columns)
+    )
+}
+
+/// What a floor would do that sticks as well.
+fn stuck_floor_text(floor: &StuckFloorObject) -> String {
+    let none = || "-".to_owned();
+    let mut list = QuantityList::default();
+    match floor.annulus_radius_m {
+        Some(radius) => {
+            let pitches = floor.annulus_radius_in_pitches.unwrap_or(f64::NAN);
+            let remark = if pitches > ANNULI_ALONE {
+                "too wide for a pillar alone"
+            } else {
+                "round every pillar, without pressure"
+            };
+            list.length("free annulus up to", radius, remark.to_owned())
+                .row("of the pitch", significant(pitches, 3), "", "");
+        }
+        None => {
+            list.row(
+                "free annulus up to",
+                none(),
+                "",
+                "none: the work is immense",
+            );
+        }
+    }
+    let per_area = Dimension::EnergyPerArea;
+    list.quantity(
+        "collapses by itself above",
+        floor.collapse_work_J_per_m2,
+        per_area,
+        4,
+        "the flat lattice, without load".to_owned(),
+    )
+    .row(
+        "work of adhesion over that",
+        significant(floor.work_over_collapse_work, 3),
+        "",
+        "",
+    );
+    match floor.net_work_J_per_m2 {
+        Some(work) => {
+            let remark = "less what bends round the pillars".to_owned();
+            list.quantity("a stuck floor wins", work, per_area, 4, remark);
+        }
+        None => {
+            list.row("a stuck floor wins", none(), "", "annuli fill the cells");
+        }
+    }
+    let remark = "under more the floor comes off on and on".to_owned();
+    list.quantity(
+        "tension on a lone pillar",
+        floor.largest_tension_Pa,
+        Dimension::Pressure,
+        4,
+        remark,
+    )
+    .length(
+        "patch at first touch",
+        floor.patch_radius_m,
+        "radius, under a lens that is not bent".to_owned(),
+    );
+    format!(
+        "A floor that sticks as the tops do\n{}\nEach pillar is taken alone, which is right for annuli up to {ANNULI_ALONE} of the pitch. No method answers with such a\n\
+         floor here: these are closed forms.\n",
+        list.text()
     )
 }
 

@@ -5,8 +5,10 @@ use fakir::state::Limit;
 use fakir::theory::adhesion::{
     StickySphere, dugdale_pull_off, first_yield_of_tilted_top, kendall_pull_off,
     pull_off_under_lens, sphere_pull_off_by_displacement, sphere_pull_off_by_force, sticky_sphere,
+    sticky_sphere_at_indentation,
 };
 use fakir::theory::closed_forms::{Form, large_contact_radius};
+use fakir::theory::stuck_floor::{AnnulusEdge, StuckFloor};
 use serde::Serialize;
 
 /// A condition of the model, and how near this case comes to where it ends.
@@ -51,6 +53,70 @@ pub struct AdhesionObject {
     pub tabor_number: Option<f64>,
     /// The formulas.
     pub pull_off: Vec<PullOffRow>,
+    /// What a floor would do that sticks as the tops do; none of pillars that are not alike on the endless hexagonal lattice.
+    pub stuck_floor: Option<StuckFloorObject>,
+}
+
+/// Closed forms of a floor that sticks.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct StuckFloorObject {
+    /// Work of adhesion above which the flat lattice collapses without load, J/m^2.
+    pub collapse_work_J_per_m2: f64,
+    /// Radius of the free annuli there, m.
+    pub collapse_annulus_radius_m: f64,
+    /// The work where contact is made over that of collapse.
+    pub work_over_collapse_work: f64,
+    /// Outer radius of the free annulus round a pillar without pressure, for the work where contact is broken, m; none where no edge stands.
+    pub annulus_radius_m: Option<f64>,
+    /// That over the pitch: annuli count as alone below [`ANNULI_ALONE`].
+    pub annulus_radius_in_pitches: Option<f64>,
+    /// Tension under which the annulus of a lone pillar runs away, Pa.
+    pub largest_tension_Pa: f64,
+    /// What a stuck floor has won, for the work where contact is broken, J/m^2; none where annuli fill the cells.
+    pub net_work_J_per_m2: Option<f64>,
+    /// Radius of the patch to which the lens jumps where it first touches the floor, if it is as round there as it is undeformed, m.
+    pub patch_radius_m: f64,
+    /// Force with which that patch pulls, N, negative.
+    pub patch_force_N: f64,
+}
+
+/// Radius of annuli over the pitch from which on what they do to each other counts.
+pub const ANNULI_ALONE: f64 = 0.3;
+
+impl StuckFloorObject {
+    /// Of a system that sticks; none of other pillars than equal ones on the endless hexagonal lattice, and under a lens that is no sphere.
+    fn new(system: &System) -> Result<Option<Self>, InvalidQuantity> {
+        let Ok(floor) = StuckFloor::of(system) else {
+            return Ok(None);
+        };
+        let Some(lens) = system.lens().sphere() else {
+            return Ok(None);
+        };
+        let (made, broken) = (system.adhesion().work, system.adhesion().receding());
+        // Where contact wins nothing as it is made there is no jump.
+        let first = match made {
+            0.0 => None,
+            made => sticky_sphere_at_indentation(system.reduced_modulus(), lens.radius, made, 0.0)?,
+        };
+        let threshold = floor.collapse_threshold();
+        let annulus_radius = match floor.pillar().edge(broken, 0.0)? {
+            AnnulusEdge::At(radius) => Some(radius),
+            AnnulusEdge::Closed | AnnulusEdge::Runs => None,
+        };
+        let (largest_tension, _) = floor.pillar().largest_tension(broken)?;
+        Ok(Some(Self {
+            collapse_work_J_per_m2: threshold.work,
+            collapse_annulus_radius_m: threshold.annulus_radius,
+            work_over_collapse_work: made / threshold.work,
+            annulus_radius_m: annulus_radius,
+            annulus_radius_in_pitches: annulus_radius.map(|radius| radius / system.pitch()),
+            largest_tension_Pa: largest_tension,
+            net_work_J_per_m2: floor.net_work(broken)?,
+            patch_radius_m: first.map_or(0.0, |patch| patch.radius),
+            patch_force_N: first.map_or(0.0, |patch| patch.force),
+        }))
+    }
 }
 
 /// A pull-off by a formula.
@@ -100,6 +166,7 @@ impl AdhesionObject {
             kendall_strain: system.kendall_strain(),
             tabor_number: range.map(|range| system.tabor_number(range)),
             pull_off: rows(system, dugdale),
+            stuck_floor: StuckFloorObject::new(system)?,
         }))
     }
 }
@@ -161,6 +228,17 @@ fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
             sphere_pull_off_by_displacement(modulus, lens, work),
         ),
     ];
+    let net = StuckFloor::of(system)
+        .ok()
+        .and_then(|floor| floor.net_work(work).ok().flatten());
+    if let Some(net) = net.filter(|net| *net > 0.0) {
+        // How deep the lens is then in terms of the first touch of tops depends on how far the floor was drawn up to it.
+        let sphere = sphere_pull_off_by_force(modulus, lens, net);
+        rows.push(PullOffRow {
+            contact_radius_m: Some(sphere.radius),
+            ..row("stuck_floor", "stuck floor, as if smooth", sphere.force)
+        });
+    }
     if let Some(force) = dugdale {
         rows.push(row("maugis_dugdale", "bare substrate, with range", force));
     }
@@ -201,6 +279,39 @@ mod tests {
         assert!((of("pillar_under_lens").normalized_force - 1.0).abs() < 1e-2);
         let stretch = |name: &str| of(name).indentation_m.unwrap();
         assert!((stretch("pillar_under_lens") / stretch("kendall") - 1.0).abs() < 0.03);
+    }
+
+    /// 50 mJ/m^2 on the lattice of 3 %: annuli of 4.67 um, threshold 21 mJ/m^2, pull-off 0.27 mN, from another series of modes.
+    #[test]
+    fn a_floor_that_sticks_has_its_closed_forms() {
+        let system = Case::example().system;
+        let lattice = fakir::problem::HexagonalLattice::with_surface_fraction(0.03, 6e-6);
+        let system = system.with_arrangement(lattice).unwrap();
+        let of = |work| {
+            let system = system.with_adhesion(Adhesion::new(work)).unwrap();
+            AdhesionObject::new(&system, None).unwrap().unwrap()
+        };
+        let found = of(50e-3);
+        let floor = found.stuck_floor.unwrap();
+        assert!((floor.annulus_radius_m.unwrap() - 4.67e-6).abs() < 0.01e-6);
+        assert!((floor.collapse_work_J_per_m2 - 21e-3).abs() < 0.5e-3);
+        assert!(
+            (floor.work_over_collapse_work * floor.collapse_work_J_per_m2 - 50e-3).abs() < 1e-12
+        );
+        // Johnson, Kendall and Roberts at first touch.
+        let lens = system.lens().sphere_radius();
+        assert!((floor.patch_force_N / (-4.0 / 3.0 * PI * 50e-3 * lens) - 1.0).abs() < 1e-9);
+        let pull = found
+            .pull_off
+            .iter()
+            .find(|row| row.formula == "stuck_floor");
+        let pull = pull.unwrap().force_N;
+        assert!((pull + 0.27e-3).abs() < 5e-6, "{pull}");
+        assert!((pull / (-1.5 * PI * floor.net_work_J_per_m2.unwrap() * lens) - 1.0).abs() < 1e-9);
+        // Below the threshold the floor holds nothing by itself.
+        let less = of(10e-3);
+        assert!(less.pull_off.iter().all(|row| row.formula != "stuck_floor"));
+        assert!(less.stuck_floor.unwrap().net_work_J_per_m2.unwrap() < 0.0);
     }
 
     #[test]

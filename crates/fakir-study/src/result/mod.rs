@@ -18,7 +18,7 @@ mod sweep;
 mod theory;
 mod verify;
 
-pub use adhesion::{AdhesionObject, LimitObject, PullOffRow};
+pub use adhesion::{ANNULI_ALONE, AdhesionObject, LimitObject, PullOffRow, StuckFloorObject};
 pub use approach::{ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow};
 pub use compare::{CompareSummary, MethodRow};
 pub use contact::{FloorObject, PressSummary, of_floor};

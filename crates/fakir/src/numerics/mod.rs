@@ -6,6 +6,7 @@
 pub(crate) mod cholesky;
 pub mod convergence;
 pub(crate) mod dual;
+pub(crate) mod elliptic;
 pub(crate) mod fft;
 pub(crate) mod neighbours;
 pub(crate) mod pivoting;

@@ -88,6 +88,18 @@ pub enum Quantity {
     RimRadius,
     /// Shortening of a pillar by a unit force, m/N.
     ColumnCompliance,
+    /// Reduced modulus of lens and substrate, Pa.
+    ReducedModulus,
+    /// Radius of a pillar, m.
+    PillarRadius,
+    /// Outer radius of a free annulus round a pillar, m.
+    AnnulusRadius,
+    /// Pressure far from a pillar, Pa.
+    BackgroundPressure,
+    /// Area of the floor that belongs to one pillar, m^2.
+    CellArea,
+    /// Width of a strip that touches, m.
+    StripWidth,
 }
 
 impl fmt::Display for Quantity {
@@ -132,6 +144,12 @@ impl fmt::Display for Quantity {
             Self::TopRadius => "top radius",
             Self::RimRadius => "radius of a rim",
             Self::ColumnCompliance => "compliance of a column",
+            Self::ReducedModulus => "reduced modulus",
+            Self::PillarRadius => "radius of a pillar",
+            Self::AnnulusRadius => "radius of a free annulus",
+            Self::BackgroundPressure => "background pressure",
+            Self::CellArea => "area of a cell",
+            Self::StripWidth => "width of a strip",
         })
     }
 }
@@ -207,6 +225,10 @@ pub enum Requirement {
     },
     /// Zero on elastic pillars, whose edges do not say when contact breaks.
     ZeroOnElastic,
+    /// A finite number above this one.
+    Above(f64),
+    /// Between these, ends not included.
+    Between(f64, f64),
     /// Finite, under a lens of this shape, which touches endlessly many pillars of a lattice without end.
     FiniteUnder(&'static str),
 }
@@ -267,6 +289,10 @@ impl fmt::Display for Requirement {
                 "0 on elastic pillars: at the corner of a real pillar the stress is not that of a half-space, from which it is told when \
                  contact breaks (compliance = \"column\" takes it as if it were)",
             ),
+            Self::Above(least) => write!(f, "a finite number greater than {least:.4e}"),
+            Self::Between(least, most) => {
+                write!(f, "greater than {least:.4e} and below {most:.4e}")
+            }
             Self::FiniteUnder(shape) => write!(
                 f,
                 "finite under a {shape}, which touches endlessly many pillars of a lattice without end: give `columns`, or a list of pillars"
@@ -304,6 +330,8 @@ impl Requirement {
                 Self::Tilt => (0.0..=LARGEST_TILT).contains(&value),
                 Self::KnownElastic { least, most } => (least..=most).contains(&value),
                 Self::ZeroOnElastic => value == 0.0,
+                Self::Above(least) => value > least,
+                Self::Between(least, most) => value > least && value < most,
                 Self::FiniteUnder(_) => true,
             };
         if accepted {
