@@ -320,7 +320,7 @@ def fit(
     system
         All else; the values of the free parameters are where the search begins.
     free
-        Keys such as ``"substrate.young_modulus"`` or ``"texture.offset"``; ``"adhesion.work"`` and
+        Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"texture.offset"``; ``"adhesion.work"`` and
         ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
         displacements, ``"contact_point"``, ``"machine_compliance"`` and ``"displacement_drift"``.
     contact_point

@@ -695,7 +695,7 @@ pub(crate) struct Fit {
     #[arg(long)]
     case: PathBuf,
     /// What is fitted: substrate.young_modulus, lens.young_modulus, lens.radius,
-    /// texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
+    /// substrate.thickness, lens.thickness, texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
     /// texture.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
     /// force_offset, displacement_drift, force_drift; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]

@@ -690,3 +690,134 @@ fn several_starts_find_the_best_fit() {
     let error = fit(&case_file(&[]), &data, &free, &options, &Run::default()).unwrap_err();
     assert_eq!(error.to_string(), "33 starts: give 1 to 32");
 }
+
+const THICKNESS: Parameter = Parameter::Key(Key::SubstrateThickness);
+const FILM: &str = "substrate.thickness=0.2 mm";
+
+/// A case at a surface fraction of 0.03, where the contact reaches out to four tenths of the thickness of the film.
+fn film_case(overrides: &[&str]) -> CaseFile {
+    let film = ["texture.surface_fraction=0.03", SPECTRAL];
+    case_file(&[&film[..], overrides].concat())
+}
+
+/// Indentation and force on the film, to nine tenths of the way to the transition.
+fn film_curve(rows: u32) -> [Vec<f64>; 2] {
+    const DEEPEST: f64 = 3.4e-6;
+    let depth = |row: u32| DEEPEST * (f64::from(row) + 0.5) / f64::from(rows);
+    let depths: Vec<f64> = (0..rows).map(depth).collect();
+    let [_, force, _] = loading(&film_case(&[FILM]), &depths);
+    [depths, force]
+}
+
+/// Fits of the modulus to `F(zeta)` of the film under a thick lens, with noise of 0.5 % of the largest force: one for every seed, by a case with these
+/// overrides.
+fn film_fits(overrides: &[&str], seeds: std::ops::Range<u64>) -> Vec<Fit> {
+    const NOISE: f64 = 0.005;
+    let [depths, force] = film_curve(24);
+    let largest = force.iter().copied().fold(0.0, f64::max);
+    let noise = Normal::new(0.0, NOISE * largest).unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    let run = Run {
+        pool: Some(&pool),
+        ..Run::default()
+    };
+    let file = film_case(overrides);
+    let of_seed = |seed: u64| {
+        let mut random = ChaCha12Rng::seed_from_u64(seed);
+        let noisy = force.iter().map(|force| force + noise.sample(&mut random));
+        let columns = [
+            (Column::Indentation, depths.clone()),
+            (Column::Force, noisy.collect()),
+        ];
+        let data = Measurements::new(&columns).unwrap();
+        fit(&file, &data, &[SUBSTRATE], &FitOptions::default(), &run).unwrap()
+    };
+    seeds.map(of_seed).collect()
+}
+
+/// Whether a fit says that it does not describe the data, and that a thickness would mend it.
+fn names_the_film(fitted: &Fit) -> bool {
+    let warnings = fitted.warnings().join("\n");
+    warnings.contains("does not describe the data") && warnings.contains(" substrate.thickness (p")
+}
+
+#[test]
+fn films_that_are_left_out_are_named() {
+    for fitted in film_fits(&[FILM], 0..1) {
+        let estimate = &fitted.estimates[0];
+        let deviation = (estimate.value - 2e6) / estimate.standard_error.unwrap();
+        assert!(deviation.abs() < 4.0, "{estimate:?}");
+        assert!(fitted.misfit.describes_data(), "{:?}", fitted.misfit);
+    }
+    for fitted in film_fits(&[], 0..2) {
+        // As a half-space the substrate seems harder.
+        let [low, _] = fitted.estimates[0].interval.unwrap();
+        assert!(low > 2.1e6, "{:?}", fitted.estimates);
+        assert!(names_the_film(&fitted), "{:?}", fitted.warnings());
+        let wanted = fitted
+            .misfit
+            .wanted()
+            .find(|left| left.parameter == THICKNESS);
+        let value = wanted.unwrap().value.unwrap();
+        // A linear step from a half-space.
+        assert!((0.5..2.0).contains(&(value / 0.2e-3)), "{value}");
+    }
+}
+
+/// Minutes.
+#[test]
+#[ignore = "a campaign"]
+fn a_hundred_films() {
+    const DRAWS: u64 = 100;
+    let given = film_fits(&[FILM], 0..DRAWS);
+    let covers = |fitted: &&Fit| {
+        let [low, high] = fitted.estimates[0].interval.unwrap();
+        low < 2e6 && 2e6 < high
+    };
+    let covered = given.iter().filter(covers).count();
+    let warned = given
+        .iter()
+        .filter(|it| !it.misfit.describes_data())
+        .count();
+    eprintln!("given: {covered} of {DRAWS} intervals cover, {warned} warn");
+    let ignored = film_fits(&[], 0..DRAWS);
+    let warns = ignored
+        .iter()
+        .filter(|it| !it.misfit.describes_data())
+        .count();
+    let named = ignored
+        .iter()
+        .filter(|fitted| names_the_film(fitted))
+        .count();
+    let covers = ignored.iter().filter(covers).count();
+    let values = ignored.iter().map(|fitted| fitted.estimates[0].value);
+    let mean = values.sum::<f64>() / DRAWS as f64;
+    eprintln!(
+        "ignored: {warns} warn, {named} name the thickness, {covers} cover, mean {mean:e} Pa"
+    );
+    assert!(covered >= 90 && warned <= 5 && warns >= 90 && named >= 90);
+}
+
+#[test]
+fn thickness_is_found_with_the_modulus() {
+    let [depths, force] = film_curve(6);
+    let columns = [(Column::Indentation, depths), (Column::Force, force)];
+    let data = Measurements::new(&columns).unwrap();
+    let free = [SUBSTRATE, THICKNESS];
+    let file = film_case(&[
+        "substrate.thickness=0.5 mm",
+        "substrate.young_modulus=1.6MPa",
+    ]);
+    let fitted = run_fit(&file, &data, &free);
+    assert_eq!(fitted.termination, Termination::Converged);
+    for (estimate, truth) in fitted.estimates.iter().zip([2e6, 0.2e-3]) {
+        assert!(close(estimate.value, truth, 1e-5), "{estimate:?}");
+    }
+    // Without a thickness there is nowhere to begin.
+    let file = film_case(&[]);
+    let error = fit(&file, &data, &free, &FitOptions::default(), &Run::default()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "substrate.thickness is not in the case: give it there, for the fit to begin with"
+    );
+}

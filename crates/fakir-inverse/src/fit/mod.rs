@@ -44,7 +44,8 @@
 //! # Whether the fit describes the data
 //! [`Misfit`] has tests of that, each with a p-value: runs of residuals of one sign in the order of the load; chi-square, where errors were given;
 //! and for every parameter that was held the score test, which says whether the residuals lie along what it would change. With estimated errors that
-//! is the t-test of an added column of a linear regression. Rows whose error is mostly that of jumps know them together, and have no runs test.
+//! is the t-test of an added column of a linear regression. Of the thickness of a half-space it is one-sided, in the inverse of the
+//! thickness, which cannot be below zero. Rows whose error is mostly that of jumps know them together, and have no runs test.
 
 mod curve;
 mod least_squares;
@@ -112,6 +113,9 @@ pub enum FitError {
     /// A parameter that cannot be fitted.
     #[error("{} cannot be fitted: give one of {}", .0.name(), parameter_names())]
     NotFree(Parameter),
+    /// A parameter of which the case does not say where to begin.
+    #[error("{} is not in the case: give it there, for the fit to begin with", .0.name())]
+    NotGiven(Parameter),
     /// A parameter of the instrument, without a reading of it.
     #[error("{name}: {} takes a column displacement_m", .parameter.name())]
     NoDisplacement {
@@ -1129,6 +1133,8 @@ impl<'a> Search<'a> {
             // Where the lens landed cannot be told from the middle, where all directions are alike; with adhesion every key takes two cycles.
             Parameter::Key(Key::Offset | Key::OffsetAngle) => false,
             Parameter::Key(_) if parameter.is_work() => self.model.sticks && has_unloading,
+            // Where tops stick there are no layers.
+            Parameter::Key(_) if parameter.is_thickness() => !self.model.sticks,
             Parameter::Key(_) => true,
             _ if parameter.is_of_displacement() => data.position() == Position::Displacement,
             _ => compares_force || is_by_force,
@@ -1158,11 +1164,29 @@ impl<'a> Search<'a> {
             let near = [-1e-2, 1e-2].map(|step| model.settings(&[start[0] + step]));
             near.iter().all(Result::is_ok)
         };
-        let held: Vec<Parameter> = self.held().into_iter().filter(exists).collect();
+        let held = self.held().into_iter().filter(exists);
+        // What a method does not have for layers keeps only their thickness from being told.
+        let (of_layers, others): (Vec<_>, Vec<_>) = held.partition(|held| held.is_thickness());
+        let alone = of_layers.iter().map(std::slice::from_ref);
+        let mut left = Vec::new();
+        for group in [&others[..]].into_iter().chain(alone) {
+            left.extend(self.scores(group, linear, freedom)?);
+        }
+        left.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+        Ok(left)
+    }
+
+    /// The score tests of some parameters that were held; none if the model has no derivatives with respect to them.
+    fn scores(
+        &self,
+        held: &[Parameter],
+        linear: &Linear,
+        freedom: usize,
+    ) -> Result<Vec<LeftOut>, FitError> {
         if held.is_empty() {
             return Ok(Vec::new());
         }
-        let model = self.model.with(&self.unknowns, &held)?;
+        let model = self.model.with(&self.unknowns, held)?;
         let start = model.start()?;
         let derivatives = match model.derivatives(&start, &self.states, self.stretch) {
             Ok(derivatives) => derivatives,
@@ -1198,16 +1222,21 @@ impl<'a> Search<'a> {
                 .collect();
             let length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
             let score = Score::new(&residuals, &linear.rest(&column), length)?;
+            let both = score.p_value(squares, freedom, is_estimated);
+            // From a half-space there is one way to go.
+            let (p_value, is_near) = match (model.is_endless(*parameter), score.step > 0.0) {
+                (false, _) => (both, score.step.abs() <= 1.0),
+                (true, true) => (0.5 * both, score.step <= 1.0),
+                (true, false) => (1.0 - 0.5 * both, false),
+            };
             let unknown = start[number] + score.step;
             Some(LeftOut {
                 parameter: *parameter,
-                p_value: score.p_value(squares, freedom, is_estimated),
-                value: Some(model.value(number, unknown)).filter(|_| score.step.abs() <= 1.0),
+                p_value,
+                value: Some(model.value(number, unknown)).filter(|_| is_near),
             })
         };
-        let mut left: Vec<LeftOut> = held.iter().enumerate().filter_map(score).collect();
-        left.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
-        Ok(left)
+        Ok(held.iter().enumerate().filter_map(score).collect())
     }
 
     /// Whether there are errors that were estimated and count.

@@ -101,14 +101,32 @@ impl Settings {
     }
 }
 
+/// What the value of a parameter is by its unknown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scale {
+    /// So many times the unknown.
+    Multiple(f64),
+    /// The size of the unknown: both signs are alike.
+    Distance,
+    /// So many times the exponential of the unknown.
+    Logarithm(f64),
+    /// So much over the unknown: of a half-space, whose thickness is without end.
+    Inverse(f64),
+}
+
+/// The cases on both sides of some unknowns, and how far they are apart in one of them.
+struct Sides {
+    cases: [Case; 2],
+    apart: f64,
+}
+
 pub(super) struct Model<'a> {
     file: CaseFile,
     pub(super) data: &'a Measurements,
     pub(super) free: &'a [Parameter],
     /// Where the fit begins.
     start: Settings,
-    /// What an unknown of 1 stands for; of logarithms, the starting value.
-    units: Vec<f64>,
+    scales: Vec<Scale>,
     single: Run<'a>,
     pool: Option<&'a rayon::ThreadPool>,
     wants_radius: bool,
@@ -156,7 +174,7 @@ impl<'a> Model<'a> {
                 displacement_drift: options.displacement_drift,
                 force_drift: options.force_drift,
             },
-            units: Vec::new(),
+            scales: Vec::new(),
             // Threads share the rows, and every row is computed by one thread.
             single: Run {
                 pool: None,
@@ -175,8 +193,11 @@ impl<'a> Model<'a> {
         if free.contains(&Parameter::ContactPoint) && options.contact_point.is_none() {
             model.start.contact_point = model.likely_contact_point()?;
         }
+        if let Some(endless) = free.iter().find(|free| model.is_endless(**free)) {
+            return Err(FitError::NotGiven(*endless));
+        }
         model.begin_with_work()?;
-        model.units = model.units_of(free)?;
+        model.scales = model.scales_of(free)?;
         Ok(model)
     }
 
@@ -194,7 +215,7 @@ impl<'a> Model<'a> {
             data: self.data,
             free,
             start: self.settings(unknowns)?,
-            units: Vec::new(),
+            scales: Vec::new(),
             single: self.single.clone(),
             pool: self.pool,
             wants_radius: self.wants_radius,
@@ -205,7 +226,7 @@ impl<'a> Model<'a> {
             moments: self.moments.clone(),
             solved: AtomicUsize::new(0),
         };
-        model.units = model.units_of(free)?;
+        model.scales = model.scales_of(free)?;
         Ok(model)
     }
 
@@ -214,18 +235,43 @@ impl<'a> Model<'a> {
         self.solved.load(Ordering::Relaxed)
     }
 
-    fn units_of(&self, free: &[Parameter]) -> Result<Vec<f64>, FitError> {
+    fn scales_of(&self, free: &[Parameter]) -> Result<Vec<Scale>, FitError> {
         let range = self.load_range();
-        let units = free.iter().map(|parameter| {
+        let scales = free.iter().map(|parameter| {
             Ok(match parameter {
-                Parameter::Key(_) if parameter.is_positive() => self.start_of(*parameter)?,
-                Parameter::Key(_) => 1.0,
-                Parameter::ContactPoint | Parameter::DisplacementDrift => range,
-                Parameter::MachineCompliance => range / self.largest_force(),
-                Parameter::ForceOffset | Parameter::ForceDrift => self.largest_force(),
+                Parameter::Key(_) if self.is_endless(*parameter) => {
+                    Scale::Inverse(self.largest_contact()?)
+                }
+                Parameter::Key(_) if parameter.is_positive() => {
+                    Scale::Logarithm(self.start_of(*parameter)?)
+                }
+                Parameter::Key(Key::Offset) => Scale::Distance,
+                Parameter::Key(_) => Scale::Multiple(1.0),
+                Parameter::ContactPoint | Parameter::DisplacementDrift => Scale::Multiple(range),
+                Parameter::MachineCompliance => Scale::Multiple(range / self.largest_force()),
+                Parameter::ForceOffset | Parameter::ForceDrift => {
+                    Scale::Multiple(self.largest_force())
+                }
             })
         });
-        units.collect()
+        scales.collect()
+    }
+
+    /// Whether it is the thickness of a body that is a half-space.
+    pub(super) fn is_endless(&self, parameter: Parameter) -> bool {
+        matches!(parameter, Parameter::Key(key) if parameter.is_thickness() && self.start.case.setting(key).is_none())
+    }
+
+    /// Contact radius of the row with the largest load, m.
+    fn largest_contact(&self) -> Result<f64, FitError> {
+        let rows = self.data.rows().iter().zip(&self.moments);
+        let last = rows.max_by(|a, b| load_of(a.0).total_cmp(&load_of(b.0)));
+        let radius = match last {
+            Some((row, moment)) => self.state(&self.start, row, *moment)?.contact_radius,
+            None => 0.0,
+        };
+        let least = 0.5 * self.start.case.system.pillar().diameter;
+        Ok(larger(radius, least))
     }
 
     fn load_range(&self) -> f64 {
@@ -338,7 +384,8 @@ impl<'a> Model<'a> {
         match parameter {
             Parameter::Key(key) => {
                 let number = self.start.case.number(key);
-                number.ok_or(FitError::NotFree(parameter))
+                let number = number.filter(|number| number.is_finite());
+                number.ok_or(FitError::NotGiven(parameter))
             }
             Parameter::ContactPoint => Ok(self.start.contact_point),
             Parameter::MachineCompliance => Ok(self.start.machine_compliance),
@@ -350,25 +397,26 @@ impl<'a> Model<'a> {
 
     /// The unknowns where the fit begins.
     pub(super) fn start(&self) -> Result<Vec<f64>, FitError> {
-        let unknowns = self.free.iter().zip(&self.units).map(|(parameter, unit)| {
-            if parameter.is_positive() {
-                return Ok(0.0);
-            }
-            let value = self.start_of(*parameter)?;
+        let unknowns = self.free.iter().zip(&self.scales);
+        let unknowns = unknowns.map(|(parameter, scale)| match scale {
+            Scale::Logarithm(_) | Scale::Inverse(_) => Ok(0.0),
+            Scale::Multiple(unit) => Ok(self.start_of(*parameter)? / unit),
             // With the lens axis on a pillar every direction looks the same: begin beside it.
-            let is_on_pillar = *parameter == Parameter::Key(Key::Offset) && value.abs() < 0.05;
-            Ok(if is_on_pillar { 0.25 } else { value / unit })
+            Scale::Distance => {
+                let value = self.start_of(*parameter)?;
+                Ok(if value.abs() < 0.05 { 0.25 } else { value })
+            }
         });
         unknowns.collect()
     }
 
     /// The value of a parameter, in SI units.
     pub(super) fn value(&self, number: usize, unknown: f64) -> f64 {
-        let (parameter, unit) = (self.free[number], self.units[number]);
-        match parameter {
-            Parameter::Key(Key::Offset) => unknown.abs(), // by symmetry
-            _ if parameter.is_positive() => unit * unknown.exp(),
-            _ => unit * unknown,
+        match self.scales[number] {
+            Scale::Multiple(unit) => unit * unknown,
+            Scale::Distance => unknown.abs(),
+            Scale::Logarithm(unit) => unit * unknown.exp(),
+            Scale::Inverse(unit) => unit / larger(unknown, 0.0),
         }
     }
 
@@ -394,7 +442,11 @@ impl<'a> Model<'a> {
         let mut file = self.file.clone();
         for (number, unknown) in unknowns.iter().enumerate() {
             if let Parameter::Key(key) = self.free[number] {
-                file.set_number(key, self.value(number, *unknown));
+                let value = self.value(number, *unknown);
+                // A thickness without end is that of a half-space, and is not given.
+                if value.is_finite() || !self.free[number].is_thickness() {
+                    file.set_number(key, value);
+                }
             }
         }
         file
@@ -704,7 +756,14 @@ impl<'a> Model<'a> {
                 Ok(self.settings(&moved)?.case)
             };
             cases.push(match parameter {
-                Parameter::Key(_) => Some([side(-DIFFERENCE)?, side(DIFFERENCE)?]),
+                Parameter::Key(_) => Some(Sides {
+                    cases: [side(-DIFFERENCE)?, side(DIFFERENCE)?],
+                    // Beyond the half-space there is nothing.
+                    apart: match self.scales[number] {
+                        Scale::Inverse(_) => DIFFERENCE,
+                        _ => 2.0 * DIFFERENCE,
+                    },
+                }),
                 _ => None,
             });
         }
@@ -741,19 +800,20 @@ impl<'a> Model<'a> {
             all.force_by_position = along[0] * follow;
             all.radius_by_position = along[1] * follow;
             for (number, parameter) in self.free.iter().enumerate() {
-                let unit = self.units[number];
+                let unit = self.slope(number, unknowns[number]);
                 let ([force, radius], moved) = match (parameter, &cases[number]) {
-                    (Parameter::Key(key), Some(cases)) => {
+                    (Parameter::Key(key), Some(sides)) => {
                         let exact = gradient
                             .as_ref()
                             .and_then(|gradient| by_key.exactly(gradient.force.as_ref()?, *key));
                         let held = match exact {
                             Some(slope) => {
                                 let of = |case: &Case| self.smooth_radius(case, load);
-                                let radius = (of(&cases[1])? - of(&cases[0])?) / (2.0 * DIFFERENCE);
-                                [slope * self.slope(number, unknowns[number]), radius]
+                                let [below, above] = &sides.cases;
+                                let radius = (of(above)? - of(below)?) / sides.apart;
+                                [slope * unit, radius]
                             }
-                            None => self.between(cases, load)?,
+                            None => self.between(sides, load)?,
                         };
                         (held, -compliance * held[0] * follow)
                     }
@@ -775,10 +835,11 @@ impl<'a> Model<'a> {
 
     /// The derivative of a value by its unknown.
     pub(super) fn slope(&self, number: usize, unknown: f64) -> f64 {
-        if self.free[number].is_positive() {
-            self.value(number, unknown)
-        } else {
-            self.units[number]
+        match self.scales[number] {
+            Scale::Multiple(unit) => unit,
+            Scale::Distance => 1.0,
+            Scale::Logarithm(_) => self.value(number, unknown),
+            Scale::Inverse(unit) => -self.value(number, unknown).powi(2) / unit,
         }
     }
 
@@ -880,13 +941,14 @@ impl<'a> Model<'a> {
         }
         let below = self.solve(case, scaled(load, 1.0 - DIFFERENCE))?;
         let above = self.solve(case, scaled(load, 1.0 + DIFFERENCE))?;
-        Ok(difference(&below, &above, DIFFERENCE * value))
+        Ok(difference(&below, &above, 2.0 * DIFFERENCE * value))
     }
 
     /// Derivatives of force and smooth contact radius from one case to another.
-    fn between(&self, [below, above]: &[Case; 2], load: Control) -> Result<[f64; 2], SolveError> {
+    fn between(&self, sides: &Sides, load: Control) -> Result<[f64; 2], SolveError> {
+        let [below, above] = &sides.cases;
         let (below, above) = (self.solve(below, load)?, self.solve(above, load)?);
-        Ok(difference(&below, &above, DIFFERENCE))
+        Ok(difference(&below, &above, sides.apart))
     }
 }
 
@@ -924,10 +986,10 @@ fn moments(data: &Measurements) -> Vec<f64> {
     times.iter().map(moment).collect()
 }
 
-fn difference(below: &State, above: &State, step: f64) -> [f64; 2] {
+fn difference(below: &State, above: &State, apart: f64) -> [f64; 2] {
     [
-        (above.force - below.force) / (2.0 * step),
-        (above.smooth_radius - below.smooth_radius) / (2.0 * step),
+        (above.force - below.force) / apart,
+        (above.smooth_radius - below.smooth_radius) / apart,
     ]
 }
 

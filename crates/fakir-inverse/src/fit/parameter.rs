@@ -22,10 +22,12 @@ pub enum Parameter {
 
 impl Parameter {
     /// All that can be fitted.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Key(Key::SubstrateYoungModulus),
         Self::Key(Key::LensYoungModulus),
         Self::Key(Key::LensRadius),
+        Self::Key(Key::SubstrateThickness),
+        Self::Key(Key::LensThickness),
         Self::Key(Key::PillarHeight),
         Self::Key(Key::PillarDiameter),
         Self::Key(Key::Pitch),
@@ -103,6 +105,14 @@ impl Parameter {
         matches!(
             self,
             Self::Key(Key::WorkOfAdhesion | Key::RecedingWorkOfAdhesion)
+        )
+    }
+
+    /// Whether it makes a body a layer.
+    pub(super) fn is_thickness(self) -> bool {
+        matches!(
+            self,
+            Self::Key(Key::SubstrateThickness | Key::LensThickness)
         )
     }
 
