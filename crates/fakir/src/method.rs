@@ -224,8 +224,7 @@ fn refuse_layers(system: &System, method: Method) -> Result<(), SolveError> {
         return refused("a list of pillars of several diameters", instead);
     }
     match method {
-        Method::Love(_) => refused("the method of elements", "or use the spectral method"),
-        Method::Spectral(_) | Method::Punch(_) | Method::Homogenised => Ok(()),
+        Method::Spectral(_) | Method::Punch(_) | Method::Love(_) | Method::Homogenised => Ok(()),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Bodies of finite thickness.
 
 use super::lens::Material;
+use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
 /// What the back of a [`Layer`] rests on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,6 +39,17 @@ impl Layer {
             thickness,
             base: Base::Rigid,
         }
+    }
+
+    /// Checks its thickness, and modulus and Poisson's ratio of its base, which are named so.
+    pub(super) fn check(&self, names: [Quantity; 3]) -> Result<(), InvalidQuantity> {
+        let [thickness, modulus, ratio] = names;
+        Requirement::Positive.check(thickness, self.thickness)?;
+        if let Base::Elastic(base) = self.base {
+            Requirement::Positive.check(modulus, base.young_modulus)?;
+            Requirement::PoissonRatio.check(ratio, base.poisson_ratio)?;
+        }
+        Ok(())
     }
 }
 
@@ -77,6 +89,17 @@ impl WeightedLayer {
             })
         });
         layered.collect()
+    }
+
+    /// How far a uniform pressure brings the surface to the back, for unit contact compliance: `w t (1 - 2 nu)/(1 - nu)^2` of a layer that cannot
+    /// spread, `w t` of one that can.
+    pub(crate) fn squeeze(&self) -> f64 {
+        let nu = self.poisson_ratio;
+        let confined = match self.base {
+            LayerBase::Frictionless => 1.0,
+            LayerBase::Bonded { .. } => (1.0 - 2.0 * nu) / ((1.0 - nu) * (1.0 - nu)),
+        };
+        self.weight * self.thickness * confined
     }
 }
 

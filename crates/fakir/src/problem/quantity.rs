@@ -154,6 +154,22 @@ impl fmt::Display for Quantity {
     }
 }
 
+impl Quantity {
+    /// Thickness of the substrate, and modulus and Poisson's ratio of its base.
+    pub(super) const SUBSTRATE_LAYER: [Self; 3] = [
+        Self::SubstrateThickness,
+        Self::SubstrateBaseYoungModulus,
+        Self::SubstrateBasePoissonRatio,
+    ];
+
+    /// Those of the lens.
+    pub(super) const LENS_LAYER: [Self; 3] = [
+        Self::LensThickness,
+        Self::LensBaseYoungModulus,
+        Self::LensBasePoissonRatio,
+    ];
+}
+
 /// A quantity whose value cannot be.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("{quantity} cannot be {value}: it must be {requirement}")]

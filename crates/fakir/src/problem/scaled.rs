@@ -9,6 +9,10 @@ use super::point::{Point, turned};
 use super::system::System;
 use crate::numerics::convergence::smaller;
 
+/// How much wider a contact can be than the circle in which the undeformed bodies overlap: a sphere on a thin incompressible layer has `a^2 = 4 R zeta`
+/// (K. L. Johnson, Contact Mechanics, section 5.8), and the circle half of that.
+pub(crate) const RISING: f64 = std::f64::consts::SQRT_2;
+
 /// Lens radius, in pillar radii, below which the sphere differs from a paraboloid over a single pillar top:
 /// by `1/(2R)^2`, so that truncation at degree 2 makes an error of 2e-5 at 8 and 1e-6 here.
 pub(crate) const SMALL_LENS: f64 = 40.0;
@@ -135,11 +139,13 @@ impl Scene {
         self.farthest_reached(indentation)
     }
 
-    /// Distance from the lens axis beyond which no pillar is so high that the undeformed lens reaches it at an indentation.
+    /// Distance from the lens axis beyond which no pillar is so high that the undeformed lens reaches it at an indentation; on layers, which rise around
+    /// what is pressed, so much farther as a contact can be.
     pub(crate) fn farthest_reached(&self, indentation: f64) -> f64 {
         let [largest, highest] = self.field.bounds();
         let reach = self.lens.distance_of_rise(indentation + highest);
-        reach.unwrap_or(self.lens.widest()) + largest
+        let rising = if self.layers.is_empty() { 1.0 } else { RISING };
+        rising * reach.unwrap_or(self.lens.widest()) + largest
     }
 
     /// The indentation at which the first top is touched.

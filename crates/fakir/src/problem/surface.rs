@@ -1,6 +1,7 @@
 //! A lens or a plate above any surface.
 
 use super::height_map::HeightMap;
+use super::layer::{Layer, WeightedLayer};
 use super::lens::{Lens, Material};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
@@ -88,6 +89,8 @@ impl Floor {
 pub struct SurfaceSystem {
     indenter: Indenter,
     substrate: Material,
+    /// The substrate and the indenter as layers.
+    layers: [Option<Layer>; 2],
     pub(crate) surface: HeightMap,
     pub(crate) boundary: Boundary,
     round_tops: Option<f64>,
@@ -114,6 +117,7 @@ impl SurfaceSystem {
         Ok(Self {
             indenter,
             substrate,
+            layers: [None; 2],
             surface,
             boundary,
             round_tops: None,
@@ -135,6 +139,29 @@ impl SurfaceSystem {
         Requirement::Positive.check(Quantity::PillarDiameter, diameter)?;
         Ok(Self {
             round_tops: Some(diameter),
+            ..self
+        })
+    }
+
+    /// The same system with bodies of finite thickness, the substrate and the indenter; those without a layer are half-spaces, and a rigid plate has
+    /// none. Indentations are then the approach of their backs. On a [periodic](Boundary::Periodic) surface the mean pressure squeezes the layers, so
+    /// that the mean displacement is no longer zero; what half-spaces among the bodies would add to it without limit is left out.
+    ///
+    /// # Errors
+    /// Thicknesses and moduli of bases must be positive and finite, Poisson's ratios between 0 and 0.5.
+    pub fn with_layers(
+        self,
+        substrate: Option<Layer>,
+        indenter: Option<Layer>,
+    ) -> Result<Self, InvalidQuantity> {
+        if let Some(film) = &substrate {
+            film.check(Quantity::SUBSTRATE_LAYER)?;
+        }
+        if let Some(layer) = &indenter {
+            layer.check(Quantity::LENS_LAYER)?;
+        }
+        Ok(Self {
+            layers: [substrate, indenter],
             ..self
         })
     }
@@ -176,6 +203,28 @@ impl SurfaceSystem {
     #[must_use]
     pub fn surface(&self) -> &HeightMap {
         &self.surface
+    }
+
+    /// The substrate and the indenter as layers, those that are no half-spaces.
+    #[must_use]
+    pub fn layers(&self) -> [Option<&Layer>; 2] {
+        [0, 1].map(|body| self.layers[body].as_ref())
+    }
+
+    /// Whether a body is a layer.
+    pub(crate) fn has_layers(&self) -> bool {
+        self.layers.iter().any(Option::is_some)
+    }
+
+    /// The layers, in m.
+    pub(crate) fn weighted_layers(&self) -> Vec<WeightedLayer> {
+        let [substrate, indenter] = self.layers;
+        let of_indenter = self
+            .indenter
+            .material()
+            .map(|material| (material, indenter));
+        let bodies = std::iter::once((self.substrate, substrate)).chain(of_indenter);
+        WeightedLayer::among(&bodies.collect::<Vec<_>>(), 1.0)
     }
 
     /// What lies around it.

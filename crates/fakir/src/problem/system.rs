@@ -4,7 +4,7 @@ use super::adhesion::Adhesion;
 use super::arrangement::Arrangement;
 use super::column::{ColumnLaw, Pillar, PillarCompliance};
 use super::lattice::HexagonalLattice;
-use super::layer::{Base, Layer, WeightedLayer};
+use super::layer::{Layer, WeightedLayer};
 use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
@@ -139,36 +139,17 @@ impl System {
     ) -> Result<Self, InvalidQuantity> {
         use Quantity as Q;
         use Requirement as R;
-        let check = |layer: &Layer, [thickness, modulus, ratio]: [Quantity; 3]| {
-            R::Positive.check(thickness, layer.thickness)?;
-            R::AtLeastQuarterDiameter(self.largest_diameter()).check(thickness, layer.thickness)?;
-            if let Base::Elastic(base) = layer.base {
-                R::Positive.check(modulus, base.young_modulus)?;
-                R::PoissonRatio.check(ratio, base.poisson_ratio)?;
-            }
-            Ok(())
+        let check = |layer: &Layer, names: [Quantity; 3]| {
+            layer.check(names)?;
+            R::AtLeastQuarterDiameter(self.largest_diameter()).check(names[0], layer.thickness)
         };
         if let Some(film) = &substrate {
-            check(
-                film,
-                [
-                    Q::SubstrateThickness,
-                    Q::SubstrateBaseYoungModulus,
-                    Q::SubstrateBasePoissonRatio,
-                ],
-            )?;
+            check(film, Q::SUBSTRATE_LAYER)?;
             R::AtLeastPillarHeight(self.pillar().height)
                 .check(Q::SubstrateThickness, film.thickness)?;
         }
         if let Some(layer) = &lens {
-            check(
-                layer,
-                [
-                    Q::LensThickness,
-                    Q::LensBaseYoungModulus,
-                    Q::LensBasePoissonRatio,
-                ],
-            )?;
+            check(layer, Q::LENS_LAYER)?;
         }
         Ok(Self {
             layers: [substrate, lens],

@@ -43,12 +43,6 @@ const UNKNOWN: ErrorEstimate = ErrorEstimate {
 /// estimated from within.
 const PUNCH_ERROR: [f64; 2] = [0.1, 0.02];
 
-/// A load past the transition where a body is a layer.
-const FLOOR_UNDER_LAYERS: SolveError = SolveError::NotWithLayers {
-    what: "contact with the floor, past the transition,",
-    instead: "lower the load, or set floor.contact = false",
-};
-
 /// The contact under what is prescribed, which has been checked.
 pub(crate) fn press(
     system: &System,
@@ -83,7 +77,6 @@ pub(crate) fn press(
             Control::Force(force) if force <= 0.0 => {
                 return Ok(without_contact(system, &scene, method, scene.height));
             }
-            _ if !scene.layers.is_empty() => return Err(FLOOR_UNDER_LAYERS),
             _ if scene.floor_bears() => {
                 return mixed::floor_first(system, &scene, target, accuracy, run);
             }
@@ -158,7 +151,6 @@ fn solve(
         PillarMethod::Spectral(accuracy) => {
             if bears
                 && accuracy == Accuracy::Accurate
-                && scene.layers.is_empty()
                 && let Some(tops) = mixed::far_past_transition(scene, target, guess, run)?
             {
                 return mixed::past_transition(system, scene, target, accuracy, tops, run);
@@ -198,9 +190,6 @@ fn solve(
             let gap = lowest.map_or(0.0, |point| {
                 point.indentation - solution.outcome.indentation
             });
-            if borne && gap < 0.0 && !scene.layers.is_empty() {
-                return Err(FLOOR_UNDER_LAYERS);
-            }
             if bears && gap < 0.0 {
                 return mixed::past_transition(system, scene, target, accuracy, solution, run);
             }
@@ -284,9 +273,7 @@ pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Control
         Control::Force(force) => Control::Force(force * scene.force()),
         Control::FloorContact => Control::FloorContact,
     };
-    // Where bodies are layers, that is a start as good as any.
-    let half_spaces = system.with_layers(None, None).ok()?;
-    let radius = homogenised::rough_contact_radius(&half_spaces, control)? / scene.length;
+    let radius = homogenised::rough_contact_radius(system, control)? / scene.length;
     Some(radius).filter(|radius| *radius > 0.0)
 }
 

@@ -17,7 +17,7 @@ use crate::numerics::convergence::larger;
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::Control;
 use crate::problem::pillar_field::PillarField;
-use crate::problem::scaled::Scene;
+use crate::problem::scaled::{RISING, Scene};
 use crate::problem::{Accuracy, HexagonalLattice, Point, PunchForm, System};
 use crate::state::{
     ContactState, FloorContact, FloorErrors, Run, SolveError, Termination, Warning,
@@ -601,9 +601,15 @@ fn entered_beyond(scene: &Scene, newton: &Newton<'_>, radius: f64, largest: f64)
     })
 }
 
-/// Nothing outside of this can be touched: the undeformed lens is above the floor, and pressures only move it away.
+/// Nothing outside of this can be touched: the undeformed lens is above the floor, and pressures only move it away. Thin layers rise around what is
+/// pressed, see [`Scene::farthest_reached`].
 fn largest_window(scene: &Scene, indentation: f64) -> f64 {
-    let reach = scene.lens.distance_of_rise(indentation - scene.height);
+    let reach = if scene.layers.is_empty() {
+        scene.lens.distance_of_rise(indentation - scene.height)
+    } else {
+        let reach = scene.lens.distance_of_rise(indentation);
+        reach.map(|reach| RISING * reach)
+    };
     reach.unwrap_or(scene.lens.widest()) + 1e-3
 }
 
@@ -845,8 +851,8 @@ mod tests {
         assert!(at.floor_force > 0.2 * at.force);
     }
 
-    /// The same on a square lattice, which stands on the grid, and on a list of pillars of several radii and heights, which does not. None is touched
-    /// in part.
+    /// The same on a square lattice, which stands on the grid, and on a list of pillars of several radii and heights, which does not; and on a film.
+    /// None is touched in part.
     #[test]
     fn the_force_is_the_slope_of_the_energy_on_any_arrangement() {
         let body = PillarBody::of_column(0.1);
@@ -866,8 +872,24 @@ mod tests {
         let on_grid = PlaneLattice::new([[50.0, 0.0], [0.0, 50.0]], [0.0; 2], body).unwrap();
         let on_grid = PillarField::Lattice(Arc::new(on_grid));
         let anywhere = PillarField::Listed(Arc::new(PillarList::new(listed.to_vec()).unwrap()));
-        for (field, indentation, fineness) in [(on_grid, 1.5, 40), (anywhere, 1.5, 6)] {
-            let scene = Scene { field, ..problem() };
+        let film = crate::problem::layer::WeightedLayer {
+            thickness: 6.0,
+            ..crate::halfspace::layer::tests::film()
+        };
+        let alike = listed.map(|pillar| ListedPillar { body, ..pillar });
+        let alike = PillarField::Listed(Arc::new(PillarList::new(alike.to_vec()).unwrap()));
+        for (field, fineness, layers) in [
+            (on_grid.clone(), 40, vec![]),
+            (anywhere, 6, vec![]),
+            (on_grid, 40, vec![film]),
+            (alike, 6, vec![film]),
+        ] {
+            let scene = Scene {
+                field,
+                layers,
+                ..problem()
+            };
+            let indentation = 1.5;
             let step = 1e-3;
             let [before, at, after] =
                 [-step, 0.0, step].map(|by| level(&scene, indentation + by, fineness));

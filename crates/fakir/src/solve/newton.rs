@@ -443,15 +443,15 @@ impl<'a> Newton<'a> {
         self.reach = self.pillar_reach();
         let (sites, reach) = (&self.tops.sites, self.reach);
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
-        let kernels = &mut self.kernels;
+        let (kernels, layers) = (&mut self.kernels, &self.scene.layers[..]);
         let couple = |coupling: &mut SurfaceCoupling<'a>| {
             // The room of the one before it is needed.
             coupling.floor = None;
             let floor = FloorCoupling::new(
                 &cells.grid,
                 (sites, reach),
-                modes,
-                degree,
+                [modes, degree],
+                layers,
                 kernels.take(),
                 run.workers(),
                 run.pool,
@@ -470,7 +470,8 @@ impl<'a> Newton<'a> {
     }
 
     /// Distance of pillar centres from the lens axis up to which they are coupled with the floor: those touched at present, and some more. Those
-    /// beyond do not feel the floor, which only moves the lens away from them. So if they are not touched without it, they are not with it.
+    /// beyond do not feel the floor, which on half-spaces only moves the lens away from them: if they are not touched without it, they are not with it.
+    /// A thin layer rises around what is pressed; that it does to those next to the touched ones first.
     ///
     /// If none is touched yet: as far as the undeformed lens is below the tops, with a margin for the indentation, where that is to be found.
     pub(crate) fn pillar_reach(&self) -> f64 {
@@ -494,7 +495,8 @@ impl<'a> Newton<'a> {
         let pressure: Vec<f64> = pressures
             .filter_map(|(bears, c)| bears.then_some(c.max(0.0) * scale))
             .collect();
-        (!pressure.is_empty()).then(|| FloorLoad::new(cells.bearing(), pressure))
+        (!pressure.is_empty())
+            .then(|| FloorLoad::new(cells.bearing(), pressure).with_layers(&self.scene.layers))
     }
 
     /// Whether a search from scratch finds a lower point of the floor than the one that closed

@@ -3,6 +3,7 @@
 //! The pillars that may be touched are sought outwards from the lens axis. Where all are alike, those beyond untouched ones are not
 //! touched either. Where heights differ, a tall one may be.
 
+use crate::halfspace::layer::force::AroundForce;
 use crate::problem::Point;
 use crate::problem::scaled::Scene;
 use std::f64::consts::PI;
@@ -25,17 +26,20 @@ pub(super) fn farthest_entered(
         return None;
     }
     let (pillars, _) = scene.field.listed_within(reached);
+    let around = AroundForce::at_point(&scene.layers);
     let distances = pillars.iter().filter_map(|(_, pillar)| {
         let [x, y] = pillar.centre;
         let distance = x.hypot(y);
         let least = scene.lens.least_over(pillar.centre, pillar.body.radius);
         let entered = indentation + pillar.body.raised - least;
-        if distance <= beyond || entered <= 0.0 {
+        if distance <= beyond || (entered <= 0.0 && around.is_none()) {
             return None;
         }
-        let away = forces
-            .iter()
-            .map(|([u, v], force)| force / (PI * (x - u).hypot(y - v)));
+        let away = forces.iter().map(|([u, v], force)| {
+            let distance = (x - u).hypot(y - v);
+            let of_layers = around.as_ref().map_or(0.0, |around| around.value(distance));
+            force / (PI * distance) + force / PI * of_layers
+        });
         (entered > away.sum()).then_some(distance)
     });
     distances.reduce(f64::max)

@@ -5,6 +5,7 @@
 use super::closed_forms::TransitionEstimate;
 use super::lattice_potential::{hollow_potential, site_potential};
 use super::spring_layer::{LayerModes, UnitContact};
+use crate::halfspace::layer::LayerResponse;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::roots;
 use crate::problem::{Control, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
@@ -18,6 +19,9 @@ const LARGEST_CONTACT: f64 = 0.5;
 /// Relative difference between the two resolutions below which a solution is called
 /// converged. They differ by 2e-7 at most, for springs that hardly give way.
 const CONVERGED: f64 = 1e-6;
+
+/// Wave number times thickness from which a layer is a half-space, to rounding.
+const LAST_WAVE: f64 = 20.0;
 
 /// Accumulated rounding of a solution, the least error claimed.
 const ROUNDING: f64 = 1e-13;
@@ -39,21 +43,16 @@ impl HomogenisedLattice {
     /// # Errors
     /// [`SolveError::TextureTooDense`] where `beta` is not positive: at and above the
     /// [`largest_surface_fraction`]. [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice, and [`SolveError::NotUnderShape`] of a lens that is
-    /// no sphere, and [`SolveError::NotWithLayers`] of bodies that are no half-spaces.
+    /// no sphere.
     pub fn new(system: &System) -> Result<Self, SolveError> {
         if system.hexagonal_lattice().is_none() || system.lens().sphere().is_none() {
             return Err(SolveError::not_made_for("the homogenised lattice", system));
         }
-        if system.has_layers() {
-            return Err(SolveError::NotWithLayers {
-                what: "the homogenised lattice",
-                instead: "or use the spectral method",
-            });
-        }
         let neighbours = neighbour_compliance(system);
         let own = system.internal_compliance() / system.pillar().diameter;
         let cell = system.arrangement().cell_area();
-        let layer_compliance = cell * (own + neighbours * site_potential());
+        let [at_site, _] = added_by_layers(system);
+        let layer_compliance = cell * (own + neighbours * site_potential() + at_site);
         if layer_compliance <= 0.0 {
             return Err(SolveError::TextureTooDense {
                 surface_fraction: system.texture().surface_fraction(),
@@ -83,11 +82,50 @@ fn neighbour_compliance(system: &System) -> f64 {
     system.external_compliance() / (2.0 * system.pitch())
 }
 
+/// What layers add to that, at a pillar and at a hollow site, from forces on all pillars less the same spread evenly, m/N: over the reciprocal lattice,
+/// `c/pi Σ_G (2 pi/(A G)) (Phi(G) - 1) j_0(G a) {j_0(G a) | cos G x_h}`, with the pressure of flat punches. Next to nothing where layers are thicker
+/// than two pitches.
+fn added_by_layers(system: &System) -> [f64; 2] {
+    let layers = system.weighted_layers(1.0);
+    let Some(thinnest) = layers.iter().map(|layer| layer.thickness).reduce(f64::min) else {
+        return [0.0; 2];
+    };
+    let responses: Vec<_> = layers
+        .iter()
+        .map(|layer| (layer, LayerResponse::of(layer)))
+        .collect();
+    let first = 4.0 * PI / (3f64.sqrt() * system.pitch());
+    // Beyond that `Phi` is 1.
+    let largest = LAST_WAVE / thinnest;
+    let reach = (largest / first * 2.0 / 3f64.sqrt()).floor() as i64;
+    let radius = 0.5 * system.pillar().diameter;
+    let mut sums = [0.0; 2];
+    for i in -reach..=reach {
+        for j in -reach..=reach {
+            let wave = first * ((i * i + j * j - i * j) as f64).sqrt();
+            if (i, j) == (0, 0) || wave > largest {
+                continue;
+            }
+            let deficit = responses
+                .iter()
+                .map(|(layer, response)| layer.weight * response.deficit(wave * layer.thickness));
+            let spread = (wave * radius).sin() / (wave * radius);
+            let term = deficit.sum::<f64>() / wave * spread;
+            // Three hollow sites see a wave in three phases, or in one.
+            let phase = if (i + j) % 3 == 0 { 1.0 } else { -0.5 };
+            sums[0] += term * spread;
+            sums[1] += term * phase;
+        }
+    }
+    let factor = 2.0 * system.contact_compliance() / system.arrangement().cell_area();
+    sums.map(|sum| factor * sum)
+}
+
 /// Surface fraction from which the model does not apply: neighbours help a pillar down by more
 /// than it gives way itself.
 ///
 /// `(pi/(2 sqrt3)) (2 gamma_int/(gamma_ext |v_s|))^2`: 0.504 without column compliance. More than
-/// pi/(2 sqrt3) if the columns are soft enough for the model to apply always.
+/// pi/(2 sqrt3) if the columns are soft enough for the model to apply always. On half-spaces: layers thinner than a pitch stretch it.
 #[must_use]
 pub fn largest_surface_fraction(system: &System) -> f64 {
     let ratio = 2.0 * system.internal_compliance()
@@ -124,7 +162,9 @@ pub fn dense_limit(system: &System) -> TransitionEstimate {
 #[must_use]
 pub fn central_force_amplification(system: &System) -> f64 {
     let own = system.internal_compliance() / system.pillar().diameter;
+    let [at_site, at_hollow] = added_by_layers(system);
     let lift = neighbour_compliance(system) * (hollow_potential() - site_potential());
+    let lift = lift + (at_hollow - at_site);
     1.0 / (1.0 - lift / own)
 }
 
@@ -185,12 +225,17 @@ struct LayerContact {
 impl LayerContact {
     fn new(system: &System, layer_compliance: f64, modes: &LayerModes, radius: f64) -> Self {
         let c = system.contact_compliance();
+        let relative_compliance = layer_compliance / (c * radius);
         let lens_radius = system.lens().sphere_radius();
         let UnitContact {
             indentation,
             force,
             central_pressure,
-        } = modes.contact(layer_compliance / (c * radius));
+        } = if system.has_layers() && radius > 0.0 {
+            modes.contact_on_layers(relative_compliance, &system.weighted_layers(radius))
+        } else {
+            modes.contact(relative_compliance)
+        };
         Self {
             radius,
             indentation: indentation * radius * radius / lens_radius,

@@ -30,8 +30,20 @@
 //! ```
 //!
 //! in which every term converges fast.
+//!
+//! *Layers.* Where bodies are [layers](crate::halfspace::layer) `D` comes to `K`. With `P(k) = ∫ g cos(k t) dt`, the transform of the pressure,
+//! `∫ p D p dA = 4 pi ∫ (Phi(k t/a) - 1) P^2 dk`, a full matrix in the modes of `K`. It changes with the contact radius by `D' = a dD/da`, so that
+//! under a dilation
+//!
+//! ```text
+//! Z = (3 ∫ q_2 dA + b ∫ q_1 q_2 dA - ∫ q_1 D' q_2 dA) / (∫ q_1 dA + b ∫ q_1^2 dA - ∫ q_1 D' q_1 dA).
+//! ```
 
+use crate::halfspace::layer::LayerResponse;
 use crate::numerics::quadrature::gauss_legendre;
+use crate::problem::layer::WeightedLayer;
+use faer::Mat;
+use faer::linalg::solvers::Solve;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -75,7 +87,13 @@ struct Mode {
 
 /// The operator `K` in a finite basis, diagonalised.
 #[derive(Debug)]
-pub(super) struct LayerModes(Vec<Mode>);
+pub(super) struct LayerModes {
+    modes: Vec<Mode>,
+    /// `t`, and the factor by which the columns are parts of `∫ g dt`.
+    nodes: Vec<[f64; 2]>,
+    /// `sqrt2 pi g` of every mode at the nodes, times the root of the weights.
+    columns: Vec<Vec<f64>>,
+}
 
 impl LayerModes {
     /// The table that results are computed with, made on first use.
@@ -99,6 +117,7 @@ impl LayerModes {
     /// `K` in polynomials of degree below `count`.
     fn new(count: usize) -> Self {
         let Discretised {
+            nodes,
             mut columns,
             uniform,
             parabolic,
@@ -107,18 +126,86 @@ impl LayerModes {
         orthogonalise(&mut columns, &mut rotation);
         let mut at_centre = vec![0.0; count];
         basis_values(1.0, &mut at_centre);
-        Self(
-            columns
-                .iter()
-                .zip(&rotation)
-                .map(|(column, weights)| Mode {
-                    eigenvalue: dot(column, column),
-                    uniform: dot(weights, &uniform),
-                    parabolic: dot(weights, &parabolic),
-                    centre: dot(weights, &at_centre),
-                })
-                .collect(),
-        )
+        let modes = columns
+            .iter()
+            .zip(&rotation)
+            .map(|(column, weights)| Mode {
+                eigenvalue: dot(column, column),
+                uniform: dot(weights, &uniform),
+                parabolic: dot(weights, &parabolic),
+                centre: dot(weights, &at_centre),
+            })
+            .collect();
+        Self {
+            modes,
+            nodes,
+            columns,
+        }
+    }
+
+    /// The contact on layers, given in contact radii.
+    pub(super) fn contact_on_layers(
+        &self,
+        relative_compliance: f64,
+        layers: &[WeightedLayer],
+    ) -> UnitContact {
+        let b = relative_compliance;
+        let count = self.modes.len();
+        let [added, changing] = self.layer_matrices(layers);
+        let operator = Mat::from_fn(count, count, |row, column| {
+            let own = if row == column {
+                self.modes[row].eigenvalue + b
+            } else {
+                0.0
+            };
+            own + added[(row, column)]
+        });
+        let loads = Mat::from_fn(count, 2, |row, load| {
+            let mode = &self.modes[row];
+            [mode.uniform, mode.parabolic][load]
+        });
+        let q = operator.partial_piv_lu().solve(&loads);
+        let turned = &changing * &q;
+        let sum = |of: &dyn Fn(usize) -> f64| (0..count).map(of).sum::<f64>();
+        let whole = |load| sum(&|row| self.modes[row].uniform * q[(row, load)]);
+        let centre = |load| sum(&|row| self.modes[row].centre * q[(row, load)]);
+        let edge = |load| sum(&|row| q[(row, 0)] * (b * q[(row, load)] - turned[(row, load)]));
+        let load = (3.0 * whole(1) + edge(1)) / (whole(0) + edge(0));
+        UnitContact {
+            indentation: 0.5 * load,
+            force: 0.5 * (load * whole(0) - whole(1)),
+            central_pressure: 0.5 * (load * centre(0) - centre(1)),
+        }
+    }
+
+    /// `D`, and `D'`, in the modes.
+    fn layer_matrices(&self, layers: &[WeightedLayer]) -> [Mat<f64>; 2] {
+        let count = self.modes.len();
+        let mut matrices = [0, 1].map(|_| Mat::zeros(count, count));
+        for layer in layers {
+            let response = LayerResponse::of(layer);
+            let inverse = layer.thickness.recip();
+            let rule = response.nodes(2.0 * inverse);
+            let waves = Mat::from_fn(rule.len(), self.nodes.len(), |k, node| {
+                let [t, factor] = self.nodes[node];
+                factor * (rule[k].0 * inverse * t).cos()
+            });
+            let columns = Mat::from_fn(self.nodes.len(), count, |node, mode| {
+                self.columns[mode][node]
+            });
+            let transforms = &waves * &columns;
+            let factor = 4.0 * PI * layer.weight * inverse;
+            let weights: [&dyn Fn(f64) -> f64; 2] =
+                [&|x| response.deficit(x), &|x| -x * response.slope(x)];
+            for (matrix, of) in matrices.iter_mut().zip(weights) {
+                let weighted = Mat::from_fn(rule.len(), count, |k, mode| {
+                    let (x, weight) = rule[k];
+                    factor * weight * of(x) * transforms[(k, mode)]
+                });
+                *matrix += transforms.transpose() * &weighted;
+            }
+        }
+        matrices
     }
 
     /// The contact whose springs have the compliance `b = relative_compliance`, at least 0.
@@ -130,7 +217,7 @@ impl LayerModes {
         let mut b_q1_q2 = 0.0;
         let mut q1_centre = 0.0;
         let mut q2_centre = 0.0;
-        for mode in &self.0 {
+        for mode in &self.modes {
             let response = 1.0 / (b + mode.eigenvalue);
             let springs = b * response; // b/(b + lambda): does not overflow
             let q1 = mode.uniform * response;
@@ -153,7 +240,7 @@ impl LayerModes {
     /// `(dF/dzeta) c/a`, the stiffness of a flat punch of unit radius: 2 without springs.
     #[cfg(test)]
     fn stiffness(&self, relative_compliance: f64) -> f64 {
-        self.0
+        self.modes
             .iter()
             .map(|mode| mode.uniform * mode.uniform / (relative_compliance + mode.eigenvalue))
             .sum()
@@ -163,6 +250,7 @@ impl LayerModes {
 /// `sqrt2 pi g` of every basis function at the nodes, times the root of the weights, so that
 /// products of columns are `∫ phi_i K phi_j dA`; and the load integrals.
 struct Discretised {
+    nodes: Vec<[f64; 2]>,
     columns: Vec<Vec<f64>>,
     uniform: Vec<f64>,
     parabolic: Vec<f64>,
@@ -174,6 +262,7 @@ impl Discretised {
         let mut columns = vec![vec![0.0; rule.len()]; count];
         let mut uniform = vec![0.0; count];
         let mut parabolic = vec![0.0; count];
+        let mut nodes = Vec::with_capacity(rule.len());
         let mut values = vec![0.0; count];
         let mut transform = vec![0.0; count];
         for (node, &[z, weight]) in rule.iter().enumerate() {
@@ -186,6 +275,7 @@ impl Discretised {
                 }
             }
             let t_squared = 1.0 - z.powi(2 * EDGE_POWER);
+            nodes.push([t_squared.sqrt(), (0.5 * weight).sqrt() / PI]);
             for j in 0..count {
                 let g = 2.0 / PI * z.powi(EDGE_POWER) * transform[j];
                 columns[j][node] = PI * (2.0 * weight).sqrt() * g;
@@ -194,6 +284,7 @@ impl Discretised {
             }
         }
         Self {
+            nodes,
             columns,
             uniform,
             parabolic,
@@ -319,6 +410,79 @@ mod tests {
         };
         assert!(largest_difference(LayerModes::fine().contact(0.0), hertz) < 2e-9);
         assert!(largest_difference(LayerModes::fine().contact(1e-12), hertz) < 2e-9);
+    }
+
+    #[test]
+    fn hertz_on_layers() {
+        // A sphere on a layer without springs, by the equation of `theory::layer`, which shares `phi` alone. The modes are good to 2e-9 on half-spaces.
+        use crate::problem::layer::WeightedLayer;
+        use crate::problem::{Base, Layer, Material};
+        use crate::theory::layer::Layers;
+        let rubber = Material::new(1.0, 0.5);
+        let soft = Material::new(0.3, 0.4);
+        let frictionless = |thickness| Layer {
+            thickness,
+            base: Base::Frictionless,
+        };
+        for thickness in [20.0, 2.0, 1.0, 0.5] {
+            for lens in [None, Some(frictionless(1.3))] {
+                let bodies = [(rubber, Some(Layer::new(thickness))), (soft, lens)];
+                let compliance = rubber.plane_strain_compliance() + soft.plane_strain_compliance();
+                // Of radius 1 under a lens of radius 1e3.
+                let exact = Layers::new(bodies).sphere(1e3, 1.0);
+                let layers = WeightedLayer::among(&bodies, 1.0);
+                let found = LayerModes::fine().contact_on_layers(0.0, &layers);
+                let force = found.force / (exact.force * compliance * 1e3) - 1.0;
+                let indentation = found.indentation / (1e3 * exact.indentation) - 1.0;
+                assert!(force.abs() < 3e-8, "{thickness} {force:e}");
+                assert!(indentation.abs() < 3e-8, "{thickness} {indentation:e}");
+            }
+        }
+        // Far off backs.
+        let bodies = [(rubber, Some(Layer::new(1e9))), (soft, None)];
+        let layers = WeightedLayer::among(&bodies, 1.0);
+        for b in [0.0, 0.3, 10.0] {
+            let found = LayerModes::fine().contact_on_layers(b, &layers);
+            assert!(largest_difference(found, LayerModes::fine().contact(b)) < 2e-9);
+        }
+    }
+
+    #[test]
+    fn pressure_ends_at_the_edge_on_layers() {
+        // What is prescribed is linear in the radius beyond the contact: at fixed indentation the force has a maximum over the contact radius, as a
+        // wider contact would pull. It is found by springs alone on the layer, from two radii around the contact.
+        use crate::problem::layer::WeightedLayer;
+        use crate::problem::{Layer, Material};
+        let rubber = Material::new(1.0, 0.5);
+        let layers = |radius: f64| {
+            let bodies = [(rubber, Some(Layer::new(0.8 / radius)))];
+            WeightedLayer::among(&bodies, 1.0)
+        };
+        let modes = LayerModes::fine();
+        // dF/dzeta at the contact is that of the flat punch as wide: the whole derivative along contacts of growing radius is the partial one.
+        let at = |radius: f64| {
+            let contact = modes.contact_on_layers(0.2 / radius, &layers(radius));
+            [
+                contact.indentation * radius.powi(2),
+                contact.force * radius.powi(3),
+            ]
+        };
+        let step = 1e-3;
+        let ([z1, f1], [z0, f0]) = (at(1.0 + step), at(1.0 - step));
+        let stiffness = (f1 - f0) / (z1 - z0);
+        let count = modes.modes.len();
+        let [added, _] = modes.layer_matrices(&layers(1.0));
+        let operator = Mat::from_fn(count, count, |row, column| {
+            let own = modes.modes[row].eigenvalue + 0.2;
+            added[(row, column)] + if row == column { own } else { 0.0 }
+        });
+        let load = Mat::from_fn(count, 1, |row, _| modes.modes[row].uniform);
+        let q = operator.partial_piv_lu().solve(&load);
+        let punch: f64 = (0..count).map(|row| load[(row, 0)] * q[(row, 0)]).sum();
+        assert!(
+            (stiffness / punch - 1.0).abs() < 1e-5,
+            "{stiffness} {punch}"
+        );
     }
 
     #[test]

@@ -17,9 +17,10 @@ use super::convolution::{
     memory_estimate, multiply,
 };
 use super::operator::Operator;
-use super::rectangle::Rectangle;
+use super::potential::CellPotential;
 use crate::numerics::fft::quick_length;
 use crate::problem::Cells;
+use crate::problem::layer::WeightedLayer;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
@@ -59,8 +60,19 @@ impl<'p> FreeSpaceConvolution<'p> {
     /// the sum of their `(1 - nu^2)/E`. The work is shared between the threads of `pool`.
     #[must_use]
     pub fn new(cells: Cells, compliance: f64, pool: Option<&'p ThreadPool>) -> Self {
+        Self::on_layers(cells, compliance, &[], pool)
+    }
+
+    /// The same where bodies are layers, in the unit of length of the cells.
+    pub(crate) fn on_layers(
+        cells: Cells,
+        compliance: f64,
+        layers: &[WeightedLayer],
+        pool: Option<&'p ThreadPool>,
+    ) -> Self {
         let bounds = Bounds::of(&cells);
-        let free_space = FreeSpace::new(bounds.shape, cells.grid().cell(), compliance, pool);
+        let cell = cells.grid().cell();
+        let free_space = FreeSpace::new(bounds.shape, cell, compliance, layers, pool);
         Self {
             convolution: Convolution::new(cells, bounds.first, Arc::new(free_space), pool),
         }
@@ -200,10 +212,16 @@ struct FreeSpace {
 }
 
 impl FreeSpace {
-    fn new(shape: [usize; 2], cell: [f64; 2], compliance: f64, pool: Option<&ThreadPool>) -> Self {
-        let rectangle = Rectangle::new(cell[0], cell[1]);
+    fn new(
+        shape: [usize; 2],
+        cell: [f64; 2],
+        compliance: f64,
+        layers: &[WeightedLayer],
+        pool: Option<&ThreadPool>,
+    ) -> Self {
+        let potential = CellPotential::new(cell, layers);
         let potential = |[column, row]: [usize; 2]| {
-            rectangle.potential(column as f64 * cell[0], row as f64 * cell[1])
+            potential.at([column as f64 * cell[0], row as f64 * cell[1]])
         };
         Self::of_kernel(shape, compliance / PI, potential, pool)
     }

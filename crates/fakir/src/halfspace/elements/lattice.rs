@@ -6,8 +6,9 @@
 //! which grids laid over the whole pattern cannot give.
 
 use super::operator::Operator;
-use super::rectangle::Rectangle;
+use super::potential::CellPotential;
 use crate::numerics::fft::{ComplexPlans, RealPlans, smooth_size, transpose};
+use crate::problem::layer::WeightedLayer;
 use crate::problem::{Cells, Point};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -68,6 +69,18 @@ impl<'a> LatticeOfGrids<'a> {
         compliance: f64,
         pool: Option<&'a ThreadPool>,
     ) -> Self {
+        Self::on_layers(cells, pillars, vectors, compliance, &[], pool)
+    }
+
+    /// The same where bodies are layers, in the unit of length of the cells.
+    pub(crate) fn on_layers(
+        cells: &Cells,
+        pillars: Vec<(usize, usize)>,
+        vectors: [Point; 2],
+        compliance: f64,
+        layers: &[WeightedLayer],
+        pool: Option<&'a ThreadPool>,
+    ) -> Self {
         let extent =
             |pick: fn(&(usize, usize)) -> usize| pillars.iter().map(pick).max().unwrap_or(0) + 1;
         let shape = (extent(|p| p.0), extent(|p| p.1));
@@ -94,7 +107,7 @@ impl<'a> LatticeOfGrids<'a> {
             pool,
         };
         let influence = Influence {
-            rectangle: Rectangle::new(grid.cell()[0], grid.cell()[1]),
+            potential: CellPotential::new(grid.cell(), layers),
             cell: grid.cell(),
             vectors,
             scale: compliance / PI,
@@ -370,7 +383,7 @@ impl Operator for LatticeOfGrids<'_> {
 
 /// The potential of one cell on another, by lattice and cell offset.
 struct Influence {
-    rectangle: Rectangle,
+    potential: CellPotential,
     cell: [f64; 2],
     vectors: [Point; 2],
     scale: f64,
@@ -485,10 +498,10 @@ impl LocalTransform {
                     continue;
                 };
                 work.array[row * self.columns + column] = influence.scale
-                    * influence.rectangle.potential(
+                    * influence.potential.at([
                         origin[0] + u as f64 * influence.cell[0],
                         origin[1] + v as f64 * influence.cell[1],
-                    );
+                    ]);
             }
         }
         let mut spectrum = vec![Complex64::default(); self.frequencies()];
@@ -552,6 +565,7 @@ impl LatticeTransform {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::halfspace::elements::Rectangle;
     use crate::problem::Grid;
 
     const COMPLIANCE: f64 = 0.7;

@@ -9,6 +9,8 @@
 //! * [`Operator`]: the displacement of all cells from the pressures on them, with its
 //!   implementations.
 //!
+//! On [layers](super::layer) every cell does so much less to all others, and to itself, as a force in its middle does, averaged over the cell.
+//!
 //! Lengths in m, pressures in Pa, compliances in 1/Pa.
 
 #[cfg(test)]
@@ -18,6 +20,7 @@ pub(crate) mod free_space;
 pub(crate) mod lattice;
 pub(crate) mod operator;
 pub(crate) mod periodic;
+pub(crate) mod potential;
 pub(crate) mod rectangle;
 pub(crate) mod scattered;
 

@@ -4,8 +4,10 @@ use super::convolution::{
     Bounds, ColumnBlock, Convolution, Transform, Workspace, line_stride, memory_estimate, multiply,
 };
 use super::operator::Operator;
+use crate::halfspace::layer::LayerResponse;
 use crate::numerics::fft::{Real, RealPlans, quick_length};
 use crate::problem::Cells;
+use crate::problem::layer::WeightedLayer;
 use rayon::ThreadPool;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
@@ -33,11 +35,33 @@ impl<'p> PeriodicConvolution<'p> {
     /// Any size works; sizes of the form `2^a 3^b 5^c` are fastest.
     #[must_use]
     pub fn new(cells: Cells, compliance: f64, pool: Option<&'p ThreadPool>) -> Self {
+        Self::on_layers(cells, compliance, &[], pool)
+    }
+
+    /// The same where bodies are layers, in the unit of length of the cells: a wave makes `Phi(|q|)` times the displacement. The mean pressure
+    /// squeezes a layer as a whole, and nothing else.
+    pub(crate) fn on_layers(
+        cells: Cells,
+        compliance: f64,
+        layers: &[WeightedLayer],
+        pool: Option<&'p ThreadPool>,
+    ) -> Self {
         let grid = cells.grid();
         let shape = [grid.columns(), grid.rows()];
-        let mut periodic =
-            Periodic::new(shape, grid.cell(), |[x, y]| 2.0 * compliance / x.hypot(y));
-        periodic.kernel[0] = 0.0;
+        let responses: Vec<_> = layers
+            .iter()
+            .map(|layer| (layer, LayerResponse::of(layer)))
+            .collect();
+        let mut periodic = Periodic::new(shape, grid.cell(), |[x, y]| {
+            let wave = x.hypot(y);
+            let of_layers = responses
+                .iter()
+                .map(|(layer, response)| layer.weight * response.deficit(wave * layer.thickness));
+            2.0 * compliance / wave * (1.0 + of_layers.sum::<f64>())
+        });
+        let squeezed = layers.iter().map(WeightedLayer::squeeze);
+        let count = (shape[0] * shape[1]) as f64;
+        periodic.kernel[0] = compliance * squeezed.sum::<f64>() / count;
         Self {
             convolution: Convolution::new(cells, [0, 0], Arc::new(periodic), pool),
         }

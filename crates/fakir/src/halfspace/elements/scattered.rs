@@ -11,13 +11,14 @@
 
 use super::lattice::LatticeOfGrids;
 use super::operator::Operator;
-use super::rectangle::Rectangle;
+use super::potential::CellPotential;
+use crate::problem::layer::WeightedLayer;
 use crate::problem::{Cells, Point};
 use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Chebyshev nodes along a side of a box.
-const NODES: usize = 7;
+pub(crate) const NODES: usize = 7;
 
 /// Nodes of a box.
 const ALL_NODES: usize = NODES * NODES;
@@ -94,12 +95,13 @@ impl Part {
     }
 }
 
-fn chebyshev_nodes() -> [f64; NODES] {
+/// From -1 to 1.
+pub(crate) fn chebyshev_nodes() -> [f64; NODES] {
     std::array::from_fn(|k| (PI * (k as f64 + 0.5) / NODES as f64).cos())
 }
 
 /// The weights of the Chebyshev nodes of an interval from -1 to 1: `1/p + 2/p Σ_n T_n(x_k) T_n(t)`.
-fn weights(t: f64) -> [f64; NODES] {
+pub(crate) fn weights(t: f64) -> [f64; NODES] {
     let polynomials = |x: f64| {
         let mut values = [1.0; NODES];
         values[1] = x;
@@ -275,6 +277,8 @@ pub(crate) struct ScatteredGrids {
     alone: LatticeOfGrids<'static>,
     /// Displacement over the sums, which are of force over area of a cell of scale 1 times `1/r`.
     factor: f64,
+    /// Of a cell of scale 1. Where bodies are layers all are of that scale.
+    potential: CellPotential,
     /// Area of a cell of each grid, over that by which the second moment of a square acts: `r^-1 + A r^-3/24`, half of it on either side.
     areas: Vec<f64>,
     /// Influence of the cells of near parts on each other, pair by pair.
@@ -290,19 +294,23 @@ pub(crate) struct ScatteredGrids {
 }
 
 impl ScatteredGrids {
-    /// Of `cells` around the origin at every place, on a half-space of compliance `compliance`, 1/Pa.
+    /// Of `cells` around the origin at every place, on a half-space of compliance `compliance`, 1/Pa, or on layers, in the unit of length of the
+    /// cells: then all grids have scale 1.
     pub(crate) fn new(
         cells: &Cells,
         grids: &[PlacedGrid],
         interactions: Interactions,
         compliance: f64,
+        layers: &[WeightedLayer],
     ) -> Self {
+        let alone = (vec![(0, 0)], [[0.0; 2]; 2]);
         let area = cells.grid().cell_area();
         let scales: Vec<f64> = grids.iter().map(|(_, scale)| *scale).collect();
         let count = interactions.points.len();
         let parts = interactions.parts.len();
         let mut operator = Self {
-            alone: LatticeOfGrids::new(cells, vec![(0, 0)], [[0.0; 2]; 2], compliance, None),
+            alone: LatticeOfGrids::on_layers(cells, alone.0, alone.1, compliance, layers, None),
+            potential: CellPotential::new(cells.grid().cell(), layers),
             factor: compliance / PI * area,
             areas: scales
                 .iter()
@@ -317,7 +325,7 @@ impl ScatteredGrids {
             scales,
             interactions,
         };
-        operator.fill_near(cells);
+        operator.fill_near(area);
         operator.fill_weights();
         operator
     }
@@ -326,10 +334,8 @@ impl ScatteredGrids {
         unknown as usize / self.interactions.per_grid
     }
 
-    fn fill_near(&mut self, cells: &Cells) {
-        let [width, height] = cells.grid().cell();
-        let rectangle = Rectangle::new(width, height);
-        let area = width * height;
+    fn fill_near(&mut self, area: f64) {
+        let potential = &self.potential;
         let Interactions {
             near,
             parts,
@@ -338,7 +344,7 @@ impl ScatteredGrids {
             ..
         } = &self.interactions;
         let of_size =
-            |scale: f64, x: f64, y: f64| rectangle.potential(x / scale, y / scale) / (area * scale);
+            |scale: f64, x: f64, y: f64| potential.at([x / scale, y / scale]) / (area * scale);
         let mut influence = Vec::new();
         for [one, other] in near {
             for a in &order[parts[*one].cells.clone()] {
@@ -417,6 +423,7 @@ impl ScatteredGrids {
             *potentials = NO_VALUES;
         }
         let parts = &self.interactions.parts;
+        let layers = self.potential.layers();
         for [one, other] in &self.interactions.far {
             let [[ax, ay], [bx, by]] = [one, other].map(|part| parts[*part].nodes());
             let (of_a, of_b) = (&self.charges[*one], &self.charges[*other]);
@@ -429,8 +436,11 @@ impl ScatteredGrids {
                 for t in 0..ALL_NODES {
                     let (u, v) = (x - bx[t / NODES], y - by[t % NODES]);
                     let square = (u * u + v * v).recip();
-                    let inverse = square.sqrt();
+                    let mut inverse = square.sqrt();
                     let cubed = inverse * square;
+                    if let Some(layers) = layers {
+                        inverse += layers.value(u.hypot(v));
+                    }
                     sums[0] += of_b[0][t] * inverse + of_b[1][t] * cubed;
                     sums[1] += of_b[0][t] * cubed;
                     on_b[0][t] += charge * inverse + of_size * cubed;
@@ -578,6 +588,7 @@ impl Operator for ScatteredGrids {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::halfspace::elements::Rectangle;
     use crate::numerics::neighbours::tests::random_discs;
     use crate::problem::Grid;
 
@@ -594,7 +605,7 @@ mod tests {
 
     fn operator(cells: &Cells, grids: &[PlacedGrid]) -> ScatteredGrids {
         let interactions = Interactions::new(cells, grids);
-        ScatteredGrids::new(cells, grids, interactions, COMPLIANCE)
+        ScatteredGrids::new(cells, grids, interactions, COMPLIANCE, &[])
     }
 
     fn applied(operator: &mut impl Operator, values: &[f64]) -> Vec<f64> {

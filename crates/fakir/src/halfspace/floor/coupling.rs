@@ -32,6 +32,7 @@ use crate::halfspace::elements::convolution::{
 use crate::numerics::fft::{Real, RealPlans};
 use crate::numerics::vector::{LANES, widest};
 use crate::numerics::workers::Workers;
+use crate::problem::layer::WeightedLayer;
 use rayon::ThreadPool;
 use rustfft::num_complex::{Complex, Complex64};
 use std::f64::consts::PI;
@@ -166,12 +167,12 @@ struct Together<R> {
 impl<'a> FloorCoupling<'a> {
     /// Of a grid with the pillars of its lattice; those farther than `reach` can neither be touched nor need to know the floor. Their first modes up to `degree` see the floor; they have `modes` in all. If it is
     /// cancelled the kernels are nothing; solvers look before they ask for a product. The kernels
-    /// that are `known` are used again if they are those of this grid.
+    /// that are `known` are used again if they are those of this grid, on the same bodies.
     pub(crate) fn new(
         grid: &FloorGrid,
         (sites, reach): (&Sites, f64),
-        modes: usize,
-        degree: usize,
+        [modes, degree]: [usize; 2],
+        layers: &[WeightedLayer],
         known: Option<FloorKernels>,
         workers: Workers<'_>,
         pool: Option<&'a ThreadPool>,
@@ -184,7 +185,7 @@ impl<'a> FloorCoupling<'a> {
                 exact.division == grid.division && exact.coarse == coarse && exact.degree == on_grid
             })
             .unwrap_or_else(|| {
-                let exact = Together::new(&grid.division, coarse, on_grid, workers);
+                let exact = Together::new(&grid.division, coarse, on_grid, layers, workers);
                 FloorKernels {
                     rough: Arc::new(exact.rounded()),
                     exact: Arc::new(exact),
@@ -202,7 +203,8 @@ impl<'a> FloorCoupling<'a> {
                 coarse: Box::new(Coarse::new(coarse, mode_count(degree))),
             }
         } else {
-            Pillars::Anywhere(PillarTable::new(grid, sites, reach, degree, workers))
+            let sites = (sites, reach);
+            Pillars::Anywhere(PillarTable::new(grid, sites, degree, layers, workers))
         };
         Self {
             cells: grid.len(),
@@ -338,6 +340,7 @@ impl Together<f64> {
         division: &Division,
         coarse: [usize; 2],
         degree: Option<usize>,
+        layers: &[WeightedLayer],
         workers: Workers<'_>,
     ) -> Self {
         let shape = [0, 1].map(|k| coarse[k] * division.parts[k]);
@@ -365,7 +368,7 @@ impl Together<f64> {
             tops: RwLock::new(vec![0.0; 2 * coarse[0] * modes.len() * coarse[1]]),
             folded: folded_room(half, 2 * modes.len() * coarse[1]),
         };
-        together.fill_kernels(division, &modes, degree, workers);
+        together.fill_kernels(&modes, layers, workers);
         together
     }
 
@@ -395,25 +398,20 @@ impl Together<f64> {
         }
     }
 
-    fn fill_kernels(
-        &mut self,
-        division: &Division,
-        modes: &[Mode],
-        degree: Option<usize>,
-        workers: Workers<'_>,
-    ) {
+    fn fill_kernels(&mut self, modes: &[Mode], layers: &[WeightedLayer], workers: Workers<'_>) {
+        let (division, degree) = (&self.division, self.degree);
         let [columns, rows] = self.shape;
         let half = columns / 2 + 1;
         let kernels = 1 + modes.len();
         // Rows of the quadrant, those of the floor at whole cells and those of pillars at half cells, transformed along x.
         let quadrant = rows / 2 + 1;
-        let rectangles = Rectangles::new(division);
+        let rectangles = Rectangles::new(division, layers);
         let mut transformed = vec![0.0; quadrant * kernels * half];
         let [phases_x, phases_y] = &self.phases;
         let plan = &self.plans.row;
         let work = || KernelWork {
             values: vec![0.0; kernels * columns],
-            means: degree.map(|degree| PillarMeans::new(division, degree)),
+            means: degree.map(|degree| PillarMeans::new(division, degree, layers)),
             spectrum: plan.make_output_vec(),
             scratch: plan.make_scratch_vec(),
         };
@@ -726,10 +724,16 @@ mod tests {
     }
 
     /// Every entry by itself: the same kernels without any transform.
-    fn dense(grid: &FloorGrid, sites: &Sites, modes: usize, coefficients: &[f64]) -> Vec<f64> {
+    fn dense(
+        grid: &FloorGrid,
+        sites: &Sites,
+        modes: usize,
+        layers: &[WeightedLayer],
+        coefficients: &[f64],
+    ) -> Vec<f64> {
         let tops = sites.len() * modes;
         let mut far = vec![0.0; coefficients.len()];
-        let rectangles = Rectangles::new(&grid.division);
+        let rectangles = Rectangles::new(&grid.division, layers);
         let positions: Vec<(usize, usize)> = grid.cells.positions().collect();
         for (k, (column, row)) in positions.iter().enumerate() {
             for (l, (other_column, other_row)) in positions.iter().enumerate() {
@@ -738,7 +742,7 @@ mod tests {
                 far[tops + k] += value * coefficients[tops + l];
             }
         }
-        let exterior = Exterior::new(2);
+        let exterior = Exterior::new(2).with_layers(layers);
         let root = grid.division.cell_area().sqrt();
         let [width, height] = grid.division.cell;
         let gauss = 0.5 / 3f64.sqrt();
@@ -795,7 +799,16 @@ mod tests {
             .num_threads(2)
             .build()
             .unwrap();
-        for (field, fineness, degree) in fields() {
+        let film = [crate::halfspace::layer::tests::film()];
+        let on_layers = |(field, _, _): &(PillarField, usize, usize)| {
+            // Discs of unit radius alone.
+            field.smallest_radius() == 1.0 && field.bounds()[0] == 1.0
+        };
+        let layered = fields().into_iter().filter(on_layers);
+        let all = fields().into_iter().map(|field| (field, &[][..]));
+        for ((field, fineness, degree), layers) in
+            all.chain(layered.map(|field| (field, &film[..])))
+        {
             let pitch = field.spacing();
             let sites = Sites::within(&field, 2.6 * pitch);
             let division = Division::new(&field, fineness);
@@ -803,15 +816,22 @@ mod tests {
             let modes = mode_count(degree);
             let tops = sites.len() * modes;
             let coefficients = numbers(tops + grid.len(), 0.3);
-            let expected = dense(&grid, &sites, modes, &coefficients);
+            let expected = dense(&grid, &sites, modes, layers, &coefficients);
             let scale = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             for pool in [None, Some(&pool)] {
                 let workers = Workers {
                     pool,
                     cancel: &CancelToken::default(),
                 };
-                let mut floor =
-                    FloorCoupling::new(&grid, (&sites, 1e9), modes, 2, None, workers, pool);
+                let mut floor = FloorCoupling::new(
+                    &grid,
+                    (&sites, 1e9),
+                    [modes, 2],
+                    layers,
+                    None,
+                    workers,
+                    pool,
+                );
                 // Twice, as nothing of the first product may be left in the second.
                 for tolerance in [1e-12, 1e-12, 1e-5] {
                     let mut far = vec![0.0; coefficients.len()];
@@ -852,8 +872,8 @@ mod tests {
                 floor: Some(Box::new(FloorCoupling::new(
                     &grid,
                     (&window, 1e9),
-                    6,
-                    2,
+                    [6, 2],
+                    &[],
                     None,
                     workers,
                     None,

@@ -2,7 +2,9 @@
 
 use super::grid::Division;
 use crate::halfspace::disc::exterior::Exterior;
+use crate::halfspace::layer::force::AroundForce;
 use crate::numerics::vector::{LANES, Lanes, widest};
+use crate::problem::layer::WeightedLayer;
 use std::f64::consts::PI;
 
 /// Distance, in longer sides of a cell, from which on two rectangles act on each other by their moments: the closed form is a small
@@ -16,16 +18,19 @@ pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 ///
 /// With `1/(pi r)` integrated twice in either direction over both rectangles it is the second difference of
 /// `G(x, y) = x y^2/2 asinh(x/|y|) + x^2 y/2 asinh(y/|x|) - r^3/6`, whose fourth mixed derivative is `1/r`.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Rectangles {
     cell: [f64; 2],
     near: usize,
     /// `G` at whole cells from -1 on, in units of the cell's longer side cubed; rows of constant x.
     table: Vec<f64>,
+    /// What layers add, averaged over both; none on half-spaces.
+    layers: Option<AroundForce>,
 }
 
 impl Rectangles {
-    pub(crate) fn new(division: &Division) -> Self {
+    /// On half-spaces or layers, in the unit of length of the cells.
+    pub(crate) fn new(division: &Division, layers: &[WeightedLayer]) -> Self {
         let cell = division.cell;
         let longest = division.longest();
         let shortest = cell[0].min(cell[1]);
@@ -40,7 +45,12 @@ impl Rectangles {
                 )
             })
             .collect();
-        Self { cell, near, table }
+        Self {
+            cell,
+            near,
+            table,
+            layers: AroundForce::between_cells(layers, cell),
+        }
     }
 
     /// Of one so many columns and rows away.
@@ -69,6 +79,12 @@ impl Rectangles {
                 }
             },
         );
+        if let Some(layers) = &self.layers {
+            let factor = width * height / PI;
+            for (columns, value) in values.iter_mut().enumerate() {
+                *value += factor * layers.value((columns as f64 * width).hypot(y));
+            }
+        }
     }
 
     fn by_differences(&self, columns: usize, rows: usize) -> f64 {
@@ -127,14 +143,14 @@ pub(crate) struct PillarMeans {
 }
 
 impl PillarMeans {
-    /// Of the modes up to a degree.
-    pub(crate) fn new(division: &Division, degree: usize) -> Self {
+    /// Of the modes up to a degree, on half-spaces or layers.
+    pub(crate) fn new(division: &Division, degree: usize, layers: &[WeightedLayer]) -> Self {
         let cell = division.cell;
         let sides = [-GAUSS, GAUSS];
         let along = |k: usize, of: [usize; LANES]| {
             Lanes(of.map(|point| 0.5 * cell[k] * (1.0 + sides[point])))
         };
-        let exterior = Exterior::new(degree);
+        let exterior = Exterior::new(degree).with_layers(layers);
         Self {
             cell,
             points: [along(0, [0, 0, 1, 1]), along(1, [0, 1, 0, 1])],
@@ -187,7 +203,10 @@ mod tests {
     fn rectangles_by_quadrature() {
         let division = division();
         let [width, height] = division.cell;
-        let (kernel, rectangle) = (Rectangles::new(&division), Rectangle::new(width, height));
+        let (kernel, rectangle) = (
+            Rectangles::new(&division, &[]),
+            Rectangle::new(width, height),
+        );
         let rule = gauss_legendre(24);
         for (columns, rows) in [
             (2, 0),
@@ -225,14 +244,14 @@ mod tests {
         };
         let root = 2f64.sqrt();
         let expected = 4.0 * root.ln_1p() - 4.0 * (root - 1.0) / 3.0;
-        let found = Rectangles::new(&division).value(0, 0) * PI / 0.2;
+        let found = Rectangles::new(&division, &[]).value(0, 0) * PI / 0.2;
         assert!((found / expected - 1.0).abs() < 1e-13, "{found} {expected}");
     }
 
     #[test]
     fn closed_form_and_moments_agree_where_they_meet() {
         let division = division();
-        let kernel = Rectangles::new(&division);
+        let kernel = Rectangles::new(&division, &[]);
         for columns in 0..24usize {
             for rows in 0..29usize {
                 let x = columns as f64 * division.cell[0];
@@ -257,7 +276,7 @@ mod tests {
         let [width, height] = division.cell;
         let exterior = Exterior::new(2);
         let rule = gauss_legendre(20);
-        let mut of_pillar = PillarMeans::new(&division, 2);
+        let mut of_pillar = PillarMeans::new(&division, 2, &[]);
         for ([columns, rows], tolerance) in [([3, 1], 2e-3), ([7, 4], 1e-5), ([20, 31], 1e-8)] {
             let (mut room, mut row, mut expected) = ([0.0; 6], [0.0; 6 * 80], [0.0; 6]);
             of_pillar.fill_row(rows, 80, &mut row);

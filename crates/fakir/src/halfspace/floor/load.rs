@@ -8,14 +8,20 @@
 //! ```
 //!
 //! (E. T. Whittaker and G. N. Watson, A Course of Modern Analysis, section 15.1). Groups are halved until they are small for their distance.
+//!
+//! What [layers](crate::halfspace::layer) add is smooth over a thickness, however near a point is: groups that are small for that act as forces at
+//! Chebyshev nodes in them.
 
 use crate::halfspace::elements::rectangle::Rectangle;
+use crate::halfspace::elements::scattered::{NODES, chebyshev_nodes, weights};
+use crate::halfspace::layer::force::AroundForce;
 use crate::numerics::quadrature::gauss_legendre;
+use crate::problem::layer::WeightedLayer;
 use crate::problem::point::turned;
 use crate::problem::{Cells, Grid, Point};
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Degrees of multipoles, and how many there are of all orders.
 const DEGREES: usize = 10;
@@ -36,6 +42,8 @@ pub(crate) struct FloorLoad {
     /// Place of every cell of the grid in the vector.
     place: Vec<u32>,
     rectangle: Rectangle,
+    /// What layers add around a force on a cell; none on half-spaces.
+    layers: Option<Arc<AroundForce>>,
     /// By how much the grid is turned about the lens axis, rad.
     rotation: f64,
     /// Made when the first displacement is asked for.
@@ -57,6 +65,8 @@ struct Group {
     radius: f64,
     multipoles: [Complex64; MULTIPOLES],
     parts: Parts,
+    /// Places and pressures over cells that act as those of the group where that is smooth.
+    nodes: Vec<(Point, f64)>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -74,12 +84,19 @@ impl FloorLoad {
         let [width, height] = cells.grid().cell();
         Self {
             rectangle: Rectangle::new(width, height),
+            layers: None,
             rotation: 0.0,
             place,
             pressure,
             cells,
             groups: OnceLock::new(),
         }
+    }
+
+    /// The same on layers, in the unit of length of the cells.
+    pub(crate) fn with_layers(mut self, layers: &[WeightedLayer]) -> Self {
+        self.layers = AroundForce::on_cell(layers, self.cell()).map(Arc::new);
+        self
     }
 
     /// The same turned about the lens axis, rad.
@@ -138,25 +155,43 @@ impl FloorLoad {
         self.pressure.get(place as usize).copied().unwrap_or(0.0)
     }
 
-    /// The displacement at a point, on a half-space of unit compliance.
+    /// The displacement at a point, for unit compliance.
     pub(crate) fn displacement(&self, point: Point) -> f64 {
-        let groups = self
-            .groups
-            .get_or_init(|| Groups::new(self.loaded_cells().collect(), self.cell()));
+        let groups = self.groups.get_or_init(|| {
+            Groups::new(
+                self.loaded_cells().collect(),
+                self.cell(),
+                self.layers.is_some(),
+            )
+        });
         if groups.groups.is_empty() {
             0.0
         } else {
-            groups.potential(0, self.turned_back(point), &self.rectangle) / PI
+            let point = self.turned_back(point);
+            let area: f64 = self.cell().into_iter().product();
+            let of_layers = self.layers.as_ref().map_or(0.0, |around| {
+                area * groups.added_by_layers(0, point, around)
+            });
+            (groups.potential(0, point, &self.rectangle) + of_layers) / PI
         }
     }
 }
 
 impl Groups {
-    fn new(mut cells: Vec<(Point, f64)>, cell: [f64; 2]) -> Self {
+    /// With nodes or without.
+    fn new(mut cells: Vec<(Point, f64)>, cell: [f64; 2], with_nodes: bool) -> Self {
         let mut groups = Vec::new();
         let count = cells.len();
         if count > 0 {
             Self::divide(&mut cells, 0, count, cell, &mut groups);
+        }
+        if with_nodes {
+            for group in 0..groups.len() {
+                if let Parts::Cells { .. } = groups[group].parts {
+                    continue;
+                }
+                groups[group].nodes = Self::nodes(&groups, group, &cells);
+            }
         }
         Self { cells, groups }
     }
@@ -186,6 +221,7 @@ impl Groups {
             radius,
             multipoles: multipoles(own, centre, radius, cell),
             parts: Parts::Cells { first, end },
+            nodes: Vec::new(),
         });
         if end - first > FEW_CELLS {
             let along = usize::from(sides[1] > sides[0]);
@@ -196,6 +232,66 @@ impl Groups {
             groups[place].parts = Parts::Halves([low, high]);
         }
         place
+    }
+
+    /// Pressures at Chebyshev nodes of the square about a group, from those of its cells.
+    fn nodes(groups: &[Group], group: usize, cells: &[(Point, f64)]) -> Vec<(Point, f64)> {
+        let Group { centre, radius, .. } = groups[group];
+        let (mut first, mut last) = (group, group);
+        while let Parts::Halves([low, _]) = groups[first].parts {
+            first = low;
+        }
+        while let Parts::Halves([_, high]) = groups[last].parts {
+            last = high;
+        }
+        let (Parts::Cells { first, .. }, Parts::Cells { end, .. }) =
+            (groups[first].parts, groups[last].parts)
+        else {
+            return Vec::new();
+        };
+        let mut sums = [[0.0; NODES]; NODES];
+        for (at, pressure) in &cells[first..end] {
+            let [along, across] = [0, 1].map(|k| weights((at[k] - centre[k]) / radius));
+            for (sums, along) in sums.iter_mut().zip(along) {
+                for (sum, across) in sums.iter_mut().zip(across) {
+                    *sum += pressure * along * across;
+                }
+            }
+        }
+        let places = chebyshev_nodes();
+        let node = |k: usize| {
+            let (i, j) = (k / NODES, k % NODES);
+            let at = [
+                centre[0] + radius * places[i],
+                centre[1] + radius * places[j],
+            ];
+            (at, sums[i][j])
+        };
+        (0..NODES * NODES).map(node).collect()
+    }
+
+    /// What layers add at a point to pressures, over the area of a cell.
+    fn added_by_layers(&self, group: usize, point: Point, around: &AroundForce) -> f64 {
+        let group = &self.groups[group];
+        let distance = |at: &Point| (point[0] - at[0]).hypot(point[1] - at[1]);
+        let sum = |charges: &[(Point, f64)]| -> f64 {
+            let parts = charges
+                .iter()
+                .map(|(at, pressure)| pressure * around.value(distance(at)));
+            parts.sum()
+        };
+        match group.parts {
+            Parts::Cells { first, end } => sum(&self.cells[first..end]),
+            Parts::Halves(_)
+                if group.radius < SMALL * around.smoothness(distance(&group.centre)) =>
+            {
+                sum(&group.nodes)
+            }
+            Parts::Halves(halves) => halves
+                .iter()
+                .map(|half| self.added_by_layers(*half, point, around))
+                .sum(),
+        }
     }
 
     fn potential(&self, group: usize, point: Point, rectangle: &Rectangle) -> f64 {
@@ -319,6 +415,32 @@ mod tests {
         }
         println!("worst {worst:e}");
         assert!(worst < 1e-7, "{worst:e}");
+        // On layers, thinner and thicker than what is pressed.
+        for thickness in [1.0, 30.0] {
+            let film = WeightedLayer {
+                thickness,
+                ..crate::halfspace::layer::tests::film()
+            };
+            let load = load.clone().with_layers(&[film]);
+            let around = AroundForce::on_cell(&[film], [0.31, 0.27]).unwrap();
+            for k in 0..50 {
+                let k = f64::from(k);
+                let point = [20.0 * (1.3 * k).sin(), 20.0 * (0.7 * k).cos()];
+                let parts = cells.centres().zip(&pressure).map(|([x, y], p)| {
+                    let (x, y) = (point[0] - x, point[1] - y);
+                    let of_layers = 0.31 * 0.27 * around.value(x.hypot(y));
+                    let of_half_spaces = rectangle.potential(x, y);
+                    [
+                        p / PI * (of_half_spaces + of_layers),
+                        p / PI * of_half_spaces,
+                    ]
+                });
+                let [direct, scale] =
+                    parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
+                let error = (FloorLoad::displacement(&load, point) - direct) / scale;
+                assert!(error.abs() < 2e-6, "{thickness} {error:e}");
+            }
+        }
         let middle = cells.centres().nth(777).unwrap();
         assert!((load.pressure(middle) - pressure[777]).abs() < 1e-15);
         assert!(load.pressure([100.0, 0.0]).abs() < 1e-15);

@@ -10,6 +10,7 @@ use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::vector::{LANES, Lanes, add_scaled, dot, widest};
 use crate::numerics::workers::Workers;
+use crate::problem::layer::WeightedLayer;
 
 /// Cells a thread takes at a time, at the least.
 const CELLS_AT_ONCE: usize = 16;
@@ -28,12 +29,12 @@ pub(super) struct PillarTable {
 }
 
 impl PillarTable {
-    /// Of the modes up to a degree of the pillars within `reach` of the lens axis. If it is cancelled the table is nothing.
+    /// Of the modes up to a degree of the pillars within `reach` of the lens axis. Where bodies are layers all have unit radius. If it is cancelled the table is nothing.
     pub(super) fn new(
         grid: &FloorGrid,
-        sites: &Sites,
-        reach: f64,
+        (sites, reach): (&Sites, f64),
         degree: usize,
+        layers: &[WeightedLayer],
         workers: Workers<'_>,
     ) -> Self {
         let near = |pillar: &usize| {
@@ -47,7 +48,7 @@ impl PillarTable {
         let centres: Vec<[f64; 2]> = grid.cells.centres().collect();
         let [width, height] = grid.division.cell.map(|side| 0.5 * GAUSS * side);
         let root = grid.division.cell_area().sqrt();
-        let exterior = Exterior::new(degree);
+        let exterior = Exterior::new(degree).with_layers(layers);
         let [across, up] = [
             Lanes([-width, -width, width, width]),
             Lanes([-height, height, -height, height]),

@@ -94,6 +94,39 @@ impl LayerResponse {
         }
     }
 
+    /// `d phi/dx`.
+    pub(crate) fn slope(&self, x: f64) -> f64 {
+        let e = (-2.0 * x).exp();
+        // phi - 1 = E A/B, and E' = -2 E.
+        let [above, below, above_slope, below_slope] = match self.form {
+            Form::Frictionless => {
+                // phi goes as x/2.
+                if x < 1e-6 {
+                    return 0.5;
+                }
+                let one_less = -(-2.0 * x).exp_m1();
+                [
+                    -2.0 * one_less - 4.0 * x,
+                    -(-4.0 * x).exp_m1() + 4.0 * x * e,
+                    -4.0 * e - 4.0,
+                    4.0 * e * (1.0 + e - 2.0 * x),
+                ]
+            }
+            Form::Bonded {
+                numbers: [l, k], ..
+            } => {
+                let (of_l, of_k) = (1.0 - l * e, 1.0 - k * e);
+                [
+                    l * of_k + k * of_l + 4.0 * k * x * (1.0 + x),
+                    of_l * of_k - 4.0 * k * x * x * e,
+                    4.0 * k * (l * e + 1.0 + 2.0 * x),
+                    2.0 * e * (l * of_k + k * of_l - 4.0 * k * x * (1.0 - x)),
+                ]
+            }
+        };
+        e / below * (above_slope - above * (2.0 + below_slope / below))
+    }
+
     /// `phi(x)`: how much more a layer gives way than a half-space.
     #[must_use]
     pub fn relative_compliance(&self, x: f64) -> f64 {
@@ -126,6 +159,12 @@ impl LayerResponse {
 
     /// Nodes `x`, and weights times `phi(x) - 1`, for integrals with functions that turn `reach` times as fast as the cosine at the most.
     pub(crate) fn rule(&self, reach: f64) -> Vec<(f64, f64)> {
+        let with_deficit = |(x, weight)| (x, weight * self.deficit(x));
+        self.nodes(reach).into_iter().map(with_deficit).collect()
+    }
+
+    /// The same nodes with their weights alone.
+    pub(crate) fn nodes(&self, reach: f64) -> Vec<(f64, f64)> {
         // A piece has 14.3 points for every turn over the whole length, and enough for what changes with the thickness.
         let mut longest = END / ((90.0 + 14.3 * reach) / POINTS as f64).ceil();
         let mut graded = vec![0.0];
@@ -147,10 +186,9 @@ impl LayerResponse {
         let points = &*RULE;
         let of_piece = |ends: &[f64]| {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-            points.iter().map(move |&(node, weight)| {
-                let x = middle + half * node;
-                (x, half * weight * self.deficit(x))
-            })
+            points
+                .iter()
+                .map(move |&(node, weight)| (middle + half * node, half * weight))
         };
         ends.windows(2).flat_map(of_piece).collect()
     }

@@ -43,6 +43,8 @@ pub(crate) struct RadialTable {
     layers: Vec<(WeightedLayer, LayerResponse)>,
     /// Discs in a function.
     discs: f64,
+    /// All are multiplied by the exponential of `-k^2` times this.
+    blur: f64,
     /// Where pieces begin and end.
     ends: Vec<f64>,
     pieces: Vec<OnceLock<Piece>>,
@@ -78,8 +80,14 @@ impl RadialTable {
                 .collect(),
             parts,
             discs,
+            blur: 0.0,
             ends,
         }
+    }
+
+    /// The same with `exp(-blur k^2)` times the integrands, before anything is asked for.
+    pub(crate) fn blurred(self, blur: f64) -> Self {
+        Self { blur, ..self }
     }
 
     /// Number of functions.
@@ -181,7 +189,7 @@ impl RadialTable {
             for (x, weight) in response.rule((largest + self.discs) * inverse) {
                 let k = x * inverse;
                 spherical_bessel(k, &mut along);
-                let scale = layer.weight * weight * inverse;
+                let scale = layer.weight * weight * inverse * (-self.blur * k * k).exp();
                 for (product, part) in products.iter_mut().zip(&self.parts) {
                     let discs = part.degrees.iter().map(|degree| along[*degree]);
                     *product = scale * part.factor * discs.product::<f64>();

@@ -21,8 +21,10 @@ use crate::halfspace::elements::scattered::{Interactions, PlacedGrid, ScatteredG
 use crate::halfspace::elements::{
     Columns, Dense, FreeSpaceConvolution, LatticeOfGrids, Operator, Preconditioned,
 };
+use crate::halfspace::layer::force::AroundForce;
 use crate::numerics::convergence::{Judgement, larger, within};
 use crate::numerics::workers::CancelToken;
+use crate::problem::layer::WeightedLayer;
 use crate::problem::pillar_field::{Counted, ListedPillar};
 use crate::problem::scaled::Scene;
 use crate::problem::{Cells, Control, ElementMesh, Grid, MeshLayout, Point};
@@ -74,10 +76,18 @@ struct Elements {
     /// Elements by pillar, column and row.
     lookup: HashMap<(u32, i64, i64), usize>,
     layout: MeshLayout,
+    /// What layers add around the force on a cell, averaged over that.
+    around: Option<AroundForce>,
 }
 
 impl Elements {
-    fn new(mesh: ElementMesh, size: f64, sites: &Sites, cells: &[(Point, u32)]) -> Self {
+    fn new(
+        mesh: ElementMesh,
+        size: f64,
+        sites: &Sites,
+        cells: &[(Point, u32)],
+        layers: &[WeightedLayer],
+    ) -> Self {
         let mut elements = Self {
             half_width: 0.5 * mesh.cells_per_diameter as f64 * size,
             centres: cells.iter().map(|(centre, _)| *centre).collect(),
@@ -85,6 +95,7 @@ impl Elements {
             size,
             lookup: HashMap::with_capacity(cells.len()),
             layout: mesh.layout,
+            around: AroundForce::on_cell(layers, [size; 2]),
         };
         for (element, (centre, pillar)) in cells.iter().enumerate() {
             let key = elements.key(sites, *pillar, *centre);
@@ -306,8 +317,10 @@ impl<'a> Level<'a> {
 
 /// The floor under loaded cells, each taken as a point charge with the second moment of a
 /// square: at the distances of the floor from most cells the rest is below 1e-6.
-struct FloorUnderCells {
+struct FloorUnderCells<'a> {
     loaded: Vec<LoadedCell>,
+    /// What layers add around a unit charge.
+    around: Option<&'a AroundForce>,
 }
 
 struct LoadedCell {
@@ -318,8 +331,8 @@ struct LoadedCell {
     moment: f64,
 }
 
-impl FloorUnderCells {
-    fn new(elements: &Elements, sites: &Sites, pressure: &[f64]) -> Self {
+impl<'a> FloorUnderCells<'a> {
+    fn new(elements: &'a Elements, sites: &Sites, pressure: &[f64]) -> Self {
         let area = elements.size * elements.size;
         let cells = elements.centres.iter().zip(&elements.pillars);
         let loaded = cells.zip(pressure).filter(|(_, pressure)| **pressure > 0.0);
@@ -333,11 +346,12 @@ impl FloorUnderCells {
         };
         Self {
             loaded: loaded.map(one).collect(),
+            around: elements.around.as_ref(),
         }
     }
 }
 
-impl FloorDisplacement for FloorUnderCells {
+impl FloorDisplacement for FloorUnderCells<'_> {
     fn displacement(&self, [x0, y0]: Point) -> [FieldJet; 2] {
         let mut sum = FieldJet::default();
         for cell in &self.loaded {
@@ -355,6 +369,9 @@ impl FloorDisplacement for FloorUnderCells {
             sum.hessian[0] += slope + curvature * x * x;
             sum.hessian[1] += curvature * x * y;
             sum.hessian[2] += slope + curvature * y * y;
+            if let Some(around) = self.around {
+                sum.add_scaled(cell.charge, &around.jet([x, y]));
+            }
         }
         [FieldJet::default(), sum]
     }
@@ -406,15 +423,23 @@ fn on_pillars<'a>(
             let cells = disc_cells(across, mesh.matched, radius);
             let compliance = (radius * radius).recip();
             let pool = run.pool;
-            Box::new(LatticeOfGrids::new(
-                &cells, places, vectors, compliance, pool,
+            let layers = &scene.layers;
+            Box::new(LatticeOfGrids::on_layers(
+                &cells, places, vectors, compliance, layers, pool,
             ))
         } else {
             check_memory(sites.len(), own_bytes, run)?;
             let interactions = Interactions::new(&cells, &grids);
             let bytes = interactions.memory_estimate() + own_bytes;
             check_memory(sites.len(), bytes, run)?;
-            Box::new(ScatteredGrids::new(&cells, &grids, interactions, 1.0))
+            let layers = &scene.layers;
+            Box::new(ScatteredGrids::new(
+                &cells,
+                &grids,
+                interactions,
+                1.0,
+                layers,
+            ))
         };
     let placed: Vec<(Point, u32)> = grids
         .iter()
@@ -424,7 +449,7 @@ fn on_pillars<'a>(
             around.map(move |[u, v]| ([x + scale * u, y + scale * v], pillar))
         })
         .collect();
-    let elements = Elements::new(mesh, size, sites, &placed);
+    let elements = Elements::new(mesh, size, sites, &placed, &scene.layers);
     let columns = (0..sites.len())
         .map(|pillar| column_compliance(sites, pillar) * size * size)
         .collect();
@@ -471,7 +496,7 @@ fn on_pattern<'a>(
         .centres()
         .filter_map(|point| Some((point, pillar_at(point)? as u32)))
         .collect();
-    let elements = Elements::new(mesh, size, sites, &placed);
+    let elements = Elements::new(mesh, size, sites, &placed, &scene.layers);
     let area = size * size;
     let missing = if mesh.matched {
         missing_compliance(&elements, sites)
@@ -483,7 +508,7 @@ fn on_pattern<'a>(
         .enumerate()
         .map(|(pillar, c)| area * (c + column_compliance(sites, pillar)))
         .collect();
-    let operator = FreeSpaceConvolution::new(cells.clone(), 1.0, run.pool);
+    let operator = FreeSpaceConvolution::on_layers(cells.clone(), 1.0, &scene.layers, run.pool);
     let operator = Preconditioned::new(operator, cells, run.pool);
     let operator = Columns::new(operator, elements.pillars.clone(), compliance);
     Ok((Box::new(operator), elements))
@@ -843,7 +868,7 @@ mod tests {
         let placed: Vec<(Point, u32)> = cells.centres().map(|centre| (centre, 0)).collect();
         let lattice = crate::problem::lattice::HexagonalLattice::new(4.0);
         let sites = Sites::of_window(Window::new(&lattice, 0.1), lattice, 0.0);
-        let elements = Elements::new(ElementMesh::default(), size, &sites, &placed);
+        let elements = Elements::new(ElementMesh::default(), size, &sites, &placed, &[]);
         let pressure: Vec<f64> = placed.iter().map(|([x, y], _)| 2.0 + x - y * y).collect();
         let floor = FloorUnderCells::new(&elements, &sites, &pressure);
         for point in [[2.0, 0.4], [0.0, -1.7], [5.0, 9.0]] {

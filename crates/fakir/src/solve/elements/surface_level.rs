@@ -7,6 +7,7 @@ use crate::halfspace::elements::{
     Columns, FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
 };
 use crate::numerics::convergence::Judgement;
+use crate::problem::scaled::RISING;
 use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Point, SurfaceSystem};
 use crate::solve::elements::solver;
 use crate::solve::spectral::LARGEST_CONTACT;
@@ -220,11 +221,16 @@ impl<'a> Level<'a> {
         *separation.select_nth_unstable_by(place, f64::total_cmp).1
     }
 
-    /// A uniform pressure works against the mean separation alone, unless there are columns.
+    /// A uniform pressure works against the mean separation alone, unless there are columns, or layers that it squeezes.
     fn check_periodic_indentation(&self, indentation: f64) -> Result<(), SolveError> {
         let mean_separation = self.separation.iter().sum::<f64>() / self.separation.len() as f64;
         let limited = self.system.boundary() == Boundary::Periodic
             && self.floor.is_none()
+            && self
+                .system
+                .weighted_layers()
+                .iter()
+                .all(|layer| layer.squeeze() <= 0.0)
             && self.column_compliance.iter().all(|c| *c <= 0.0);
         if limited && indentation >= mean_separation && mean_separation > 0.0 {
             return Err(SolveError::FullContact {
@@ -235,14 +241,15 @@ impl<'a> Level<'a> {
         Ok(())
     }
 
-    /// Takes the cells with a separation up to `bound` as unknowns; all in a periodic surface,
-    /// where displacements can be negative. None too far out for the lens: a contact that reaches
+    /// Whether displacements can be negative: periodic surfaces rise between what is pressed, and layers around it.
+    fn rises(&self) -> bool {
+        self.system.boundary() == Boundary::Periodic || self.system.has_layers()
+    }
+
+    /// Takes the cells with a separation up to `bound` as unknowns; all where displacements can be negative. None too far out for the lens: a contact that reaches
     /// the last of those kept is refused.
     fn choose_candidates(&mut self, bound: f64) -> Result<(), SolveError> {
-        let bound = match self.system.boundary() {
-            Boundary::FreeSpace => bound,
-            Boundary::Periodic => f64::MAX,
-        };
+        let bound = if self.rises() { f64::MAX } else { bound };
         if self.candidates.as_ref().is_some_and(|c| c.bound >= bound) {
             return Ok(());
         }
@@ -289,13 +296,14 @@ impl<'a> Level<'a> {
 
     fn half_space(&self, cells: Cells) -> Box<dyn Operator + 'a> {
         let compliance = self.system.contact_compliance();
+        let (layers, pool) = (self.system.weighted_layers(), self.run.pool);
         match self.system.boundary() {
-            Boundary::FreeSpace => {
-                Box::new(FreeSpaceConvolution::new(cells, compliance, self.run.pool))
-            }
-            Boundary::Periodic => {
-                Box::new(PeriodicConvolution::new(cells, compliance, self.run.pool))
-            }
+            Boundary::FreeSpace => Box::new(FreeSpaceConvolution::on_layers(
+                cells, compliance, &layers, pool,
+            )),
+            Boundary::Periodic => Box::new(PeriodicConvolution::on_layers(
+                cells, compliance, &layers, pool,
+            )),
         }
     }
 
@@ -424,12 +432,9 @@ impl<'a> Level<'a> {
             .filter(|(_, floor)| **floor)
             .map(|(separation, _)| *separation)
             .fold(f64::INFINITY, f64::min);
-        // On a free half-space the nearest point of the floor is touched at this indentation
-        // under no pressure, and later under any; a periodic floor rises as the tops sink.
-        let least = match self.system.boundary() {
-            Boundary::FreeSpace => lowest,
-            Boundary::Periodic => 0.0,
-        };
+        // The nearest point of the floor is touched at this indentation
+        // under no pressure, and later under any, unless it rises as the tops sink.
+        let least = if self.rises() { 0.0 } else { lowest };
         let start = self.expected.unwrap_or(lowest).max(least);
         let mut closing = Closing::new(start, least, self.floor_slope);
         for _ in 0..SEARCH_LIMIT {
@@ -522,12 +527,9 @@ impl<'a> Level<'a> {
         (lowest, point)
     }
 
-    /// All cells with a separation up to `bound`, floor or not; on a periodic surface all.
+    /// All cells with a separation up to `bound`, floor or not; where displacements can be negative all.
     fn floor_cells_up_to(&self, bound: f64) -> Result<FloorCells<'a>, SolveError> {
-        let bound = match self.system.boundary() {
-            Boundary::FreeSpace => bound,
-            Boundary::Periodic => f64::MAX,
-        };
+        let bound = if self.rises() { f64::MAX } else { bound };
         let grid = self.surface.grid();
         let cells = Cells::where_true(grid, |cell| self.separation[cell] <= bound);
         self.check_memory(cells.len(), self.half_space_memory(&cells))?;
@@ -628,7 +630,7 @@ impl<'a> Level<'a> {
     ///
     /// On a free half-space no displacement is negative, so that nothing is touched where the
     /// separation of the undeformed surfaces is larger than the indentation: a grid as wide as that
-    /// has all of the contact.
+    /// has all of the contact. On layers displacements are looked at alone.
     fn check_border(&self, displacement: &[f64], indentation: f64) -> Result<(), SolveError> {
         let (Indenter::Lens(lens), Boundary::FreeSpace) =
             (self.system.indenter(), self.system.boundary())
@@ -649,6 +651,7 @@ impl<'a> Level<'a> {
         let sides = [grid.columns() as f64 * width, grid.rows() as f64 * height];
         let depth = (indentation - (highest - outside)).clamp(0.0, lens.radius);
         let reach = (depth * (2.0 * lens.radius - depth)).sqrt();
+        let reach = if self.rises() { RISING * reach } else { reach };
         let most = LARGEST_CONTACT * lens.radius;
         // Wider in any case: the reach is found with the contact cut off.
         let needed = (2.0 * MARGIN * reach.min(most)).max(GROWN * sides[0].max(sides[1]));

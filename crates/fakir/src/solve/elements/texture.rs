@@ -6,7 +6,8 @@ use super::surface_level::check_fields;
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::{
     Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, Indenter, InvalidGrid,
-    InvalidHeightMap, Lens, MeshLayout, Method, PillarColumns, PlacedPillar, SurfaceSystem, System,
+    InvalidHeightMap, Layer, Lens, MeshLayout, Method, PillarColumns, PlacedPillar, SurfaceSystem,
+    System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
@@ -34,12 +35,6 @@ pub(crate) fn press_with_floor(
         |pillar: &PlacedPillar| (pillar.diameter / system.pillar().diameter - 1.0).abs() < 1e-12;
     if !pillars.iter().all(has_common_diameter) {
         return Err(not_made_for());
-    }
-    if system.has_layers() {
-        return Err(SolveError::NotWithLayers {
-            what: "the method of elements with a floor",
-            instead: "or use the spectral method",
-        });
     }
     let impossible = SolveError::NotFinite {
         what: "cell of the surface",
@@ -86,6 +81,8 @@ fn surface_system(
     let heights = drawn(system, pillars, grid)?;
     let lens = Indenter::Lens(sphere);
     let surface = SurfaceSystem::new(lens, *system.substrate(), heights, Boundary::FreeSpace)?;
+    let layers = [system.substrate_layer(), system.lens_layer()].map(Option::<&Layer>::copied);
+    let surface = surface.with_layers(layers[0], layers[1])?;
     let surface = surface.with_round_tops(system.pillar().diameter)?;
     let surface = surface.with_floor(Floor::OffPillars);
     // Where pillars differ, or end, what goes on around the grid is not like what is highest in it.

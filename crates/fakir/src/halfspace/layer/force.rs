@@ -1,0 +1,156 @@
+//! What layers add around a force.
+
+use super::table::{RadialPart, RadialTable};
+use crate::halfspace::disc::exterior::FieldJet;
+use crate::problem::layer::WeightedLayer;
+
+/// What layers add to `1/r` around a unit force, `DK(r) = sum_b (w_b/t_b) Psi_b(r/t_b)`.
+#[derive(Debug)]
+pub(crate) struct AroundForce {
+    table: RadialTable,
+    thinnest: f64,
+}
+
+impl AroundForce {
+    /// Around a force at one point; none on half-spaces. Layers and distances are in one unit of length.
+    pub(crate) fn at_point(layers: &[WeightedLayer]) -> Option<Self> {
+        Self::on_cell(layers, [0.0; 2])
+    }
+
+    /// The mean over a rectangle of such sides for the force: a wave over a cell of side `h` has the mean `1 - k_x^2 h^2/24`, so that the integrand
+    /// gets `exp(-k^2 h^2/24)`, which leaves an error of the fourth power of `h/t`.
+    pub(crate) fn on_cell(layers: &[WeightedLayer], cell: [f64; 2]) -> Option<Self> {
+        Self::averaged(layers, cell, 1.0)
+    }
+
+    /// The mean over such a rectangle for the force and over another one for the place: the factor is squared.
+    pub(crate) fn between_cells(layers: &[WeightedLayer], cell: [f64; 2]) -> Option<Self> {
+        Self::averaged(layers, cell, 2.0)
+    }
+
+    fn averaged(layers: &[WeightedLayer], cell: [f64; 2], times: f64) -> Option<Self> {
+        let [width, height] = cell;
+        if layers.is_empty() {
+            return None;
+        }
+        let part = RadialPart {
+            factor: 1.0,
+            degrees: Vec::new(),
+            order: 0,
+            power: 0,
+        };
+        let blur = times * (width * width + height * height) / 48.0;
+        let table = RadialTable::new(layers, vec![part]).blurred(blur);
+        Some(Self {
+            table,
+            thinnest: layers
+                .iter()
+                .map(|layer| layer.thickness)
+                .fold(f64::INFINITY, f64::min),
+        })
+    }
+
+    /// How far a place at a distance is from where it is not smooth: branches at twice the thickness, along the imaginary axis.
+    pub(crate) fn smoothness(&self, distance: f64) -> f64 {
+        distance.hypot(2.0 * self.thinnest)
+    }
+
+    /// At a distance.
+    pub(crate) fn value(&self, distance: f64) -> f64 {
+        let mut value = [0.0];
+        self.table.values(distance, &mut value);
+        value[0]
+    }
+
+    /// With derivatives, at a place seen from the force.
+    pub(crate) fn jet(&self, [x, y]: [f64; 2]) -> FieldJet {
+        let distance = x.hypot(y);
+        let [mut value, mut first, mut second] = [[0.0]; 3];
+        let jets = [&mut value[..], &mut first, &mut second];
+        self.table.jets(distance, jets);
+        // f'/r, and (f'' - f'/r)/r^2; at the force itself the field is a bowl.
+        let (slope, twist) = if distance > 0.0 {
+            let slope = first[0] / distance;
+            (slope, (second[0] - slope) / (distance * distance))
+        } else {
+            (second[0], 0.0)
+        };
+        FieldJet {
+            value: value[0],
+            gradient: [slope * x, slope * y],
+            hessian: [slope + twist * x * x, twist * x * y, slope + twist * y * y],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::halfspace::layer::tests::film;
+
+    #[test]
+    fn a_point_force_is_the_closed_form() {
+        let film = film();
+        let response = crate::halfspace::layer::LayerResponse::of(&film);
+        let around = AroundForce::at_point(&[film]).unwrap();
+        for distance in [0.0, 0.3, 1.0, 4.0, 17.0] {
+            let scale = film.weight / film.thickness;
+            let exact = scale * response.far_displacement(distance / film.thickness);
+            let difference = around.value(distance) - exact;
+            assert!(difference.abs() < 1e-14, "{distance} {difference:e}");
+        }
+        assert!(AroundForce::at_point(&[]).is_none());
+    }
+
+    #[test]
+    fn a_cell_has_the_mean_of_points() {
+        // The mean over a square of side h by 6x6 points of Gauss's rule; what is left goes as h^4.
+        let film = film();
+        let around = AroundForce::at_point(&[film]).unwrap();
+        let rule = crate::numerics::quadrature::gauss_legendre(6);
+        for (side, error) in [(0.4, 1.5e-5), (0.2, 1e-6)] {
+            let cell = AroundForce::on_cell(&[film], [side; 2]).unwrap();
+            let both = AroundForce::between_cells(&[film], [side; 2]).unwrap();
+            for [x, y] in [[0.0, 0.0], [0.8, 0.0], [1.1, 1.4]] {
+                let (mut mean, mut mean_of_means) = (0.0, 0.0);
+                for (u, along) in &rule {
+                    for (v, across) in &rule {
+                        let (x, y) = (x + 0.5 * side * u, y + 0.5 * side * v);
+                        mean += 0.25 * along * across * around.value(x.hypot(y));
+                        mean_of_means += 0.25 * along * across * cell.value(x.hypot(y));
+                    }
+                }
+                let difference = cell.value(x.hypot(y)) - mean;
+                assert!(difference.abs() < error, "{side} {x} {y} {difference:e}");
+                let difference = both.value(x.hypot(y)) - mean_of_means;
+                assert!(difference.abs() < error, "{side} {x} {y} {difference:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_differences() {
+        let around = AroundForce::at_point(&[film()]).unwrap();
+        let step = 1e-4;
+        for [x, y] in [[0.0, 0.0], [0.7, -0.4], [3.0, 2.0]] {
+            let jet = around.jet([x, y]);
+            let at = |dx: f64, dy: f64| around.jet([x + dx * step, y + dy * step]);
+            let (right, left) = (at(1.0, 0.0), at(-1.0, 0.0));
+            let (above, below) = (at(0.0, 1.0), at(0.0, -1.0));
+            let slope = |a: f64, b: f64| (a - b) / (2.0 * step);
+            let expected = [
+                (jet.gradient[0], slope(right.value, left.value)),
+                (jet.gradient[1], slope(above.value, below.value)),
+                (jet.hessian[0], slope(right.gradient[0], left.gradient[0])),
+                (jet.hessian[1], slope(above.gradient[0], below.gradient[0])),
+                (jet.hessian[2], slope(above.gradient[1], below.gradient[1])),
+            ];
+            for (found, expected) in expected {
+                assert!(
+                    (found - expected).abs() < 1e-7,
+                    "{x} {y} {found} {expected}"
+                );
+            }
+        }
+    }
+}
