@@ -62,6 +62,21 @@ def test_little_work_holds_no_floor(system):
     assert theory.patch(system, "2.2 mm", "-1 um") is None
 
 
+def test_a_collapsed_floor_holds_the_lens(system):
+    """Cells on the floor pull with 0.388 mN; the model is good to 10 %."""
+    first = 4.0765e-6
+    steps = np.arange(1.5, -0.5, -0.05) * first
+    cycle = theory.collapsed_cycle(system, [first, 1.5 * first], steps)
+    assert cycle.force.min() == pytest.approx(-0.388e-3, rel=0.1)
+    assert cycle.unloading.sum() + 2 == len(cycle.force)
+    assert cycle.floor_lost is not None and cycle.floor_lost < 0.2e-6
+    assert cycle.in_range[:2].all()
+    with pytest.raises(ValueError, match="empty"):
+        theory.collapsed_cycle(system, [])
+    with pytest.raises(ValueError, match="work of adhesion"):
+        theory.collapsed_cycle(system.replace({"adhesion.work": 0}), [first])
+
+
 def test_grooves():
     """Ridges of half the period: 0.31722 E* h^2 over half a groove."""
     grooves = theory.Grooves("1 MPa", "20 um", "10 um", "1 um")

@@ -2,10 +2,12 @@
 
 use crate::case::Case;
 use crate::error::{solve_error, value_error};
+use crate::watched::{Options, watched};
 use fakir::problem::{InvalidQuantity, System};
 use fakir::state::SolveError;
 use fakir::theory::adhesion::sticky_sphere_at_indentation;
 use fakir::theory::closed_forms as forms;
+use fakir::theory::collapsed_floor::{CollapsedCycle, CollapsedFloor};
 use fakir::theory::closed_forms::{Region, TransitionEstimate};
 use fakir::theory::homogenised::HomogenisedLattice;
 use fakir::theory::lattice_potential as potential;
@@ -282,6 +284,42 @@ pub(crate) fn sticky_sphere(
     let found =
         sticky_sphere_at_indentation(modulus, radius, work, indentation).map_err(invalid)?;
     Ok(found.map(|it| (it.radius, it.force, it.indentation)))
+}
+
+/// A point of a cycle of the collapsed floor: whether it is on the way back, indentation, radius of the front, force, energy, area of the floor, pillars, widest
+/// annulus, whether the model is in its range.
+type CollapsedRow = (bool, f64, f64, f64, f64, f64, usize, f64, bool);
+
+/// Loading and unloading of a floor that is stuck inside a circle, and the indentation (m) at which it is lost.
+#[pyfunction]
+pub(crate) fn collapsed_cycle(
+    py: Python<'_>,
+    case: &Case,
+    loading: Vec<f64>,
+    unloading: Vec<f64>,
+    options: Options,
+) -> PyResult<(Vec<CollapsedRow>, Option<f64>)> {
+    let system = &case.case.system;
+    let all = loading.iter().chain(&unloading);
+    let largest = all.fold(0.0f64, |most, indentation| most.max(*indentation));
+    let found = watched(py, &options, |run| -> Result<CollapsedCycle, SolveError> {
+        CollapsedFloor::new(system, largest)?.cycle(&loading, &unloading, run)
+    })?;
+    let found = found.map_err(|error| solve_error(&error))?;
+    let rows = found.points.iter().map(|point| {
+        (
+            point.unloading,
+            point.indentation,
+            point.front_radius,
+            point.force,
+            point.energy,
+            point.floor_area,
+            point.pillars_in_contact,
+            point.widest_annulus.unwrap_or(f64::NAN),
+            point.in_range,
+        )
+    });
+    Ok((rows.collect(), found.floor_lost))
 }
 
 /// Energy per period and length (J/m) of grooves with a strip of their floor stuck.

@@ -100,6 +100,8 @@ pub enum Quantity {
     CellArea,
     /// Width of a strip that touches, m.
     StripWidth,
+    /// Radius of the floor that is stuck, m.
+    FrontRadius,
 }
 
 impl fmt::Display for Quantity {
@@ -150,6 +152,7 @@ impl fmt::Display for Quantity {
             Self::BackgroundPressure => "background pressure",
             Self::CellArea => "area of a cell",
             Self::StripWidth => "width of a strip",
+            Self::FrontRadius => "radius of the front",
         })
     }
 }

@@ -267,6 +267,17 @@ pub enum SolveError {
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,
+    /// A stuck floor whose front cannot be where it is asked for.
+    #[error(
+        "no state of the collapsed floor is found with a front of {front_radius:.3e} m at an indentation of {indentation:.4e} m: free annuli there are \
+         too near to each other or to the front"
+    )]
+    NoFront {
+        /// Radius of the front, m.
+        front_radius: f64,
+        /// Indentation, m.
+        indentation: f64,
+    },
 }
 
 impl SolveError {
