@@ -84,16 +84,13 @@ pub fn gradient(
             "with adhesion the contact depends on the way there; leave out the works of adhesion";
         return Err(SolveError::NoGradient { why });
     }
-    if system.has_layers() {
-        let why = "the derivatives with respect to layers are not there yet; leave out substrate.thickness and lens.thickness";
-        return Err(SolveError::NoGradient { why });
-    }
+    refuse_layers(system, method)?;
     let Method::Spectral(accuracy) = method else {
         let why = "only the spectral method has one; use that";
         return Err(SolveError::NoGradient { why });
     };
     let mut gradient = gradient::gradient(system, control, accuracy, run)?;
-    gradient.contact = within_table(gradient.contact)?;
+    gradient.contact = with_layer_warnings(within_table(gradient.contact)?);
     gradient.checked()
 }
 

@@ -91,6 +91,19 @@ impl WeightedLayer {
         layered.collect()
     }
 
+    /// How what layers add to half-spaces changes between two states of the same bodies, over the width between them: as layers, as it is linear in
+    /// their weights.
+    pub(crate) fn change([before, after]: [Vec<Self>; 2], width: f64) -> Vec<Self> {
+        let part = |sign: f64| {
+            move |layer: Self| Self {
+                weight: sign * layer.weight / width,
+                ..layer
+            }
+        };
+        let before = before.into_iter().map(part(-1.0));
+        before.chain(after.into_iter().map(part(1.0))).collect()
+    }
+
     /// How far a uniform pressure brings the surface to the back, for unit contact compliance: `w t (1 - 2 nu)/(1 - nu)^2` of a layer that cannot
     /// spread, `w t` of one that can.
     pub(crate) fn squeeze(&self) -> f64 {

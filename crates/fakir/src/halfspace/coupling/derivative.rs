@@ -1,7 +1,7 @@
 //! How the coupling changes with the places of the pillars and with the radii of their tops.
 //!
 //! As `C(s D; s a, s a') = C(D; a, a')/s`, the derivatives with respect to the logarithms of the distance, of the receiver's radius and of the
-//! source's add up to `-C`.
+//! source's add up to `-C`. On layers that with respect to the logarithm of all thicknesses comes to them.
 
 use super::lattice::LatticeCoupling;
 use super::operator::Coupling;
@@ -13,8 +13,8 @@ use crate::numerics::workers::Workers;
 pub(crate) struct CouplingChange {
     /// By that with respect to the logarithm of all distances, the radii kept: of the first set of moments.
     pub(crate) by_distance: Vec<f64>,
-    /// By that with respect to the logarithm of the radius of the pillar that feels them: of every set. Not of a hexagonal lattice, whose pillars
-    /// are alike.
+    /// By that with respect to the logarithm of the radius of the pillar that feels them: of every set. Not of a hexagonal lattice, nor on layers, where
+    /// pillars are alike.
     pub(crate) by_receiver: Option<Vec<Vec<f64>>>,
 }
 
@@ -29,8 +29,10 @@ impl CouplingChange {
     ) -> Self {
         let size = sites.len() * pair.modes().len();
         let mut by_distance = vec![0.0; size];
-        if let (Some(window), Some(first)) = (sites.window(), moments.first()) {
-            let mut coupling = LatticeCoupling::new(window, &pair.by_distance(), workers);
+        if let Some(first) = moments.first()
+            && (sites.window().is_some() || pair.has_layers())
+        {
+            let mut coupling = LatticeCoupling::of_sites(sites, &pair.by_distance(), workers);
             coupling.apply(first, &mut by_distance, workers);
             return Self {
                 by_distance,

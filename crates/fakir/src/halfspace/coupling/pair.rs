@@ -265,10 +265,19 @@ pub(crate) struct PairCoupling {
     flat_punches: Option<RadialFunction>,
     /// What layers add to every series; none on half-spaces.
     layers: Option<Arc<RadialTable>>,
-    /// Whether it is the derivative with respect to the logarithm of the distance instead.
-    by_distance: bool,
+    part: Part,
     /// Entries with source index >= receiver index, row by row.
     entries: Vec<Entry>,
+}
+
+/// What of a coupling it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Whole,
+    /// The derivative with respect to the logarithm of the distance.
+    ByDistance,
+    /// What layers add.
+    Layers,
 }
 
 impl PairCoupling {
@@ -303,7 +312,7 @@ impl PairCoupling {
             series: SeriesTable::new(series),
             flat_punches: None,
             layers: None,
-            by_distance: false,
+            part: Part::Whole,
             entries,
         }
     }
@@ -370,6 +379,9 @@ impl PairCoupling {
     /// What a pillar does to itself by layers, row by row.
     pub(crate) fn own_block(&self) -> Option<Vec<f64>> {
         let layers = self.layers.as_ref()?;
+        if self.part == Part::ByDistance {
+            return None;
+        }
         let mut radial = vec![0.0; self.radial_count()];
         layers.values(0.0, &mut radial);
         let mut block = vec![0.0; self.modes.len() * self.modes.len()];
@@ -380,8 +392,16 @@ impl PairCoupling {
     /// The derivative with respect to the logarithm of the distance in place of the coupling: what a pitch changes. It has the same symmetries.
     pub(crate) fn by_distance(&self) -> Self {
         Self {
-            by_distance: true,
+            part: Part::ByDistance,
             ..self.clone()
+        }
+    }
+
+    /// What layers add, without the half-spaces: for [changes](WeightedLayer::change) of layers.
+    pub(crate) fn of_layers_alone(&self, layers: &[WeightedLayer]) -> Self {
+        Self {
+            part: Part::Layers,
+            ..self.with_layers(layers)
         }
     }
 
@@ -421,19 +441,28 @@ impl PairCoupling {
 
     /// The same for discs of any radii.
     pub(crate) fn radial_of(&self, discs: Discs, radial: &mut [f64]) {
-        if let Some(punch) = &self.flat_punches {
-            radial.fill(UNIT_FORCE * punch.value(discs.distance.recip()));
-        } else if self.by_distance {
-            for (value, series) in radial.iter_mut().zip(&self.series.series) {
-                *value = series.derivatives(discs)[0];
+        match (&self.flat_punches, self.part) {
+            (_, Part::Layers) => radial.fill(0.0),
+            (Some(punch), _) => {
+                radial.fill(UNIT_FORCE * punch.value(discs.distance.recip()));
             }
-            return;
-        } else {
-            self.series.values(discs, radial);
+            (None, Part::ByDistance) => {
+                for (value, series) in radial.iter_mut().zip(&self.series.series) {
+                    *value = series.derivatives(discs)[0];
+                }
+            }
+            (None, Part::Whole) => self.series.values(discs, radial),
         }
         if let Some(layers) = &self.layers {
-            let mut more = vec![0.0; radial.len()];
-            layers.values(discs.distance, &mut more);
+            let [mut more, mut first, mut second] = [0; 3].map(|_| vec![0.0; radial.len()]);
+            if self.part == Part::ByDistance {
+                layers.jets(discs.distance, [&mut more, &mut first, &mut second]);
+                for (more, first) in more.iter_mut().zip(first) {
+                    *more = discs.distance * first;
+                }
+            } else {
+                layers.values(discs.distance, &mut more);
+            }
             for (value, more) in radial.iter_mut().zip(more) {
                 *value += more;
             }

@@ -802,7 +802,9 @@ mod tests {
         let film = [crate::halfspace::layer::tests::film()];
         let on_layers = |(field, _, _): &(PillarField, usize, usize)| {
             // Discs of unit radius alone.
-            field.smallest_radius() == 1.0 && field.bounds()[0] == 1.0
+            [field.smallest_radius(), field.bounds()[0]]
+                .iter()
+                .all(|radius| (radius - 1.0).abs() < 1e-12)
         };
         let layered = fields().into_iter().filter(on_layers);
         let all = fields().into_iter().map(|field| (field, &[][..]));

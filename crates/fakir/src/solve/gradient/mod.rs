@@ -42,7 +42,7 @@ pub(crate) fn gradient(
     if touches_nothing {
         return Err(refused("no pillar is touched; raise the load"));
     }
-    if find_patch(&scene, target).is_some() {
+    if scene.layers.is_empty() && find_patch(&scene, target).is_some() {
         return Err(refused(
             "the lens touches a part of one pillar top and nothing else, and so does not see its texture; raise the load",
         ));
@@ -68,7 +68,9 @@ pub(crate) fn gradient(
             "the floor between the pillars bears a part of the load; lower the load, or ignore the floor",
         ));
     }
-    let derivatives = scene_derivatives(&mut solution.newton, solution.outcome.floor)?;
+    let layer_changes = system.layer_changes(scene.length);
+    let (with, changes): (Vec<Quantity>, Vec<_>) = layer_changes.into_iter().unzip();
+    let derivatives = scene_derivatives(&mut solution.newton, solution.outcome.floor, &changes)?;
     let error = refined(&mut solution, target, run)?;
     let method = PillarMethod::Spectral(accuracy);
     let floor = OfFloor::Lowest(lowest);
@@ -81,6 +83,7 @@ pub(crate) fn gradient(
         scene: &scene,
         newton: &solution.newton,
         derivatives: &derivatives,
+        with_layers: &with,
         contact: &contact,
     };
     let stiffness = derivatives.stiffness * scene.force() / scene.length;
@@ -131,6 +134,8 @@ struct Units<'u, 'n> {
     scene: &'u Scene,
     newton: &'u Newton<'n>,
     derivatives: &'u SceneDerivatives,
+    /// The quantities of the changes of layers.
+    with_layers: &'u [Quantity],
     contact: &'u ContactState,
 }
 
@@ -198,6 +203,12 @@ impl Units<'_, '_> {
                 poisson(substrate) + by(|slopes| slopes.poisson_ratio),
             ),
         ]);
+        for (quantity, by) in self.with_layers.iter().zip(&of_scene.layers) {
+            match quantities.iter_mut().find(|(known, _)| known == quantity) {
+                Some((_, known)) => *known += unit * by,
+                None => quantities.push((*quantity, unit * by)),
+            }
+        }
         // Listed pillars have heights, diameters and places of their own.
         if !matches!(system.arrangement(), Arrangement::Listed(_)) {
             let by_diameter = (unit * of_scene.all_radii - columns) / pillar.diameter;

@@ -14,6 +14,8 @@
 //! d zeta_c = (dh + df + dW·m + v·(db - dA m))/(1 - W·m1),      A v = W.
 //! ```
 //!
+//! On layers `C` and `W` change with these too: what they add is linear in `Phi - 1`, and so is its change in that of `Phi`.
+//!
 //! On tops touched in part `m` and `v` have all moments, not only those that act on other pillars: the lens shape works on them too.
 //! As `S` goes as the inverse radius `a`, and constraints do no work, `v·dS m = -v·l da/a` on each top with the load `l` that it feels.
 //!
@@ -21,12 +23,16 @@
 //! symmetric, and `v = (P + E')(w - C v)`. That is iterated: `E` is a hundredth of `P`.
 
 use crate::halfspace::coupling::derivative::CouplingChange;
+use crate::halfspace::coupling::lattice::LatticeCoupling;
+use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::disc::basis::{TILT_COMPLIANCE, UNIT_FORCE};
+use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::convergence::{larger, within};
 use crate::numerics::vector::{add_scaled, dot, subtract};
 use crate::problem::Point;
 use crate::problem::column::Column;
+use crate::problem::layer::WeightedLayer;
 use crate::solve::floor::{FloorDisplacement, FloorPoint, LoadedDiscs};
 use crate::solve::newton::{LINEAR_TOLERANCE, Newton};
 use crate::solve::rules::rim::Motion;
@@ -50,6 +56,8 @@ pub(crate) struct OfScene {
     pub(crate) lens_radius: f64,
     /// By the depth of the floor under the tops, these kept.
     pub(crate) depth: f64,
+    /// By every change of the layers.
+    pub(crate) layers: Vec<f64>,
 }
 
 /// Derivatives of a solved state.
@@ -81,11 +89,15 @@ const TOLERANCE: f64 = 1e-10;
 /// The pillars that are touched on a sliver, with how that moves.
 type Slivers = Vec<(usize, Vec<Motion>)>;
 
-/// The derivatives of a solution that converged.
+/// The derivatives of a solution that converged, those by changes of the layers too.
 pub(crate) fn scene_derivatives(
     newton: &mut Newton<'_>,
     floor: Option<FloorPoint>,
+    of_layers: &[Vec<WeightedLayer>],
 ) -> Result<SceneDerivatives, SolveError> {
+    // The last is that by the logarithm of all thicknesses.
+    let mut of_layers = of_layers.to_vec();
+    of_layers.extend(by_thickness(&newton.scene.layers));
     let slivers = slivers(newton)?;
     let modes = newton.contact.modes();
     let mut unit_load = vec![0.0; newton.contact.coefficients().len()];
@@ -104,30 +116,55 @@ pub(crate) fn scene_derivatives(
     let sites = &newton.tops.sites;
     let is_touched = |place: &usize| newton.tops.status[*place] != PillarStatus::Untouched;
     let places: Vec<usize> = (0..sites.len()).filter(is_touched).collect();
-    let pair = PairCoupling::new(newton.degree(), newton.scene.field.spacing());
+    let pair = PairCoupling::of_scene(newton.degree(), &newton.scene);
     let mut moments = vec![newton.contact.coefficients()];
     moments.extend(
         adjoints
             .iter()
             .map(|adjoint| adjoint.coefficients.as_slice()),
     );
-    let change = CouplingChange::new(sites, &pair, &places, &moments, newton.run.workers());
+    let workers = newton.run.workers();
+    let change = CouplingChange::new(sites, &pair, &places, &moments, workers);
     newton.run.check_cancelled()?;
-    let of_adjoints = by_load_and_operator(newton, &places, &adjoints, &slivers, &change);
+    let by_layers: Vec<Vec<f64>> = of_layers
+        .iter()
+        .map(|layers| {
+            let pair = pair.of_layers_alone(layers);
+            let mut loads = vec![0.0; unit_load.len()];
+            LatticeCoupling::of_sites(sites, &pair, workers).apply(moments[0], &mut loads, workers);
+            loads
+        })
+        .collect();
+    newton.run.check_cancelled()?;
+    let change = (&change, &by_layers[..]);
+    let of_adjoints = by_load_and_operator(newton, &places, &adjoints, &slivers, change);
     newton.run.check_cancelled()?;
     let mut of_adjoints = of_adjoints.into_iter();
     let force = of_adjoints.next();
     let floor = of_adjoints.next().zip(floor).map(|(mut of_scene, point)| {
-        add_floor(newton, &places, point.position, &mut of_scene);
+        add_floor(newton, &places, point.position, &of_layers, &mut of_scene);
         of_scene.scale(amplification);
         of_scene
     });
     Ok(SceneDerivatives {
         stiffness,
-        force: force.unwrap_or_else(|| OfScene::none(places.len(), false)),
+        force: force.unwrap_or_else(|| OfScene::none(places.len(), false, of_layers.len())),
         floor,
         places,
     })
+}
+
+/// The change of layers by the logarithm of their thicknesses, if there are any: by central differences, to 1e-9.
+fn by_thickness(layers: &[WeightedLayer]) -> Option<Vec<WeightedLayer>> {
+    const CHANGE: f64 = 1e-5;
+    let sides = [-CHANGE, CHANGE].map(|by| {
+        let scaled = layers.iter().map(|layer| WeightedLayer {
+            thickness: layer.thickness * f64::exp(by),
+            ..*layer
+        });
+        scaled.collect()
+    });
+    (!layers.is_empty()).then(|| WeightedLayer::change(sides, 2.0 * CHANGE))
 }
 
 fn slivers(newton: &Newton<'_>) -> Result<Slivers, SolveError> {
@@ -192,7 +229,7 @@ fn add_motions(motions: &[Motion], load: &[f64], response: &mut [f64]) {
 }
 
 impl OfScene {
-    fn none(pillars: usize, with_radii: bool) -> Self {
+    fn none(pillars: usize, with_radii: bool, layers: usize) -> Self {
         Self {
             raised: vec![0.0; pillars],
             column: vec![Column::default(); pillars],
@@ -201,6 +238,7 @@ impl OfScene {
             distances: 0.0,
             lens_radius: 0.0,
             depth: 0.0,
+            layers: vec![0.0; layers],
         }
     }
 
@@ -209,6 +247,7 @@ impl OfScene {
         let columns = columns.flat_map(|by| [&mut by.shortening, &mut by.rocking]);
         let values = self.raised.iter_mut().chain(columns);
         let values = values.chain(self.radii.iter_mut().flatten());
+        let values = values.chain(&mut self.layers);
         let sums = [
             &mut self.all_radii,
             &mut self.distances,
@@ -227,7 +266,7 @@ fn by_load_and_operator(
     places: &[usize],
     adjoints: &[Adjoint],
     slivers: &Slivers,
-    change: &CouplingChange,
+    (change, by_layers): (&CouplingChange, &[Vec<f64>]),
 ) -> Vec<OfScene> {
     let modes = newton.contact.modes();
     let (tops, sites) = (&newton.tops, &newton.tops.sites);
@@ -280,6 +319,12 @@ fn by_load_and_operator(
             // The derivatives by the logarithms of all distances and of all radii add up to the negative coupling.
             let far = &newton.contact.present.far[own.clone()];
             let all_radii = dot(leading, far) + by_coupling;
+            let layers: Vec<f64> = by_layers
+                .iter()
+                .map(|loads| -dot(leading, &loads[own.clone()]))
+                .collect();
+            // On layers so does that by the logarithm of all thicknesses, which is the last of these.
+            let all_radii = all_radii - layers.last().copied().unwrap_or(0.0);
             let own_radius = work(&response, &load) + work(&response, &by_radius);
             let radius = change.by_receiver.as_ref().map(|of_sets| {
                 // The first set is that of the present moments.
@@ -298,6 +343,7 @@ fn by_load_and_operator(
                 all_radii: own_radius + all_radii,
                 distance: work(&response, &by_distance) - by_coupling,
                 lens_radius: work(&response, &by_lens),
+                layers,
             }
         };
         adjoints.iter().enumerate().map(of_adjoint).collect()
@@ -305,7 +351,8 @@ fn by_load_and_operator(
     let solver = || LocalSolver::new(&tops.top);
     let of_pillars = newton.run.workers().map(places.len(), 1, solver, one);
     let with_radii = change.by_receiver.is_some();
-    let mut sums = vec![OfScene::none(places.len(), with_radii); adjoints.len()];
+    let none = OfScene::none(places.len(), with_radii, by_layers.len());
+    let mut sums = vec![none; adjoints.len()];
     for (number, of_pillar) in of_pillars.iter().enumerate() {
         for (sum, of_pillar) in sums.iter_mut().zip(of_pillar) {
             sum.raised[number] = of_pillar.raised;
@@ -316,6 +363,7 @@ fn by_load_and_operator(
             sum.all_radii += of_pillar.all_radii;
             sum.distances += of_pillar.distance;
             sum.lens_radius += of_pillar.lens_radius;
+            add_scaled(&mut sum.layers, 1.0, &of_pillar.layers);
         }
     }
     sums
@@ -329,6 +377,7 @@ struct OfPillar {
     all_radii: f64,
     distance: f64,
     lens_radius: f64,
+    layers: Vec<f64>,
 }
 
 /// Work of moments on a load that may have fewer modes.
@@ -337,9 +386,20 @@ fn work(moments: &[f64], load: &[f64]) -> f64 {
 }
 
 /// Adds `dh + df + dW·m`.
-fn add_floor(newton: &Newton<'_>, places: &[usize], point: Point, of_scene: &mut OfScene) {
+fn add_floor(
+    newton: &Newton<'_>,
+    places: &[usize],
+    point: Point,
+    of_layers: &[Vec<WeightedLayer>],
+    of_scene: &mut OfScene,
+) {
     let lens = &newton.scene.lens;
     let modes = newton.contact.modes();
+    let exteriors: Vec<Exterior> = of_layers
+        .iter()
+        .map(|layers| Exterior::new(newton.exterior.degree()).with_layers(layers))
+        .collect();
+    let mut values = vec![0.0; newton.exterior.count()];
     of_scene.depth += 1.0;
     of_scene.lens_radius += lens.by_radius(point);
     for (number, &place) in places.iter().enumerate() {
@@ -358,7 +418,17 @@ fn add_floor(newton: &Newton<'_>, places: &[usize], point: Point, of_scene: &mut
         let [field, _] = disc.displacement(point);
         let along = |[x, y]: Point| x * field.gradient[0] + y * field.gradient[1];
         // At D from a disc of radius a moments m make a field m·w(D/a)/a.
-        let by_radius = -field.value - along([0, 1].map(|k| point[k] - centre[k]));
+        let away = [0, 1].map(|k| point[k] - centre[k]);
+        let mut by_radius = -field.value - along(away);
+        for (number, exterior) in exteriors.iter().enumerate() {
+            exterior.layer_values(modes, away.map(|x| x / radius), &mut values);
+            let count = values.len().min(modes);
+            let by_layers = dot(&values[..count], &moments[..count]) / radius;
+            of_scene.layers[number] += by_layers;
+            if number + 1 == exteriors.len() {
+                by_radius -= by_layers;
+            }
+        }
         of_scene.distances -= along(centre);
         of_scene.all_radii += by_radius;
         if let Some(radii) = &mut of_scene.radii {

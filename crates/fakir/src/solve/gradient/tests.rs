@@ -281,7 +281,8 @@ fn any_arrangement() {
             continue;
         }
         systems += 1;
-        let mut found = scene_derivatives(&mut solution.newton, solution.outcome.floor).unwrap();
+        let mut found =
+            scene_derivatives(&mut solution.newton, solution.outcome.floor, &[]).unwrap();
         // Pillars of a list are known by their numbers in it.
         for place in &mut found.places {
             *place = solution.newton.tops.sites.index(*place).0 as usize;
@@ -765,7 +766,7 @@ fn a_single_flat_punch() {
     };
     let run = Run::default();
     let mut solution = solve(&listed.scene(), Control::Indentation(0.4), &run).unwrap();
-    let found = scene_derivatives(&mut solution.newton, None).unwrap();
+    let found = scene_derivatives(&mut solution.newton, None, &[]).unwrap();
     let OfScene {
         raised,
         column,
