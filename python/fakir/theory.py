@@ -284,7 +284,9 @@ def adhesion(system: System, attraction_range: Quantity | None = None) -> Adhesi
     if found is None:
         raise ValueError('nothing sticks: give the system adhesion, as in adhesion="50 mJ/m2"')
     names = ("force_N", "normalized_force", "indentation_m", "contact_radius_m", "tilt_rad")
-    forms = {row["formula"]: PullOffEstimate(*(row[name] for name in names)) for row in found["pull_off"]}
+    forms = {
+        row["formula"]: PullOffEstimate(*(row[name] for name in names)) for row in found["pull_off"]
+    }
     return AdhesionTheory(forms, found["kendall_strain"], found["tabor_number"])
 
 
@@ -406,17 +408,15 @@ def annulus_coefficients(radius_ratio: object) -> AnnulusCoefficients:
     return AnnulusCoefficients(*np.moveaxis(rows.reshape(*ratios.shape, 5), -1, 0))
 
 
-def free_annulus(
-    system: System, outer_radius: Quantity, pressure: Quantity = 0.0
-) -> FreeAnnulus:
+def free_annulus(system: System, outer_radius: Quantity, pressure: Quantity = 0.0) -> FreeAnnulus:
     """The annulus of an outer radius round a pillar in a floor that is stuck all round, under a pressure far away (below 0 where the floor is pulled)."""
     radius = si(outer_radius, "length", "outer_radius")
-    return FreeAnnulus(*_fakir.free_annulus(system._case, radius, si(pressure, "pressure", "pressure")))
+    return FreeAnnulus(
+        *_fakir.free_annulus(system._case, radius, si(pressure, "pressure", "pressure"))
+    )
 
 
-def annulus_radius(
-    system: System, pressure: Quantity = 0.0, work: Quantity | None = None
-) -> float:
+def annulus_radius(system: System, pressure: Quantity = 0.0, work: Quantity | None = None) -> float:
     """The outer radius (m) at which the edge of a free annulus stands under a pressure far away (Pa).
 
     It is the radius of the pillar where the pillar is pressed down to the floor, and infinite under a tension beyond `largest_tension`. ``work`` is the
@@ -468,9 +468,7 @@ def patch(
     return None if found is None else StickySphere(*found)
 
 
-def collapsed_cycle(
-    system: System, loading: object, unloading: object = ()
-) -> CollapsedCycle:
+def collapsed_cycle(system: System, loading: object, unloading: object = ()) -> CollapsedCycle:
     """The lens on a floor that sticks inside a circle, with free annuli round the pillars and tops that stick outside.
 
     A fast model for large works of adhesion. The loading begins with a small stuck disc: how the lens first reaches the floor it does not say. Only the work of
@@ -488,12 +486,13 @@ def collapsed_cycle(
     ValueError
         If nothing sticks, if the pillars are not alike on the endless hexagonal lattice, or the lens is no sphere.
     """
-    way = [array(values, "length", "indentation").ravel().tolist() for values in (loading, unloading)]
-    if not way[0]:
+    down = array(loading, "length", "loading").ravel().tolist()
+    back = array(unloading, "length", "unloading").ravel().tolist()
+    if not down:
         raise ValueError("loading is empty: give at least one indentation")
-    rows, lost = _fakir.collapsed_cycle(system._case, *way, options())
-    columns = [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.empty(0)] * 9
-    return CollapsedCycle(*columns, lost)
+    rows, lost = _fakir.collapsed_cycle(system._case, down, back, options())
+    columns = (np.array(column) for column in zip(*rows, strict=True))
+    return CollapsedCycle._make([*columns, lost])
 
 
 class Grooves:
