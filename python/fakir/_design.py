@@ -156,7 +156,8 @@ def design(
     free
         Key of the quantity: ``"texture.pitch"``, ``"texture.surface_fraction"``,
         ``"texture.pillar.height"``, ``"texture.pillar.diameter"``, ``"lens.radius"``,
-        ``"lens.young_modulus"`` or ``"substrate.young_modulus"``.
+        ``"lens.young_modulus"``, ``"substrate.young_modulus"``, ``"substrate.thickness"``,
+        ``"lens.thickness"`` or the modulus of an elastic base.
     critical_force, critical_contact_radius
         What is wanted of the critical state (N, m).
     floor_share, at_force, at_indentation

@@ -90,6 +90,30 @@ def test_sliders_change_the_result(explore):
     assert "surface_fraction" not in page.text("case-file").split("[texture]")[1].split("#")[0]
 
 
+def test_a_substrate_becomes_a_film_and_again_endless(explore):
+    page = explore("#" + "&".join(paper(0.03)))
+    before = page.results()
+    assert page.page.input_value("#substrate-thickness") == "endless"
+    page.enter("substrate.thickness", "0.2 mm")
+    assert page.results() != before
+    assert 'thickness = "200 um"' in page.text("case-file")
+    page.slide("lens-thickness-slider", 600)
+    assert page.page.input_value("#lens-thickness") != "endless"
+    page.slide("lens-thickness-slider", 1000)
+    assert page.page.input_value("#lens-thickness") == "endless"
+    page.enter("substrate.thickness", "endless")
+    assert page.results() == before
+    assert "thickness" not in page.text("case-file")
+
+
+def test_strained_limits_of_a_film_are_marked(explore):
+    film = ["substrate.thickness=4e-5"]
+    page = explore("#" + "&".join([*paper(0.03), *film]))
+    page.rest()
+    assert page.text("limits").startswith("model strained: indentation over the smallest thickness")
+    assert "strained" in page.page.locator("#limits").get_attribute("class")
+
+
 def test_the_controls_are_those_of_the_key_table(explore):
     """Labels, symbols, help, units, ranges and words are those that the program says."""
     page = explore("#" + "&".join(paper(0.01)))

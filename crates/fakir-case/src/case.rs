@@ -188,6 +188,22 @@ impl Case {
                 _ => {}
             }
         }
+        // A film is at least as thick as pillars are high, and a layer as a quarter of their diameter.
+        let system = &self.system;
+        let layers = [system.substrate_layer(), system.lens_layer()];
+        let [film, lens] = layers.map(|layer| layer.map(|layer| layer.thickness));
+        let quarter = 0.25 * system.largest_diameter();
+        match key {
+            Key::SubstrateThickness => least = Included(quarter.max(system.pillar().height)),
+            Key::LensThickness => least = Included(quarter),
+            Key::PillarHeight => greatest = lower(greatest, film),
+            Key::PillarDiameter => {
+                for thickness in [film, lens] {
+                    greatest = lower(greatest, thickness.map(|thickness| 4.0 * thickness));
+                }
+            }
+            _ => {}
+        }
         (least, greatest)
     }
 
@@ -226,6 +242,15 @@ const HEADER: &str = "\
 # A lens pressed onto a surface with pillars: a case for fakir.
 # Quantities have a unit (m mm um nm, GPa MPa kPa Pa, deg rad); bare numbers are in SI units.
 ";
+
+/// The lower one of an upper bound and another that is included, if there is one.
+fn lower(bound: Bound<f64>, other: Option<f64>) -> Bound<f64> {
+    match (bound, other) {
+        (Included(value) | Excluded(value), Some(other)) if value <= other => bound,
+        (_, Some(other)) => Included(other),
+        (_, None) => bound,
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -321,3 +321,46 @@ fn a_folder_with_something_in_it_is_left_alone() {
         outcome.stderr
     );
 }
+
+/// A film that comes in several thicknesses: they move the critical indentation, by the difference of two cases, and can be sought.
+#[test]
+fn thicknesses_scatter_and_are_sought() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let film = ["--set", "texture.surface_fraction=1 %", "--set"];
+    let of = |thickness: &str| {
+        let set = format!("substrate.thickness={thickness}");
+        let answer = bench.json(&[&["transition", &case][..], &film, &[&set]].concat());
+        answer["critical_indentation_m"].as_f64().unwrap()
+    };
+    let slope = of("0.21 mm") - of("0.19 mm");
+    let question = [
+        "substrate.thickness=0.2 mm",
+        "--tolerance",
+        "substrate.thickness=5%",
+    ];
+    let more = ["--samples", "30", "--keep-offset"];
+    let spread = bench.json(&[&["design", &case][..], &film, &question, &more].concat());
+    let deviation = &spread["spread"]["critical_indentation_m"]["standard_deviation"];
+    // Of 30 samples within 40 %, which is three standard errors.
+    let ratio = deviation.as_f64().unwrap() / (0.5 * slope);
+    assert!((ratio - 1.0).abs() < 0.4, "{ratio}");
+    let wanted = bench.json(
+        &[
+            &["transition", &case][..],
+            &film,
+            &["substrate.thickness=0.1 mm"],
+        ]
+        .concat(),
+    );
+    let force = format!("{:e}N", wanted["critical_force_N"].as_f64().unwrap());
+    let question = [
+        "substrate.thickness=0.3 mm",
+        "--free",
+        "substrate.thickness",
+    ];
+    let more = ["--critical-force", &force];
+    let found = bench.json(&[&["design", &case][..], &film, &question, &more].concat());
+    let value = found["design"]["value_m"].as_f64().unwrap();
+    assert!((value / 1e-4 - 1.0).abs() < 1e-5, "{value}");
+}

@@ -411,3 +411,41 @@ fn an_interrupt_keeps_the_journal() {
     );
     assert_eq!(bench.files("results"), ["journal.jsonl", "study.toml"]);
 }
+
+/// Thicknesses and what films rest on are axes like others. Under the critical force a film gives way less the thinner it is, and less where it is bonded.
+#[test]
+fn films_are_swept() {
+    let bench = Bench::new();
+    let case = std::fs::read_to_string(example("paper-intermediate.toml")).unwrap();
+    bench.write("case.toml", &case);
+    let study = r#"
+[study]
+case = "case.toml"
+[axes]
+surface_fraction = [0.01]
+"substrate.thickness" = ["0.1 mm", "1 mm"]
+"substrate.base" = ["rigid", "frictionless"]
+"#;
+    bench.write("study.toml", study);
+    bench.result(&["sweep", "study.toml", "--output", "films"]);
+    let table = bench.read("films/table.csv");
+    let mut rows = table
+        .lines()
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let names = rows.next().unwrap();
+    let place = |name: &str| names.iter().position(|own| *own == name).unwrap();
+    let (thickness, base) = (place("substrate.thickness_m"), place("substrate.base"));
+    let indentation = place("critical_indentation_m");
+    let rows: Vec<_> = rows.collect();
+    assert_eq!(rows.len(), 4);
+    let of = |wanted: f64, word: &str| -> f64 {
+        let found = rows.iter().find(|row| {
+            let own: f64 = row[thickness].parse().unwrap();
+            (own / wanted - 1.0).abs() < 1e-9 && row[base] == word
+        });
+        found.unwrap()[indentation].parse().unwrap()
+    };
+    assert!(of(1e-4, "rigid") < of(1e-4, "frictionless"));
+    assert!(of(1e-4, "frictionless") < of(1e-3, "frictionless"));
+    assert!(of(1e-4, "rigid") < of(1e-3, "rigid"));
+}

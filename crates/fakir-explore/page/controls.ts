@@ -22,6 +22,9 @@ const [TRUE, FALSE] = ["true", "false"];
 /** Steps of a slider. */
 const STEPS = 1000;
 
+/** What a field says that has no value: of a thickness, which half-spaces do not have. */
+const ENDLESS = "endless";
+
 interface Widget {
   readonly box: HTMLElement;
   readonly note: HTMLElement;
@@ -131,7 +134,8 @@ export class Controls {
     slider.setAttribute("aria-label", `${field.label}, slider`);
     slider.setAttribute("aria-describedby", describedBy);
     text.addEventListener("change", () => {
-      const value = parse(text.value, field.dimension) ?? text.value;
+      const isEndless = field.endless && ["", ENDLESS, "∞"].includes(text.value.trim());
+      const value = isEndless ? "" : (parse(text.value, field.dimension) ?? text.value);
       this.changed(field.key, value, true, performance.now());
     });
     const slide = (): void => {
@@ -151,7 +155,12 @@ export class Controls {
     box.append(text, slider, note);
     const show = (value: Value, typed: boolean): void => {
       if (typeof value !== "number") {
-        if (!typed) text.value = value;
+        const isEndless = field.endless && value === "";
+        if (!typed) text.value = isEndless ? ENDLESS : value;
+        if (isEndless) {
+          slider.value = String(STEPS);
+          slider.setAttribute("aria-valuetext", ENDLESS);
+        }
         return;
       }
       if (!typed) text.value = editable(value, field.dimension);
@@ -265,10 +274,11 @@ function ends({ usual, least, greatest }: Field): readonly [number, number] {
   return usual ?? [least ?? 0, greatest ?? 1];
 }
 
-/** The value at a place of the slider, in three digits. */
-function sliderValue(field: Field, place: number): number {
+/** The value at a place of the slider, in three digits; nothing at the end of one that goes on without end. */
+function sliderValue(field: Field, place: number): Value {
   const [low, high] = ends(field);
   const part = place / STEPS;
+  if (place === STEPS && field.endless) return "";
   if (place === 0 && beginsAtZero(field)) return 0;
   // Where zero is not among them values go over decades.
   const value = low > 0 ? low * (high / low) ** part : low + (high - low) * part;

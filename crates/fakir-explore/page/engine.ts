@@ -321,6 +321,8 @@ export interface Key {
   /** The first and the last of its usual values. */
   readonly usual: readonly [number, number] | null;
   readonly whole: boolean;
+  /** Whether it is without end unless it is given. */
+  readonly endless: boolean;
   /** The words that it can have; none if it takes a number. */
   readonly words: readonly string[];
   /** Its value where it is left out; null if it must be given. */

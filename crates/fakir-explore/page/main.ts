@@ -30,8 +30,9 @@ import { onScheme } from "./theme.js";
 /** Young's moduli of the paper's three substrates, Pa. */
 const SUBSTRATES: Record<string, number> = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
 
-/** What the substrates of the paper leave as it is: how far apart pillars are, whether the floor bears anything, and whether tops stick. */
-const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING];
+/** What the substrates of the paper leave as it is: how far apart pillars are, whether the floor bears anything, whether tops stick, and how
+ * thick bodies are. */
+const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING, "substrate.thickness", "lens.thickness"];
 
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;

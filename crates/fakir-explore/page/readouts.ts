@@ -121,6 +121,10 @@ export function drawFacts(state: State): void {
 const LIMITS: Readonly<Record<string, string>> = {
   slope: "slope of the lens",
   contact_radius_over_lens_radius: "contact radius over lens radius",
+  contact_radius_over_lens_thickness: "contact radius over thickness of the lens",
+  lens_thickness_over_radius: "thickness of the lens over its radius",
+  indentation_over_thickness: "indentation over the smallest thickness",
+  thickness_over_diameter: "smallest thickness over pillar diameter",
   pillar_stress: "stress of a pillar over its modulus",
   buckling: "force on a pillar over its buckling load",
   pillar_compliance: "compliance of pillars beside elastic ones",
@@ -133,7 +137,10 @@ function drawLimits(limits: readonly Limit[]): void {
   const known = limits.flatMap(({ name, value, threshold, strained }) => {
     const words = LIMITS[name];
     if (words === undefined || threshold === null) return [];
-    return [{ words: `${words} ${significant(value, 2)} of ${plain(threshold)}`, part: value / threshold, strained }];
+    // Some values are to be small, and some large.
+    const isAbove = value > threshold;
+    const part = isAbove === strained ? value / threshold : threshold / value;
+    return [{ words: `${words} ${significant(value, 2)} of ${plain(threshold)}`, part, strained }];
   });
   const strained = known.filter((limit) => limit.strained);
   const [nearest] = [...known].sort((one, other) => other.part - one.part);

@@ -249,7 +249,8 @@ export class Store {
     values[key] = value;
     // Without adhesion nothing recedes; what is not given is as the work of adhesion.
     if (key === WORK && value === 0) delete values[RECEDING];
-    const isEmptied = value === "" && (key === WORK || key === RECEDING);
+    const isEndless = this.#state.start.keys.some((known) => known.key === key && known.endless);
+    const isEmptied = value === "" && (key === WORK || key === RECEDING || isEndless);
     if (isEmptied) delete values[key];
     this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
   }

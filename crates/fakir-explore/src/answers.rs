@@ -496,14 +496,19 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
         .filter_map(|fraction| at_fraction(system, fraction))
         .collect();
     let method = curve_method(case.method);
-    // The closed forms are of the endless hexagonal lattice.
+    // The closed forms are of the endless hexagonal lattice on half-spaces.
+    let formulas = if system.has_layers() {
+        &[]
+    } else {
+        &smooth[..]
+    };
     let limit = match system.hexagonal_lattice() {
         Some(_) => closed_forms::small_contact_limit(system),
         None => f64::NAN,
     };
     let formula = |wanted: &dyn Fn(f64) -> bool,
                    formula: &dyn Fn(&System) -> TransitionEstimate| {
-        smooth
+        formulas
             .iter()
             .filter(|system| wanted(system.texture().surface_fraction()))
             .map(|system| CurvePoint::of_formula(system, &formula(system)))
@@ -610,8 +615,8 @@ fn reduced(system: &System, force: f64, radius: f64) -> [f64; 2] {
 
 /// The transition curve of the phase diagram.
 pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
-    // That of closed forms, which know the endless hexagonal lattice only.
-    let known = system.hexagonal_lattice().is_some();
+    // That of closed forms, which know the endless hexagonal lattice on half-spaces only.
+    let known = system.hexagonal_lattice().is_some() && !system.has_layers();
     let ratios = spaced([0.01, 1000.0], if known { 200 } else { 0 });
     let curve = ratios.into_iter().map(|ratio| {
         let radius = ratio * system.pitch();

@@ -1,7 +1,7 @@
 //! The page: a document, a style and scripts, built from `page/` and part of the program, so that
 //! nothing is loaded from elsewhere.
 
-use crate::request::{FARTHEST, LATTICES, MOST_PILLARS, is_on_page, of_case};
+use crate::request::{FARTHEST, LATTICES, MOST_PILLARS, is_on_page, is_thickness, of_case};
 use axum::body::Body;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::Response;
@@ -122,6 +122,7 @@ fn keys() -> Vec<Value> {
                 "greatest": bound(upper),
                 "usual": key.usual(),
                 "whole": key.is_whole(),
+                "endless": is_thickness(key),
                 "words": words(key),
                 "default": key.default(),
                 "alternative": key.alternative().map(Key::path),
@@ -169,6 +170,8 @@ mod tests {
         assert_eq!(ratio["usual"], json!([0.0, 0.5]));
         assert_eq!(key("texture.surface_fraction")["label"], "surface fraction");
         assert_eq!(key("method.cells_per_diameter")["whole"], true);
+        assert_eq!(key("substrate.thickness")["endless"], true);
+        assert_eq!(radius["endless"], false);
         assert_eq!(start["paper"]["substrate.young_modulus"], 2e6);
         assert_eq!(key("lens.radius")["goes_with"], Value::Null);
         let form = key("method.form");

@@ -2,7 +2,7 @@
 
 use crate::refusal::Refusal;
 use fakir::numerics::roots::{self, Point};
-use fakir::problem::{Arrangement, HexagonalLattice, System};
+use fakir::problem::{Arrangement, Base, HexagonalLattice, System};
 use fakir::theory::homogenised;
 use fakir_case::{Case, CaseFile, Key, Setting};
 use serde::Deserialize;
@@ -124,7 +124,13 @@ pub(crate) fn is_on_page(key: Key) -> bool {
         Key::LensTiltDirection,
         Key::LensProfile,
     ];
-    !of_other_arrangements.contains(&key) && !of_other_lenses.contains(&key) && !key.is_of_layers()
+    let is_of_other_bases = key.is_of_layers() && !is_thickness(key);
+    !of_other_arrangements.contains(&key) && !of_other_lenses.contains(&key) && !is_of_other_bases
+}
+
+/// Whether a key is the thickness of a body, which has none unless it is given.
+pub(crate) fn is_thickness(key: Key) -> bool {
+    [Key::SubstrateThickness, Key::LensThickness].contains(&key)
 }
 
 /// The values of a case, in SI units.
@@ -161,12 +167,12 @@ pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)
         return Some((Key::LensShape, "the page shows a spherical lens", "sphere"));
     }
     for (layer, key) in [
-        (case.system.substrate_layer(), Key::SubstrateThickness),
-        (case.system.lens_layer(), Key::LensThickness),
+        (case.system.substrate_layer(), Key::SubstrateBase),
+        (case.system.lens_layer(), Key::LensBase),
     ] {
-        if layer.is_some() {
-            let words = "the page shows half-spaces";
-            return Some((key, words, "nothing: leave the key out"));
+        if layer.is_some_and(|layer| layer.base != Base::Rigid) {
+            let words = "the page shows layers bonded to a rigid base";
+            return Some((key, words, "rigid"));
         }
     }
     None
@@ -306,6 +312,24 @@ mod tests {
         in_si.insert("lens.radius".to_owned(), Setting::Number(2.2e-3));
         assert_eq!(case(&in_si).unwrap(), example);
         assert_eq!(case(&of_case(&example)).unwrap(), example);
+    }
+
+    /// A half-space has no thickness; other bases than rigid ones are not shown.
+    #[test]
+    fn films_are_shown_on_rigid_bases() {
+        let mut film = values(&Case::example());
+        assert!(!film.keys().any(|path| path.ends_with("thickness")));
+        film.insert("substrate.thickness".to_owned(), Setting::Number(2e-4));
+        let layered = case(&film).unwrap();
+        assert_eq!(layered.system.substrate_layer().unwrap().thickness, 2e-4);
+        assert_eq!(
+            of_case(&layered)["substrate.thickness"],
+            Setting::Number(2e-4)
+        );
+        let sliding = Setting::Word("frictionless".to_owned());
+        film.insert("substrate.base".to_owned(), sliding);
+        let told = serde_json::to_string(&case(&film).unwrap_err()).unwrap();
+        assert!(told.contains("\"key\":\"substrate.base\""), "{told}");
     }
 
     #[test]

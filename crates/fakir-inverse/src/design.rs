@@ -425,8 +425,6 @@ pub fn free_keys() -> Vec<Key> {
         key.is_positive()
             && ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension)
             && *key != Key::TopRadius
-            // What they change is not known to what the search starts from.
-            && !key.is_of_layers()
     };
     keys.filter(|key| is_made(key) && !key.is_of_surface())
         .collect()
@@ -581,17 +579,27 @@ pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseEr
 
 /// Where to begin: the value in the case file, or one in proportion to the others.
 fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
-    match file.case() {
-        Ok(case) => case.number(free),
-        // It may be just the free key that is missing.
-        Err(error) => {
-            let guess = GUESSES
-                .iter()
-                .find(|guess| with(file, free, **guess).is_ok());
-            Some(*guess.ok_or(error)?)
+    let case = file.case();
+    let given = case.as_ref().ok().and_then(|case| case.number(free));
+    if let Some(value) = given.filter(|value| value.is_finite()) {
+        return Ok(value);
+    }
+    if let (Ok(case), Key::SubstrateThickness | Key::LensThickness) = (&case, free) {
+        // A half-space is thicker than the lens is wide.
+        return Ok(widest(case));
+    }
+    // It may be just the free key that is missing.
+    let guess = GUESSES
+        .iter()
+        .find(|guess| with(file, free, **guess).is_ok());
+    match (guess, case) {
+        (Some(guess), _) => Ok(*guess),
+        (None, Err(error)) => Err(error.into()),
+        (None, Ok(_)) => {
+            with(file, free, GUESSES[0])?;
+            Err(DesignError::NotFree(free))
         }
     }
-    .ok_or(DesignError::NotFree(free))
 }
 
 /// Values, in SI units, one of which is within reach of any quantity of a texture.
@@ -600,8 +608,8 @@ const GUESSES: [f64; 9] = [1e6, 0.1, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7];
 /// Values between which a free quantity is sought: all that are allowed, as far as a factor of a million from the first.
 fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
     const FARTHEST: f64 = 1e6;
-    /// Of a plate, which is as wide as it likes.
-    const LARGEST_PITCHES: f64 = 1e6;
+    /// Beyond so many widths of the lens nothing is known of a thickness.
+    const THICKEST: f64 = 1e3;
     /// Relative distance from an end of the range that is not allowed itself.
     const MARGIN: f64 = 1e-3;
     let (least, greatest) = case.allowed(free);
@@ -616,9 +624,11 @@ fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
         Bound::Unbounded => first * FARTHEST,
     };
     // Pillars as wide as the lens, or as far apart, are no texture.
-    let widest = case.system.lens().widest();
-    let widest = widest.min(LARGEST_PITCHES * case.system.pitch());
+    let widest = widest(case);
     match free {
+        Key::SubstrateThickness | Key::LensThickness => {
+            [least, greatest.min(THICKEST * widest).max(first)]
+        }
         Key::Pitch | Key::PillarDiameter => [least, greatest.min(widest)],
         Key::SurfaceFraction => {
             let part = case.system.pillar().diameter / widest;
@@ -626,6 +636,14 @@ fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
         }
         _ => [least, greatest],
     }
+}
+
+/// How wide the lens is, m.
+fn widest(case: &Case) -> f64 {
+    /// Of a plate, which is as wide as it likes.
+    const LARGEST_PITCHES: f64 = 1e6;
+    let widest = case.system.lens().widest();
+    widest.min(LARGEST_PITCHES * case.system.pitch())
 }
 
 struct Search<'a> {
@@ -1086,7 +1104,7 @@ mod tests {
                 file.set_number(Key::Pitch, case.system.pitch());
                 file
             };
-            for free in free_keys() {
+            for free in free_keys().into_iter().filter(|key| !key.is_of_layers()) {
                 let file = match free {
                     Key::SurfaceFraction => paper(surface_fraction),
                     Key::PitchY => rectangular(surface_fraction),

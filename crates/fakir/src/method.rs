@@ -5,6 +5,7 @@ use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
 use crate::solve::gradient;
+use crate::state::limit::{DEEPEST_IN_LAYER, THINNEST_LAYER};
 use crate::state::{
     ContactState, CriticalState, Cycle, Gradient, Passage, Run, SolveError, Warning,
 };
@@ -173,10 +174,6 @@ fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError
     Ok(())
 }
 
-/// Thickness over diameter below which a layer is thin, and the part of it that is a large indentation.
-const THIN_LAYER: f64 = 2.0;
-const LARGE_STRAIN: f64 = 0.05;
-
 /// With what is to be said where bodies are layers.
 fn with_layer_warnings(mut state: ContactState) -> ContactState {
     let system = &state.system;
@@ -196,11 +193,11 @@ fn with_layer_warnings(mut state: ContactState) -> ContactState {
         }
     }
     let of_diameter = thinnest / system.largest_diameter();
-    if of_diameter < THIN_LAYER {
+    if of_diameter < THINNEST_LAYER {
         warnings.push(Warning::ThinLayer { ratio: of_diameter });
     }
     let strain = state.indentation / thinnest;
-    if strain > LARGE_STRAIN {
+    if strain > DEEPEST_IN_LAYER {
         warnings.push(Warning::LayerStrain { ratio: strain });
     }
     state.warnings.extend(warnings);

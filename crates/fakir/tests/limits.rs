@@ -4,7 +4,7 @@ mod common;
 
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
-    Control, FloorModel, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance,
+    Control, FloorModel, HexagonalLattice, Layer, Lens, Material, Method, Pillar, PillarCompliance,
     System, Texture,
 };
 use fakir::state::{ContactState, Limit, Run};
@@ -173,4 +173,56 @@ fn adhesion_that_would_matter() {
     let limits = critical(&sticky).limits(None);
     assert_eq!(limits[0].name, "kendall_strain");
     assert!(limits.iter().all(|limit| !limit.name.starts_with("work")));
+}
+
+/// Of bodies that are layers each limit is strained once, by what it says; a thickness at which they would begin to matter is not told of them.
+#[test]
+fn layers_beyond_what_they_stand_for() {
+    let system = paper_system(paper_lattice(0.05, 0.0), INTERMEDIATE, COLUMN);
+    let with = |film: Option<f64>, lens: Option<f64>| {
+        let layers = [film, lens].map(|thickness| thickness.map(Layer::new));
+        system.with_layers(layers[0], layers[1]).unwrap()
+    };
+    let names = |state: &ContactState| -> Vec<&str> {
+        let limits = state.limits(None);
+        limits.into_iter().map(|limit| limit.name).collect()
+    };
+    // At 3 um the contact reaches out to 80 um.
+    let load = Control::Indentation(3e-6);
+    let thick = press(&with(Some(1e-3), Some(1e-3)), load);
+    let limits = thick.limits(None);
+    assert!(limits.iter().all(|limit| !limit.strained), "{limits:?}");
+    assert!(names(&thick).iter().all(|name| !name.contains("percent_m")));
+    let ratio = thick.contact_radius / 1e-3;
+    for (name, value, threshold) in [
+        ("contact_radius_over_substrate_thickness", ratio, None),
+        ("contact_radius_over_lens_thickness", ratio, Some(1.0)),
+        ("lens_thickness_over_radius", 1.0 / 2.2, Some(0.5)),
+        ("indentation_over_thickness", 3e-3, Some(0.05)),
+        ("thickness_over_diameter", 1000.0 / 6.0, Some(2.0)),
+    ] {
+        let found = limit(&thick, name);
+        assert!((found.value / value - 1.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(found.threshold, threshold);
+    }
+    let near_half_a_sphere = press(&with(None, Some(1.2e-3)), load);
+    assert!(limit(&near_half_a_sphere, "lens_thickness_over_radius").strained);
+    let of_film = names(&near_half_a_sphere);
+    assert!(of_film.contains(&"substrate_thickness_of_one_percent_m"));
+    assert!(!of_film.contains(&"lens_thickness_of_one_percent_m"));
+    let thin_lens = press(&with(None, Some(40e-6)), load);
+    for name in [
+        "contact_radius_over_lens_thickness",
+        "indentation_over_thickness",
+    ] {
+        assert!(limit(&thin_lens, name).strained, "{name}");
+    }
+    assert!(!limit(&thin_lens, "thickness_over_diameter").strained);
+    // However wide the contact, a flat film is solved.
+    let film = press(&with(Some(40e-6), None), load);
+    let wide = limit(&film, "contact_radius_over_substrate_thickness");
+    assert!(wide.value > 1.0 && !wide.strained && wide.threshold.is_none());
+    let thin = press(&with(Some(11e-6), None), Control::Indentation(0.5e-6));
+    assert!(limit(&thin, "thickness_over_diameter").strained);
+    assert!(!limit(&thin, "indentation_over_thickness").strained);
 }

@@ -213,6 +213,10 @@ fn limit_words(name: &'static str) -> &'static str {
         "kendall_strain" => "strain of pillars at pull-off",
         "slope" => "slope of the lens",
         "contact_radius_over_lens_radius" => "contact over lens radius",
+        "contact_radius_over_lens_thickness" => "contact over lens thickness",
+        "lens_thickness_over_radius" => "lens thickness over radius",
+        "indentation_over_thickness" => "indentation over thickness",
+        "thickness_over_diameter" => "thickness over diameter",
         "pillar_stress" => "stress over modulus",
         "buckling" => "force over buckling load",
         "pillar_compliance" => "error of the columns",
@@ -227,10 +231,13 @@ pub(crate) fn strained_words(limits: &[Limit]) -> Vec<String> {
     let strained = limits.iter().filter(|limit| limit.strained);
     let words = strained.filter_map(|limit| {
         Some(format!(
-            "{}: {}, where the model is doubtful from {} on",
+            "{}: {}, where the model is doubtful {}",
             limit_words(limit.name),
             significant(limit.value, 3),
-            limit.threshold?
+            match limit.threshold? {
+                threshold if limit.value < threshold => format!("below {threshold}"),
+                threshold => format!("from {threshold} on"),
+            }
         ))
     });
     words.collect()
@@ -384,6 +391,11 @@ impl QuantityList {
                 (RANGE, true) => {
                     format!("below {threshold}: the range does not count as small (JKR limit)")
                 }
+                // Of what is to be large.
+                (_, true) if limit.value < threshold => {
+                    format!("below {threshold}, where the model is doubtful")
+                }
+                (_, false) if limit.value > threshold => format!("above {threshold}"),
                 (_, true) => format!("beyond {threshold}, where the model is doubtful"),
                 (_, false) => format!("below {threshold}, where the model is doubtful"),
             };

@@ -9,6 +9,8 @@ const FIRST_TABLES = ["texture", "texture.pillar"];
 const [TRUE, FALSE] = ["true", "false"];
 /** Steps of a slider. */
 const STEPS = 1000;
+/** What a field says that has no value: of a thickness, which half-spaces do not have. */
+const ENDLESS = "endless";
 /** All fields of a case. */
 export class Controls {
     changed;
@@ -104,7 +106,8 @@ export class Controls {
         slider.setAttribute("aria-label", `${field.label}, slider`);
         slider.setAttribute("aria-describedby", describedBy);
         text.addEventListener("change", () => {
-            const value = parse(text.value, field.dimension) ?? text.value;
+            const isEndless = field.endless && ["", ENDLESS, "∞"].includes(text.value.trim());
+            const value = isEndless ? "" : (parse(text.value, field.dimension) ?? text.value);
             this.changed(field.key, value, true, performance.now());
         });
         const slide = () => {
@@ -125,8 +128,13 @@ export class Controls {
         box.append(text, slider, note);
         const show = (value, typed) => {
             if (typeof value !== "number") {
+                const isEndless = field.endless && value === "";
                 if (!typed)
-                    text.value = value;
+                    text.value = isEndless ? ENDLESS : value;
+                if (isEndless) {
+                    slider.value = String(STEPS);
+                    slider.setAttribute("aria-valuetext", ENDLESS);
+                }
                 return;
             }
             if (!typed)
@@ -225,10 +233,12 @@ function beginsAtZero({ default: value, usual }) {
 function ends({ usual, least, greatest }) {
     return usual ?? [least ?? 0, greatest ?? 1];
 }
-/** The value at a place of the slider, in three digits. */
+/** The value at a place of the slider, in three digits; nothing at the end of one that goes on without end. */
 function sliderValue(field, place) {
     const [low, high] = ends(field);
     const part = place / STEPS;
+    if (place === STEPS && field.endless)
+        return "";
     if (place === 0 && beginsAtZero(field))
         return 0;
     // Where zero is not among them values go over decades.

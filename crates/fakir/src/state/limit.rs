@@ -9,6 +9,12 @@ pub(crate) const DOUBTFUL_CONTACT: f64 = 0.2;
 /// is good for.
 pub(crate) const LARGEST_STRAIN: f64 = 0.3;
 
+/// Thickness of a layer over the diameter of a pillar below which it matters how the one joins the other.
+pub(crate) const THINNEST_LAYER: f64 = 2.0;
+
+/// Indentation over the thickness of a layer beyond which small strains no longer describe it.
+pub(crate) const DEEPEST_IN_LAYER: f64 = 0.05;
+
 /// Tabor number below which the range of the attraction is not small: the zone at the rim in which it acts is then wider than 8 % of the
 /// pillar radius.
 const SMALLEST_TABOR_NUMBER: f64 = 5.0;

@@ -1,13 +1,22 @@
 //! How near a contact comes to where its model ends, and what of the model would change it: estimates from the contact alone, in closed form.
 
 use super::layer::Layers;
-use crate::problem::{Layer, Material, Method, PillarCompliance, System};
-use crate::state::limit::{DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, limits_of_adhesion};
+use crate::problem::{Layer, LensShape, Material, Method, PillarCompliance, System};
+use crate::state::limit::{
+    DEEPEST_IN_LAYER, DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, THINNEST_LAYER, limits_of_adhesion,
+};
 use crate::state::{ContactState, PillarState};
 use std::f64::consts::PI;
 
 /// Force on a pillar over that under which it buckles from which on small imperfections are no longer small: half of it doubles them.
 const LARGEST_BUCKLING: f64 = 0.5;
+
+/// Contact radius over the thickness of a lens from which on the lens is no flat layer any more: its rim is as near as its back.
+const WIDEST_ON_LENS: f64 = 1.0;
+
+/// Thickness of a spherical cap over its radius from which on it is nearly half a sphere, and a flat layer no longer stands for it: finite elements
+/// make it softer by a tenth of what it shifts, and by a quarter near the radius ([`cap_reduction`](super::layer::cap_reduction)).
+const THICKEST_CAP: f64 = 0.5;
 
 /// Relative difference of compliance or force that does not matter beside what moduli and lengths are known to.
 const SMALL: f64 = 0.01;
@@ -30,7 +39,10 @@ impl ContactState {
     ///   top (S. P. Timoshenko, J. M. Gere, Theory of Elastic Stability, sec. 2.1).
     /// * `pillar_compliance`: by which part a lone pillar gives way otherwise than an elastic one, where that is known. Near the transition the force changes by up to
     ///   four times as much. Of elastic pillars `elastic_pillar_error` instead: the largest error of a critical force that was found.
-    /// * `substrate_thickness_of_one_percent_m` and the like: a thickness at which the indentation under this force would be that much smaller, on a rigid back
+    /// * Of bodies that are layers: `contact_radius_over_lens_thickness` and `contact_radius_over_substrate_thickness`, of which the latter has no threshold, as a flat
+    ///   film is solved however thin it is; `lens_thickness_over_radius`, from 0.5 on doubtful for a cap; `indentation_over_thickness` of the thinnest
+    ///   layer; and `thickness_over_diameter` of the thinnest layer and the widest pillar, doubtful below 2.
+    /// * `substrate_thickness_of_one_percent_m` and the like, of bodies that are half-spaces: a thickness at which the indentation under this force would be that much smaller, on a rigid back
     ///   ([`Layers::shift`]).
     /// * `work_of_adhesion_of_one_percent_J_per_m2`, where nothing sticks: at which `N` tops, pulled alike, hold a hundredth of the force at pull-off,
     ///   `(F/100 N)^2/(8 pi E* a^3)` (K. Kendall, J. Phys. D 4, 1186 (1971)).
@@ -60,6 +72,7 @@ impl ContactState {
             limits.push(Limit::at_most("buckling", buckling, LARGEST_BUCKLING));
         }
         limits.extend(self.of_pillars());
+        limits.extend(self.of_layers());
         if self.force > 0.0 && self.indentation > 0.0 {
             limits.extend(self.thicknesses());
             limits.extend(self.sticking());
@@ -84,7 +97,39 @@ impl ContactState {
         Some(Limit::at_most("pillar_compliance", difference, SMALL))
     }
 
-    /// At which thickness either body would matter.
+    /// Where bodies that are layers are beyond what flat layers stand for.
+    fn of_layers(&self) -> Vec<Limit> {
+        let system = &self.system;
+        let [film, lens] = [system.substrate_layer(), system.lens_layer()];
+        let mut limits = Vec::new();
+        if let Some(film) = film {
+            let name = "contact_radius_over_substrate_thickness";
+            limits.push(Limit::told(name, self.contact_radius / film.thickness));
+        }
+        if let Some(lens) = lens {
+            let name = "contact_radius_over_lens_thickness";
+            let ratio = self.contact_radius / lens.thickness;
+            limits.push(Limit::at_most(name, ratio, WIDEST_ON_LENS));
+            if let LensShape::Sphere { radius } = system.lens().shape {
+                let ratio = lens.thickness / radius;
+                let name = "lens_thickness_over_radius";
+                limits.push(Limit::at_most(name, ratio, THICKEST_CAP));
+            }
+        }
+        let thicknesses = [film, lens].into_iter().flatten();
+        let thinnest = thicknesses.map(|layer| layer.thickness).reduce(f64::min);
+        if let Some(thinnest) = thinnest {
+            let deep = self.indentation / thinnest;
+            let name = "indentation_over_thickness";
+            limits.push(Limit::at_most(name, deep, DEEPEST_IN_LAYER));
+            let name = "thickness_over_diameter";
+            let ratio = thinnest / system.largest_diameter();
+            limits.push(Limit::at_least(name, ratio, THINNEST_LAYER));
+        }
+        limits
+    }
+
+    /// At which thickness a body that is a half-space would matter.
     fn thicknesses(&self) -> Vec<Limit> {
         let system = &self.system;
         let radius = system.lens().radius().unwrap_or(0.0);
@@ -100,6 +145,7 @@ impl ContactState {
         let bodies = [
             (
                 system.lens().material,
+                system.lens_layer(),
                 [
                     "lens_thickness_of_one_percent_m",
                     "lens_thickness_of_ten_percent_m",
@@ -107,6 +153,7 @@ impl ContactState {
             ),
             (
                 *system.substrate(),
+                system.substrate_layer(),
                 [
                     "substrate_thickness_of_one_percent_m",
                     "substrate_thickness_of_ten_percent_m",
@@ -125,7 +172,9 @@ impl ContactState {
                 Limit::told(name, thickness([thin.indentation, bend], change))
             })
         };
-        bodies.into_iter().flat_map(of_body).collect()
+        let half_spaces = bodies.into_iter().filter(|body| body.1.is_none());
+        let half_spaces = half_spaces.map(|(material, _, names)| (material, names));
+        half_spaces.flat_map(of_body).collect()
     }
 
     /// At which work of adhesion sticking would matter that is left out.
