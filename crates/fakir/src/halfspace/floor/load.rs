@@ -31,6 +31,9 @@ const MULTIPOLES: usize = DEGREES * (DEGREES + 2) / 4;
 /// it does, and a tenth of that on the average.
 const SMALL: f64 = 0.28;
 
+/// The same for what layers add, by Chebyshev nodes: over how far it is smooth.
+const SMOOTH: f64 = 0.2;
+
 /// Groups of no more cells are not divided.
 const FEW_CELLS: usize = 12;
 
@@ -96,6 +99,7 @@ impl FloorLoad {
     /// The same on layers, in the unit of length of the cells.
     pub(crate) fn with_layers(mut self, layers: &[WeightedLayer]) -> Self {
         self.layers = AroundForce::on_cell(layers, self.cell()).map(Arc::new);
+        self.groups = OnceLock::new();
         self
     }
 
@@ -283,7 +287,7 @@ impl Groups {
         match group.parts {
             Parts::Cells { first, end } => sum(&self.cells[first..end]),
             Parts::Halves(_)
-                if group.radius < SMALL * around.smoothness(distance(&group.centre)) =>
+                if group.radius < SMOOTH * around.smoothness(distance(&group.centre)) =>
             {
                 sum(&group.nodes)
             }
