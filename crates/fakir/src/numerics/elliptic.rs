@@ -105,5 +105,4 @@ mod tests {
         let far = 120.0 / 10395.0 * x.powi(-6);
         assert!((values[5] / far - 1.0).abs() < 1e-7);
     }
-
 }

@@ -12,8 +12,8 @@
 
 use super::adhesion::sphere_pull_off_by_force;
 use crate::numerics::cholesky::{factorise, solve_lower};
-use crate::numerics::roots::{Point, find, least};
 use crate::numerics::elliptic::{dilogarithm, elliptic_ratio, legendre_q};
+use crate::numerics::roots::{Point, find, least};
 use crate::problem::quantity::Requirement;
 use crate::problem::{InvalidQuantity, Quantity, System};
 use crate::state::SolveError;
