@@ -1024,7 +1024,13 @@ mod tests {
         // Central differences of the states themselves, with a step whose square is the relative error.
         const STEP: f64 = 1e-3;
         let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
-        file.set("texture.surface_fraction=0.01").unwrap();
+        for given in [
+            "texture.surface_fraction=0.01",
+            "substrate.thickness=0.5 mm",
+            "lens.thickness=1 mm",
+        ] {
+            file.set(given).unwrap();
+        }
         // Between touches of pillars. The forces say only what a step of the compliance is.
         let displacement = vec![0.5e-6, 1.0e-6, 2.0e-6];
         let columns = [
