@@ -198,7 +198,7 @@ pub enum AnnulusEdge {
 }
 
 /// Outermost radius, in radii of the pillar, at which an edge is sought.
-const FARTHEST: f64 = 1e7;
+const FARTHEST: f64 = 1e10;
 
 /// Factor from one width of an annulus to the next when its edge is sought.
 const STRIDE: f64 = 1.3;
@@ -840,6 +840,12 @@ mod tests {
             assert!(matches!(edge(0.9999), AnnulusEdge::At(b) if b < there));
             assert_eq!(edge(1.0001), AnnulusEdge::Runs);
         }
+        // The least work that a system can have: a point force on a crack, b^3 = F^2/(2 pi^3 w E*), but for terms of the order a/b.
+        let least = 1e-12;
+        let force = pillar.step / (0.5 / (modulus * pillar.radius) + pillar.column_compliance);
+        let far = (force * force / (2.0 * PI.powi(3) * least * modulus)).cbrt();
+        let edge = pillar.edge(least, 0.0).unwrap();
+        assert!(matches!(edge, AnnulusEdge::At(b) if (b / far - 1.0).abs() < pillar.radius / far));
         // The column shortens by the whole step.
         let flush = 2.0 * pillar.step / (pillar.column_compliance * PI * pillar.radius.powi(2));
         assert_eq!(pillar.edge(10e-3, flush).unwrap(), AnnulusEdge::Closed);
