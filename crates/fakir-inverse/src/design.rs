@@ -1413,7 +1413,11 @@ mod tests {
             [
                 "lens.radius",
                 "lens.young_modulus",
+                "lens.thickness",
+                "lens.base_young_modulus",
                 "substrate.young_modulus",
+                "substrate.thickness",
+                "substrate.base_young_modulus",
                 "texture.surface_fraction",
                 "texture.pitch",
                 "texture.pitch_y",
@@ -1421,9 +1425,21 @@ mod tests {
                 "texture.pillar.height"
             ]
         );
+        let mut layered = paper(0.1);
+        for body in ["lens", "substrate"] {
+            for given in [
+                "thickness=1 mm",
+                "base=elastic",
+                "base_young_modulus=1 GPa",
+                "base_poisson_ratio=0.3",
+            ] {
+                layered.set(&format!("{body}.{given}")).unwrap();
+            }
+        }
         for free in free_keys() {
             let (file, case) = match free {
                 Key::PitchY => (rectangular(0.1), rectangular(0.1).case().unwrap()),
+                _ if free.is_of_layers() => (layered.clone(), layered.case().unwrap()),
                 _ => (file.clone(), case.clone()),
             };
             let first = case.number(free).unwrap();
