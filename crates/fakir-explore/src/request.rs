@@ -321,7 +321,8 @@ mod tests {
         assert!(!film.keys().any(|path| path.ends_with("thickness")));
         film.insert("substrate.thickness".to_owned(), Setting::Number(2e-4));
         let layered = case(&film).unwrap();
-        assert_eq!(layered.system.substrate_layer().unwrap().thickness, 2e-4);
+        let expected = fakir::problem::Layer::new(2e-4);
+        assert_eq!(layered.system.substrate_layer(), Some(&expected));
         assert_eq!(
             of_case(&layered)["substrate.thickness"],
             Setting::Number(2e-4)
