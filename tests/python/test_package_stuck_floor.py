@@ -58,7 +58,7 @@ def test_edges_stand_close_or_run(system):
 
 def test_little_work_holds_no_floor(system):
     assert theory.stuck_floor_pull_off(system, "10 mJ/m2") is None
-    assert theory.net_work(system, "1 uJ/m2") is None
+    assert theory.net_work(system, "0.001 mJ/m2") is None
     assert theory.patch(system, "2.2 mm", "-1 um") is None
 
 

@@ -252,11 +252,7 @@ impl Measurements {
     ) -> Result<Self, DataError> {
         let reader = Reader { name: "data" };
         let (layout, columns) = reader.arrays(columns, named)?;
-        let measurements = Self::new(&columns);
-        measurements.map(|measurements| Self {
-            layout,
-            ..measurements
-        })
+        reader.columns(layout, &columns)
     }
 
     /// Columns of values, all of the same length; NaN stands for what was not measured. Errors call
@@ -265,27 +261,7 @@ impl Measurements {
     /// # Errors
     /// [`DataError`]
     pub fn new(columns: &[(Column, Vec<f64>)]) -> Result<Self, DataError> {
-        let reader = Reader { name: "data" };
-        let length = columns.first().map_or(0, |(_, values)| values.len());
-        for (number, (column, values)) in columns.iter().enumerate() {
-            let name = Some(column.name());
-            if values.len() != length {
-                let problem = format!("has {} values, but the first column {length}", values.len());
-                return Err(reader.fail(None, name, problem));
-            }
-            if columns[..number].iter().any(|(other, _)| other == column) {
-                return Err(reader.fail(None, name, "is given twice"));
-            }
-        }
-        let row = |k: usize| {
-            let cells = columns.iter().map(|(column, values)| (*column, values[k]));
-            (
-                k as u64 + 1,
-                cells.filter(|(_, value)| !value.is_nan()).collect(),
-            )
-        };
-        let names: Vec<Column> = columns.iter().map(|(column, _)| *column).collect();
-        reader.measurements(Layout::default(), &names, (0..length).map(row).collect())
+        Reader { name: "data" }.columns(Layout::default(), columns)
     }
 
     /// How a file, or the headings of columns, were understood.
@@ -441,6 +417,34 @@ impl Reader<'_> {
             return Err(self.fail(None, None, problem));
         }
         Ok(measurements)
+    }
+
+    /// Of columns of values that were understood so.
+    fn columns(
+        &self,
+        layout: Layout,
+        columns: &[(Column, Vec<f64>)],
+    ) -> Result<Measurements, DataError> {
+        let length = columns.first().map_or(0, |(_, values)| values.len());
+        for (number, (column, values)) in columns.iter().enumerate() {
+            let name = Some(column.name());
+            if values.len() != length {
+                let problem = format!("has {} values, but the first column {length}", values.len());
+                return Err(self.fail(None, name, problem));
+            }
+            if columns[..number].iter().any(|(other, _)| other == column) {
+                return Err(self.fail(None, name, "is given twice"));
+            }
+        }
+        let row = |k: usize| {
+            let cells = columns.iter().map(|(column, values)| (*column, values[k]));
+            (
+                k as u64 + 1,
+                cells.filter(|(_, value)| !value.is_nan()).collect(),
+            )
+        };
+        let names: Vec<Column> = columns.iter().map(|(column, _)| *column).collect();
+        self.measurements(layout, &names, (0..length).map(row).collect())
     }
 
     fn check_columns(&self, layout: &Layout, columns: &[Column]) -> Result<Position, DataError> {
