@@ -32,7 +32,7 @@ pub fn press(
 ) -> Result<ContactState, SolveError> {
     let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
     refuse_transition(system, control)?;
-    refuse_layers(system, method)?;
+    refuse_layers(system)?;
     if !system.adhesion().is_none() {
         return adhesive::press(system, control, with_adhesion(method)?, run)?.checked();
     }
@@ -85,7 +85,7 @@ pub fn gradient(
             "with adhesion the contact depends on the way there; leave out the works of adhesion";
         return Err(SolveError::NoGradient { why });
     }
-    refuse_layers(system, method)?;
+    refuse_layers(system)?;
     let Method::Spectral(accuracy) = method else {
         let why = "only the spectral method has one; use that";
         return Err(SolveError::NoGradient { why });
@@ -160,7 +160,7 @@ pub fn follow_cycle(
     if system.adhesion().is_none() {
         return Err(SolveError::NothingSticks);
     }
-    refuse_layers(system, method)?;
+    refuse_layers(system)?;
     adhesive::cycle(system, plan, with_adhesion(method)?, run, follower)?.checked()
 }
 
@@ -177,9 +177,9 @@ fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError
 /// With what is to be said where bodies are layers.
 fn with_layer_warnings(mut state: ContactState) -> ContactState {
     let system = &state.system;
-    let layers = [system.substrate_layer(), system.lens_layer()];
-    let thinnest = layers.iter().flatten().map(|layer| layer.thickness);
-    let thinnest = thinnest.fold(f64::INFINITY, f64::min);
+    let Some(thinnest) = system.thinnest_layer() else {
+        return state;
+    };
     let mut warnings = Vec::new();
     let (lens, force) = (system.lens(), state.force);
     if let (Some(layer), LensShape::Sphere { radius }) = (system.lens_layer(), &lens.shape) {
@@ -205,7 +205,7 @@ fn with_layer_warnings(mut state: ContactState) -> ContactState {
 }
 
 /// Refuses what is made for half-spaces alone where a body is a layer.
-fn refuse_layers(system: &System, method: Method) -> Result<(), SolveError> {
+fn refuse_layers(system: &System) -> Result<(), SolveError> {
     if !system.has_layers() {
         return Ok(());
     }
@@ -217,9 +217,7 @@ fn refuse_layers(system: &System, method: Method) -> Result<(), SolveError> {
         let instead = "or give all pillars of the list the diameter pillar.diameter";
         return refused("a list of pillars of several diameters", instead);
     }
-    match method {
-        Method::Spectral(_) | Method::Punch(_) | Method::Love(_) | Method::Homogenised => Ok(()),
-    }
+    Ok(())
 }
 
 /// Refuses a state whose lowest point of the floor is beyond the table of heights of the lens, where its gap is not known.

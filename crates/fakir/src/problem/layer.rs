@@ -91,6 +91,11 @@ impl WeightedLayer {
         layered.collect()
     }
 
+    /// Thickness of the thinnest of them; none without layers.
+    pub(crate) fn thinnest(layers: &[Self]) -> Option<f64> {
+        layers.iter().map(|layer| layer.thickness).reduce(f64::min)
+    }
+
     /// How what layers add to half-spaces changes between two states of the same bodies, over the width between them: as layers, as it is linear in
     /// their weights.
     pub(crate) fn change([before, after]: [Vec<Self>; 2], width: f64) -> Vec<Self> {

@@ -181,6 +181,18 @@ impl System {
         self.layers.iter().any(Option::is_some)
     }
 
+    /// Thickness of the thinnest layer, m; none between half-spaces.
+    pub(crate) fn thinnest_layer(&self) -> Option<f64> {
+        let layers = self.layers.iter().flatten();
+        layers.map(|layer| layer.thickness).reduce(f64::min)
+    }
+
+    /// Substrate and lens.
+    fn bodies(&self) -> [Body; 2] {
+        let [substrate, lens] = self.layers;
+        [(self.substrate, substrate), (self.lens.material, lens)]
+    }
+
     /// How what layers add changes with the quantities on which it depends, in a unit of length (m): by central differences of the layers
     /// themselves, to 1e-9.
     pub(crate) fn layer_changes(&self, unit: f64) -> Vec<(Quantity, Vec<WeightedLayer>)> {
@@ -188,8 +200,7 @@ impl System {
         if !self.has_layers() {
             return Vec::new();
         }
-        let [substrate, lens] = self.layers;
-        let bodies = [(self.substrate, substrate), (self.lens.material, lens)];
+        let bodies = self.bodies();
         let moduli = [
             [Q::SubstrateYoungModulus, Q::SubstratePoissonRatio],
             [Q::LensYoungModulus, Q::LensPoissonRatio],
@@ -245,9 +256,7 @@ impl System {
 
     /// The layers in a unit of length (m).
     pub(crate) fn weighted_layers(&self, unit: f64) -> Vec<WeightedLayer> {
-        let [substrate, lens] = self.layers;
-        let bodies = [(self.substrate, substrate), (self.lens.material, lens)];
-        WeightedLayer::among(&bodies, unit)
+        WeightedLayer::among(&self.bodies(), unit)
     }
 
     /// The same system with another model of the floor.

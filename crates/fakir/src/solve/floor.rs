@@ -372,26 +372,19 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 return [0.0; 2];
             }
             if square > BESIDE_DISC * BESIDE_DISC {
-                let inverse = (PI * square.sqrt() * radius).recip();
+                let of_force = self.exterior.of_force(offset.map(|along| along * radius));
                 let [unit, rest, ..] = forces[disc];
-                return [unit * inverse, rest * inverse];
+                return [unit, rest].map(|force| force * of_force.value);
             }
             self.exterior.values(offset, values);
             [0, 1].map(|set| radius * dot(values, self.coefficients_of(set, disc)))
         };
         let holes = Neighbours::new(points.iter().map(|point| (*point, 0.0)));
-        let groups = holes.groups(if self.exterior.has_layers() {
-            1
-        } else {
-            TOGETHER
-        });
-        // What layers add to the displacement by a force is not expanded.
+        let groups = holes.groups(TOGETHER);
         let add = |forces: [f64; 2], offset: Point, sums: &mut [FieldJet; 2]| {
-            add_forces(forces, offset, sums);
-            let mut of_layers = [0.0];
-            self.exterior.layer_values(1, offset, &mut of_layers);
+            let of_force = self.exterior.of_force(offset);
             for (sum, force) in sums.iter_mut().zip(forces) {
-                sum.value += force * of_layers[0] / UNIT_FORCE;
+                sum.add_scaled(force, &of_force);
             }
         };
         let work = || (vec![0.0; self.modes], Vec::new());
@@ -442,22 +435,6 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             }
         }
         Some(displacements)
-    }
-}
-
-/// Adds what two forces in one point do at an offset from it.
-fn add_forces(forces: [f64; 2], [x, y]: Point, sums: &mut [FieldJet; 2]) {
-    let square = (x * x + y * y).recip();
-    let value = square.sqrt() / PI;
-    let third = value * square;
-    let fifth = 3.0 * third * square;
-    let jet = FieldJet {
-        value,
-        gradient: [-third * x, -third * y],
-        hessian: [fifth * x * x - third, fifth * x * y, fifth * y * y - third],
-    };
-    for (sum, force) in sums.iter_mut().zip(forces) {
-        sum.add_scaled(force, &jet);
     }
 }
 

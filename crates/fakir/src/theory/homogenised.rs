@@ -8,6 +8,7 @@ use super::spring_layer::{LayerModes, UnitContact};
 use crate::halfspace::layer::LayerResponse;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::roots;
+use crate::problem::layer::WeightedLayer;
 use crate::problem::{Control, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
 use crate::state::contact::contact_warnings;
 use crate::state::{ContactState, ErrorEstimate, Run, SolveError, Termination};
@@ -87,7 +88,7 @@ fn neighbour_compliance(system: &System) -> f64 {
 /// than two pitches.
 fn added_by_layers(system: &System) -> [f64; 2] {
     let layers = system.weighted_layers(1.0);
-    let Some(thinnest) = layers.iter().map(|layer| layer.thickness).reduce(f64::min) else {
+    let Some(thinnest) = WeightedLayer::thinnest(&layers) else {
         return [0.0; 2];
     };
     let responses: Vec<_> = layers

@@ -116,9 +116,7 @@ impl ContactState {
                 limits.push(Limit::at_most(name, ratio, THICKEST_CAP));
             }
         }
-        let thicknesses = [film, lens].into_iter().flatten();
-        let thinnest = thicknesses.map(|layer| layer.thickness).reduce(f64::min);
-        if let Some(thinnest) = thinnest {
+        if let Some(thinnest) = system.thinnest_layer() {
             let deep = self.indentation / thinnest;
             let name = "indentation_over_thickness";
             limits.push(Limit::at_most(name, deep, DEEPEST_IN_LAYER));

@@ -454,11 +454,12 @@ impl PairCoupling {
             (None, Part::Whole) => self.series.values(discs, radial),
         }
         if let Some(layers) = &self.layers {
-            let [mut more, mut first, mut second] = [0; 3].map(|_| vec![0.0; radial.len()]);
+            let mut more = vec![0.0; radial.len()];
             if self.part == Part::ByDistance {
-                layers.jets(discs.distance, [&mut more, &mut first, &mut second]);
-                for (more, first) in more.iter_mut().zip(first) {
-                    *more = discs.distance * first;
+                let [mut value, mut second] = [0; 2].map(|_| vec![0.0; radial.len()]);
+                layers.jets(discs.distance, [&mut value, &mut more, &mut second]);
+                for more in &mut more {
+                    *more *= discs.distance;
                 }
             } else {
                 layers.values(discs.distance, &mut more);

@@ -10,6 +10,7 @@
 //! `2 y_lm (-1)^((l-m)/2) ∫ (Phi(k) - 1) j_l(k) J_m(k delta) dk` is added, with the same angular factor. That goes on inside the disc.
 
 use super::basis::{Mode, equator_value, gamma_degree, modes};
+use crate::halfspace::layer::force::AroundForce;
 use crate::halfspace::layer::table::{RadialPart, RadialTable};
 use crate::numerics::special::gamma_half;
 use crate::numerics::vector::{LANES, Lanes};
@@ -261,8 +262,15 @@ pub(crate) struct Exterior {
     /// One per (degree, order), and for every mode which.
     radial: Vec<RadialFunction>,
     radial_of: Vec<usize>,
-    /// What layers add to each of them; none on half-spaces.
-    layers: Option<Arc<RadialTable>>,
+    /// What layers add to each of them and around a force; none on half-spaces.
+    layers: Option<Arc<OnLayers>>,
+}
+
+/// What layers add.
+#[derive(Debug)]
+struct OnLayers {
+    radial: RadialTable,
+    force: Option<AroundForce>,
 }
 
 /// Highest degree of which derivatives are evaluated.
@@ -308,9 +316,12 @@ impl Exterior {
             }
         };
         let parts = self.modes.iter().filter(|mode| !mode.sine).map(of_mode);
-        let table = RadialTable::new(layers, parts.collect());
+        let layers = OnLayers {
+            radial: RadialTable::new(layers, parts.collect()),
+            force: AroundForce::at_point(layers),
+        };
         Self {
-            layers: Some(Arc::new(table)),
+            layers: Some(Arc::new(layers)),
             ..self
         }
     }
@@ -349,7 +360,7 @@ impl Exterior {
         }
         let (mut few, mut many);
         let mut of_layers: &mut [[Lanes; 3]] = &mut [];
-        if let Some(layers) = &self.layers {
+        if let Some(OnLayers { radial: layers, .. }) = self.layers.as_deref() {
             let bears = |lane: usize| {
                 let of_disc = coefficients.iter().flat_map(|set| set[lane]);
                 of_disc.into_iter().any(|c| *c != 0.0)
@@ -401,17 +412,20 @@ impl Exterior {
         let inverse_distance = inverse_square.map(f64::sqrt);
         let mut radial = Lanes::default();
         let mut harmonic = [Lanes::default(); 2];
-        let of_layers = self.layers.as_ref().map(|layers| {
-            let mut of_layers = [Lanes::default(); MOST_RADIAL];
-            let mut values = [0.0; MOST_RADIAL];
-            for lane in 0..LANES {
-                layers.values(inverse_distance.0[lane].recip(), &mut values);
-                for (lanes, value) in of_layers[..layers.count()].iter_mut().zip(values) {
-                    lanes.0[lane] = value;
+        let of_layers = self
+            .layers
+            .as_deref()
+            .map(|OnLayers { radial: layers, .. }| {
+                let mut of_layers = [Lanes::default(); MOST_RADIAL];
+                let mut values = [0.0; MOST_RADIAL];
+                for lane in 0..LANES {
+                    layers.values(inverse_distance.0[lane].recip(), &mut values);
+                    for (lanes, value) in of_layers[..layers.count()].iter_mut().zip(values) {
+                        lanes.0[lane] = value;
+                    }
                 }
-            }
-            of_layers
-        });
+                of_layers
+            });
         let modes = self.modes.iter().zip(&self.radial_of);
         for (value, (mode, &which)) in values.iter_mut().zip(modes) {
             if !mode.sine {
@@ -442,9 +456,22 @@ impl Exterior {
         });
     }
 
-    /// Whether it is that on layers.
-    pub(crate) fn has_layers(&self) -> bool {
-        self.layers.is_some()
+    /// The displacement by a unit force in one point, at an offset from it: `1/(pi r)` and what layers add.
+    pub(crate) fn of_force(&self, [x, y]: [f64; 2]) -> FieldJet {
+        let square = (x * x + y * y).recip();
+        let value = square.sqrt() / PI;
+        let third = value * square;
+        let fifth = 3.0 * third * square;
+        let mut jet = FieldJet {
+            value,
+            gradient: [-third * x, -third * y],
+            hessian: [fifth * x * x - third, fifth * x * y, fifth * y * y - third],
+        };
+        let layers = self.layers.as_ref();
+        if let Some(force) = layers.and_then(|layers| layers.force.as_ref()) {
+            jet.add_scaled(PI.recip(), &force.jet([x, y]));
+        }
+        jet
     }
 
     /// What layers add to them at any point, in the disc too: nothing on half-spaces.
@@ -464,11 +491,11 @@ impl Exterior {
         values: &mut [f64],
         of_half_spaces: impl Fn(&RadialFunction) -> f64,
     ) {
-        let mut of_layers = Vec::new();
-        if let Some(layers) = &self.layers {
-            of_layers.resize(layers.count(), 0.0);
-            layers.values(point[0].hypot(point[1]), &mut of_layers);
-        }
+        let of_layers = self.layers.as_deref().map(|layers| {
+            let mut values = vec![0.0; layers.radial.count()];
+            layers.radial.values(point[0].hypot(point[1]), &mut values);
+            values
+        });
         let mut radial = 0.0;
         for ((value, mode), &which) in values
             .iter_mut()
@@ -478,8 +505,8 @@ impl Exterior {
         {
             if !mode.sine {
                 radial = of_half_spaces(&self.radial[which]);
-                if let Some(more) = of_layers.get(which) {
-                    radial += more;
+                if let Some(of_layers) = &of_layers {
+                    radial += of_layers[which];
                 }
             }
             let [re, im] = power(point, self.radial[which].order);

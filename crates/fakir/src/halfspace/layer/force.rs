@@ -30,9 +30,7 @@ impl AroundForce {
 
     fn averaged(layers: &[WeightedLayer], cell: [f64; 2], times: f64) -> Option<Self> {
         let [width, height] = cell;
-        if layers.is_empty() {
-            return None;
-        }
+        let thinnest = WeightedLayer::thinnest(layers)?;
         let part = RadialPart {
             factor: 1.0,
             degrees: Vec::new(),
@@ -41,13 +39,7 @@ impl AroundForce {
         };
         let blur = times * (width * width + height * height) / 48.0;
         let table = RadialTable::new(layers, vec![part]).blurred(blur);
-        Some(Self {
-            table,
-            thinnest: layers
-                .iter()
-                .map(|layer| layer.thickness)
-                .fold(f64::INFINITY, f64::min),
-        })
+        Some(Self { table, thinnest })
     }
 
     /// How far a place at a distance is from where it is not smooth: branches at twice the thickness, along the imaginary axis.

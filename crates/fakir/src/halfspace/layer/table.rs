@@ -64,8 +64,7 @@ impl RadialTable {
     pub(crate) fn new(layers: &[WeightedLayer], parts: Vec<RadialPart>) -> Self {
         let discs = parts.iter().map(|part| part.degrees.len()).max();
         let discs = discs.unwrap_or(0) as f64;
-        let thicknesses = layers.iter().map(|layer| layer.thickness);
-        let thinnest = thicknesses.fold(f64::INFINITY, f64::min);
+        let thinnest = WeightedLayer::thinnest(layers).unwrap_or(f64::INFINITY);
         let mut ends = vec![0.0];
         let mut end = 0.0;
         while end < FARTHEST {

@@ -106,7 +106,6 @@ fn drawn(
     let mut labels = vec![HeightMap::NO_PILLAR; grid.cell_count()];
     let mut compliance = Vec::new();
     let shape = [grid.columns(), grid.rows()];
-    let law = system.column_law();
     for pillar in pillars {
         let label = compliance.len() as u32;
         let span = |axis: usize| {
@@ -127,11 +126,7 @@ fn drawn(
             }
         }
         if is_drawn {
-            let common = system.pillar();
-            let slenderness = pillar.height * common.diameter;
-            let column = law.of(slenderness, common.height * pillar.diameter);
-            let stiffness = system.reduced_modulus() * pillar.diameter;
-            compliance.push(column.shortening / stiffness);
+            compliance.push(system.column_compliance_of(pillar.height, pillar.diameter));
         }
     }
     HeightMap::new(*grid, heights)?.with_pillars(PillarColumns { labels, compliance })
