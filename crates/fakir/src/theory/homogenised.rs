@@ -207,8 +207,9 @@ pub(crate) fn press(
 }
 
 /// Contact radius under what is prescribed, to three digits, m: a first guess for other methods. None where the
-/// model does not apply.
+/// model does not apply. Layers count as half-spaces, as they take more time here than a better guess would save.
 pub(crate) fn rough_contact_radius(system: &System, control: Control) -> Option<f64> {
+    let system = &system.with_layers(None, None).ok()?;
     let lattice = HomogenisedLattice::new(system).ok()?;
     let (contact, _) = contact_at(system, &lattice, LayerModes::rough(), control).ok()?;
     Some(contact.radius)

@@ -198,9 +198,10 @@ impl LayerModes {
             let weights: [&dyn Fn(f64) -> f64; 2] =
                 [&|x| response.deficit(x), &|x| -x * response.slope(x)];
             for (matrix, of) in matrices.iter_mut().zip(weights) {
+                let of_wave = |(x, weight): &(f64, f64)| factor * weight * of(*x);
+                let of_waves: Vec<f64> = rule.iter().map(of_wave).collect();
                 let weighted = Mat::from_fn(rule.len(), count, |k, mode| {
-                    let (x, weight) = rule[k];
-                    factor * weight * of(x) * transforms[(k, mode)]
+                    of_waves[k] * transforms[(k, mode)]
                 });
                 *matrix += transforms.transpose() * &weighted;
             }

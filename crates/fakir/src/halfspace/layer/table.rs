@@ -18,6 +18,9 @@ const POINTS: usize = 24;
 const CELLS: usize = 16;
 const TERMS: usize = 9;
 
+/// Functions that are evaluated side by side.
+const GROUP: usize = 4;
+
 /// Length of a piece over its distance from the branches at the most.
 const GROWTH: f64 = 1.5;
 
@@ -55,8 +58,8 @@ struct Piece {
     start: f64,
     /// Half the length of a cell.
     half: f64,
-    /// Of every cell, for every power of the distance from its middle in units of its half length, all functions.
-    coefficients: Vec<f64>,
+    /// Of every cell, for every group of functions, the powers of the distance from its middle in units of its half length, one after the other.
+    coefficients: Vec<[f64; GROUP]>,
 }
 
 impl RadialTable {
@@ -94,16 +97,16 @@ impl RadialTable {
         self.parts.len()
     }
 
-    /// The polynomials about a distance, the variable in them, and its derivative with respect to the distance.
+    /// The polynomials about a distance, group by group, the variable in them, and its derivative with respect to the distance.
     #[inline(always)]
-    fn cell(&self, distance: f64) -> (&[f64], f64, f64) {
+    fn cell(&self, distance: f64) -> (&[[f64; GROUP]], f64, f64) {
         let number = self.ends.partition_point(|end| *end <= distance);
         let number = number.clamp(1, self.pieces.len()) - 1;
         let piece = self.pieces[number].get_or_init(|| self.piece(number));
         let inverse = piece.half.recip();
         let place = (distance - piece.start) * inverse;
         let cell = ((0.5 * place) as usize).min(CELLS - 1);
-        let size = TERMS * self.count();
+        let size = TERMS * self.count().div_ceil(GROUP);
         let variable = place - (2 * cell + 1) as f64;
         (
             &piece.coefficients[cell * size..][..size],
@@ -115,12 +118,15 @@ impl RadialTable {
     /// The functions at a distance.
     pub(crate) fn values(&self, distance: f64, values: &mut [f64]) {
         let (coefficients, x, _) = self.cell(distance);
-        let values = &mut values[..self.count()];
-        values.fill(0.0);
-        for row in coefficients.chunks_exact(values.len()).rev() {
-            for (value, coefficient) in values.iter_mut().zip(row) {
-                *value = *value * x + coefficient;
+        let groups = coefficients.chunks_exact(TERMS);
+        for (terms, values) in groups.zip(values[..self.count()].chunks_mut(GROUP)) {
+            let mut sums = [0.0; GROUP];
+            for row in terms.iter().rev() {
+                for (sum, coefficient) in sums.iter_mut().zip(row) {
+                    *sum = *sum * x + coefficient;
+                }
             }
+            values.copy_from_slice(&sums[..values.len()]);
         }
     }
 
@@ -129,24 +135,27 @@ impl RadialTable {
     pub(crate) fn jets(&self, distance: f64, [value, first, second]: [&mut [f64]; 3]) {
         let (coefficients, x, inverse) = self.cell(distance);
         let count = self.count();
-        let (value, first, second) = (
-            &mut value[..count],
-            &mut first[..count],
-            &mut second[..count],
-        );
-        value.fill(0.0);
-        first.fill(0.0);
-        second.fill(0.0);
-        for row in coefficients.chunks_exact(count).rev() {
-            for k in 0..count {
-                second[k] = second[k] * x + first[k];
-                first[k] = first[k] * x + value[k];
-                value[k] = value[k] * x + row[k];
+        let [value, first, second] =
+            [value, first, second].map(|all| all[..count].chunks_mut(GROUP));
+        let groups = coefficients
+            .chunks_exact(TERMS)
+            .zip(value)
+            .zip(first)
+            .zip(second);
+        for (((terms, value), first), second) in groups {
+            let [mut f, mut f1, mut half_f2] = [[0.0; GROUP]; 3];
+            for row in terms.iter().rev() {
+                for k in 0..GROUP {
+                    half_f2[k] = half_f2[k] * x + f1[k];
+                    f1[k] = f1[k] * x + f[k];
+                    f[k] = f[k] * x + row[k];
+                }
             }
-        }
-        for k in 0..count {
-            first[k] *= inverse;
-            second[k] *= 2.0 * inverse * inverse;
+            let there = value.len();
+            value.copy_from_slice(&f[..there]);
+            first.copy_from_slice(&f1.map(|f1| f1 * inverse)[..there]);
+            let twice = 2.0 * inverse * inverse;
+            second.copy_from_slice(&half_f2.map(|f2| f2 * twice)[..there]);
         }
     }
 
@@ -158,14 +167,19 @@ impl RadialTable {
         let at_nodes = self.integrals(&nodes.collect::<Vec<f64>>(), end);
         let of_piece = chebyshev_coefficients(&at_nodes, count);
         let cell_half = 1.0 / CELLS as f64;
-        let mut coefficients = Vec::with_capacity(CELLS * TERMS * count);
+        let mut coefficients = Vec::with_capacity(CELLS * TERMS * count.div_ceil(GROUP));
         for cell in 0..CELLS {
             let centre = -1.0 + cell_half * (2 * cell + 1) as f64;
             let mut at_points = Vec::with_capacity(TERMS * count);
             for x in chebyshev_points(TERMS) {
                 at_points.extend(chebyshev_sums(&of_piece, count, centre + cell_half * x));
             }
-            coefficients.extend(monomials(&chebyshev_coefficients(&at_points, count), count));
+            let powers = monomials(&chebyshev_coefficients(&at_points, count), count);
+            for first in (0..count).step_by(GROUP) {
+                coefficients.extend(powers.chunks_exact(count).map(|row| {
+                    std::array::from_fn(|k| row.get(first + k).copied().unwrap_or(0.0))
+                }));
+            }
         }
         Piece {
             start,
