@@ -29,6 +29,14 @@ Method = Literal["spectral", "love", "punch", "homogenised"]
 Overrides = Mapping[str, Quantity]
 
 
+def _set_material(body: object, keys: str, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
+    """Both numbers of an elastic body, whose keys in a case file begin so."""
+    modulus = si(young_modulus, "pressure", f"{keys}young_modulus")
+    object.__setattr__(body, "young_modulus", modulus)
+    ratio = si(poisson_ratio, "number", f"{keys}poisson_ratio")
+    object.__setattr__(body, "poisson_ratio", ratio)
+
+
 @dataclass(frozen=True, init=False)
 class ElasticBase:
     """A half-space that a lens or a substrate of finite thickness is bonded to.
@@ -45,10 +53,7 @@ class ElasticBase:
     poisson_ratio: float
 
     def __init__(self, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
-        modulus = si(young_modulus, "pressure", "substrate.base_young_modulus")
-        object.__setattr__(self, "young_modulus", modulus)
-        ratio = si(poisson_ratio, "number", "substrate.base_poisson_ratio")
-        object.__setattr__(self, "poisson_ratio", ratio)
+        _set_material(self, "substrate.base_", young_modulus, poisson_ratio)
 
 
 Base = Literal["rigid", "frictionless"] | ElasticBase
@@ -140,10 +145,7 @@ class _RoundLens(_Body):
     ) -> None:
         self._set_layer("lens", options)
         object.__setattr__(self, "radius", si(radius, "length", "lens.radius"))
-        modulus = si(young_modulus, "pressure", "lens.young_modulus")
-        object.__setattr__(self, "young_modulus", modulus)
-        ratio = si(poisson_ratio, "number", "lens.poisson_ratio")
-        object.__setattr__(self, "poisson_ratio", ratio)
+        _set_material(self, "lens.", young_modulus, poisson_ratio)
 
 
 @dataclass(frozen=True, init=False)
@@ -236,10 +238,7 @@ class PlateLens(_Body):
         **options: Unpack[LayerOptions],
     ) -> None:
         self._set_layer("lens", options)
-        modulus = si(young_modulus, "pressure", "lens.young_modulus")
-        object.__setattr__(self, "young_modulus", modulus)
-        ratio = si(poisson_ratio, "number", "lens.poisson_ratio")
-        object.__setattr__(self, "poisson_ratio", ratio)
+        _set_material(self, "lens.", young_modulus, poisson_ratio)
         object.__setattr__(self, "tilt", si(tilt, "angle", "lens.tilt"))
         direction = si(tilt_direction, "angle", "lens.tilt_direction")
         object.__setattr__(self, "tilt_direction", direction)
@@ -270,10 +269,7 @@ class ProfileLens(_Body):
     ) -> None:
         self._set_layer("lens", options)
         object.__setattr__(self, "profile", str(Path(fspath(profile)).absolute()))
-        modulus = si(young_modulus, "pressure", "lens.young_modulus")
-        object.__setattr__(self, "young_modulus", modulus)
-        ratio = si(poisson_ratio, "number", "lens.poisson_ratio")
-        object.__setattr__(self, "poisson_ratio", ratio)
+        _set_material(self, "lens.", young_modulus, poisson_ratio)
 
 
 AnyLens = Lens | ParaboloidLens | CylinderLens | PlateLens | ProfileLens
@@ -326,10 +322,7 @@ class Substrate(_Body):
         self, young_modulus: Quantity, poisson_ratio: Quantity, **options: Unpack[LayerOptions]
     ) -> None:
         self._set_layer("substrate", options)
-        modulus = si(young_modulus, "pressure", "substrate.young_modulus")
-        object.__setattr__(self, "young_modulus", modulus)
-        ratio = si(poisson_ratio, "number", "substrate.poisson_ratio")
-        object.__setattr__(self, "poisson_ratio", ratio)
+        _set_material(self, "substrate.", young_modulus, poisson_ratio)
 
 
 @dataclass(frozen=True, init=False)

@@ -564,7 +564,8 @@ impl Grooves {
 mod tests {
     use super::*;
     use crate::numerics::cholesky::solve_upper;
-    use crate::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Texture};
+    use crate::problem::PillarCompliance;
+    use crate::theory::reference;
 
     fn coefficients(ratio: f64) -> AnnulusCoefficients {
         AnnulusCoefficients::new(ratio).unwrap()
@@ -582,18 +583,7 @@ mod tests {
 
     /// Pillars of the paper on a substrate of so many MPa, covering so much of the surface.
     fn system(surface_fraction: f64, young_modulus: f64) -> System {
-        let pillar = Pillar {
-            diameter: 6e-6,
-            height: 2.2e-6,
-            compliance: PillarCompliance::Column,
-        };
-        let lens = Lens {
-            radius: 2.2e-3,
-            material: Material::new(2e6, 0.5),
-        };
-        let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
-        let substrate = Material::new(young_modulus * 1e6, 0.5);
-        System::new(lens, substrate, Texture::new(pillar, lattice)).unwrap()
+        reference::paper(surface_fraction, young_modulus * 1e6, PillarCompliance::Column)
     }
 
     /// The integral over (low, high) by the tanh-sinh rule, which takes whatever is integrable at the ends.
