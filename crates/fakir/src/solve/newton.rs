@@ -379,26 +379,28 @@ impl<'a> Newton<'a> {
         tolerance: f64,
         unit_tolerance: f64,
     ) -> Result<Judgement, SolveError> {
+        let mut groups = Groups::new(&self.tops, self.run.workers());
         if let Control::Indentation(indentation) = target {
             self.contact.move_to(indentation);
         } else {
-            let solved = self.solve_frozen(Source::Unit, unit_tolerance)?;
+            let solved = self.solve_frozen(Source::Unit, unit_tolerance, groups.as_mut())?;
             if solved != Judgement::Good {
                 return Ok(solved);
             }
         }
-        self.solve_frozen(Source::Present, tolerance)
+        self.solve_frozen(Source::Present, tolerance, groups.as_mut())
     }
 
-    /// A response with the present states.
+    /// A response with the present states, whose groups are given.
     fn solve_frozen(
         &mut self,
         source: Source<'_>,
         tolerance: f64,
+        groups: Option<&mut Groups>,
     ) -> Result<Judgement, SolveError> {
         let mut places = Places {
             tops: &self.tops,
-            groups: Groups::new(&self.tops, self.run.workers()),
+            groups,
             floor: self.cells.as_mut(),
         };
         self.contact.solve(&mut places, source, tolerance)
@@ -591,7 +593,8 @@ impl<'a> Newton<'a> {
 
     /// Response to a unit indentation for the present states, to the given tolerance.
     pub(crate) fn solve_unit(&mut self, tolerance: f64) -> Result<bool, SolveError> {
-        let solved = self.solve_frozen(Source::Unit, tolerance)?;
+        let mut groups = Groups::new(&self.tops, self.run.workers());
+        let solved = self.solve_frozen(Source::Unit, tolerance, groups.as_mut())?;
         Ok(solved == Judgement::Good)
     }
 
@@ -601,9 +604,10 @@ impl<'a> Newton<'a> {
         load: &[f64],
         tolerance: f64,
     ) -> Result<Response, SolveError> {
+        let mut groups = Groups::new(&self.tops, self.run.workers());
         let mut places = Places {
             tops: &self.tops,
-            groups: Groups::new(&self.tops, self.run.workers()),
+            groups: groups.as_mut(),
             floor: self.cells.as_mut(),
         };
         self.contact.respond_to(&mut places, load, tolerance)

@@ -452,10 +452,11 @@ mod tests {
         tops.touch_within(f64::INFINITY);
         let own_load = vec![0.0; tops.sites.len() * mode_count(degree)];
         let mut contact = FrozenContact::new(run, coupling, mode_count(degree), own_load);
+        let mut groups = grouped.then(|| Groups::new(&tops, workers).unwrap());
         let mut places = Places {
             tops: &tops,
             floor: None,
-            groups: grouped.then(|| Groups::new(&tops, workers).unwrap()),
+            groups: groups.as_mut(),
         };
         let solved = contact.solve(&mut places, Source::Unit, 1e-11).unwrap();
         assert_eq!(solved, Judgement::Good);

@@ -583,7 +583,11 @@ mod tests {
 
     /// Pillars of the paper on a substrate of so many MPa, covering so much of the surface.
     fn system(surface_fraction: f64, young_modulus: f64) -> System {
-        reference::paper(surface_fraction, young_modulus * 1e6, PillarCompliance::Column)
+        reference::paper(
+            surface_fraction,
+            young_modulus * 1e6,
+            PillarCompliance::Column,
+        )
     }
 
     /// The integral over (low, high) by the tanh-sinh rule, which takes whatever is integrable at the ends.

@@ -132,7 +132,7 @@ pub(crate) struct Places<'n, 'a> {
     pub(crate) tops: &'n Tops,
     pub(crate) floor: Option<&'n mut FloorCells<'a>>,
     /// Those of the tops with their present states, if that helps.
-    pub(crate) groups: Option<Groups>,
+    pub(crate) groups: Option<&'n mut Groups>,
 }
 
 impl Places<'_, '_> {

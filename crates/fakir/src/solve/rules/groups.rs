@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 /// Pillars of a group at the most, if all groups are to be no more than that.
 const PILLARS: usize = 24;
-const GROUPS: usize = 400;
+const GROUPS: usize = 3000;
 
 /// With fewer pillars each by itself does.
 const FEW: usize = 400;
