@@ -499,10 +499,12 @@ pub(crate) fn solve_floor<'a>(
     let division = level.division;
     if let Some(degrees) = finer {
         let newton = &mut mixed.solution.newton;
-        let pressures = FloorPressures::of(newton);
+        let pressures = pressures_of(newton);
         let mut finer = newton.rebuilt(newton.tops.sites.clone(), degrees);
         if let (Some(cells), Some(pressures)) = (&newton.cells, pressures) {
-            finer.set_floor(cells.grid.clone(), &|point| pressures.at(point));
+            finer.set_floor(cells.grid.clone(), &|point| {
+                pressures.at(point).unwrap_or_default()
+            });
         }
         mixed.solution.newton = finer;
     }
@@ -613,7 +615,7 @@ fn pillar_extent(newton: &Newton<'_>) -> PillarExtent {
     PillarExtent::new(&newton.tops.sites, newton.pillar_reach(), on_grid)
 }
 
-fn checked_floor(
+pub(super) fn checked_floor(
     scene: &Scene,
     division: Division,
     radius: f64,
@@ -659,7 +661,7 @@ fn solve_level<'a>(
     };
     let mut radius =
         grid_of(&solution.newton).unwrap_or_else(|| window_radius(scene, &solution.newton));
-    let mut pressures = FloorPressures::of(&solution.newton);
+    let mut pressures = pressures_of(&solution.newton);
     for growth in 0..GROWTHS {
         let newton = &mut solution.newton;
         let pillars = pillar_extent(newton);
@@ -672,14 +674,15 @@ fn solve_level<'a>(
         };
         if let Some(grid) = grid {
             newton.set_floor(grid, &|point| {
-                pressures.as_ref().map_or([0.0; 2], |known| known.at(point))
+                let known = pressures.as_ref().and_then(|known| known.at(point));
+                known.unwrap_or_default()
             });
             run.check_cancelled()?;
         }
         if newton.cells.is_some() {
             solution.outcome = newton.solve(target, purpose)?;
             solution.steps += solution.outcome.steps;
-            pressures = FloorPressures::of(newton);
+            pressures = pressures_of(newton);
         }
         if let Some(sites) = wider_sites(newton, run)? {
             solution.newton = newton.rebuilt(sites, newton.degrees());
@@ -714,6 +717,11 @@ fn solve_level<'a>(
         radius = (reached + 4.0 * division.longest()).min(largest);
     }
     Ok(MixedSolution { solution, levels })
+}
+
+fn pressures_of(newton: &Newton<'_>) -> Option<FloorPressures> {
+    let cells = newton.cells.as_ref()?;
+    Some(FloorPressures::of(cells, &newton.contact))
 }
 
 /// The floor cells that bear pressure, as a set.

@@ -2,6 +2,7 @@
 
 mod coarse;
 pub(crate) mod floor;
+pub(crate) mod floor_fronts;
 pub(crate) mod fronts;
 pub(crate) mod groups;
 pub(crate) mod patch;
