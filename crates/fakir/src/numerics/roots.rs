@@ -156,10 +156,34 @@ fn next_part(newest: Point, opposite: Point, before: Point) -> f64 {
     }
 }
 
+/// Where a function that falls and then rises between two positions is least, by so many golden sections; each leaves 0.618 of the bracket.
+pub(crate) fn least(
+    [mut low, mut high]: [f64; 2],
+    sections: usize,
+    function: impl Fn(f64) -> f64,
+) -> f64 {
+    let ratio = 0.5 * (5f64.sqrt() - 1.0);
+    for _ in 0..sections {
+        let (left, right) = (high - ratio * (high - low), low + ratio * (high - low));
+        if function(left) < function(right) {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    0.5 * (low + high)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::convert::Infallible;
+
+    #[test]
+    fn golden_sections_close_in_on_the_least_value() {
+        let found = least([0.0, 3.0], 45, |x| (x - 1.0).powi(2));
+        assert!((found - 1.0).abs() < 1e-7, "{found}");
+    }
 
     fn solve(low: f64, high: f64, function: impl Fn(f64) -> f64) -> Option<Root> {
         let ends = [low, high].map(|position| Point {

@@ -74,6 +74,18 @@ pub enum Quantity {
     RimRadius,
     /// Shortening of a pillar by a unit force, m/N.
     ColumnCompliance,
+    /// Reduced modulus of lens and substrate, Pa.
+    ReducedModulus,
+    /// Radius of a pillar, m.
+    PillarRadius,
+    /// Outer radius of a free annulus round a pillar, m.
+    AnnulusRadius,
+    /// Pressure far from a pillar, Pa.
+    BackgroundPressure,
+    /// Area of the floor that belongs to one pillar, m^2.
+    CellArea,
+    /// Width of a strip that touches, m.
+    StripWidth,
 }
 
 impl fmt::Display for Quantity {
@@ -111,6 +123,12 @@ impl fmt::Display for Quantity {
             Self::TopRadius => "top radius",
             Self::RimRadius => "radius of a rim",
             Self::ColumnCompliance => "compliance of a column",
+            Self::ReducedModulus => "reduced modulus",
+            Self::PillarRadius => "radius of a pillar",
+            Self::AnnulusRadius => "radius of a free annulus",
+            Self::BackgroundPressure => "background pressure",
+            Self::CellArea => "area of a cell",
+            Self::StripWidth => "width of a strip",
         })
     }
 }
@@ -173,6 +191,10 @@ pub enum Requirement {
     BelowLensRadius(f64),
     /// Of a plate: from zero to 10 degrees.
     Tilt,
+    /// A finite number above this one.
+    Above(f64),
+    /// Between these, ends not included.
+    Between(f64, f64),
     /// Finite, under a lens of this shape, which touches endlessly many pillars of a lattice without end.
     FiniteUnder(&'static str),
 }
@@ -215,6 +237,10 @@ impl fmt::Display for Requirement {
                 "greater than 0 and at most pi/(2 sqrt 3) = 0.9069, where neighbouring pillars touch",
             ),
             Self::Tilt => f.write_str("from 0 to 10 deg (0.175 rad), as far as slopes are small"),
+            Self::Above(least) => write!(f, "a finite number greater than {least:.4e}"),
+            Self::Between(least, most) => {
+                write!(f, "greater than {least:.4e} and below {most:.4e}")
+            }
             Self::FiniteUnder(shape) => write!(
                 f,
                 "finite under a {shape}, which touches endlessly many pillars of a lattice without end: give `columns`, or a list of pillars"
@@ -248,6 +274,8 @@ impl Requirement {
                 Self::SurfaceFraction => value > 0.0 && value <= MAXIMUM_SURFACE_FRACTION,
                 Self::BelowLensRadius(radius) => value > 0.0 && value < radius,
                 Self::Tilt => (0.0..=LARGEST_TILT).contains(&value),
+                Self::Above(least) => value > least,
+                Self::Between(least, most) => value > least && value < most,
                 Self::FiniteUnder(_) => true,
             };
         if accepted {

@@ -9,6 +9,7 @@
 //! Sources: K. Kendall, J. Phys. D 4, 1186 (1971) (flat punch); K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)
 //! (sphere); D. Maugis, J. Colloid Interface Sci. 150, 243 (1992) (range of attraction); D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
 
+use crate::numerics::roots::{Point, find, least};
 use crate::problem::quantity::Requirement;
 use crate::problem::{InvalidQuantity, Quantity};
 use std::f64::consts::PI;
@@ -72,6 +73,41 @@ pub fn sphere_pull_off_by_displacement(modulus: f64, lens_radius: f64, work: f64
     sticky_sphere(modulus, lens_radius, work, cube.cbrt())
 }
 
+/// The contact of a sphere at an indentation (m) on the branch that it holds on: of the two radii of [`sticky_sphere`] at it the larger. `None`
+/// where the sphere has come off, below the indentation of [`sphere_pull_off_by_displacement`]. At indentation 0, where the sphere
+/// first touches, it jumps to the radius `(2 pi w R^2/E*)^(1/3)` and is drawn by `(4/3) pi w R`.
+///
+/// # Errors
+/// A modulus, lens radius or work of adhesion that is no positive number, and an indentation that is no number.
+pub fn sticky_sphere_at_indentation(
+    modulus: f64,
+    lens_radius: f64,
+    work: f64,
+    indentation: f64,
+) -> Result<Option<StickySphere>, InvalidQuantity> {
+    Requirement::Positive.check(Quantity::ReducedModulus, modulus)?;
+    Requirement::Positive.check(Quantity::LensRadius, lens_radius)?;
+    Requirement::Positive.check(Quantity::WorkOfAdhesion, work)?;
+    Requirement::Finite.check(Quantity::Indentation, indentation)?;
+    let last = sphere_pull_off_by_displacement(modulus, lens_radius, work);
+    if indentation < last.indentation {
+        return Ok(None);
+    }
+    let at = |radius: f64| sticky_sphere(modulus, lens_radius, work, radius).indentation;
+    // The sum of Hertz's radius and that of the first touch is more than enough.
+    let first = (2.0 * PI * work * lens_radius * lens_radius / modulus).cbrt();
+    let most = (indentation.max(0.0) * lens_radius).sqrt() + 1.01 * first;
+    let ends = [last.radius, most].map(|position| Point {
+        position,
+        value: at(position) - indentation,
+    });
+    let root = find(ends, 0.0, |radius| {
+        Ok::<_, InvalidQuantity>(at(radius) - indentation)
+    })?;
+    let radius = root.map_or(last.radius, |root| root.closest().position);
+    Ok(Some(sticky_sphere(modulus, lens_radius, work, radius)))
+}
+
 /// Pull-off force of a sphere of a radius `R` whose attraction is constant over a range `h0 = w/sigma_0` (Maugis's Dugdale model), N, negative.
 ///
 /// It goes from `-2 pi w R` (rigid, long range) to `-(3/2) pi w R` (soft, short range). In Maugis's reduced quantities
@@ -95,25 +131,16 @@ pub fn dugdale_pull_off(
     let rigidity = 4.0 / 3.0 * modulus;
     let stress = work / range;
     let lambda = 2.0 * stress / (PI * work * rigidity * rigidity / lens_radius).cbrt();
-    let least =
+    let places =
         (0..=SCAN).map(|k| LEAST_ZONE + (MOST_ZONE - LEAST_ZONE) * f64::from(k) / f64::from(SCAN));
     let value = |logarithm: f64| reduced_dugdale_force(lambda, logarithm.exp());
-    let start = least
+    let start = places
         .min_by(|a, b| value(*a).total_cmp(&value(*b)))
         .unwrap_or(0.0);
     // Around it by golden sections.
     let step = (MOST_ZONE - LEAST_ZONE) / f64::from(SCAN);
-    let (mut low, mut high) = (start - step, start + step);
-    let ratio = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..SECTIONS {
-        let (left, right) = (high - ratio * (high - low), low + ratio * (high - low));
-        if value(left) < value(right) {
-            high = right;
-        } else {
-            low = left;
-        }
-    }
-    Ok(PI * work * lens_radius * value(0.5 * (low + high)))
+    let best = least([start - step, start + step], SECTIONS, value);
+    Ok(PI * work * lens_radius * value(best))
 }
 
 /// Logarithms of the width `s` of the zone of attraction between which the largest pull is sought, places at which it is looked first, and
@@ -225,6 +252,27 @@ mod tests {
                 assert!(measure(other) > measure(state));
             }
         }
+    }
+
+    /// First touch by hand: `a^3 = 2 pi w R^2/E*`, `F = -(4/3) pi w R`; and back from other indentations.
+    #[test]
+    fn spheres_are_found_at_their_indentation() {
+        let (lens, work) = (2.2e-3, 1e-2);
+        let at =
+            |indentation| sticky_sphere_at_indentation(MODULUS, lens, work, indentation).unwrap();
+        let first = at(0.0).unwrap();
+        let by_hand = (2.0 * PI * work * lens * lens / MODULUS).cbrt();
+        assert!((first.radius / by_hand - 1.0).abs() < 1e-12);
+        assert!((first.force / (-4.0 / 3.0 * PI * work * lens) - 1.0).abs() < 1e-12);
+        let last = sphere_pull_off_by_displacement(MODULUS, lens, work);
+        for part in [1.0, 1.001, 1.2, 3.0, 300.0] {
+            let there = sticky_sphere(MODULUS, lens, work, part * last.radius);
+            let found = at(there.indentation).unwrap();
+            assert!((found.radius / there.radius - 1.0).abs() < 1e-7, "{part}");
+        }
+        assert_eq!(at(1.001 * last.indentation), None);
+        assert!(sticky_sphere_at_indentation(MODULUS, lens, 0.0, 0.0).is_err());
+        assert!(sticky_sphere_at_indentation(MODULUS, lens, work, f64::NAN).is_err());
     }
 
     /// A tilted flat top in the modes of its disc.

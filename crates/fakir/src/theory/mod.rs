@@ -4,6 +4,7 @@
 //! * [`closed_forms`]: the paper's formulas for the critical state, as printed and
 //!   corrected where they differ, the transition curve and the phase diagram;
 //! * [`adhesion`]: lone contacts that stick;
+//! * [`stuck_floor`]: the floor stuck to the lens: free annuli round pillars, and when it collapses;
 //! * [`lattice_sums`]: the sums over the pillars under a Hertz-like load that they rest on,
 //!   with the paper's fits and the exact limits of the fitted coefficients;
 //! * [`lattice_potential`]: what a uniformly loaded lattice of pillars does to one pillar
@@ -20,3 +21,4 @@ pub mod lattice_sums;
 #[cfg(test)]
 pub(crate) mod reference;
 mod spring_layer;
+pub mod stuck_floor;
