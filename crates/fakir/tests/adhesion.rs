@@ -186,6 +186,7 @@ fn the_pull_does_not_depend_on_what_drives_the_lens() {
             Adhesion {
                 work: 0.005,
                 work_receding: Some(0.05),
+                floor: false,
             },
         ),
     ] {
@@ -381,6 +382,7 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
     let below = refused(Adhesion {
         work: 0.05,
         work_receding: Some(0.04),
+        floor: false,
     });
     assert_eq!(below.quantity, Quantity::RecedingWorkOfAdhesion);
     assert!(below.to_string().contains("at least the work of adhesion"));

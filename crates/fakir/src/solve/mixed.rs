@@ -9,6 +9,7 @@ use super::assembled::{OfFloor, PillarMethod, assemble, refined};
 use super::estimate::unknowns_only;
 use super::floor_start::FloorPressures;
 use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
+use super::rules::floor::FloorCells;
 use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_sites};
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent};
@@ -691,7 +692,7 @@ fn solve_level<'a>(
         if newton.touches_beyond_reach() {
             continue;
         }
-        let patches = patches(newton);
+        let patches = patches(newton.cells.as_ref());
         let largest = largest_window(scene, newton.contact.indentation());
         let close = patches.radius + WINDOW_CELLS * division.longest() > radius;
         let entered = match scene.field {
@@ -725,12 +726,12 @@ fn pressures_of(newton: &Newton<'_>) -> Option<FloorPressures> {
 }
 
 /// The floor cells that bear pressure, as a set.
-fn patches(newton: &Newton<'_>) -> Patches {
+pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
     let mut patches = Patches {
         rim_distance: f64::INFINITY,
         ..Patches::default()
     };
-    let Some(cells) = &newton.cells else {
+    let Some(cells) = cells else {
         return patches;
     };
     let grid = cells.grid.cells.grid();

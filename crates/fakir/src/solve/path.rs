@@ -7,15 +7,15 @@
 //! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
 //! sets free is dissipated.
 
-use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
+use super::floor::{FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
 use super::frozen::{FrozenContact, Rule, Source};
 use super::rules::floor::Places;
 use super::rules::floor_fronts::FloorMove;
 use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::sticky::StickyTops;
+use super::rules::stuck_floor::{FloorStation, StuckFloor, TAKE_BACKS, natural};
 use super::rules::tops::lens_over;
 use super::spectral::{LARGEST_CONTACT, checked_sites};
-use super::stuck::{FloorStation, StuckFloor, TAKE_BACKS, natural};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::sites::Sites;
@@ -49,8 +49,14 @@ const FURTHER: f64 = 4.0;
 const LONGEST_STEP: f64 = 0.02;
 const LONGEST_RELATIVE_STEP: f64 = 0.01;
 
+/// Step of the differences by which the gap is found to curve, in distances of pillars.
+const GAP_STEP: f64 = 0.02;
+
 /// Steps while the floor sticks, in the height of the pillars: after each of them all that changes does, on tops and floor.
 const STUCK_STEP: f64 = 0.04;
+
+/// A force is reached where the rest of the way is less than this part of a step.
+const NEAR_END: f64 = 0.02;
 
 /// The floor is looked at again after this part of the way to where it would be reached; when that is nearer than `NEAR_FLOOR` of the
 /// indentation, at every step. It is looked for everywhere, as another point may have become the lowest.
@@ -327,7 +333,7 @@ impl<'a> Path<'a> {
         let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
         let longest = (LONGEST_STEP * self.scene.height).max(part_of_path);
         if self.floor.is_some() {
-            STUCK_STEP * self.scene.height
+            super::rules::floor_fronts::env("STEP", STUCK_STEP) * self.scene.height
         } else {
             longest
         }
@@ -424,7 +430,12 @@ impl<'a> Path<'a> {
             return Err(self.too_large(self.indentation()));
         }
         self.report();
-        Ok(to_end <= longest && !changed)
+        Ok(to_end <= longest
+            && match end {
+                // What changes changes the force.
+                End::Force(_) => !changed || to_end < NEAR_END * longest,
+                _ => true,
+            })
     }
 
     /// The lens sticks to the floor from its lowest point on: on cells of a division, in a window of a radius. What it jumps to at once.
@@ -720,7 +731,7 @@ impl<'a> Path<'a> {
             for (pillar, next) in chosen {
                 self.tops.domains[pillar] = next;
             }
-            self.fit_floor()?;
+            self.fit_floor(course == Course::Unloading)?;
             if beta != 0.0 {
                 self.solve(Source::Unit)?;
             }
@@ -869,6 +880,36 @@ impl<'a> Path<'a> {
 
     /// The lowest point of the floor along the frozen response.
     pub(crate) fn lowest_floor(&self) -> Option<FloorPoint> {
+        let spacing = self.scene.field.spacing();
+        let floor = Uncovered {
+            lens: self.scene.lens.clone(),
+            height: self.scene.height,
+            around: Surroundings::of_sites(&self.sites, spacing, self.contact_radius()),
+        };
+        self.with_discs(|discs| FloorSearch::default().lowest(&floor, discs, &self.run.cancel))
+    }
+
+    /// Geometric mean of the radii of curvature of the gap at its lowest point, of second differences.
+    pub(crate) fn gap_radius(&self, lowest: &FloorPoint) -> f64 {
+        let step = GAP_STEP * self.scene.field.spacing();
+        self.with_discs(|discs| {
+            let gap = |u: f64, v: f64| {
+                let [x, y] = lowest.position;
+                let point = [x + u * step, y + v * step];
+                let [along, without] = discs.displacement(point);
+                let displaced = along.value * self.indentation() + without.value;
+                self.scene.lens.sag_with_brim(point) + displaced
+            };
+            let middle = 2.0 * gap(0.0, 0.0);
+            let xx = gap(1.0, 0.0) + gap(-1.0, 0.0) - middle;
+            let yy = gap(0.0, 1.0) + gap(0.0, -1.0) - middle;
+            let xy = 0.25 * (gap(1.0, 1.0) + gap(-1.0, -1.0) - gap(1.0, -1.0) - gap(-1.0, 1.0));
+            step * step / (xx * yy - xy * xy).max(f64::MIN_POSITIVE).sqrt()
+        })
+    }
+
+    /// What the tops in contact bear, as discs.
+    fn with_discs<R>(&self, ask: impl FnOnce(&LoadedDiscs<'_>) -> R) -> R {
         let modes = self.contact.modes();
         let touched: Vec<usize> = (0..self.sites.len())
             .filter(|pillar| !self.tops.domains[*pillar].is_out())
@@ -890,13 +931,7 @@ impl<'a> Path<'a> {
             coefficients: [&along, &without],
             run: self.run,
         };
-        let spacing = self.scene.field.spacing();
-        let floor = Uncovered {
-            lens: self.scene.lens.clone(),
-            height: self.scene.height,
-            around: Surroundings::of_sites(&self.sites, spacing, self.contact_radius()),
-        };
-        FloorSearch::default().lowest(&floor, &discs, &self.run.cancel)
+        ask(&discs)
     }
 }
 

@@ -11,9 +11,10 @@ use super::newton::FLOOR_DEGREE;
 use super::path::Path;
 use super::rules::floor::FloorCells;
 use super::rules::floor_fronts::{FloorFronts, FloorMove};
-use super::rules::fronts::Course;
-use crate::halfspace::floor::coupling::{FloorCoupling, FloorKernels, PillarExtent, SurfaceCoupling};
+use super::rules::stuck_floor::{FloorStation, StuckFloor};
+use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent, SurfaceCoupling};
 use crate::halfspace::floor::grid::Division;
+use crate::halfspace::floor::load::FloorLoad;
 use crate::problem::Point;
 use crate::state::SolveError;
 
@@ -21,53 +22,26 @@ use crate::state::SolveError;
 const WINDOW_CELLS: f64 = 5.0;
 const WIDER: f64 = 1.5;
 
+/// On unloading windows become narrower where less than this part of the radius is needed.
+const NARROWER: f64 = 0.75;
+
 /// Pillars so much farther from the lens axis than those in contact are coupled with the floor, in distances of pillars.
 const REACH_MARGIN: f64 = 1.0;
 
 /// A gap below zero by this part of the height of the pillars is one.
 const ENTERED: f64 = 1e-5;
 
-/// Rounds in which cells are taken back after an advance.
-pub(super) const TAKE_BACKS: usize = 12;
+/// Cells across the free ring round a pillar and along the radius of the first patch at the least, and sides of cells, pillar radii.
+const CELLS_ACROSS_RING: f64 = 5.0;
+const CELLS_ALONG_PATCH: f64 = 10.0;
+const LARGEST_CELL: f64 = 0.7;
+const SMALLEST_CELL: f64 = 1e-3;
 
-/// The floor where it sticks.
-pub(crate) struct StuckFloor<'a> {
-    pub(crate) cells: FloorCells<'a>,
-    fronts: FloorFronts,
-    /// Pillars up to this distance from the lens axis are coupled with it.
-    reach: f64,
-    kernels: FloorKernels,
-}
+/// Cells along half the shortest distance of pillars at the least.
+const FEWEST_HALVES: f64 = 4.0;
 
-/// What of the floor is in contact.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct FloorStation {
-    pub(crate) force: f64,
-    pub(crate) area: f64,
-    /// Distance of the farthest cell in contact from the lens axis.
-    pub(crate) radius: f64,
-    /// Middles between three pillars of a hexagonal lattice that are in contact.
-    pub(crate) holes: usize,
-}
-
-impl StuckFloor<'_> {
-    /// Number of cells in contact.
-    pub(super) fn bonded(&self) -> usize {
-        self.cells.bears().iter().filter(|bonded| **bonded).count()
-    }
-
-    /// Area in contact.
-    pub(super) fn area(&self) -> f64 {
-        self.bonded() as f64 * self.cells.grid.division.cell_area()
-    }
-
-    /// Distance of the farthest cell in contact from the lens axis.
-    pub(super) fn radius(&self) -> f64 {
-        let cells = self.cells.grid.cells.centres().zip(self.cells.bears());
-        let bonded = cells.filter(|(_, bonded)| **bonded);
-        bonded.map(|([x, y], _)| x.hypot(y)).fold(0.0, f64::max)
-    }
-}
+/// Points of a transform up to which cells are made as small as they should be.
+const MOST_POINTS: f64 = 2e6;
 
 impl<'a> Path<'a> {
     /// Lays the cells of a grid, of which those at the points that are `known` are in contact: under the present load and under a
@@ -202,20 +176,20 @@ impl<'a> Path<'a> {
     }
 
     /// A window that is wide enough for the contact with the floor, and coupled with all pillars in contact.
-    pub(super) fn fit_floor(&mut self) -> Result<(), SolveError> {
+    pub(super) fn fit_floor(&mut self, unloading: bool) -> Result<(), SolveError> {
         let Some(floor) = &self.floor else {
             return Ok(());
         };
         let grid = &floor.cells.grid;
         let needed = floor.radius() + WINDOW_CELLS * grid.division.longest();
-        let wider = needed > grid.radius;
-        if !wider && self.reach() <= floor.reach {
-            return Ok(());
-        }
-        let radius = if wider {
-            needed + WIDER * self.scene.field.spacing()
-        } else {
+        let fitting = needed + WIDER * self.scene.field.spacing();
+        let narrower = unloading && fitting < NARROWER * grid.radius;
+        let radius = if needed > grid.radius || narrower {
+            fitting
+        } else if self.reach() > floor.reach {
             grid.radius
+        } else {
+            return Ok(());
         };
         match self.floor_pressures() {
             Some(pressures) => self.lay_floor_again(&pressures, radius),
@@ -256,11 +230,34 @@ impl<'a> Path<'a> {
     }
 }
 
-/// How fronts go on a course.
-pub(super) fn natural(course: Course) -> FloorMove {
-    match course {
-        Course::Loading => FloorMove::Advance,
-        Course::Unloading => FloorMove::Recede,
+impl Path<'_> {
+    /// The pressure on the floor, of either sign.
+    pub(super) fn stuck_load(&self) -> Option<FloorLoad> {
+        let cells = &self.floor.as_ref()?.cells;
+        let scale = cells.unit_cell().recip();
+        let pressures = cells.bears().iter().zip(self.contact.floor_coefficients());
+        let pressures = pressures.filter_map(|(bonded, c)| bonded.then_some(scale * c));
+        Some(FloorLoad::new(cells.bearing(), pressures.collect()))
+    }
+
+    /// The division of the floor for a free ring of this width and a first patch of this radius, as fine as it can be afforded.
+    pub(super) fn stuck_division(&self, ring: f64, patch: f64) -> Division {
+        let field = &self.scene.field;
+        let cell = (ring / CELLS_ACROSS_RING)
+            .min(patch / CELLS_ALONG_PATCH)
+            .clamp(SMALLEST_CELL, LARGEST_CELL);
+        let shortest = field.shortest_distance();
+        let finest = (0.5 * shortest / cell).ceil().max(FEWEST_HALVES) as usize;
+        let radius = self.reach() + field.spacing();
+        let extent = PillarExtent::new(&self.sites, radius, field.pillar_grid().is_some());
+        let limit = self.run.memory_limit() as f64;
+        let affordable = |fineness: &usize| {
+            let division = Division::new(field, *fineness);
+            FloorCoupling::points(&division, radius, extent, FLOOR_DEGREE) < MOST_POINTS
+                && FloorCoupling::memory_estimate(&division, radius, extent, FLOOR_DEGREE) < limit
+        };
+        let fineness = (FEWEST_HALVES as usize..=finest).rev().find(affordable);
+        Division::new(field, fineness.unwrap_or(FEWEST_HALVES as usize))
     }
 }
 
@@ -268,10 +265,11 @@ pub(super) fn natural(course: Course) -> FloorMove {
 mod tests {
     use super::*;
     use crate::problem::scaled::Scene;
+    use crate::solve::rules::fronts::Course;
     use crate::problem::{HexagonalLattice, PillarCompliance};
     use crate::solve::frozen::Source;
     use crate::solve::path::{End, Held, Stop};
-    use crate::solve::rules::floor_fronts::tests::{asymptotes, tables};
+    use crate::solve::rules::floor_fronts::tests::tables;
     use crate::solve::rules::fronts::{Fronts, Works};
     use crate::state::Run;
     use crate::theory::reference;
@@ -322,15 +320,13 @@ mod tests {
         let division = Division::new(&scene.field, 100);
         let side = division.cell_area().sqrt();
         let mut sums = [vec![[0.0; 2]; 9], vec![[0.0; 2]; 13]];
-        for (k, radius) in [18.3, 22.1, 26.7, 29.9].into_iter().enumerate() {
+        for (k, radius) in [18.3, 20.4, 22.1, 23.5, 25.2, 26.7, 27.7, 28.8, 29.9, 31.4].into_iter().enumerate() {
             let mut path = path(&scene, &run, [1.0; 2]);
             let centre = [0.37 * k as f64, 0.21 * k as f64];
             flat_punch(&mut path, division, centre, radius);
             let floor = path.floor.as_ref().unwrap();
             let bonded = floor.bonded();
             let effective = (bonded as f64 * division.cell_area() / PI).sqrt();
-            // p = -1/(pi sqrt(r^2 - s^2)): K = 1/sqrt(pi r).
-            let k = 1.0 / (PI * effective).sqrt();
             let distances = floor.fronts.distances();
             let loads = path.contact.floor_load();
             let pressures = path.contact.floor_coefficients();
@@ -340,12 +336,14 @@ mod tests {
                 .zip(pressures)
                 .zip(floor.cells.bears())
             {
-                let [phi, psi] = asymptotes(distance.abs());
+                // Over the exact ones, which take away what the curvature of the front does.
+                let at = (effective - distance * side).max(0.0);
                 let (which, value, first) = if *bonded {
-                    let pressure = pressure / side;
-                    (0, -pressure * side.sqrt() / (k * phi), 1.0)
+                    let exact = (effective * effective - at * at).sqrt() * PI;
+                    (0, -pressure / side * exact, 1.0)
                 } else {
-                    (1, -load / (k * side.sqrt() * psi), 0.2)
+                    let exact = 1.0 - 2.0 / PI * (effective / at).min(1.0).asin();
+                    (1, -load / exact, 0.2)
                 };
                 let at = ((distance.abs() - first) / 0.2).round();
                 if at >= 0.0
@@ -410,8 +408,193 @@ mod tests {
 
     #[test]
     fn sphere_on_a_flat_floor() {
-        for cells in [5.0, 8.0, 12.0, 25.0] {
+        for cells in [12.0, 25.0, 50.0] {
             sphere(cells, [1.0; 2]);
         }
+        sphere(12.0, [1.0 / 3.0, 1.0]);
+    }
+
+    /// A free ring round a pillar in a floor that is stuck to a flat lens: `K` against the closed form.
+    #[test]
+    fn rings_round_a_pillar() {
+        use crate::theory::stuck_floor::AnnulusCoefficients;
+        let run = Run::default();
+        let mut scene = bare(40.0);
+        scene.field = crate::problem::pillar_field::PillarField::Hexagonal {
+            lattice: HexagonalLattice::new(40.0),
+            column_compliance_ratio: 0.0,
+        };
+        for fineness in [60, 130, 200] {
+            let division = Division::new(&scene.field, fineness);
+            let side = division.cell_area().sqrt();
+            for ratio in [1.5, 2.0, 3.0] {
+                let mut path = path(&scene, &run, [1.0; 2]);
+                path.tops.domains.fill(crate::solve::rules::fronts::Domain::OUT);
+                let centre = path.sites.centres().iter().position(|[x, y]| x.hypot(*y) < 1e-9);
+                path.tops.domains[centre.unwrap()] = crate::solve::rules::fronts::Domain::FULL;
+                path.lay_floor(division, 18.0, &|[x, y]| {
+                    (ratio..15.0).contains(&x.hypot(y)).then_some([0.0; 2])
+                })
+                .unwrap();
+                let tops = path.contact.tops();
+                let modes = path.contact.modes();
+                let loads = path.contact.own_load_mut();
+                loads.fill(0.0);
+                for load in loads[..tops].iter_mut().step_by(modes) {
+                    *load = crate::halfspace::disc::basis::UNIT_FORCE;
+                }
+                path.contact.move_to(0.0);
+                path.solve_within(Source::Present, 1e-7).unwrap();
+                let floor = path.floor.as_mut().unwrap();
+                let scale = floor.cells.unit_cell().recip();
+                let pressures = path.contact.floor_coefficients().iter().map(|c| scale * c);
+                let loads = path.contact.floor_load();
+                floor.fronts.measure(floor.cells.bears(), loads, pressures);
+                let centres: Vec<Point> = floor.cells.grid.cells.centres().collect();
+                // The radius of the ring by its area, cells that the top cuts included.
+                let bonded = floor.cells.bears().iter().zip(&centres);
+                let inside = bonded.filter(|(b, _)| **b).count() as f64;
+                let near = |[x, y]: &Point| x.hypot(*y) < 15.0;
+                let grid = floor.cells.grid.cells.grid();
+                let all = grid.centres().filter(near).count() as f64;
+                let b = ((all - inside) * division.cell_area() / PI).sqrt();
+                let exact = AnnulusCoefficients::new(b).unwrap();
+                let found = floor.fronts.intensities(floor.cells.bears());
+                let on_ring: Vec<f64> = found
+                    .iter()
+                    .filter(|(cell, _)| centres[*cell][0].hypot(centres[*cell][1]) < 10.0)
+                    .map(|(_, k)| *k)
+                    .collect();
+                let mean = on_ring.iter().sum::<f64>() / on_ring.len() as f64;
+                let square = on_ring.iter().map(|k| (k - mean).powi(2)).sum::<f64>();
+                println!(
+                    "ring {:.2} cells, b {b:.3}: K {:.3} sd {:.3}, F {:.5}",
+                    (b - 1.0) / side,
+                    mean / exact.intensity_per_step,
+                    (square / on_ring.len() as f64).sqrt() / mean,
+                    path.contact.force() / exact.force_per_step,
+                );
+            }
+        }
+    }
+
+    /// Without adhesion the floor is pressed where the lens would enter it, and nowhere else: what the contact is without it.
+    #[test]
+    fn without_adhesion_it_is_the_mixed_contact() {
+        let lattice = reference::lattice(0.03);
+        let system =
+            reference::on_lattice(lattice, reference::INTERMEDIATE, PillarCompliance::Column);
+        let scene = Scene::new(&system);
+        let run = Run::default();
+        let w = 1e-6 / (scene.pressure * scene.length);
+        let works = Works {
+            advancing: w,
+            receding: w,
+        };
+        let kappa = scene.field.column_compliance_ratio();
+        let fronts = Fronts::new(2, kappa, works, true);
+        let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
+        let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
+            panic!("the floor is reached");
+        };
+        let indentation = 1.2 * path.indentation();
+        let division = Division::new(&scene.field, 16);
+        let window = 2.0 * scene.field.spacing();
+        path.stick(lowest, division, window).unwrap();
+        path.go(Course::Loading, End::Indentation(indentation), false)
+            .unwrap();
+        let control = crate::problem::Control::Indentation(indentation * scene.length);
+        let mixed = crate::press(&system, control, crate::problem::Method::default(), &run).unwrap();
+        let force = path.force() * scene.force();
+        let share = path.contact.floor_force() / path.force();
+        println!(
+            "force {force:e} {:e} {:e}, share {share} {}",
+            mixed.force,
+            force / mixed.force - 1.0,
+            mixed.floor.unwrap().share
+        );
+        assert!((force / mixed.force - 1.0).abs() < 1e-4);
+    }
+
+    /// A whole cycle, told.
+    fn case(phi: f64, work: f64, fineness: usize, turn: f64) {
+        let run = Run::default();
+        let lattice = reference::lattice(phi);
+        let system =
+            reference::on_lattice(lattice, reference::INTERMEDIATE, PillarCompliance::Column);
+        let scene = Scene::new(&system);
+        let w = work / (scene.pressure * scene.length);
+        let works = Works {
+            advancing: w,
+            receding: w,
+        };
+        let kappa = scene.field.column_compliance_ratio();
+        let partial = std::env::var("FULL").is_err();
+        let fronts = Fronts::new(2, kappa, works, partial);
+        let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
+        let clock = std::time::Instant::now();
+        let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
+            panic!("the floor is reached");
+        };
+        let um = scene.length * 1e6;
+        let tell = |path: &Path<'_>, what: &str| {
+            let s = path.stations.last().unwrap();
+            let f = s.floor.unwrap_or_default();
+            println!(
+                "{what}: zeta {:.4} F {:.4e} share {:.4} area {:.0} holes {} r {:.1} tops {:?}; {} events {} products, t {:?}",
+                s.indentation * um,
+                s.force * scene.force(),
+                f.force / s.force,
+                f.area * um * um,
+                f.holes,
+                f.radius * um,
+                s.touched,
+                path.events.len(),
+                path.contact.products(),
+                clock.elapsed()
+            );
+        };
+        tell(&path, "critical");
+        let critical = path.indentation();
+        let division = Division::new(&scene.field, fineness);
+        println!("cell {:.3} um", division.cell_area().sqrt() * um);
+        let pitch = scene.field.spacing();
+        path.stick(lowest, division, 2.0 * pitch).unwrap();
+        tell(&path, "jump");
+        for part in [1.2, 1.5] {
+            if part <= turn {
+                path.go(Course::Loading, End::Indentation(part * critical), false)
+                    .unwrap();
+                tell(&path, &format!("{part}"));
+            }
+        }
+        path.go(Course::Unloading, End::Separation, false).unwrap();
+        tell(&path, "separation");
+        let held = path.stations.iter().filter(|s| s.floor.is_some());
+        let last = held.last().unwrap();
+        println!(
+            "floor lost after {:.3} um {:.4e}",
+            last.indentation * um,
+            last.force * scene.force()
+        );
+        let pull = path.stations.iter().map(|s| s.force).fold(0.0, f64::min);
+        let joule = scene.force() * scene.length;
+        println!(
+            "pull-off {:.4e} loop {:.4e} dissipated {:.4e}",
+            pull * scene.force(),
+            path.energies.work * joule,
+            path.energies.dissipation * joule
+        );
+    }
+
+    #[test]
+    fn one_case() {
+        use crate::solve::rules::floor_fronts::env;
+        case(
+            env("PHI", 0.03),
+            env("WORK", 0.01),
+            env("FINE", 16.0) as usize,
+            env("TURN", 1.5),
+        );
     }
 }

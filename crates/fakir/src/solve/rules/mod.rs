@@ -8,5 +8,6 @@ pub(crate) mod groups;
 pub(crate) mod patch;
 pub(crate) mod rim;
 pub(crate) mod sticky;
+pub(crate) mod stuck_floor;
 pub(crate) mod tops;
 pub(crate) mod unilateral;
