@@ -18,7 +18,8 @@ use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
     CycleEventKind, CycleStation, ErrorEstimate, Fields, FloorContact, FloorErrors,
-    FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus, PullOff, Run, SolveError, Termination, Warning,
+    FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus,
+    PullOff, Run, SolveError, Termination, Warning,
 };
 use crate::theory::stuck_floor::{AnnulusEdge, StuckPillar};
 use std::f64::consts::PI;
@@ -552,7 +553,11 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
 fn held_now(path: &Path<'_>) -> HeldContact {
     let HeldContact { pillars, fields } = held(path, path.indentation(), &path.held_tops());
     let fields = match path.stuck_load() {
-        Some(load) => Arc::new((*fields).clone().with_floor(load.turned(path.scene.rotation))),
+        Some(load) => Arc::new(
+            (*fields)
+                .clone()
+                .with_floor(load.turned(path.scene.rotation)),
+        ),
         None => fields,
     };
     HeldContact { pillars, fields }

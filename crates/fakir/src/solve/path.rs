@@ -7,7 +7,9 @@
 //! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
 //! sets free is dissipated.
 
-use super::floor::{FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
+use super::floor::{
+    FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
+};
 use super::frozen::{FrozenContact, Rule, Source};
 use super::rules::floor::Places;
 use super::rules::floor_fronts::FloorMove;
@@ -333,7 +335,7 @@ impl<'a> Path<'a> {
         let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
         let longest = (LONGEST_STEP * self.scene.height).max(part_of_path);
         if self.floor.is_some() {
-            super::rules::floor_fronts::env("STEP", STUCK_STEP) * self.scene.height
+            STUCK_STEP * self.scene.height
         } else {
             longest
         }
@@ -564,7 +566,11 @@ impl<'a> Path<'a> {
         Ok(())
     }
 
-    pub(super) fn solve_within(&mut self, source: Source<'_>, tolerance: f64) -> Result<(), SolveError> {
+    pub(super) fn solve_within(
+        &mut self,
+        source: Source<'_>,
+        tolerance: f64,
+    ) -> Result<(), SolveError> {
         self.tops.prepare(&self.sites);
         let mut places = Places {
             tops: &mut self.tops,

@@ -265,11 +265,11 @@ impl Path<'_> {
 mod tests {
     use super::*;
     use crate::problem::scaled::Scene;
-    use crate::solve::rules::fronts::Course;
     use crate::problem::{HexagonalLattice, PillarCompliance};
     use crate::solve::frozen::Source;
-    use crate::solve::path::{End, Held, Stop};
+    use crate::solve::path::{End, Energies, Held, Stop};
     use crate::solve::rules::floor_fronts::tests::tables;
+    use crate::solve::rules::fronts::Course;
     use crate::solve::rules::fronts::{Fronts, Works};
     use crate::state::Run;
     use crate::theory::reference;
@@ -278,7 +278,8 @@ mod tests {
     /// A lens above a floor of which no pillar is near.
     fn bare(pitch: f64) -> Scene {
         let lattice = reference::lattice(0.03);
-        let system = reference::on_lattice(lattice, reference::INTERMEDIATE, PillarCompliance::None);
+        let system =
+            reference::on_lattice(lattice, reference::INTERMEDIATE, PillarCompliance::None);
         Scene {
             field: crate::problem::pillar_field::PillarField::Hexagonal {
                 lattice: HexagonalLattice {
@@ -297,7 +298,13 @@ mod tests {
             advancing,
             receding,
         };
-        Path::new(scene, run, Fronts::new(2, 0.0, works, true), Held::Indentation).unwrap()
+        Path::new(
+            scene,
+            run,
+            Fronts::new(2, 0.0, works, true),
+            Held::Indentation,
+        )
+        .unwrap()
     }
 
     /// A flat round punch that pulls: its contact is given, in cells.
@@ -320,7 +327,10 @@ mod tests {
         let division = Division::new(&scene.field, 100);
         let side = division.cell_area().sqrt();
         let mut sums = [vec![[0.0; 2]; 9], vec![[0.0; 2]; 13]];
-        for (k, radius) in [18.3, 20.4, 22.1, 23.5, 25.2, 26.7, 27.7, 28.8, 29.9, 31.4].into_iter().enumerate() {
+        for (k, radius) in [18.3, 20.4, 22.1, 23.5, 25.2, 26.7, 27.7, 28.8, 29.9, 31.4]
+            .into_iter()
+            .enumerate()
+        {
             let mut path = path(&scene, &run, [1.0; 2]);
             let centre = [0.37 * k as f64, 0.21 * k as f64];
             flat_punch(&mut path, division, centre, radius);
@@ -357,17 +367,19 @@ mod tests {
         }
         for ((first, table), sums) in tables().iter().zip(&sums) {
             for (k, (own, [sum, count])) in table.iter().zip(sums).enumerate() {
-                println!(
-                    "{:.1} {own} {:.3} {count}",
-                    first + 0.2 * k as f64,
-                    sum / count
+                let (distance, mean) = (first + 0.2 * k as f64, sum / count);
+                assert!(
+                    *count < 100.0 || (own - mean).abs() < 0.02,
+                    "{distance:.1}: {own} {mean} {count}"
                 );
             }
         }
     }
 
     /// A sphere on a flat floor that sticks (Johnson, Kendall & Roberts): pull-off `1.5 pi w R`.
-    fn sphere(cells: f64, works: [f64; 2]) {
+    ///
+    /// The radius of the jump over the exact one, the pull-off over the exact one, and the loop over what was dissipated.
+    fn sphere(cells: f64, works: [f64; 2]) -> [f64; 3] {
         let run = Run::default();
         let scene = bare(200.0);
         let lens = scene.lens.sphere_radius();
@@ -385,33 +397,34 @@ mod tests {
         let found = (jump.floor.unwrap().area / PI).sqrt();
         // At the indentation zero: a^3 = 2 pi w R^2.
         let exact = (2.0 * PI * w * works[0] * lens * lens).cbrt();
-        println!(
-            "cells {cells}: jump {} | {} cells, events {} products {}",
-            found / division.cell_area().sqrt(),
-            exact / division.cell_area().sqrt(),
-            path.stations.len(),
-            path.contact.products()
-        );
         path.go(Course::Loading, End::Indentation(scene.height + 0.2), false)
             .unwrap();
         path.go(Course::Unloading, End::Separation, false).unwrap();
         let pull = path.stations.iter().map(|s| s.force).fold(0.0, f64::min);
-        println!(
-            "pull-off {} products {} stations {} work {} dissipation {}",
+        let Energies {
+            work, dissipation, ..
+        } = path.energies;
+        let parted = (works[1] - works[0]) * w * path.energies.receded;
+        [
+            found / exact,
             pull / (-1.5 * PI * w * works[1] * lens),
-            path.contact.products(),
-            path.stations.len(),
-            path.energies.work,
-            path.energies.dissipation
-        );
+            (dissipation + parted) / work,
+        ]
     }
 
     #[test]
     fn sphere_on_a_flat_floor() {
-        for cells in [12.0, 25.0, 50.0] {
-            sphere(cells, [1.0; 2]);
+        for (cells, works, tolerance) in [
+            (12.0, [1.0; 2], 0.03),
+            (25.0, [1.0; 2], 0.03),
+            (12.0, [1.0 / 3.0, 1.0], 0.03),
+        ] {
+            let [jump, pull_off, dissipated] = sphere(cells, works);
+            println!("{cells} cells: jump {jump}, pull-off {pull_off}, {dissipated}");
+            assert!((jump - 1.0).abs() < 0.06, "{cells}: {jump}");
+            assert!((pull_off - 1.0).abs() < tolerance, "{cells}: {pull_off}");
+            assert!((dissipated - 1.0).abs() < 1e-3, "{cells}: {dissipated}");
         }
-        sphere(12.0, [1.0 / 3.0, 1.0]);
     }
 
     /// A free ring round a pillar in a floor that is stuck to a flat lens: `K` against the closed form.
@@ -424,16 +437,23 @@ mod tests {
             lattice: HexagonalLattice::new(40.0),
             column_compliance_ratio: 0.0,
         };
-        for fineness in [60, 130, 200] {
+        // `K` of 4 cells across on is right to 4 %, which is 1 % of the radius of the ring, as `K` falls with its fourth power there or faster.
+        for fineness in [130, 200] {
             let division = Division::new(&scene.field, fineness);
             let side = division.cell_area().sqrt();
-            for ratio in [1.5, 2.0, 3.0] {
+            for outer in [1.5, 2.0, 3.0] {
                 let mut path = path(&scene, &run, [1.0; 2]);
-                path.tops.domains.fill(crate::solve::rules::fronts::Domain::OUT);
-                let centre = path.sites.centres().iter().position(|[x, y]| x.hypot(*y) < 1e-9);
+                path.tops
+                    .domains
+                    .fill(crate::solve::rules::fronts::Domain::OUT);
+                let centre = path
+                    .sites
+                    .centres()
+                    .iter()
+                    .position(|[x, y]| x.hypot(*y) < 1e-9);
                 path.tops.domains[centre.unwrap()] = crate::solve::rules::fronts::Domain::FULL;
                 path.lay_floor(division, 18.0, &|[x, y]| {
-                    (ratio..15.0).contains(&x.hypot(y)).then_some([0.0; 2])
+                    (outer..15.0).contains(&x.hypot(y)).then_some([0.0; 2])
                 })
                 .unwrap();
                 let tops = path.contact.tops();
@@ -466,13 +486,12 @@ mod tests {
                     .map(|(_, k)| *k)
                     .collect();
                 let mean = on_ring.iter().sum::<f64>() / on_ring.len() as f64;
-                let square = on_ring.iter().map(|k| (k - mean).powi(2)).sum::<f64>();
-                println!(
-                    "ring {:.2} cells, b {b:.3}: K {:.3} sd {:.3}, F {:.5}",
-                    (b - 1.0) / side,
-                    mean / exact.intensity_per_step,
-                    (square / on_ring.len() as f64).sqrt() / mean,
-                    path.contact.force() / exact.force_per_step,
+                let ratio = mean / exact.intensity_per_step;
+                let across = (b - 1.0) / side;
+                println!("{across:.2} cells: K {ratio:.3}");
+                assert!(
+                    across < 4.0 || (ratio - 1.0).abs() < 0.04,
+                    "{across}: {ratio}"
                 );
             }
         }
@@ -504,7 +523,8 @@ mod tests {
         path.go(Course::Loading, End::Indentation(indentation), false)
             .unwrap();
         let control = crate::problem::Control::Indentation(indentation * scene.length);
-        let mixed = crate::press(&system, control, crate::problem::Method::default(), &run).unwrap();
+        let mixed =
+            crate::press(&system, control, crate::problem::Method::default(), &run).unwrap();
         let force = path.force() * scene.force();
         let share = path.contact.floor_force() / path.force();
         println!(
@@ -516,85 +536,57 @@ mod tests {
         assert!((force / mixed.force - 1.0).abs() < 1e-4);
     }
 
-    /// A whole cycle, told.
-    fn case(phi: f64, work: f64, fineness: usize, turn: f64) {
-        let run = Run::default();
-        let lattice = reference::lattice(phi);
+    /// The whole cycle at 10 mJ/m^2 against an independent program, from 1.5 times the critical indentation: `floor_adhesion.csv`, its row of
+    /// phi = 0.03 with the bars that it gives.
+    #[test]
+    fn a_cycle_is_that_of_an_independent_program() {
+        let lattice = reference::lattice(0.03);
         let system =
             reference::on_lattice(lattice, reference::INTERMEDIATE, PillarCompliance::Column);
         let scene = Scene::new(&system);
-        let w = work / (scene.pressure * scene.length);
+        let run = Run::default();
+        let w = 0.01 / (scene.pressure * scene.length);
         let works = Works {
             advancing: w,
             receding: w,
         };
         let kappa = scene.field.column_compliance_ratio();
-        let partial = std::env::var("FULL").is_err();
-        let fronts = Fronts::new(2, kappa, works, partial);
+        let fronts = Fronts::new(2, kappa, works, true);
         let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
-        let clock = std::time::Instant::now();
         let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
             panic!("the floor is reached");
         };
+        let critical = path.indentation();
+        let division = Division::new(&scene.field, 16);
+        path.stick(lowest, division, 2.0 * scene.field.spacing())
+            .unwrap();
+        let newton = scene.force();
         let um = scene.length * 1e6;
-        let tell = |path: &Path<'_>, what: &str| {
-            let s = path.stations.last().unwrap();
-            let f = s.floor.unwrap_or_default();
-            println!(
-                "{what}: zeta {:.4} F {:.4e} share {:.4} area {:.0} holes {} r {:.1} tops {:?}; {} events {} products, t {:?}",
-                s.indentation * um,
-                s.force * scene.force(),
-                f.force / s.force,
-                f.area * um * um,
-                f.holes,
-                f.radius * um,
-                s.touched,
-                path.events.len(),
-                path.contact.products(),
-                clock.elapsed()
+        let near = |what: &str, found: f64, expected: f64, bar: f64| {
+            println!("{what}: {found:e} {expected:e}");
+            assert!(
+                (found / expected - 1.0).abs() < bar,
+                "{what}: {found} {expected}"
             );
         };
-        tell(&path, "critical");
-        let critical = path.indentation();
-        let division = Division::new(&scene.field, fineness);
-        println!("cell {:.3} um", division.cell_area().sqrt() * um);
-        let pitch = scene.field.spacing();
-        path.stick(lowest, division, 2.0 * pitch).unwrap();
-        tell(&path, "jump");
-        for part in [1.2, 1.5] {
-            if part <= turn {
-                path.go(Course::Loading, End::Indentation(part * critical), false)
-                    .unwrap();
-                tell(&path, &format!("{part}"));
-            }
+        let of_floor = |path: &Path<'_>| path.floor_station().unwrap();
+        near("jump", path.force() * newton, 3.089e-4, 0.01);
+        near("area", of_floor(&path).area * um * um, 13740.0, 0.25);
+        assert_eq!(of_floor(&path).holes, 36);
+        for (part, force, area) in [(1.2, 4.694e-4, 18928.0), (1.5, 7.302e-4, 28256.0)] {
+            path.go(Course::Loading, End::Indentation(part * critical), false)
+                .unwrap();
+            near("force", path.force() * newton, force, 0.01);
+            near("area", of_floor(&path).area * um * um, area, 0.1);
         }
         path.go(Course::Unloading, End::Separation, false).unwrap();
-        tell(&path, "separation");
-        let held = path.stations.iter().filter(|s| s.floor.is_some());
-        let last = held.last().unwrap();
-        println!(
-            "floor lost after {:.3} um {:.4e}",
-            last.indentation * um,
-            last.force * scene.force()
-        );
+        let last = path.stations.iter().rfind(|s| s.floor.is_some()).unwrap();
+        near("lost", last.indentation * um, 2.28, 0.08 / 2.28);
         let pull = path.stations.iter().map(|s| s.force).fold(0.0, f64::min);
-        let joule = scene.force() * scene.length;
-        println!(
-            "pull-off {:.4e} loop {:.4e} dissipated {:.4e}",
-            pull * scene.force(),
-            path.energies.work * joule,
-            path.energies.dissipation * joule
-        );
-    }
-
-    #[test]
-    fn one_case() {
-        use crate::solve::rules::floor_fronts::env;
-        case(
-            env("PHI", 0.03),
-            env("WORK", 0.01),
-            env("FINE", 16.0) as usize,
-            env("TURN", 1.5),
-        );
+        near("pull-off", pull * newton, -1.4593e-5, 0.05);
+        let energies = path.energies;
+        let joule = newton * scene.length;
+        near("loop", energies.work * joule, 1.66e-10, 0.15);
+        near("dissipated", energies.dissipation, energies.work, 1e-3);
     }
 }
