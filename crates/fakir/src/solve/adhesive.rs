@@ -353,7 +353,7 @@ impl<'a> Loading<'a> {
             error,
             termination,
             iterations: path.events.len(),
-            warnings: warnings(system, radius / scene.lens.sphere_radius()),
+            warnings: self.warnings(radius / scene.lens.sphere_radius()),
             ..ContactState::untouched(
                 system,
                 Method::Spectral(self.accuracy),
@@ -361,6 +361,15 @@ impl<'a> Loading<'a> {
             )
         };
         floor_gap(scene, state, indentation, lowest)
+    }
+
+    fn warnings(&self, contact_ratio: f64) -> Vec<Warning> {
+        let mut warnings = warnings(self.system, contact_ratio);
+        if let Some(floor) = self.floor.filter(|floor| floor.is_coarse()) {
+            let cells = floor.cells_across_ring;
+            warnings.push(Warning::CoarseFloor { cells });
+        }
+        warnings
     }
 
     /// Errors of the degree of the pressure, relative: of forces, and of where a rim lets go.
