@@ -10,7 +10,7 @@ use super::floor::{
 };
 use super::frozen::{FrozenContact, Response, Source};
 use super::rules::floor::{FloorCells, Places};
-use super::rules::groups::Groups;
+use super::rules::groups::GroupedTops;
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
@@ -397,8 +397,7 @@ impl<'a> Newton<'a> {
         tolerance: f64,
     ) -> Result<Judgement, SolveError> {
         let mut places = Places {
-            tops: &self.tops,
-            groups: Groups::new(&self.tops, self.run.workers()),
+            tops: GroupedTops::new(&self.tops, self.run.workers()),
             floor: self.cells.as_mut(),
         };
         self.contact.solve(&mut places, source, tolerance)
@@ -602,8 +601,7 @@ impl<'a> Newton<'a> {
         tolerance: f64,
     ) -> Result<Response, SolveError> {
         let mut places = Places {
-            tops: &self.tops,
-            groups: Groups::new(&self.tops, self.run.workers()),
+            tops: GroupedTops::new(&self.tops, self.run.workers()),
             floor: self.cells.as_mut(),
         };
         self.contact.respond_to(&mut places, load, tolerance)
