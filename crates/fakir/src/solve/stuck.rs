@@ -69,6 +69,7 @@ impl<'a> Path<'a> {
         let start = |cell: usize| known[cell].unwrap_or_default().map(|p| unit_cell * p);
         let kernels = self.floor.take().map(|floor| floor.kernels);
         let (sites, run, modes) = (&self.sites, self.run, self.contact.modes());
+        let layers = &self.scene.layers;
         let degree = FLOOR_DEGREE.min(self.tops.fronts.degree());
         let mut kept = None;
         let couple = |coupling: &mut SurfaceCoupling<'a>| {
@@ -76,8 +77,8 @@ impl<'a> Path<'a> {
             let floor = FloorCoupling::new(
                 &cells.grid,
                 (sites, reach),
-                modes,
-                degree,
+                [modes, degree],
+                layers,
                 kernels,
                 run.workers(),
                 run.pool,
@@ -286,7 +287,7 @@ mod tests {
                     offset: 1.0 / 3f64.sqrt(),
                     ..HexagonalLattice::new(pitch)
                 },
-                column_compliance_ratio: 0.0,
+                column: 0.0.into(),
             },
             ..Scene::new(&system)
         }
@@ -435,7 +436,7 @@ mod tests {
         let mut scene = bare(40.0);
         scene.field = crate::problem::pillar_field::PillarField::Hexagonal {
             lattice: HexagonalLattice::new(40.0),
-            column_compliance_ratio: 0.0,
+            column: 0.0.into(),
         };
         // `K` of 4 cells across on is right to 4 %, which is 1 % of the radius of the ring, as `K` falls with its fourth power there or faster.
         for fineness in [130, 200] {
@@ -510,7 +511,7 @@ mod tests {
             advancing: w,
             receding: w,
         };
-        let kappa = scene.field.column_compliance_ratio();
+        let kappa = scene.field.column().shortening;
         let fronts = Fronts::new(2, kappa, works, true);
         let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
         let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
@@ -550,7 +551,7 @@ mod tests {
             advancing: w,
             receding: w,
         };
-        let kappa = scene.field.column_compliance_ratio();
+        let kappa = scene.field.column().shortening;
         let fronts = Fronts::new(2, kappa, works, true);
         let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
         let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
