@@ -930,7 +930,10 @@ impl Reproduce {
     /// Refuses what is not for what is reproduced.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         let (given, of) = match self.publication {
-            Publication::Paper => ([("--quick", self.quick), ("", false), ("", false)], "adhesion"),
+            Publication::Paper => (
+                [("--quick", self.quick), ("", false), ("", false)],
+                "adhesion",
+            ),
             Publication::Adhesion => (
                 [
                     ("--dense", self.dense),

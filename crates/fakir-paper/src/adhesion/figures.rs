@@ -29,7 +29,9 @@ struct Way {
 
 fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
     let bare = system(Substrate::Intermediate, 0.0, fraction)?;
-    let sticky = bare.with_adhesion(Adhesion::new(work)).map_err(SolveError::from)?;
+    let sticky = bare
+        .with_adhesion(Adhesion::new(work))
+        .map_err(SolveError::from)?;
     let critical = fakir::transition(&bare, Method::default(), run)?.contact;
     let mut tops = Vec::new();
     for step in 1..STEPS {
@@ -38,7 +40,11 @@ fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
         let state = fakir::press(&bare, control, Method::default(), run)?;
         tops.push([state.indentation, state.force, state.contact_radius]);
     }
-    tops.push([critical.indentation, critical.force, critical.contact_radius]);
+    tops.push([
+        critical.indentation,
+        critical.force,
+        critical.contact_radius,
+    ]);
     Ok(Way {
         label: format!("*φ* = {fraction}, {} mJ/m^{{2}}", 1e3 * work),
         floor: collapse_path(&sticky, critical.indentation, run)?,
@@ -69,7 +75,10 @@ fn branches(ways: &[Way], point: impl Fn(&Way, [f64; 3]) -> [f64; 2]) -> Vec<Ser
     for (way, tint) in ways.iter().zip(TINTS) {
         let [down, up] = way.branches();
         let points = |branch: Vec<[f64; 3]>| -> Vec<[f64; 2]> {
-            branch.into_iter().map(|values| point(way, values)).collect()
+            branch
+                .into_iter()
+                .map(|values| point(way, values))
+                .collect()
         };
         let solid = Style::line(0).in_tint(tint);
         let up = points(up);
@@ -89,7 +98,10 @@ pub fn plates(
     laws: &[Checked],
     run: &Run<'_>,
 ) -> Result<Vec<Plate>, PaperError> {
-    let single = Run { pool: None, ..run.clone() };
+    let single = Run {
+        pool: None,
+        ..run.clone()
+    };
     let ways = [(TYPICAL, 10e-3), (TYPICAL, RUBBER), (0.06, RUBBER)]
         .into_iter()
         .map(|(fraction, work)| way(fraction, work, &single))
@@ -138,7 +150,11 @@ fn phases(ways: &[Way]) -> Result<Plate, PaperError> {
     let marks = Style::marks(0).in_tint(Tint::Black);
     let figure = phase_diagram(&PhaseDiagram {
         system: system(Substrate::Intermediate, 0.0, TYPICAL)?,
-        critical: vec![Series::new("first touch", critical.collect::<Vec<_>>(), marks)],
+        critical: vec![Series::new(
+            "first touch",
+            critical.collect::<Vec<_>>(),
+            marks,
+        )],
         paths,
         shares: Vec::new(),
     });
@@ -172,11 +188,25 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
             .collect()
     };
     let good = |case: &FloorCase| case.found.unloading_validity == Validity::InRange;
-    let mark = |tint, marker| Style { tint, line: None, marker: Some(marker) };
+    let mark = |tint, marker| Style {
+        tint,
+        line: None,
+        marker: Some(marker),
+    };
     let is = |fate: Fate| move |case: &FloorCase| case.found.fate == fate;
     let told = [
-        ("held through zero load", Fate::HeldThroughZero, Tint::Vermillion, Marker::Disc),
-        ("lost under load", Fate::LostUnderLoad, Tint::Blue, Marker::Square),
+        (
+            "held through zero load",
+            Fate::HeldThroughZero,
+            Tint::Vermillion,
+            Marker::Disc,
+        ),
+        (
+            "lost under load",
+            Fate::LostUnderLoad,
+            Tint::Blue,
+            Marker::Square,
+        ),
     ];
     for (label, fate, tint, marker) in told {
         series.push(Series::new(
@@ -237,7 +267,13 @@ fn withdrawals(cases: &Cases) -> Plate {
             }
         }
     }
-    let places = |name: &str| if name == Substrate::Rigid.name() { Dash::Dashed } else { Dash::Solid };
+    let places = |name: &str| {
+        if name == Substrate::Rigid.name() {
+            Dash::Dashed
+        } else {
+            Dash::Solid
+        }
+    };
     let mut fractions: Vec<f64> = groups.iter().map(|group| group.0).collect();
     fractions.sort_by(f64::total_cmp);
     fractions.dedup_by(|a, b| same(*a, *b));
@@ -268,12 +304,20 @@ fn withdrawals(cases: &Cases) -> Plate {
 fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     let reduced = law.reduced;
     let points = |of: &mut dyn Iterator<Item = &FloorCase>| -> Vec<[f64; 2]> {
-        of.filter_map(|case| Some([law.at(case), reduced.of(case)?])).collect()
+        of.filter_map(|case| Some([law.at(case), reduced.of(case)?]))
+            .collect()
     };
     let mut series = Vec::new();
-    for (place, substrate) in [Substrate::Rigid, Substrate::Intermediate].into_iter().enumerate() {
+    for (place, substrate) in [Substrate::Rigid, Substrate::Intermediate]
+        .into_iter()
+        .enumerate()
+    {
         let values = points(&mut cases.on_pillar(substrate));
-        series.push(Series::new(format!("{} substrate", substrate.name()), values, Style::marks(place)));
+        series.push(Series::new(
+            format!("{} substrate", substrate.name()),
+            values,
+            Style::marks(place),
+        ));
     }
     series.push(Series::new(
         "other sizes",
@@ -281,11 +325,19 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
         Style::marks(2),
     ));
     let others = points(&mut cases.check.iter());
-    let ring = Style { tint: Tint::Black, line: None, marker: Some(Marker::Ring) };
+    let ring = Style {
+        tint: Tint::Black,
+        line: None,
+        marker: Some(Marker::Ring),
+    };
     series.push(Series::new("systems not in the law", others, ring));
     series.retain(|series| !series.points.is_empty());
-    let all = series.iter().flat_map(|series| series.points.iter().map(|point| point[0]));
-    let (low, high) = all.fold((f64::INFINITY, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
+    let all = series
+        .iter()
+        .flat_map(|series| series.points.iter().map(|point| point[0]));
+    let (low, high) = all.fold((f64::INFINITY, 0.0f64), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
     series.push(Series::unnamed(
         vec![[low, low], [high, high]],
         Style::line(0).in_tint(Tint::Black),
@@ -331,7 +383,10 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
 /// Pull-off over the surface fraction.
 fn pull_offs(scope: &Scope, cases: &Cases) -> Plate {
     let mut series = Vec::new();
-    for (place, substrate) in [Substrate::Rigid, Substrate::Intermediate].into_iter().enumerate() {
+    for (place, substrate) in [Substrate::Rigid, Substrate::Intermediate]
+        .into_iter()
+        .enumerate()
+    {
         let at: Vec<&FloorCase> = scope
             .fractions
             .iter()
@@ -359,14 +414,19 @@ fn pull_offs(scope: &Scope, cases: &Cases) -> Plate {
             tops,
             Style::marks(place + 2).with_line(Dash::Dashed),
         ));
-        let smooth = at
-            .iter()
-            .filter_map(|case| Some([case.found.surface_fraction, -1e3 * case.found.smooth_pull_off?]));
+        let smooth = at.iter().filter_map(|case| {
+            Some([
+                case.found.surface_fraction,
+                -1e3 * case.found.smooth_pull_off?,
+            ])
+        });
         let smooth: Vec<_> = smooth.collect();
         series.push(Series::new(
             format!("{name}, smooth floor"),
             smooth,
-            Style::line(place).with_line(Dash::Dotted).in_tint(Tint::Grey),
+            Style::line(place)
+                .with_line(Dash::Dotted)
+                .in_tint(Tint::Grey),
         ));
     }
     series.retain(|series| !series.points.is_empty());
@@ -393,7 +453,8 @@ fn hystereses(scope: &Scope, cases: &Cases) -> Plate {
             .iter()
             .filter_map(|work| cases.at(Substrate::Intermediate, *fraction, *work))
             .filter(|case| case.found.unloading_validity == Validity::InRange);
-        let values = at.filter_map(|case| Some([1e3 * case.found.work, 1e9 * case.found.hysteresis?]));
+        let values =
+            at.filter_map(|case| Some([1e3 * case.found.work, 1e9 * case.found.hysteresis?]));
         let values: Vec<_> = values.collect();
         if values.len() > 1 {
             let style = Style::marks(place).with_line(Dash::Solid);
@@ -424,12 +485,21 @@ fn sizes(scope: &Scope, cases: &Cases) -> Plate {
                     && same(case.found.work, *work)
                     && same(case.found.surface_fraction, fraction)
             });
-            let values = values.filter_map(|case| Some([1e6 * case.height, Reduced::Withdrawal.of(case)?]));
+            let values =
+                values.filter_map(|case| Some([1e6 * case.height, Reduced::Withdrawal.of(case)?]));
             let values: Vec<_> = values.collect();
-            let dash = if number == 0 { Dash::Solid } else { Dash::Dashed };
+            let dash = if number == 0 {
+                Dash::Solid
+            } else {
+                Dash::Dashed
+            };
             let label = format!("*d* = {} µm, {} mJ/m^{{2}}", 1e6 * diameter, 1e3 * work);
             if !values.is_empty() {
-                series.push(Series::new(label, values, Style::marks(place).with_line(dash)));
+                series.push(Series::new(
+                    label,
+                    values,
+                    Style::marks(place).with_line(dash),
+                ));
             }
         }
     }
@@ -442,6 +512,8 @@ fn sizes(scope: &Scope, cases: &Cases) -> Plate {
         &chart,
         "sizes",
         "Height and diameter",
-        &format!("How far the lens goes back until the floor is lost against the height of the pillars, for their diameters, intermediate substrate, φ = {fraction}: fast model in its range."),
+        &format!(
+            "How far the lens goes back until the floor is lost against the height of the pillars, for their diameters, intermediate substrate, φ = {fraction}: fast model in its range."
+        ),
     )
 }

@@ -40,7 +40,9 @@ pub fn findings(scope: &Scope, cases: &Cases, laws: &[Checked]) -> Vec<Finding> 
 }
 
 fn named<const N: usize>(numbers: [(&str, f64); N]) -> Vec<(String, f64)> {
-    numbers.map(|(name, value)| (name.to_owned(), value)).to_vec()
+    numbers
+        .map(|(name, value)| (name.to_owned(), value))
+        .to_vec()
 }
 
 fn share(part: usize, of: usize) -> f64 {
@@ -117,7 +119,9 @@ fn tops(cases: &Cases) -> Option<Finding> {
 
 fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     values.fold(None, |range: Option<(f64, f64)>, value| {
-        Some(range.map_or((value, value), |(low, high)| (low.min(value), high.max(value))))
+        Some(range.map_or((value, value), |(low, high)| {
+            (low.min(value), high.max(value))
+        }))
     })
 }
 
@@ -258,11 +262,15 @@ fn rubber(scope: &Scope, cases: &Cases) -> Option<Finding> {
         let found = &case.found;
         let good = found.unloading_validity == Validity::InRange;
         let (Some(jump), true) = (found.jump, good) else {
-            sentences.push(format!("φ = {fraction}: out of the range of the fast model"));
+            sentences.push(format!(
+                "φ = {fraction}: out of the range of the fast model"
+            ));
             continue;
         };
         let drop = 1.0 - jump.force / found.critical_force;
-        let lost = found.lost.map(|lost| lost.indentation / found.critical_indentation);
+        let lost = found
+            .lost
+            .map(|lost| lost.indentation / found.critical_indentation);
         let mut push = |name: &str, value: f64| {
             numbers.push((format!("{name}_at_{fraction}"), value));
             value
@@ -408,7 +416,11 @@ fn sizes(scope: &Scope, cases: &Cases) -> Option<Finding> {
                             && case.found.unloading_validity == Validity::InRange
                     })
                 };
-                let sizes = if by_height { &scope.heights } else { &scope.diameters };
+                let sizes = if by_height {
+                    &scope.heights
+                } else {
+                    &scope.diameters
+                };
                 let [first, last] = [*sizes.first()?, *sizes.last()?];
                 if let (Some(first_case), Some(last_case)) = (at(first), at(last))
                     && let (Some(low), Some(high)) = (of(first_case), of(last_case))
@@ -429,8 +441,14 @@ fn sizes(scope: &Scope, cases: &Cases) -> Option<Finding> {
         text: format!(
             "At the same surface fraction and work of adhesion, on the intermediate substrate: 1 - ζ_lost/ζ_c goes with the height as a power from {} to {} and with the diameter as one from {} to {}; the hysteresis as one \
              from {} to {} and from {} to {}.",
-            short(height.0), short(height.1), short(diameter.0), short(diameter.1),
-            short(lost_height.0), short(lost_height.1), short(lost_diameter.0), short(lost_diameter.1),
+            short(height.0),
+            short(height.1),
+            short(diameter.0),
+            short(diameter.1),
+            short(lost_height.0),
+            short(lost_height.1),
+            short(lost_diameter.0),
+            short(lost_diameter.1),
         ),
         numbers: named([
             ("withdrawal_by_height_from", height.0),

@@ -25,9 +25,15 @@ pub(crate) struct Page<'a> {
 const TITLE: &str = "The fakir sticks: adhesion on tops and floor";
 
 const SYMBOLS: [(&str, &str); 11] = [
-    ("φ", "surface fraction: part of the surface that is pillar top"),
+    (
+        "φ",
+        "surface fraction: part of the surface that is pillar top",
+    ),
     ("d, h, a", "diameter, height and radius of a pillar"),
-    ("R, E", "radius of the lens, reduced modulus of lens and substrate"),
+    (
+        "R, E",
+        "radius of the lens, reduced modulus of lens and substrate",
+    ),
     ("w", "work of adhesion, of tops and floor alike"),
     (
         "w_c",
@@ -41,8 +47,14 @@ const SYMBOLS: [(&str, &str); 11] = [
         "F_c, ζ_c, a_c",
         "force, indentation and contact radius where the lens first touches the floor",
     ),
-    ("F, A", "force and area of the stuck floor just after the jump at ζ_c"),
-    ("ζ_lost", "indentation at which the floor is lost on the way back"),
+    (
+        "F, A",
+        "force and area of the stuck floor just after the jump at ζ_c",
+    ),
+    (
+        "ζ_lost",
+        "indentation at which the floor is lost on the way back",
+    ),
     ("F_off", "largest pull while the floor sticks"),
     (
         "W",
