@@ -67,8 +67,8 @@ pub mod workshop;
 
 pub use answer::{Answer, Critical, Pressed, Row};
 pub use collapsed::{
-    Collapsed, Fate, FloorJump, FloorLoss, LARGEST_INDENTATION, STEP, Validity, collapse,
-    collapse_path,
+    Collapsed, Fate, FloorJump, FloorLoss, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
+    Validity, collapse, collapse_path,
 };
 pub use cycled::{Cycled, Errors, Hysteresis, Loading, Pull};
 pub use error::StudyError;

@@ -15,6 +15,11 @@ use fakir_figure::{
 };
 use fakir_study::{Fate, Validity, collapse_path};
 
+/// A number of an axis without what rounding made of it.
+fn rounded(value: f64) -> f64 {
+    (1e9 * value).round() / 1e9
+}
+
 /// States of a loading of the tops.
 const STEPS: u32 = 24;
 
@@ -46,7 +51,7 @@ fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
         critical.contact_radius,
     ]);
     Ok(Way {
-        label: format!("*φ* = {fraction}, {} mJ/m^{{2}}", 1e3 * work),
+        label: format!("*φ* = {fraction}, {} mJ/m^{{2}}", rounded(1e3 * work)),
         floor: collapse_path(&sticky, critical.indentation, run)?,
         system: bare,
         tops,
@@ -135,7 +140,7 @@ fn cycles(ways: &[Way]) -> Plate {
         "cycles",
         "Down and up again",
         "Force against indentation, both over those of the critical state, intermediate substrate, lens axis on a pillar: solid on loading, with the jump where the floor is first touched, \
-         dashed on unloading as far as the floor sticks. Fast model; tops alone without adhesion up to the critical state.",
+         dashed on unloading as far as the floor sticks. Fast model, in which shells of pillars make the teeth; tops alone without adhesion up to the critical state.",
     )
 }
 
@@ -281,7 +286,7 @@ fn withdrawals(cases: &Cases) -> Plate {
         let place = fractions.iter().position(|other| same(*other, fraction));
         let style = Style::marks(place.unwrap_or(0)).with_line(places(name));
         if name == Substrate::Intermediate.name() {
-            Series::new(format!("*φ* = {fraction}"), points, style)
+            Series::new(format!("*φ* = {}", rounded(fraction)), points, style)
         } else {
             Series::unnamed(points, style)
         }
@@ -493,7 +498,11 @@ fn sizes(scope: &Scope, cases: &Cases) -> Plate {
             } else {
                 Dash::Dashed
             };
-            let label = format!("*d* = {} µm, {} mJ/m^{{2}}", 1e6 * diameter, 1e3 * work);
+            let label = format!(
+                "*d* = {} µm, {} mJ/m^{{2}}",
+                rounded(1e6 * diameter),
+                rounded(1e3 * work)
+            );
             if !values.is_empty() {
                 series.push(Series::new(
                     label,

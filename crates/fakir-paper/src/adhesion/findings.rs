@@ -4,7 +4,8 @@ use super::scaling::{HeldOut, Law, Reduced};
 use super::study::{Cases, FloorCase, Scope, same};
 use crate::claims::{percent, short};
 use crate::grid::Substrate;
-use fakir_study::{Fate, Validity};
+use fakir::theory::collapsed_floor::{MODEL_ERROR_OF_AREA, MODEL_ERROR_OF_FORCE};
+use fakir_study::{Fate, MODEL_ERROR_OF_LOSS, Validity};
 
 /// The work of adhesion of the paper's rubber, J/m^2.
 pub const RUBBER: f64 = 50e-3;
@@ -75,12 +76,18 @@ fn coverage(cases: &Cases) -> Option<Finding> {
         title: "What the numbers are worth",
         text: format!(
             "Of {all} cases of a floor that sticks the fast model is in its range in {good} ({}): one stuck region of two pitches at least in radius, annuli \
-             below 0.3 pitches. There its force is good to 8 % of that of the tops, its area to 15 %, where the floor is lost to 0.08 ζ_c, all against cells on the floor. In {narrow} the stuck \
+             below 0.3 pitches. There its force is good to {} of that of the tops, its area to {}, and where the floor is lost to {} ζ_c, as it was held against cells on the floor. In {narrow} the stuck \
              region is too small for a disc, in {wide} annuli are too wide, in {meet} they would meet and the model was not asked, and in {none} no front stands still. \
              In {steep} of those in range the step beside a pillar is steeper than 1, where linear elasticity itself is doubtful.",
-            percent(share(good, all))
+            percent(share(good, all)),
+            percent(MODEL_ERROR_OF_FORCE),
+            percent(MODEL_ERROR_OF_AREA),
+            short(MODEL_ERROR_OF_LOSS),
         ),
         numbers: named([
+            ("model_error_of_force", MODEL_ERROR_OF_FORCE),
+            ("model_error_of_area", MODEL_ERROR_OF_AREA),
+            ("model_error_of_loss", MODEL_ERROR_OF_LOSS),
             ("floor_cases", all as f64),
             ("in_range", good as f64),
             ("front_narrow", narrow as f64),

@@ -126,7 +126,7 @@ impl Group {
     pub fn label(self) -> &'static str {
         match self {
             Self::Threshold => "(*w*/*w*_{c})",
-            Self::Work => "(*w* *a*/*E*^{∗}*h*^{2})",
+            Self::Work => "(*w* *a*/*E* *h*^{2})",
             Self::Fraction => "*φ*",
             Self::Lens => "(*R* *h*/*d*^{2})",
             Self::Column => "(1+*κ*)",
