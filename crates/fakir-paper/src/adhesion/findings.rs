@@ -13,6 +13,9 @@ pub const RUBBER: f64 = 50e-3;
 /// The surface fraction of sentences about one surface.
 pub const TYPICAL: f64 = 0.03;
 
+/// Distance of a case from a law from which on the report calls it a trend.
+const NO_LAW: f64 = 0.4;
+
 /// What was found, and the numbers in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
@@ -112,10 +115,8 @@ fn tops(cases: &Cases) -> Option<Finding> {
         name: "critical-force",
         title: "The load at which the floor is touched",
         text: format!(
-            "Adhesion acts after touching: on the rigid and the intermediate substrate tops that stick change the critical force by {} to {}, \
-             which is the largest change in the tables.",
-            percent(low),
-            percent(high)
+            "Adhesion acts after touching: on the rigid and the intermediate substrate tops that stick change the critical force by {} at most.",
+            percent(low.abs().max(high.abs()))
         ),
         numbers: named([
             ("smallest_change_of_critical_force", low),
@@ -290,17 +291,20 @@ fn rubber(scope: &Scope, cases: &Cases) -> Option<Finding> {
             percent(push("rubber_force_drop", drop))
         );
         push("rubber_holes", jump.holes as f64);
-        if let Some(lost) = lost {
-            text.push_str(&format!(
-                ", the floor lets go at {} ζ_c",
-                short(push("rubber_lost_over_critical", lost))
-            ));
-        }
         if let Some(pull) = found.pull_off {
             let pull = push("rubber_pull_off_mN", -1e3 * pull);
-            text.push_str(&format!(" with a pull of {} mN", short(pull)));
+            text.push_str(&format!(
+                ", on the way back it pulls with up to {} mN",
+                short(pull)
+            ));
         } else {
-            text.push_str(" while it is still pressed");
+            text.push_str(", on the way back it is pressed all the time");
+        }
+        if let Some(lost) = lost {
+            text.push_str(&format!(
+                " until the floor lets go at {} ζ_c",
+                short(push("rubber_lost_over_critical", lost))
+            ));
         }
         sentences.push(text);
     }
@@ -328,6 +332,19 @@ fn scaling((law, held): &Checked) -> Finding {
         numbers.push((stem.clone(), *exponent));
         numbers.push((format!("{stem}_standard_error"), *error));
     }
+    let ranges: Vec<String> = law
+        .groups
+        .iter()
+        .zip(&law.ranges)
+        .map(|(group, [from, to])| {
+            format!("{} from {} to {}", group.name(), short(*from), short(*to))
+        })
+        .collect();
+    for (group, [from, to]) in law.groups.iter().zip(&law.ranges) {
+        let stem = format!("{}_range_of_{}", law.reduced.name(), group.name());
+        numbers.push((format!("{stem}_from"), *from));
+        numbers.push((format!("{stem}_to"), *to));
+    }
     let mut text = format!(
         "{} = {}: {} cases scatter about it by {}, {} at most. Exponents are with their standard errors, as if the residuals were noise, which they are not.",
         law.reduced.plain(),
@@ -336,6 +353,10 @@ fn scaling((law, held): &Checked) -> Finding {
         percent(law.scatter),
         percent(law.largest)
     );
+    text.push_str(&format!(" It comes from {}.", ranges.join(", ")));
+    if law.largest > NO_LAW {
+        text.push_str(" With cases that far from it, it is a trend and no law.");
+    }
     if let Some(held) = held {
         text.push_str(&format!(
             " {} systems that it does not come from, with other lenses, pillars and moduli, are {} from it, {} at most.",

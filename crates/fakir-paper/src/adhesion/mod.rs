@@ -76,6 +76,7 @@ struct LawRow {
     groups: String,
     exponents: String,
     standard_errors: String,
+    ranges: String,
     prefactor: f64,
     cases: usize,
     relative_scatter: f64,
@@ -211,6 +212,10 @@ fn law_rows(all: &[Vec<Law>]) -> impl Iterator<Item = LawRow> + '_ {
                 groups: joined(&|k| law.groups[k].name().to_owned()),
                 exponents: joined(&|k| law.exponents[k][0].to_string()),
                 standard_errors: joined(&|k| law.exponents[k][1].to_string()),
+                ranges: joined(&|k| {
+                    let [from, to] = law.ranges[k];
+                    format!("{from} to {to}")
+                }),
                 prefactor: law.prefactor,
                 cases: law.points,
                 relative_scatter: law.scatter,

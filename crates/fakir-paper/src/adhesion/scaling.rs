@@ -156,6 +156,8 @@ pub struct Law {
     pub groups: Vec<Group>,
     /// The exponent of each, with its standard error.
     pub exponents: Vec<[f64; 2]>,
+    /// From where to where each group goes in the cases.
+    pub ranges: Vec<[f64; 2]>,
     /// The factor in front.
     pub prefactor: f64,
     /// Number of cases.
@@ -210,10 +212,17 @@ impl Law {
         let exponents = (1..size)
             .map(|k| [coefficients[k], (variance * inverse[k][k]).sqrt()])
             .collect();
+        let ranges = (1..size).map(|k| {
+            let logarithms = rows.iter().map(|(row, _)| row[k]);
+            let whole = [f64::INFINITY, f64::NEG_INFINITY];
+            let range = logarithms.fold(whole, |[low, high], x| [low.min(x), high.max(x)]);
+            range.map(f64::exp)
+        });
         Some(Self {
             reduced,
             groups: groups.to_vec(),
             exponents,
+            ranges: ranges.collect(),
             prefactor: coefficients[0].exp(),
             points: count,
             scatter: variance.sqrt().exp_m1(),
