@@ -137,7 +137,7 @@ fn the_report_says_what_the_tables_say() {
     assert!(made.laws.len() >= 4, "{:?}", made.laws);
     for (law, held) in &made.laws {
         let residual = |case: &&FloorCase| Some((law.reduced.of(case)? / law.at(case)).ln());
-        let residuals: Vec<f64> = of_laws.iter().filter_map(|case| residual(case)).collect();
+        let residuals: Vec<f64> = of_laws.iter().filter_map(residual).collect();
         let squares: f64 = residuals.iter().map(|x| x * x).sum();
         let freedom = (residuals.len() - law.groups.len() - 1) as f64;
         let name = law.reduced.name();

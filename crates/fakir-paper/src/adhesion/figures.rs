@@ -247,7 +247,7 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         "What becomes of the floor",
         &format!(
             "Work of adhesion against surface fraction, {} substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: whether the floor still holds where the load is zero. Full marks: the fast model \
-             in its range; rings: its answer beyond it. Crosses: it tells of no stuck region, since annuli meet or none is left where the lens turns back. The line is the threshold of the flat lattice without load.",
+             in its range; rings: its answer beyond it. Crosses: it tells of no stuck region, since annuli meet, none is left where the lens turns back, or no front stands still. The line is the threshold of the flat lattice without load.",
             substrate.name()
         ),
     )

@@ -310,7 +310,7 @@ fn rubber(scope: &Scope, cases: &Cases) -> Option<Finding> {
     }
     (!numbers.is_empty()).then(|| Finding {
         name: "rubber",
-        title: "What experiments with 50 mJ/m^2 see",
+        title: "What experiments with 50 mJ/m² see",
         text: format!(
             "On the intermediate substrate, loaded to 1.2 ζ_c at given displacement: {}.",
             sentences.join("; ")
