@@ -25,8 +25,8 @@ const LAST_INDENTATION: f64 = -1.2;
 /// Steps of the loading past the critical state.
 const LOADING_STEPS: u32 = 4;
 
-/// Annuli without pressure, in pitches, beyond which the fast model is not asked: they would meet.
-const ANNULI_MEET: f64 = 0.4;
+/// Annuli without pressure, in pitches, beyond which the fast model is not asked: it is out of its range, and the slower the wider they are.
+const ANNULI_MEET: f64 = 0.33;
 
 /// States of the tops alone from where the floor is lost to the critical state, even.
 const TOP_STEPS: u32 = 8;
@@ -68,7 +68,7 @@ pub enum Validity {
     FrontNarrow,
     /// Free annuli are wider than 0.3 pitches: they act on each other.
     AnnuliWide,
-    /// Annuli would meet: the floor sticks hole by hole if at all, and the model was not asked.
+    /// Annuli without pressure come near to each other: the floor sticks hole by hole if at all, and the model was not asked.
     AnnuliMeet,
     /// No front stands still: all of the floor is drawn down, or annuli are too narrow to be told from the pillars.
     NoFront,

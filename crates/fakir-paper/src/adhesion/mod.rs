@@ -4,7 +4,7 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `floor/`, `tops/`, `sizes/`, `check/` | [sweeps](fakir_study::sweep_into), each a study that can be run by itself |
+//! | `floor/`, `tops/`, `sizes/`, `offsets/`, `check/` | [sweeps](fakir_study::sweep_into), each a study that can be run by itself |
 //! | `tables/` | findings, laws, candidates of laws, ways of the lens |
 //! | `figures/` | every figure as SVG and PNG |
 //! | `report.html` | findings, laws and figures on one page |
@@ -116,11 +116,14 @@ pub fn reproduce_adhesion(
         damaged.extend(summary.damaged);
         parts.push((study, summary.rows));
     }
-    let [floor, tops, sizes, check] = &parts[..] else {
+    let [floor, tops, sizes, offsets, check] = &parts[..] else {
         unreachable!("as many parts as there are");
     };
     let cases = Cases {
-        floor: floor_cases(&floor.0, &floor.1),
+        floor: [floor, offsets]
+            .into_iter()
+            .flat_map(|(study, rows)| floor_cases(study, rows))
+            .collect(),
         tops: top_cases(&tops.0, &tops.1),
         sizes: floor_cases(&sizes.0, &sizes.1),
         check: floor_cases(&check.0, &check.1),

@@ -188,7 +188,7 @@ impl Page<'_> {
             }
             h2 { "Files, and how to make them again" }
             p {
-                "Made by " code { "fakir reproduce adhesion --output FOLDER" } ". The folders " code { "floor" } ", " code { "tops" } ", " code { "sizes" } " and " code { "check" } " are those of "
+                "Made by " code { "fakir reproduce adhesion --output FOLDER" } ". The folders " code { "floor" } ", " code { "tops" } ", " code { "sizes" } ", " code { "offsets" } " and " code { "check" } " are those of "
                 code { "fakir sweep" } ": the " code { "study.toml" } " of each can be run by itself. Every figure is in " code { "figures" } " as SVG and PNG, the tables are in " code { "tables" } "."
             }
             h2 { "To be cited" }

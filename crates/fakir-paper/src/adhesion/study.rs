@@ -16,13 +16,21 @@ pub enum Part {
     Tops,
     /// The floor on the intermediate substrate with other heights and diameters.
     Sizes,
+    /// The floor with the lens axis beside a pillar, where fewer pillars are alike: some of the surface fractions.
+    Offsets,
     /// Systems that are in no law: other lenses, pillars, moduli and works at once.
     Check,
 }
 
 impl Part {
     /// All of them, in the order in which they are computed.
-    pub const ALL: [Self; 4] = [Self::Floor, Self::Tops, Self::Sizes, Self::Check];
+    pub const ALL: [Self; 5] = [
+        Self::Floor,
+        Self::Tops,
+        Self::Sizes,
+        Self::Offsets,
+        Self::Check,
+    ];
 
     /// The folder.
     #[must_use]
@@ -31,6 +39,7 @@ impl Part {
             Self::Floor => "floor",
             Self::Tops => "tops",
             Self::Sizes => "sizes",
+            Self::Offsets => "offsets",
             Self::Check => "check",
         }
     }
@@ -42,6 +51,7 @@ impl Part {
             Self::Floor => "a floor that sticks, by the fast model and closed forms",
             Self::Tops => "tops alone, exactly",
             Self::Sizes => "other heights and diameters",
+            Self::Offsets => "the lens axis beside a pillar",
             Self::Check => "systems that are in no law",
         }
     }
@@ -50,8 +60,10 @@ impl Part {
 /// How much is computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scope {
-    /// Offsets of the lens axis, in pitches.
+    /// Offsets of the lens axis of a part of the study, in pitches.
     pub offsets: Vec<f64>,
+    /// Surface fractions of that part.
+    pub offset_fractions: Vec<f64>,
     /// Surface fractions.
     pub fractions: Vec<f64>,
     /// Works of adhesion, J/m^2.
@@ -73,7 +85,8 @@ impl Scope {
     #[must_use]
     pub fn whole() -> Self {
         Self {
-            offsets: vec![0.0, 0.3],
+            offsets: vec![0.3],
+            offset_fractions: vec![0.01, 0.02, 0.03, 0.045],
             fractions: vec![0.005, 0.01, 0.015, 0.02, 0.03, 0.045, 0.06, 0.08, 0.1],
             works: [0.1, 0.3, 1.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 70.0, 100.0]
                 .map(|work| work * 1e-3)
@@ -90,7 +103,8 @@ impl Scope {
     #[must_use]
     pub fn quick() -> Self {
         Self {
-            offsets: vec![0.0],
+            offsets: vec![0.3],
+            offset_fractions: vec![0.02],
             fractions: vec![0.01, 0.02, 0.03, 0.045],
             works: vec![1e-3, 10e-3, 30e-3, 50e-3, 100e-3],
             heights: vec![1.5e-6, 2.2e-6, 3.3e-6],
@@ -125,8 +139,17 @@ impl Scope {
                     "substrate.young_modulus",
                     &Substrate::ALL.map(Substrate::young_modulus),
                 );
-                axis("texture.offset", &self.offsets);
+                axis("texture.offset", &[0.0]);
                 axis("texture.surface_fraction", &self.fractions);
+                axis("adhesion.work", &self.works);
+            }
+            Part::Offsets => {
+                axis(
+                    "substrate.young_modulus",
+                    &[Substrate::Rigid, Substrate::Intermediate].map(Substrate::young_modulus),
+                );
+                axis("texture.offset", &self.offsets);
+                axis("texture.surface_fraction", &self.offset_fractions);
                 axis("adhesion.work", &self.works);
             }
             Part::Sizes => {
