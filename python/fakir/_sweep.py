@@ -153,7 +153,7 @@ def sweep(
         A study file, its text, or a dictionary of its tables, in which a `System`, or a
         `fakir.love.Surface` of a case file, can be the case:
         ``{"system": system, "axes": {"surface_fraction": [0.01, 0.1]}}``. Critical states are asked for unless
-        ``"study": {"question": "press"}`` or ``"cycle"`` says otherwise.
+        ``"study": {"question": "press"}``, ``"cycle"`` or ``"collapse"`` says otherwise.
     executor
         Where the cases are computed: any executor of ``concurrent.futures`` (threads, processes,
         ``mpi4py.futures``) or of Dask (``client.get_executor()``). A function that makes one, such as

@@ -333,6 +333,7 @@ impl CaseFile {
         Adhesion {
             work: given.work,
             work_receding: receding.map(|_| given.work_receding),
+            floor: false,
         }
     }
 

@@ -92,6 +92,7 @@ fn works_of_adhesion() {
     let sticky = Adhesion {
         work: 0.05,
         work_receding: Some(0.08),
+        floor: false,
     };
     let case = with(&both).unwrap();
     assert_eq!(case.system.adhesion(), sticky);

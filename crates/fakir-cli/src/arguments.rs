@@ -117,11 +117,17 @@ pub(crate) enum Command {
     /// What to cite for a result, a case, a study or a method
     #[command(after_help = "Example: fakir cite results --bibtex")]
     Cite(Cite),
-    /// Every result of the paper anew: tables, figures, and a report of its claims
+    /// Every result of the paper anew, or the study of adhesion that it announced: tables, figures and a report
     ///
-    /// 6 places to land, 60 surface fractions and 3 substrates, in half a minute; with report.html,
+    /// paper: 6 places to land, 60 surface fractions and 3 substrates, in half a minute; with report.html,
     /// one page of claims, figures and numbers that needs nothing else.
-    #[command(after_help = "Example: fakir reproduce paper --output paper")]
+    ///
+    /// adhesion: surface fractions, works of adhesion, substrates and offsets with tops and floor that stick: the jump
+    /// onto the floor, its loss, pull-off and hysteresis, with power laws, figures and a report. The floor is computed by
+    /// the fast model of a collapsed floor, whose range is told with every number. Ctrl-C ends it; --resume goes on.
+    #[command(after_help = "Examples:
+  fakir reproduce paper --output paper
+  fakir reproduce adhesion --output adhesion --quick")]
     Reproduce(Reproduce),
     /// The inverse question: the pitch, size or modulus that gives a wanted critical state, pull-off force or floor
     /// share; heights of rounded tops for a wanted curve; and how far real samples scatter about it
@@ -170,7 +176,8 @@ pub(crate) enum Command {
     /// Many cases: a study file with axes along which a case is varied
     ///
     /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Asked is the critical state, with
-    /// question = "press" the contact under a load, with "cycle" the pull-off from tops that stick. Every case is one
+    /// question = "press" the contact under a load, with "cycle" the pull-off from tops that stick, with "collapse" how a
+    /// floor that sticks is drawn down and lost. Every case is one
     /// row of a table, also if it fails: then with the reason. With --output a
     /// journal is kept there, so that a sweep that was interrupted, even killed, goes on with
     /// --resume; the tables are the same as without the interruption, byte for byte. Without
@@ -873,13 +880,15 @@ impl Sweep {
 pub(crate) enum Publication {
     /// Phys. Rev. E 104, 055007 (2021)
     Paper,
+    /// The study of adhesion that it announced, with a floor that sticks
+    Adhesion,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Reproduce {
     /// What to reproduce
     #[arg(value_enum)]
-    publication: Publication,
+    pub(crate) publication: Publication,
     /// Where to; a folder that is empty or to be made
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: PathBuf,
@@ -887,9 +896,12 @@ pub(crate) struct Reproduce {
     /// takes several times as long
     #[arg(long)]
     pub(crate) dense: bool,
-    /// Surface fractions from 0.0003 to 0.21
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = points)]
-    pub(crate) points: usize,
+    /// Surface fractions of the paper from 0.0003 to 0.21; 60 if not given
+    #[arg(long, value_name = "N", value_parser = points)]
+    pub(crate) points: Option<usize>,
+    /// The study of adhesion with fewer cases, in two minutes instead of half an hour
+    #[arg(long)]
+    pub(crate) quick: bool,
     /// Measured points to draw on the curves: a CSV file with a column surface_fraction, any of
     /// critical_force_N, critical_contact_radius_m and critical_indentation_m, the same with _error
     /// before the unit, and substrate (rigid, intermediate or soft)
@@ -915,6 +927,30 @@ pub(crate) struct Reproduce {
 }
 
 impl Reproduce {
+    /// Refuses what is not for what is reproduced.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        let (given, of) = match self.publication {
+            Publication::Paper => (
+                [("--quick", self.quick), ("", false), ("", false)],
+                "adhesion",
+            ),
+            Publication::Adhesion => (
+                [
+                    ("--dense", self.dense),
+                    ("--points", self.points.is_some()),
+                    ("--measured", self.measured.is_some()),
+                ],
+                "paper",
+            ),
+        };
+        match given.into_iter().find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((name, _)) => Err(Failure::Argument(format!(
+                "{name} is for fakir reproduce {of}: leave it out"
+            ))),
+        }
+    }
+
     pub(crate) fn existing(&self) -> Existing {
         existing(self.resume, self.overwrite)
     }

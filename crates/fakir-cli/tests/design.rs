@@ -258,6 +258,14 @@ fn what_makes_no_sense_is_status_2() {
             ],
             "none.csv: cannot read",
         ),
+        (
+            &["reproduce", "paper", "--output", "x", "--quick"],
+            "--quick is for fakir reproduce adhesion",
+        ),
+        (
+            &["reproduce", "adhesion", "--output", "x", "--dense"],
+            "--dense is for fakir reproduce paper",
+        ),
     ] {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.status, Some(2), "{arguments:?}");

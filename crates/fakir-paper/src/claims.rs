@@ -90,7 +90,7 @@ fn named(stem: &str, unit: &str, values: [f64; 3]) -> Vec<(String, f64)> {
 }
 
 /// A number in three significant digits.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }

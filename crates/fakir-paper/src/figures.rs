@@ -57,7 +57,7 @@ pub struct Plate {
 }
 
 impl Plate {
-    fn new(figure: Figure, name: &str, title: &str, caption: &str) -> Self {
+    pub(crate) fn new(figure: Figure, name: &str, title: &str, caption: &str) -> Self {
         Self {
             figure: figure.named(name).with_description(title, caption),
             caption: caption.to_owned(),

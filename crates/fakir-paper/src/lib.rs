@@ -12,6 +12,7 @@
 //! | `report.html` | claims, figures and numbers on one page |
 //! | `provenance.json` | version, study, what to cite |
 
+pub mod adhesion;
 pub mod analysis;
 pub mod claims;
 pub mod figures;
@@ -29,7 +30,7 @@ use fakir_figure::Measured;
 use fakir_study::citations::Topic;
 use fakir_study::output::{File, OutputError, remove_results, save};
 use fakir_study::provenance::Provenance;
-use fakir_study::{DamagedLine, Existing, Row, StudyError, sweep_into};
+use fakir_study::{DamagedLine, Existing, Row, StudyError, Summary, sweep_into};
 use figures::{DrawingError, Material, Plate, plates};
 use grid::{Fractions, Grid, Substrate};
 use rayon::prelude::*;
@@ -136,25 +137,12 @@ pub fn reproduce(
     run: &Run<'_>,
     on_progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Reproduction, PaperError> {
-    let is_empty = |mut entries: ReadDir| entries.next().is_none();
-    if existing == Existing::Refuse && !folder.read_dir().map_or(true, is_empty) {
-        return Err(StudyError::NotEmpty(folder.to_owned()).into());
-    }
-    if existing == Existing::Overwrite {
-        remove_results(folder, &[CRITICAL_STATES, DENSE_STATES])?;
-    }
+    prepare(folder, existing, &[CRITICAL_STATES, DENSE_STATES])?;
     let mut damaged = Vec::new();
     let mut sweep = |fractions, name, tell: fn(fakir_study::Progress) -> Progress| {
         let study = grid::study(fractions)?;
-        let mut listener = |progress| on_progress(tell(progress));
-        let mut options = fakir_study::Options {
-            threads: run.pool.map_or(1, rayon::ThreadPool::current_num_threads),
-            cancel: run.cancel.clone(),
-            memory_limit: run.memory_limit,
-            on_progress: Some(&mut listener),
-            ..fakir_study::Options::default()
-        };
-        let summary = sweep_into(&study, &folder.join(name), existing, &mut options)?;
+        let listener = |progress| on_progress(tell(progress));
+        let summary = swept(&study, &folder.join(name), existing, run, &listener)?;
         damaged.extend(summary.damaged);
         Ok::<_, PaperError>((study, summary.rows))
     };
@@ -211,6 +199,37 @@ pub fn reproduce(
         plates,
         claims,
     })
+}
+
+/// A folder to begin in: refused if it holds anything, or emptied of what such a study has made there.
+fn prepare(folder: &Path, existing: Existing, parts: &[&str]) -> Result<(), PaperError> {
+    let is_empty = |mut entries: ReadDir| entries.next().is_none();
+    if existing == Existing::Refuse && !folder.read_dir().map_or(true, is_empty) {
+        return Err(StudyError::NotEmpty(folder.to_owned()).into());
+    }
+    if existing == Existing::Overwrite {
+        remove_results(folder, parts)?;
+    }
+    Ok(())
+}
+
+/// A study swept into a folder with what a run has.
+fn swept(
+    study: &Study,
+    folder: &Path,
+    existing: Existing,
+    run: &Run<'_>,
+    tell: &dyn Fn(fakir_study::Progress),
+) -> Result<Summary, StudyError> {
+    let mut listener = |progress| tell(progress);
+    let mut options = fakir_study::Options {
+        threads: run.pool.map_or(1, rayon::ThreadPool::current_num_threads),
+        cancel: run.cancel.clone(),
+        memory_limit: run.memory_limit,
+        on_progress: Some(&mut listener),
+        ..fakir_study::Options::default()
+    };
+    sweep_into(study, folder, existing, &mut options)
 }
 
 fn provenance(study: &Study) -> Provenance {

@@ -97,11 +97,12 @@ const SYMBOLS: [(&str, &str); 14] = [
     ),
 ];
 
-fn symbols() -> Markup {
+/// Symbols and what they mean.
+pub(crate) fn symbols(symbols: &[(&str, &str)]) -> Markup {
     html! {
         h2 { "Symbols" }
         div.scroll { table { tbody {
-            @for (symbol, meaning) in SYMBOLS {
+            @for (symbol, meaning) in symbols {
                 tr { td { (formatted(symbol)) } td { (formatted(meaning)) } }
             }
         } } }
@@ -112,27 +113,18 @@ impl Report<'_> {
     /// The page.
     #[must_use]
     pub fn html(&self) -> String {
-        html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    title { "The unhappy elastic fakir, computed anew" }
-                    style { (PreEscaped(font_css())) (PreEscaped(STYLE)) }
-                }
-                body {
-                    (self.head())
-                    (symbols())
-                    (self.claims())
-                    (self.power_laws())
-                    (self.critical_states())
-                    (self.figures())
-                    (self.end())
-                }
-            }
-        }
-        .into_string()
+        page(
+            "The unhappy elastic fakir, computed anew",
+            &html! {
+                (self.head())
+                (symbols(&SYMBOLS))
+                (self.claims())
+                (self.power_laws())
+                (self.critical_states())
+                (figures(self.plates))
+                (self.end())
+            },
+        )
     }
 
     fn head(&self) -> Markup {
@@ -246,18 +238,6 @@ impl Report<'_> {
         }
     }
 
-    fn figures(&self) -> Markup {
-        html! {
-            h2 { "Figures" }
-            @for (number, plate) in (1..).zip(self.plates) {
-                figure.wide[plate.figure.size()[0] > 0.1] id=(plate.figure.name()) {
-                    (PreEscaped(plate.figure.svg_for_page()))
-                    figcaption { strong { "Figure " (number) ". " } (plate.caption) }
-                }
-            }
-        }
-    }
-
     fn end(&self) -> Markup {
         html! {
             h2 { "Files, and how to make them again" }
@@ -273,8 +253,38 @@ impl Report<'_> {
     }
 }
 
+/// A page with this body that loads nothing.
+pub(crate) fn page(title: &str, body: &Markup) -> String {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(font_css())) (PreEscaped(STYLE)) }
+            }
+            body { (body) }
+        }
+    }
+    .into_string()
+}
+
+/// All figures with their captions.
+pub(crate) fn figures(plates: &[Plate]) -> Markup {
+    html! {
+        h2 { "Figures" }
+        @for (number, plate) in (1..).zip(plates) {
+            figure.wide[plate.figure.size()[0] > 0.1] id=(plate.figure.name()) {
+                (PreEscaped(plate.figure.svg_for_page()))
+                figcaption { strong { "Figure " (number) ". " } (plate.caption) }
+            }
+        }
+    }
+}
+
 /// Text with subscripts (`γ_int`), superscripts (`x^2`, `x^(1/3)`) and code (between backticks).
-fn formatted(text: &str) -> Markup {
+pub(crate) fn formatted(text: &str) -> Markup {
     let mut rest = text;
     let mut parts: Vec<Markup> = Vec::new();
     while let Some(start) = rest.find(['_', '^', '`']) {

@@ -4,7 +4,7 @@ use crate::analysis::{PowerLaw, Quantity, offset_spread};
 use crate::claims::{Claim, LAW_RANGES, Verdict};
 use crate::grid::{Grid, Substrate};
 use crate::states::States;
-use fakir_study::output::File;
+use fakir_study::output::{File, csv_file};
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -74,21 +74,13 @@ struct SharedRow {
 #[must_use]
 pub fn tables(grid: &Grid, states: &States, claims: &[Claim]) -> Vec<File> {
     vec![
-        csv("tables/claims.csv", claim_rows(claims)),
-        csv("tables/power-laws.csv", law_rows(grid)),
-        csv("tables/offset-spread.csv", spread_rows(grid)),
-        csv("tables/loading-paths.csv", loading_rows(states)),
-        csv("tables/pillars.csv", pillar_rows(states)),
-        csv("tables/floor-shares.csv", shared_rows(states)),
+        csv_file("tables/claims.csv", claim_rows(claims)),
+        csv_file("tables/power-laws.csv", law_rows(grid)),
+        csv_file("tables/offset-spread.csv", spread_rows(grid)),
+        csv_file("tables/loading-paths.csv", loading_rows(states)),
+        csv_file("tables/pillars.csv", pillar_rows(states)),
+        csv_file("tables/floor-shares.csv", shared_rows(states)),
     ]
-}
-
-fn csv<T: Serialize>(name: &'static str, rows: impl Iterator<Item = T>) -> File {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        writer.serialize(row).expect("flat structs are CSV records");
-    }
-    File::new(name, writer.into_inner().expect("memory takes every byte"))
 }
 
 fn claim_rows(claims: &[Claim]) -> impl Iterator<Item = ClaimRow<'_>> {

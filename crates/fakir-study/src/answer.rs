@@ -1,5 +1,6 @@
 //! The answer to one case, as it is kept: numbers only, each of which JSON gives back bit for bit.
 
+use crate::collapsed::Collapsed;
 use crate::cycled::Cycled;
 use crate::result::of_floor;
 use crate::surface_answer::{SurfaceCritical, SurfacePressed};
@@ -32,6 +33,8 @@ pub enum Answer {
     Press(Pressed),
     /// Loading and unloading with adhesion.
     Cycle(Cycled),
+    /// How a floor that sticks collapses and lets go.
+    Collapse(Collapsed),
     /// The critical state of a general surface.
     SurfaceTransition(SurfaceCritical),
     /// The contact with a general surface under a load.

@@ -4,6 +4,7 @@
 //! with a few words on why. The formulas themselves are cited where the crate `fakir` has them.
 
 use fakir::problem::{Boundary, MeshLayout, Method, PunchForm};
+use fakir_case::study::Asked;
 use fakir_case::{Case, Study};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -73,9 +74,11 @@ impl Topic {
             random: surface.is_random,
         });
         let adhesion = study.has_adhesion().then_some(Self::Adhesion);
+        let floor = (study.asked() == Asked::Collapse).then_some(Self::StuckFloor);
         let layers = study.has_layers().then_some(Self::Layers);
         textures
             .chain(adhesion)
+            .chain(floor)
             .chain(layers)
             .chain(surfaces)
             .collect()

@@ -453,6 +453,7 @@ fn is_complete(study: &Study, line: &Line) -> bool {
         Some(Answer::Transition(_)) => (Asked::Transition, false),
         Some(Answer::Press(_)) => (Asked::Press, false),
         Some(Answer::Cycle(_)) => (Asked::Cycle, false),
+        Some(Answer::Collapse(_)) => (Asked::Collapse, false),
         Some(Answer::SurfaceTransition(_)) => (Asked::Transition, true),
         Some(Answer::SurfacePress(_)) => (Asked::Press, true),
     };

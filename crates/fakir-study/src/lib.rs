@@ -45,6 +45,7 @@ mod answer;
 pub mod approach;
 pub mod citations;
 pub mod closed_forms;
+mod collapsed;
 pub mod compare;
 mod cycled;
 mod error;
@@ -65,6 +66,10 @@ mod table;
 pub mod workshop;
 
 pub use answer::{Answer, Critical, Pressed, Row};
+pub use collapsed::{
+    Collapsed, Fate, FloorJump, FloorLoss, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
+    Validity, collapse, collapse_path,
+};
 pub use cycled::{Cycled, Errors, Hysteresis, Loading, Pull};
 pub use error::StudyError;
 pub use folder::{Existing, Ledger, Summary, merge, sweep_into};

@@ -5,6 +5,7 @@
 //! nothing of earlier ones stays beside them.
 
 use crate::replace;
+use serde::Serialize;
 use std::borrow::Cow;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -178,6 +179,18 @@ pub fn remove_results(folder: &Path, parts: &[&str]) -> Result<(), OutputError> 
     }
     let found = replace::contents(folder, parts)?;
     replace::remove(folder, &found, None)
+}
+
+/// A CSV file of flat records, with a heading of their names.
+///
+/// # Panics
+/// If a record is not flat.
+pub fn csv_file<T: Serialize>(name: &'static str, rows: impl Iterator<Item = T>) -> File {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row).expect("flat structs are CSV records");
+    }
+    File::new(name, writer.into_inner().expect("memory takes every byte"))
 }
 
 /// Saves all files in `folder`, which is made if need be, replacing what has their names. All are

@@ -1,6 +1,7 @@
 //! Answering the cases of a study, on several threads.
 
 use crate::answer::{Answer, Critical, Pressed, Row};
+use crate::collapsed::collapse;
 use crate::cycled::Cycled;
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
@@ -260,8 +261,12 @@ impl<'a> SharedSweep<'a> {
             (StudiedCase::Surface(file), Question::Contact(control)) => {
                 return surfaces::answer(file, control, &run);
             }
-            (StudiedCase::Surface(_), Question::Cycle(_)) => {
-                unreachable!("studies refuse cycles of general surfaces")
+            (StudiedCase::Texture(texture), Question::Collapse) => {
+                let (collapsed, termination) = collapse(&texture.system, texture.method, &run)?;
+                return Ok((Answer::Collapse(collapsed), termination));
+            }
+            (StudiedCase::Surface(_), Question::Cycle(_) | Question::Collapse) => {
+                unreachable!("studies refuse adhesion on general surfaces")
             }
         };
         let (system, method) = (&of_texture.system, of_texture.method);

@@ -1,6 +1,7 @@
 //! The rows of a sweep as a table: one row per case, one column per axis and per number.
 
 use crate::answer::{Answer, Critical, Pressed, Row};
+use crate::collapsed::Collapsed;
 use crate::cycled::{Cycled, Errors};
 use crate::output::File;
 use crate::provenance::Provenance;
@@ -68,6 +69,7 @@ impl Table {
             (Asked::Press, false) => pressed_columns(rows, &mut columns),
             // There are no cycles of general surfaces.
             (Asked::Cycle, _) => cycle_columns(rows, &mut columns),
+            (Asked::Collapse, _) => collapse_columns(rows, &mut columns),
             (Asked::Transition, true) => surface_critical_columns(rows, &mut columns),
             (Asked::Press, true) => surface_pressed_columns(rows, &mut columns),
         }
@@ -386,6 +388,52 @@ fn cycle_columns(rows: &[Row], columns: &mut Vec<Column>) {
             Some(error(it)?.model)
         });
     }
+}
+
+fn collapse_columns(rows: &[Row], columns: &mut Vec<Column>) {
+    let answers = rows.iter().map(|row| match &row.answer {
+        Some(Answer::Collapse(collapsed)) => Some(collapsed),
+        _ => None,
+    });
+    let mut of: Answers<'_, Collapsed> = Answers {
+        answers: answers.collect(),
+        columns,
+    };
+    of.word("method", |it| it.method.clone());
+    of.number("surface_fraction", |it| it.surface_fraction);
+    of.number("pitch_m", |it| it.pitch);
+    of.number("work_of_adhesion_J_per_m2", |it| it.work);
+    of.number("work_over_stiffness", |it| it.work_over_stiffness);
+    of.number("collapse_work_J_per_m2", |it| it.collapse_work);
+    of.number("work_over_collapse_work", |it| it.work_over_collapse_work);
+    of.number_if_any("annulus_radius_m", |it| it.annulus_radius);
+    of.number_if_any("net_work_J_per_m2", |it| it.net_work);
+    of.number_if_any("smooth_floor_pull_off_force_N", |it| it.smooth_pull_off);
+    of.number_if_any("annulus_slope", |it| it.annulus_slope);
+    of.number("lens_number", |it| it.lens_number);
+    of.number("column_number", |it| it.column_number);
+    of.number("critical_force_N", |it| it.critical_force);
+    of.number("critical_indentation_m", |it| it.critical_indentation);
+    of.number("critical_contact_radius_m", |it| it.critical_contact_radius);
+    of.number("relative_error_estimate_critical_force", |it| {
+        it.relative_error_estimate_critical_force
+    });
+    of.number_if_any("jump_force_N", |it| Some(it.jump?.force));
+    of.number_if_any("jump_floor_area_m2", |it| Some(it.jump?.floor_area));
+    of.number_if_any("jump_front_radius_m", |it| Some(it.jump?.front_radius));
+    of.count_if_any("jump_holes", |it| Some(it.jump?.holes));
+    of.number_if_any("turn_indentation_m", |it| it.turn_indentation);
+    of.word("fate", |it| it.fate.name().to_owned());
+    of.number_if_any("floor_lost_indentation_m", |it| Some(it.lost?.indentation));
+    of.number_if_any("floor_lost_force_N", |it| Some(it.lost?.force));
+    of.number_if_any("floor_pull_off_force_N", |it| it.pull_off);
+    of.number_if_any("floor_hysteresis_J", |it| it.hysteresis);
+    of.word("jump_validity", |it| it.jump_validity.name().to_owned());
+    of.word("unloading_validity", |it| {
+        it.unloading_validity.name().to_owned()
+    });
+    of.number_if_any("relative_model_error_jump_force", |it| it.force_error);
+    of.number_if_any("relative_model_error_jump_floor_area", |it| it.area_error);
 }
 
 fn surface_critical_columns(rows: &[Row], columns: &mut Vec<Column>) {

@@ -65,6 +65,7 @@ fn holds(seed: u64) -> Result<bool, Box<dyn Error>> {
     let adhesion = Adhesion {
         work,
         work_receding: receding,
+        floor: false,
     };
     let system = System::new(lens, substrate, Texture::new(pillar, lattice))?;
     let system = system.with_adhesion(adhesion)?;

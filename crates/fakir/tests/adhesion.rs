@@ -175,6 +175,39 @@ fn no_adhesion_is_the_contact_as_it_was() {
     assert_eq!(refused.unwrap_err(), SolveError::NothingSticks);
 }
 
+#[test]
+fn a_floor_that_sticks_is_lost_later_than_it_came() {
+    // An independent program (`floor_adhesion.csv`, phi = 0.03, 10 mJ/m^2): 0.3089 mN after the jump onto 36 holes, lost at 2.28 um +- 0.08,
+    // pull-off of the tops alone.
+    let adhesion = Adhesion::new(0.01).with_floor();
+    let system = sticky(0.03, 0.0, 0.0).with_adhesion(adhesion).unwrap();
+    let plan = CyclePlan {
+        turn: Turn::Indentation(4.158e-6),
+        ..CyclePlan::default()
+    };
+    let cycle = fakir::cycle(&system, plan, Method::default(), &Run::default()).unwrap();
+    assert!(cycle.converged() && !cycle.stopped_by_floor);
+    let [before, after] = cycle.floor_jump().unwrap();
+    assert!((before.force / 3.7746e-4 - 1.0).abs() < 0.002, "{before:?}");
+    assert!((after.force / 3.089e-4 - 1.0).abs() < 0.01, "{after:?}");
+    let jumped = after.floor.unwrap();
+    assert_eq!(jumped.holes, 36);
+    assert!(jumped.force < 0.0 && (jumped.area / 1.374e-8 - 1.0).abs() < 0.25);
+    let [last, _] = cycle.floor_lost().unwrap();
+    assert!(
+        (last.indentation / 2.28e-6 - 1.0).abs() < 0.08 / 2.28,
+        "{last:?}"
+    );
+    let pull_off = cycle.pull_off.as_ref().unwrap().force;
+    assert!((pull_off / -1.4593e-5 - 1.0).abs() < 0.05, "{pull_off:e}");
+    assert!(cycle.certificate().unwrap() < 1e-3);
+    let resolution = cycle.floor.unwrap();
+    assert!(!resolution.is_coarse(), "{resolution:?}");
+    let floor = cycle.turn.floor.as_ref().unwrap();
+    let on_tops: f64 = cycle.turn.pillars.iter().map(|pillar| pillar.force).sum();
+    assert!(((on_tops + floor.force) / cycle.turn.force - 1.0).abs() < 1e-4);
+}
+
 /// The pull is the same whatever is held while tops let go.
 #[test]
 fn the_pull_does_not_depend_on_what_drives_the_lens() {
@@ -186,6 +219,7 @@ fn the_pull_does_not_depend_on_what_drives_the_lens() {
             Adhesion {
                 work: 0.005,
                 work_receding: Some(0.05),
+                floor: false,
             },
         ),
     ] {
@@ -381,6 +415,7 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
     let below = refused(Adhesion {
         work: 0.05,
         work_receding: Some(0.04),
+        floor: false,
     });
     assert_eq!(below.quantity, Quantity::RecedingWorkOfAdhesion);
     assert!(below.to_string().contains("at least the work of adhesion"));

@@ -4,7 +4,7 @@
 //! # let case = fakir_case::Case::example().to_toml();
 //! let text = r#"
 //! [study]
-//! question = "transition"       # or "press", with indentation or force given here or as an axis; or "cycle"
+//! question = "transition"       # or "press", with indentation or force given here or as an axis; "cycle" or "collapse"
 //! combine = "product"           # every value with every other; or "zip": first with first ...
 //!
 //! [axes]
@@ -61,6 +61,8 @@ pub enum Asked {
     Press,
     /// Loading and unloading with adhesion.
     Cycle,
+    /// How a floor that sticks collapses and lets go, by the fast model of a collapsed floor and by closed forms.
+    Collapse,
 }
 
 impl Words for Asked {
@@ -68,11 +70,12 @@ impl Words for Asked {
         ("transition", Self::Transition),
         ("press", Self::Press),
         ("cycle", Self::Cycle),
+        ("collapse", Self::Collapse),
     ];
 }
 
 impl Asked {
-    /// `"transition"`, `"press"` or `"cycle"`.
+    /// `"transition"`, `"press"`, `"cycle"` or `"collapse"`.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.word()
@@ -297,13 +300,18 @@ impl StudyFile {
         match (self.asked, axis, fixed) {
             (_, Some(axis), Some(fixed)) => Err(crate::file::both_given(fixed, axis, "study")
                 .accepted("give a load once: in [study] or as an axis")),
-            (Asked::Transition, Some((path, place)), None)
-            | (Asked::Transition, None, Some((path, place))) => Err(CaseError::at(
-                place,
-                "a load has no place in the question \"transition\"",
-            )
-            .key(path)
-            .accepted("leave it out, or question = \"press\" or \"cycle\" in [study]")),
+            (Asked::Transition | Asked::Collapse, Some((path, place)), None)
+            | (Asked::Transition | Asked::Collapse, None, Some((path, place))) => {
+                Err(CaseError::at(
+                    place,
+                    format!(
+                        "a load has no place in the question \"{}\"",
+                        self.asked.name()
+                    ),
+                )
+                .key(path)
+                .accepted("leave it out, or question = \"press\" or \"cycle\" in [study]"))
+            }
             (Asked::Press, None, None) => {
                 let error = match question {
                     Some(place) => CaseError::at(place, "this question needs a load"),
@@ -401,6 +409,7 @@ impl StudyFile {
                 drive: self.drive,
                 retract: true,
             }),
+            Asked::Collapse => Question::Collapse,
         };
         let case = StudiedCase::of(file, self.asked)?;
         Ok(StudyCase {
@@ -512,6 +521,8 @@ pub enum Question {
     Contact(Control),
     /// Loading and unloading with adhesion.
     Cycle(CyclePlan),
+    /// How a floor that sticks collapses and lets go.
+    Collapse,
 }
 
 /// One case of a study.

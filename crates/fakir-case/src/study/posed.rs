@@ -23,14 +23,15 @@ pub enum StudiedCase {
 impl StudiedCase {
     /// The case of a file, of which something can be asked.
     pub(super) fn of(file: CaseFile, asked: Asked) -> Result<Self, CaseError> {
-        if asked == Asked::Cycle {
+        let of_adhesion = matches!(asked, Asked::Cycle | Asked::Collapse);
+        if of_adhesion {
             file.refuse_surface_for(TextureOnly::Cycle)?;
         }
         if file.is_surface() {
             return Ok(Self::Surface(Box::new(file)));
         }
         let case = file.case()?;
-        if asked == Asked::Cycle && case.system.adhesion().is_none() {
+        if of_adhesion && case.system.adhesion().is_none() {
             return Err(file.without_adhesion());
         }
         Ok(Self::Texture(Box::new(case)))

@@ -1,6 +1,6 @@
-//! `fakir reproduce paper`: every result of the paper anew.
+//! `fakir reproduce`: every result of the paper anew, and the study of adhesion that it announced.
 
-use crate::arguments::Reproduce;
+use crate::arguments::{Publication, Reproduce};
 use crate::commands::sweep::{Bar, warn};
 use crate::failure::{Failure, Status, tell};
 use crate::numbers::seconds;
@@ -9,7 +9,7 @@ use crate::session::{stop_on_interrupt, threads};
 use fakir::state::{CancelToken, Run};
 use fakir_paper::claims::{Claim, Verdict};
 use fakir_paper::grid::Fractions;
-use fakir_paper::{Progress, Scope, measured, reproduce};
+use fakir_paper::{Progress, Scope, adhesion, measured, reproduce};
 use fakir_study::StudyError;
 use rayon::ThreadPoolBuilder;
 use std::sync::Mutex;
@@ -18,19 +18,7 @@ use std::time::Instant;
 pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
     let cancel = CancelToken::default();
     stop_on_interrupt(cancel.clone());
-    let scope = Scope {
-        fractions: Fractions {
-            points: arguments.points,
-            ..Fractions::OBSERVED
-        },
-        dense: arguments.dense,
-        measured: match &arguments.measured {
-            Some(path) => {
-                measured::read(path).map_err(|error| Failure::Argument(error.to_string()))?
-            }
-            None => Vec::new(),
-        },
-    };
+    arguments.check()?;
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads(arguments.threads, arguments.quiet))
         .build()?;
@@ -42,6 +30,49 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
     };
     let start = Instant::now();
     let bar = Mutex::new(Bar::new(arguments.quiet));
+    let result = match arguments.publication {
+        Publication::Paper => paper(arguments, &run, &bar, start),
+        Publication::Adhesion => sticking(arguments, &run, &bar, start),
+    };
+    if let Ok(bar) = bar.lock() {
+        bar.clear();
+    }
+    let (text, failed) = match result {
+        Err(Failure::Study(error @ StudyError::Interrupted { .. })) => {
+            tell(&format!("{error}: --resume goes on"));
+            return Ok(crate::failure::INTERRUPTED);
+        }
+        other => other?,
+    };
+    output::print(&text)?;
+    Ok(u8::from(failed > 0))
+}
+
+/// What is printed at the end, and the number of cases without an answer.
+type Made = Result<(String, usize), Failure>;
+
+fn ending(arguments: &Reproduce, start: Instant) -> String {
+    format!(
+        "{}\n{}\n",
+        seconds(start.elapsed().as_secs_f64()),
+        arguments.output.join("report.html").display()
+    )
+}
+
+fn paper(arguments: &Reproduce, run: &Run<'_>, bar: &Mutex<Bar>, start: Instant) -> Made {
+    let scope = Scope {
+        fractions: Fractions {
+            points: arguments.points.unwrap_or(Fractions::OBSERVED.points),
+            ..Fractions::OBSERVED
+        },
+        dense: arguments.dense,
+        measured: match &arguments.measured {
+            Some(path) => {
+                measured::read(path).map_err(|error| Failure::Argument(error.to_string()))?
+            }
+            None => Vec::new(),
+        },
+    };
     let show = |progress| {
         if let Ok(mut bar) = bar.lock() {
             match progress {
@@ -51,18 +82,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
             }
         }
     };
-    let folder = &arguments.output;
-    let result = reproduce(&scope, folder, arguments.existing(), &run, &show);
-    if let Ok(bar) = bar.lock() {
-        bar.clear();
-    }
-    let made = match result.map_err(Failure::from) {
-        Err(Failure::Study(error @ StudyError::Interrupted { .. })) => {
-            tell(&format!("{error}: --resume goes on"));
-            return Ok(crate::failure::INTERRUPTED);
-        }
-        other => other?,
-    };
+    let made = reproduce(&scope, &arguments.output, arguments.existing(), run, &show)?;
     if !arguments.quiet {
         warn(&made.damaged, false);
     }
@@ -70,7 +90,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
     let mut text: String = made.claims.iter().map(line).collect();
     text.push_str(&format!(
         "\n{} claims: {} agree, {} in part, {} differ, {} beyond the paper\n{} critical states, {} \
-         failed; {} figures; in {}\n{}\n",
+         failed; {} figures; in {}",
         made.claims.len(),
         count(Verdict::Agrees),
         count(Verdict::Partly),
@@ -79,11 +99,44 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
         made.cases,
         made.failed,
         made.plates.len(),
-        seconds(start.elapsed().as_secs_f64()),
-        folder.join("report.html").display(),
+        ending(arguments, start),
     ));
-    output::print(&text)?;
-    Ok(u8::from(made.failed > 0))
+    Ok((text, made.failed))
+}
+
+fn sticking(arguments: &Reproduce, run: &Run<'_>, bar: &Mutex<Bar>, start: Instant) -> Made {
+    let scope = if arguments.quick {
+        adhesion::study::Scope::quick()
+    } else {
+        adhesion::study::Scope::whole()
+    };
+    let show = |progress| {
+        if let Ok(mut bar) = bar.lock() {
+            match progress {
+                adhesion::Progress::Sweep(_, progress) => bar.show(progress),
+                adhesion::Progress::Figures => bar.part("figures"),
+            }
+        }
+    };
+    let existing = arguments.existing();
+    let made = adhesion::reproduce_adhesion(&scope, &arguments.output, existing, run, &show)?;
+    if !arguments.quiet {
+        warn(&made.damaged, false);
+    }
+    let mut text: String = made
+        .findings
+        .iter()
+        .map(|finding| format!("{}\n  {}\n", finding.title, finding.text))
+        .collect();
+    text.push_str(&format!(
+        "\n{} cases, {} failed; {} laws, {} figures; in {}",
+        made.count,
+        made.failed,
+        made.laws.len(),
+        made.plates.len(),
+        ending(arguments, start),
+    ));
+    Ok((text, made.failed))
 }
 
 fn line(claim: &Claim) -> String {

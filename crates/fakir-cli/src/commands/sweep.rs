@@ -214,6 +214,7 @@ fn text(summary: &Summary, folder: &Path, wall_time: Option<f64>) -> String {
         Asked::Transition => "critical states",
         Asked::Press => "contacts under a load",
         Asked::Cycle => "cycles of loading and unloading with adhesion",
+        Asked::Collapse => "collapses of a floor that sticks",
     };
     let all = summary.rows.len();
     let mut text = format!("{all} of {} cases: {asked}\n", summary.study.cases());

@@ -1,8 +1,8 @@
-//! How the pillar tops stick to the lens.
+//! How pillar tops and floor stick to the lens.
 
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
-/// The work of adhesion between the lens and the pillar tops: the energy per area that it takes to part them. The range of the
+/// The work of adhesion between the lens and the pillar tops, and the floor between them if that is asked: the energy per area that it takes to part them. The range of the
 /// attraction counts as small against everything else (the limit of Johnson, Kendall and Roberts).
 ///
 /// ```
@@ -20,6 +20,9 @@ pub struct Adhesion {
     pub work: f64,
     /// Work of adhesion where contact is broken, J/m^2, if it is larger.
     pub work_receding: Option<f64>,
+    /// Whether the floor sticks too. The lens jumps onto it where it first touches it, and comes off it later than it came. Otherwise loading ends where the
+    /// floor is reached.
+    pub floor: bool,
 }
 
 /// Smallest work of adhesion that is not zero, J/m^2: many orders below any that is known.
@@ -30,6 +33,7 @@ impl Adhesion {
     pub const NONE: Self = Self {
         work: 0.0,
         work_receding: None,
+        floor: false,
     };
 
     /// The same work (J/m^2) to break contact as is won where it is made.
@@ -38,6 +42,16 @@ impl Adhesion {
         Self {
             work,
             work_receding: None,
+            floor: false,
+        }
+    }
+
+    /// The same, with a floor that sticks too.
+    #[must_use]
+    pub const fn with_floor(self) -> Self {
+        Self {
+            floor: true,
+            ..self
         }
     }
 
@@ -66,6 +80,7 @@ impl Adhesion {
         Ok(Self {
             work: self.work + 0.0,
             work_receding: self.work_receding.map(|work| work + 0.0),
+            floor: self.floor,
         })
     }
 }

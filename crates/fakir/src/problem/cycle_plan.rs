@@ -14,8 +14,8 @@ pub struct CyclePlan {
     pub retract: bool,
 }
 
-/// Where loading ends. With a floor that is not ignored it ends at the critical state at the latest: what follows with tops that
-/// stick is not solved.
+/// Where loading ends. With a floor that is neither ignored nor [sticks](crate::problem::Adhesion::floor) it ends at the critical state at the latest:
+/// what follows with tops that stick alone is not solved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Turn {
     /// At this part of the critical indentation, above 0 and at most 1.

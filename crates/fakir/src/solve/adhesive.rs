@@ -2,6 +2,8 @@
 
 use super::assembled::floor_gap;
 use super::estimate::unknowns_only;
+use super::floor::FloorPoint;
+use super::mixed::patches;
 use super::path::{End, Held, HeldTop, Path, Station, Stop, TopEvent};
 use super::rules::fronts::{Course, Fronts, Works};
 use super::spectral::degrees;
@@ -15,9 +17,12 @@ use crate::state::fields::Disc;
 use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
-    CycleEventKind, CycleStation, ErrorEstimate, Fields, HeldContact, HeldPillar, Passage,
-    PillarState, PillarStatus, PullOff, Run, SolveError, Termination, Warning,
+    CycleEventKind, CycleStation, ErrorEstimate, Fields, FloorContact, FloorErrors,
+    FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus,
+    PullOff, Run, SolveError, Termination, Warning,
 };
+use crate::theory::stuck_floor::{AnnulusEdge, StuckPillar};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Relative error of the force of a top in partial contact: that of the shapes of fronts, against a cohesive zone on elements.
@@ -43,6 +48,13 @@ const RIM_DEGREE_ERROR: f64 = 1.3;
 /// at 1 mJ/m^2; the other by 0.4 to 1.5 %.
 const LEVEL_ERROR: f64 = 0.03;
 const LEVEL_ERROR_OF_LOOP: f64 = 0.015;
+
+/// Error of share and area of a floor that sticks: the work at which fronts on it move is right to about 5 %, and beside a barrier between rings of
+/// holes that is a ring.
+const FLOOR_FRONT_ERROR: f64 = 0.15;
+
+/// The first window of a floor that sticks reaches so many distances of pillars beyond the first patch.
+const FIRST_WINDOW: f64 = 1.5;
 
 /// What the solver leaves, and steps beyond events.
 const SOLVER_ERROR: f64 = 1e-6;
@@ -93,7 +105,7 @@ pub(crate) fn cycle(
             follower(&Passage {
                 place: path.stations.len() - 1,
                 station: in_si(path.scene, station),
-                held: &|| held(path, path.indentation(), &path.held_tops()),
+                held: &|| held_now(path),
             });
         }
     };
@@ -143,6 +155,8 @@ struct Loading<'a> {
     system: &'a System,
     accuracy: Accuracy,
     path: Path<'a>,
+    /// How the floor was resolved, if it sticks and was touched.
+    floor: Option<FloorResolution>,
 }
 
 /// Where it came to.
@@ -183,6 +197,7 @@ impl<'a> Loading<'a> {
             system,
             accuracy,
             path: Path::new(scene, run, fronts, held)?,
+            floor: None,
         })
     }
 
@@ -195,13 +210,17 @@ impl<'a> Loading<'a> {
                 .path
                 .go(Course::Loading, end, events_before_floor.is_none())?
             {
-                Stop::Floor(_) => {
+                Stop::Floor(lowest) => {
                     events_before_floor = Some(self.path.events.len());
                     let contact = ContactState {
                         smallest_floor_gap: 0.0, // but for rounding
                         ..self.state(Termination::Converged)
                     };
                     critical = Some(CriticalState::new(contact.clone()));
+                    if self.system.adhesion().floor && !ignored && end != End::Floor {
+                        self.stick(lowest)?;
+                        continue;
+                    }
                     if ignored && end != End::Floor {
                         continue;
                     }
@@ -230,13 +249,73 @@ impl<'a> Loading<'a> {
         }
     }
 
+    /// Lets the floor stick, from its lowest point on.
+    fn stick(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
+        let (scene, works) = (self.path.scene, self.path.tops.fronts.works());
+        let pillar = StuckPillar::of(self.system);
+        let ring = match pillar.edge(self.system.adhesion().receding(), 0.0) {
+            Ok(AnnulusEdge::At(radius)) => (radius - pillar.radius()) / scene.length,
+            Ok(AnnulusEdge::Closed) => 0.0,
+            Ok(AnnulusEdge::Runs) | Err(_) => scene.field.spacing(),
+        };
+        let curvature = self.path.gap_radius(&lowest);
+        let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
+        let division = self.path.stuck_division(ring, patch);
+        let cell = division.cell_area().sqrt();
+        self.floor = Some(FloorResolution {
+            cell: cell * scene.length,
+            cells_across_ring: ring / cell,
+            cells_along_patch: patch / cell,
+        });
+        let radius = lowest.position[0].hypot(lowest.position[1]) + patch;
+        let window = radius + FIRST_WINDOW * scene.field.spacing();
+        self.path.stick(lowest, division, window)
+    }
+
+    /// What of the floor sticks, in SI units.
+    fn floor_contact(&self) -> Option<FloorContact> {
+        let path = &self.path;
+        let scene = path.scene;
+        let floor = path.floor.as_ref()?;
+        let patches = patches(Some(&floor.cells));
+        let (cells, pressure) = path.stuck_load()?.in_metres(scene.length, scene.pressure);
+        let force = path.contact.floor_force();
+        let error = if self.floor.is_some_and(FloorResolution::is_coarse) {
+            1.0
+        } else {
+            FLOOR_FRONT_ERROR
+        };
+        Some(FloorContact {
+            force: force * scene.force(),
+            share: force / path.force(),
+            area: floor.area() * scene.length * scene.length,
+            patches: patches.count,
+            patches_agree: false,
+            radius: patches.radius * scene.length,
+            smallest_distance_to_rim: patches.rim_distance * scene.length,
+            error: FloorErrors {
+                share: error,
+                area: error,
+            },
+            energy_bound: 0.0,
+            cells,
+            rotation: scene.rotation,
+            pressure,
+        })
+    }
+
     /// The present contact.
     fn state(&self, termination: Termination) -> ContactState {
         let (system, scene) = (self.system, self.path.scene);
-        let lowest = self.path.lowest_floor();
         let path = &self.path;
+        let floor = self.floor_contact();
+        let lowest = if floor.is_some() {
+            None
+        } else {
+            path.lowest_floor()
+        };
         let indentation = path.indentation();
-        let HeldContact { pillars, fields } = held(path, indentation, &path.held_tops());
+        let HeldContact { pillars, fields } = held_now(path);
         let radius = path.contact_radius();
         let (force, partly) = (path.force(), partly_borne(&pillars));
         let error = if termination == Termination::Converged {
@@ -269,10 +348,12 @@ impl<'a> Loading<'a> {
             pillars_partially_in_contact: partial,
             pillars,
             fields: Some(fields),
+            smallest_floor_gap: 0.0, // if it is in contact
+            floor,
             error,
             termination,
             iterations: path.events.len(),
-            warnings: warnings(system, radius / scene.lens.sphere_radius()),
+            warnings: self.warnings(radius / scene.lens.sphere_radius()),
             ..ContactState::untouched(
                 system,
                 Method::Spectral(self.accuracy),
@@ -280,6 +361,15 @@ impl<'a> Loading<'a> {
             )
         };
         floor_gap(scene, state, indentation, lowest)
+    }
+
+    fn warnings(&self, contact_ratio: f64) -> Vec<Warning> {
+        let mut warnings = warnings(self.system, contact_ratio);
+        if let Some(floor) = self.floor.filter(|floor| floor.is_coarse()) {
+            let cells = floor.cells_across_ring;
+            warnings.push(Warning::CoarseFloor { cells });
+        }
+        warnings
     }
 
     /// Errors of the degree of the pressure, relative: of forces, and of where a rim lets go.
@@ -360,6 +450,7 @@ impl Loaded<'_> {
             loop_area: energies.work * joules,
             dissipation: dissipation * joules,
             termination: turn.termination,
+            floor: loading.floor,
             warnings: turn.warnings.clone(),
             stations,
             events,
@@ -467,6 +558,20 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
     }
 }
 
+/// What is in contact at present, the floor too.
+fn held_now(path: &Path<'_>) -> HeldContact {
+    let HeldContact { pillars, fields } = held(path, path.indentation(), &path.held_tops());
+    let fields = match path.stuck_load() {
+        Some(load) => Arc::new(
+            (*fields)
+                .clone()
+                .with_floor(load.turned(path.scene.rotation)),
+        ),
+        None => fields,
+    };
+    HeldContact { pillars, fields }
+}
+
 /// Tops in contact with what each bears, nearest to the lens axis first.
 fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
     let scene = path.scene;
@@ -515,6 +620,12 @@ fn in_si(scene: &Scene, station: &Station) -> CycleStation {
         pillars_partially_in_contact: station.touched[1],
         contact_area: station.area * scene.length * scene.length,
         events: station.events,
+        floor: station.floor.map(|floor| HeldFloor {
+            force: floor.force * scene.force(),
+            area: floor.area * scene.length * scene.length,
+            radius: floor.radius * scene.length,
+            holes: floor.holes,
+        }),
     }
 }
 

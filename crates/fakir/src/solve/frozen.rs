@@ -52,6 +52,26 @@ pub(crate) trait Rule {
     }
 }
 
+impl<R: Rule> Rule for &mut R {
+    fn respond(&self, load: &[f64], coefficients: &mut [f64], workers: Workers<'_>) {
+        R::respond(self, load, coefficients, workers);
+    }
+
+    fn add_constants(&self, coefficients: &mut [f64]) {
+        R::add_constants(self, coefficients);
+    }
+
+    fn precondition(
+        &mut self,
+        residual: &[f64],
+        direction: &mut [f64],
+        load: &mut [f64],
+        workers: Workers<'_>,
+    ) {
+        R::precondition(self, residual, direction, load, workers);
+    }
+}
+
 /// Coefficients and the loads they make on the other places.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Response {
@@ -209,6 +229,16 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
     /// Leading modes per pillar.
     pub(crate) fn modes(&self) -> usize {
         self.modes
+    }
+
+    /// Number of coefficients of pillars.
+    pub(crate) fn tops(&self) -> usize {
+        self.tops
+    }
+
+    /// Number of all coefficients.
+    pub(crate) fn len(&self) -> usize {
+        self.own_load.len()
     }
 
     /// What the places do to each other.

@@ -9,6 +9,7 @@ use super::assembled::{OfFloor, PillarMethod, assemble, refined};
 use super::estimate::unknowns_only;
 use super::floor_start::FloorPressures;
 use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
+use super::rules::floor::FloorCells;
 use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_sites};
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent};
@@ -499,10 +500,12 @@ pub(crate) fn solve_floor<'a>(
     let division = level.division;
     if let Some(degrees) = finer {
         let newton = &mut mixed.solution.newton;
-        let pressures = FloorPressures::of(newton);
+        let pressures = pressures_of(newton);
         let mut finer = newton.rebuilt(newton.tops.sites.clone(), degrees);
         if let (Some(cells), Some(pressures)) = (&newton.cells, pressures) {
-            finer.set_floor(cells.grid.clone(), &|point| pressures.at(point));
+            finer.set_floor(cells.grid.clone(), &|point| {
+                pressures.at(point).unwrap_or_default()
+            });
         }
         mixed.solution.newton = finer;
     }
@@ -619,7 +622,7 @@ fn pillar_extent(newton: &Newton<'_>) -> PillarExtent {
     PillarExtent::new(&newton.tops.sites, newton.pillar_reach(), on_grid)
 }
 
-fn checked_floor(
+pub(super) fn checked_floor(
     scene: &Scene,
     division: Division,
     radius: f64,
@@ -665,7 +668,7 @@ fn solve_level<'a>(
     };
     let mut radius =
         grid_of(&solution.newton).unwrap_or_else(|| window_radius(scene, &solution.newton));
-    let mut pressures = FloorPressures::of(&solution.newton);
+    let mut pressures = pressures_of(&solution.newton);
     for growth in 0..GROWTHS {
         let newton = &mut solution.newton;
         let pillars = pillar_extent(newton);
@@ -678,14 +681,15 @@ fn solve_level<'a>(
         };
         if let Some(grid) = grid {
             newton.set_floor(grid, &|point| {
-                pressures.as_ref().map_or([0.0; 2], |known| known.at(point))
+                let known = pressures.as_ref().and_then(|known| known.at(point));
+                known.unwrap_or_default()
             });
             run.check_cancelled()?;
         }
         if newton.cells.is_some() {
             solution.outcome = newton.solve(target, purpose)?;
             solution.steps += solution.outcome.steps;
-            pressures = FloorPressures::of(newton);
+            pressures = pressures_of(newton);
         }
         if let Some(sites) = wider_sites(newton, run)? {
             solution.newton = newton.rebuilt(sites, newton.degrees());
@@ -694,7 +698,7 @@ fn solve_level<'a>(
         if newton.touches_beyond_reach() {
             continue;
         }
-        let patches = patches(newton);
+        let patches = patches(newton.cells.as_ref());
         let largest = largest_window(scene, newton.contact.indentation());
         let close = patches.radius + WINDOW_CELLS * division.longest() > radius;
         let entered = match scene.field {
@@ -722,13 +726,18 @@ fn solve_level<'a>(
     Ok(MixedSolution { solution, levels })
 }
 
+fn pressures_of(newton: &Newton<'_>) -> Option<FloorPressures> {
+    let cells = newton.cells.as_ref()?;
+    Some(FloorPressures::of(cells, &newton.contact))
+}
+
 /// The floor cells that bear pressure, as a set.
-fn patches(newton: &Newton<'_>) -> Patches {
+pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
     let mut patches = Patches {
         rim_distance: f64::INFINITY,
         ..Patches::default()
     };
-    let Some(cells) = &newton.cells else {
+    let Some(cells) = cells else {
         return patches;
     };
     let grid = cells.grid.cells.grid();

@@ -25,4 +25,5 @@ pub(crate) mod path;
 mod reach;
 pub(crate) mod rules;
 pub(crate) mod spectral;
+mod stuck;
 mod touched;

@@ -10,7 +10,7 @@ use super::floor::{
 };
 use super::frozen::{FrozenContact, Response, Source};
 use super::rules::floor::{FloorCells, Places};
-use super::rules::groups::Groups;
+use super::rules::groups::{GroupedTops, Groups};
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
@@ -399,8 +399,7 @@ impl<'a> Newton<'a> {
         groups: Option<&mut Groups>,
     ) -> Result<Judgement, SolveError> {
         let mut places = Places {
-            tops: &self.tops,
-            groups,
+            tops: GroupedTops::new(&self.tops, groups),
             floor: self.cells.as_mut(),
         };
         self.contact.solve(&mut places, source, tolerance)
@@ -606,8 +605,7 @@ impl<'a> Newton<'a> {
     ) -> Result<Response, SolveError> {
         let mut groups = Groups::new(&self.tops, self.run.workers());
         let mut places = Places {
-            tops: &self.tops,
-            groups: groups.as_mut(),
+            tops: GroupedTops::new(&self.tops, groups.as_mut()),
             floor: self.cells.as_mut(),
         };
         self.contact.respond_to(&mut places, load, tolerance)

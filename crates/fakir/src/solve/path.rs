@@ -7,10 +7,15 @@
 //! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
 //! sets free is dissipated.
 
-use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
+use super::floor::{
+    FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
+};
 use super::frozen::{FrozenContact, Rule, Source};
+use super::rules::floor::Places;
+use super::rules::floor_fronts::FloorMove;
 use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::sticky::StickyTops;
+use super::rules::stuck_floor::{FloorStation, StuckFloor, TAKE_BACKS, natural};
 use super::rules::tops::lens_over;
 use super::spectral::{LARGEST_CONTACT, checked_sites};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
@@ -19,6 +24,8 @@ use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::projection::LensProjector;
+use crate::halfspace::floor::coupling::SurfaceCoupling;
+use crate::halfspace::floor::grid::Division;
 use crate::numerics::convergence::Judgement;
 use crate::numerics::vector::{add_scaled, dot, subtract};
 use crate::problem::Point;
@@ -30,6 +37,10 @@ const UNIT_TOLERANCE: f64 = 1e-5;
 const PRESENT_TOLERANCE: f64 = 1e-7;
 const TOLERANCE: f64 = 1e-9;
 
+/// The same at the present indentation while fronts move on the floor, and of the states after that.
+const STUCK_TOLERANCE: f64 = 3e-4;
+const STUCK_STATE_TOLERANCE: f64 = 3e-6;
+
 /// The path goes this much beyond an event, in the unit of length or of the indentation, so that rounding does not hide it ...
 const BEYOND: f64 = 1e-8;
 
@@ -39,6 +50,15 @@ const FURTHER: f64 = 4.0;
 /// Longest way without looking at all tops again, as parts of the pillar height and of the indentation: the larger of the two.
 const LONGEST_STEP: f64 = 0.02;
 const LONGEST_RELATIVE_STEP: f64 = 0.01;
+
+/// Step of the differences by which the gap is found to curve, in distances of pillars.
+const GAP_STEP: f64 = 0.02;
+
+/// Steps while the floor sticks, in the height of the pillars: after each of them all that changes does, on tops and floor.
+const STUCK_STEP: f64 = 0.04;
+
+/// A force is reached where the rest of the way is less than this part of a step.
+const NEAR_END: f64 = 0.02;
 
 /// The floor is looked at again after this part of the way to where it would be reached; when that is nearer than `NEAR_FLOOR` of the
 /// indentation, at every step. It is looked for everywhere, as another point may have become the lowest.
@@ -92,6 +112,8 @@ pub(crate) struct Station {
     pub(crate) radius: f64,
     /// Events so far.
     pub(crate) events: usize,
+    /// What of the floor is in contact, if it sticks.
+    pub(crate) floor: Option<FloorStation>,
 }
 
 /// A top that changed.
@@ -192,20 +214,24 @@ struct Change {
 pub(crate) struct Path<'a> {
     /// With pillars of the unit radius on columns that are alike.
     pub(crate) scene: &'a Scene,
-    run: &'a Run<'a>,
+    pub(super) run: &'a Run<'a>,
     /// Told every station, the last one of [`stations`](Self::stations), when the lens has come to it.
     follower: &'a dyn Fn(&Self),
     pair: PairCoupling,
     projector: LensProjector,
     pub(crate) sites: Sites,
     pub(crate) tops: StickyTops,
-    pub(crate) contact: FrozenContact<'a, LatticeCoupling<'a>>,
+    pub(crate) contact: FrozenContact<'a, SurfaceCoupling<'a>>,
+    /// The floor as far as it is in contact, if it sticks.
+    pub(crate) floor: Option<StuckFloor<'a>>,
     exterior: Exterior,
-    works: Works,
+    pub(super) works: Works,
     held: Held,
     /// Indentation from which on the floor is looked at again.
     look_again: f64,
     refined: Refined,
+    /// The step before a cascade whose change of the force counts as made on the way.
+    spread: f64,
     /// Loads on all tops at the present indentation, and their change with it.
     loads: Vec<f64>,
     along: Vec<f64>,
@@ -234,7 +260,10 @@ impl<'a> Path<'a> {
         let radius = scene.nearest_edge() + 1.0 + MARGIN * pitch;
         let radius = radius.max(scene.reach_of_tops(first_touch));
         let sites = checked_sites(scene, radius, modes, run)?;
-        let coupling = LatticeCoupling::of_sites(&sites, &pair, run.workers());
+        let coupling = SurfaceCoupling {
+            tops: LatticeCoupling::of_sites(&sites, &pair, run.workers()),
+            floor: None,
+        };
         let own_load = own_load(scene, &projector, &sites, modes);
         let mut path = Self {
             scene,
@@ -245,6 +274,7 @@ impl<'a> Path<'a> {
             loads: vec![0.0; own_load.len()],
             along: vec![0.0; own_load.len()],
             contact: FrozenContact::new(run, coupling, modes, own_load),
+            floor: None,
             sites,
             pair,
             projector,
@@ -252,6 +282,7 @@ impl<'a> Path<'a> {
             held,
             look_again: f64::NEG_INFINITY,
             refined: Refined::default(),
+            spread: 0.0,
             stations: Vec::new(),
             events: Vec::new(),
             energies: Energies::default(),
@@ -283,7 +314,7 @@ impl<'a> Path<'a> {
 
     /// Distance from the lens axis of the farthest point in contact.
     pub(crate) fn contact_radius(&self) -> f64 {
-        let mut farthest = 0.0_f64;
+        let mut farthest = self.floor.as_ref().map_or(0.0, StuckFloor::radius);
         for (domain, centre) in self.tops.domains.iter().zip(self.sites.centres()) {
             if !domain.is_out() && centre[0].hypot(centre[1]) + 1.0 > farthest {
                 let axis = centre.map(|x| -x);
@@ -294,7 +325,7 @@ impl<'a> Path<'a> {
     }
 
     /// Distance from the lens axis of the farthest centre of a top in contact.
-    fn reach(&self) -> f64 {
+    pub(super) fn reach(&self) -> f64 {
         let pillars = self.tops.domains.iter().zip(self.sites.centres());
         let touched = pillars.filter(|(domain, _)| !domain.is_out());
         touched.map(|(_, [x, y])| x.hypot(*y)).fold(0.0, f64::max)
@@ -302,7 +333,12 @@ impl<'a> Path<'a> {
 
     fn longest_step(&self) -> f64 {
         let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
-        (LONGEST_STEP * self.scene.height).max(part_of_path)
+        let longest = (LONGEST_STEP * self.scene.height).max(part_of_path);
+        if self.floor.is_some() {
+            STUCK_STEP * self.scene.height
+        } else {
+            longest
+        }
     }
 
     /// Goes on until the end. Where `watch_floor` a loading stops at the floor too.
@@ -320,12 +356,18 @@ impl<'a> Path<'a> {
             if let Some(termination) = self.failed {
                 return Ok(Stop::Failed(termination));
             }
-            if end == End::Separation && self.tops.counts()[0] == 0 {
+            if end == End::Separation && self.tops.counts()[0] == 0 && self.floor.is_none() {
                 return Ok(Stop::End);
+            }
+            let longest = self.longest_step();
+            if self.floor.is_some() {
+                if self.step_with_floor(course, end, longest)? {
+                    return Ok(Stop::End);
+                }
+                continue;
             }
             let along = self.along.iter_mut();
             along.for_each(|load| *load *= sign);
-            let longest = self.longest_step();
             let loads = [self.loads.as_slice(), self.along.as_slice()];
             let event = self.tops.next_event(loads, course, longest);
             let to_event = event.unwrap_or(f64::INFINITY);
@@ -365,6 +407,55 @@ impl<'a> Path<'a> {
             };
             self.report();
         }
+    }
+
+    /// A step while the floor sticks, and all that changes after it. Returns whether the end is reached. The force counts as linear between the
+    /// states after all changes.
+    fn step_with_floor(
+        &mut self,
+        course: Course,
+        end: End,
+        longest: f64,
+    ) -> Result<bool, SolveError> {
+        let sign = course.sign();
+        let to_end = self.distance(sign, end);
+        self.spread = sign * longest.min(to_end);
+        let events = self.stations.len();
+        self.advance(self.spread);
+        let changed = self.cascade(course);
+        let changed = changed? > 0 || self.stations.len() > events;
+        self.spread = 0.0;
+        if !changed {
+            self.record(course);
+        }
+        if self.indentation() > LARGEST_CONTACT * self.scene.lens.sphere_radius() {
+            return Err(self.too_large(self.indentation()));
+        }
+        self.report();
+        Ok(to_end <= longest
+            && match end {
+                // What changes changes the force.
+                End::Force(_) => !changed || to_end < NEAR_END * longest,
+                _ => true,
+            })
+    }
+
+    /// The lens sticks to the floor from its lowest point on: on cells of a division, in a window of a radius. What it jumps to at once.
+    pub(crate) fn stick(
+        &mut self,
+        lowest: FloorPoint,
+        division: Division,
+        radius: f64,
+    ) -> Result<(), SolveError> {
+        self.lay_floor(division, radius, &|_| None)?;
+        self.contact.all_loads(&mut self.loads);
+        let start = [self.indentation(), self.force()];
+        let energy = self.elastic_energy();
+        self.seed_floor(lowest);
+        self.solve(Source::Present)?;
+        self.contact.all_loads(&mut self.loads);
+        self.cascade_from(Course::Loading, start, energy, 0.0)?;
+        Ok(())
     }
 
     /// How far the indentation goes to an end along the frozen response.
@@ -418,9 +509,10 @@ impl<'a> Path<'a> {
             indentation: self.indentation(),
             force: self.force(),
             touched: self.tops.counts(),
-            area: self.tops.area(),
+            area: self.tops.area() + self.floor.as_ref().map_or(0.0, StuckFloor::area),
             radius: self.contact_radius(),
             events: self.events.len(),
+            floor: self.floor_station(),
         };
         let strongest = self.strongest.as_ref();
         let before = strongest.map_or(0.0, |pull| self.stations[pull.station].force);
@@ -457,6 +549,7 @@ impl<'a> Path<'a> {
     /// product negligible: see [`refine`](Self::refine).
     fn solve(&mut self, source: Source<'_>) -> Result<(), SolveError> {
         let tolerance = match (self.held, source) {
+            (_, Source::Present) if self.floor.is_some() => STUCK_TOLERANCE,
             (Held::Indentation, Source::Unit) => UNIT_TOLERANCE,
             (Held::Indentation, _) => PRESENT_TOLERANCE,
             _ => TOLERANCE,
@@ -473,9 +566,17 @@ impl<'a> Path<'a> {
         Ok(())
     }
 
-    fn solve_within(&mut self, source: Source<'_>, tolerance: f64) -> Result<(), SolveError> {
+    pub(super) fn solve_within(
+        &mut self,
+        source: Source<'_>,
+        tolerance: f64,
+    ) -> Result<(), SolveError> {
         self.tops.prepare(&self.sites);
-        let judgement = self.contact.solve(&mut self.tops, source, tolerance)?;
+        let mut places = Places {
+            tops: &mut self.tops,
+            floor: self.floor.as_mut().map(|floor| &mut floor.cells),
+        };
+        let judgement = self.contact.solve(&mut places, source, tolerance)?;
         if judgement != Judgement::Good {
             self.failed = Some(match judgement {
                 Judgement::TooLarge => Termination::Stagnated,
@@ -487,43 +588,51 @@ impl<'a> Path<'a> {
 
     /// The response to a unit indentation, the loads, and what residuals take from the force.
     fn respond(&mut self) -> Result<(), SolveError> {
+        if self.floor.is_some() {
+            self.solve_within(Source::Present, STUCK_STATE_TOLERANCE)?;
+        }
         self.solve(Source::Unit)?;
         self.find_loads();
         self.refine();
         Ok(())
     }
 
-    fn find_loads(&mut self) {
+    pub(super) fn find_loads(&mut self) {
+        self.loads.resize(self.contact.len(), 0.0);
+        self.along.resize(self.contact.len(), 0.0);
         self.contact.all_loads(&mut self.loads);
         self.contact.unit_loads(&mut self.along);
     }
 
-    /// What tops would bear more than they do under loads.
-    fn missing(&self, loads: &[f64], coefficients: &[f64]) -> Vec<f64> {
-        let mut missing = vec![0.0; loads.len()];
-        self.tops.respond(loads, &mut missing, self.run.workers());
-        subtract(&mut missing, coefficients);
-        missing
+    /// What places would do to others by what they lack under loads: that of the coefficients' residual.
+    fn lacking(&self, loads: &[f64], coefficients: &[f64], work: [&[f64]; 2]) -> f64 {
+        let tops = self.contact.tops();
+        let mut missing = vec![0.0; tops];
+        self.tops
+            .respond(&loads[..tops], &mut missing, self.run.workers());
+        subtract(&mut missing, &coefficients[..tops]);
+        let [along, unit] = work;
+        // Floor cells in contact lack what takes the load that is left on them; out of contact their coefficients are zero.
+        dot(&along[..tops], &missing) + dot(&unit[tops..], &loads[tops..])
     }
 
     /// What the force lacks by the residual of the response, to first order in that: as the response `c1` to a unit indentation `b1` is
     /// known, the exact force `b1'c` is `b1'c + c1'r` with `r` the residual, but for the product of both residuals.
     fn refine(&mut self) {
         let [present, unit] = self.contact.parts();
-        let of_present = self.missing(&self.loads, present);
-        let of_unit = self.missing(&self.along, unit);
+        let of = [self.along.as_slice(), unit];
         self.refined = Refined {
             indentation: self.indentation(),
-            force: dot(&self.along, &of_present),
-            stiffness: dot(&self.along, &of_unit),
+            force: self.lacking(&self.loads, present, of),
+            stiffness: self.lacking(&self.along, unit, of),
         };
     }
 
     /// The elastic energy, as exactly.
     fn elastic_energy(&self) -> f64 {
         let [present, _] = self.contact.parts();
-        let missing = self.missing(&self.loads, present);
-        self.contact.elastic_energy() + 0.5 * dot(&self.loads, &missing)
+        let missing = self.lacking(&self.loads, present, [&self.loads, present]);
+        self.contact.elastic_energy() + 0.5 * missing
     }
 
     /// All that changes while what drives the lens stands still. Returns how many tops changed.
@@ -531,26 +640,55 @@ impl<'a> Path<'a> {
         self.contact.all_loads(&mut self.loads);
         let start = [self.indentation(), self.force()];
         let energy = self.elastic_energy();
-        let before = self.tops.domains.clone();
-        if !self.change(course)? {
+        let floor = self.floor.as_ref().map_or(0.0, StuckFloor::area);
+        self.cascade_from(course, start, energy, floor)
+    }
+
+    /// The same from a state of this indentation and force, elastic energy, and area of the floor in contact, of which some of the floor may have
+    /// changed already.
+    fn cascade_from(
+        &mut self,
+        course: Course,
+        start: [f64; 2],
+        energy: f64,
+        floor: f64,
+    ) -> Result<usize, SolveError> {
+        let mut change = Change::default();
+        let mut changed = false;
+        loop {
+            let before = self.tops.domains.clone();
+            if !self.change(course)? {
+                break;
+            }
+            changed = true;
+            for (pillar, before) in before.iter().enumerate() {
+                let after = self.tops.domains[pillar];
+                let area = self.tops.fronts.area(after) - self.tops.fronts.area(*before);
+                change.gained += area.max(0.0);
+                change.lost += (-area).max(0.0);
+                if before.level != after.level {
+                    change.tops.push(ChangedTop {
+                        index: self.sites.index(pillar),
+                        centre: self.sites.centres()[pillar],
+                        levels: [before.level, after.level],
+                    });
+                }
+            }
+            // Pillars that were beyond may be touched at once.
+            if !self.fit_sites(course)? || self.floor.is_none() {
+                break;
+            }
+        }
+        let area = self.floor.as_ref().map_or(0.0, StuckFloor::area) - floor;
+        if !changed && area == 0.0 {
             self.find_loads();
             return Ok(0);
         }
-        let mut change = Change::default();
-        for (pillar, before) in before.iter().enumerate() {
-            let after = self.tops.domains[pillar];
-            let area = self.tops.fronts.area(after) - self.tops.fronts.area(*before);
-            change.gained += area.max(0.0);
-            change.lost += (-area).max(0.0);
-            if before.level != after.level {
-                change.tops.push(ChangedTop {
-                    index: self.sites.index(pillar),
-                    centre: self.sites.centres()[pillar],
-                    levels: [before.level, after.level],
-                });
-            }
+        change.gained += area.max(0.0);
+        change.lost += (-area).max(0.0);
+        if self.floor.as_ref().is_some_and(|floor| floor.bonded() == 0) {
+            self.lift_floor();
         }
-        self.fit_sites(course)?;
         self.respond()?;
         Ok(self.account(course, start, energy, &change))
     }
@@ -559,10 +697,13 @@ impl<'a> Path<'a> {
     fn change(&mut self, course: Course) -> Result<bool, SolveError> {
         let [alpha, beta] = self.held.weights();
         let held = alpha * self.indentation() + beta * self.contact.force();
-        let mut natural = vec![false; self.tops.domains.len()];
-        let mut adjusted = natural.clone();
+        let mut grown = vec![false; self.tops.domains.len()];
+        let mut adjusted = grown.clone();
         let workers = self.run.workers();
+        let mut take_backs = 0;
+        self.lift_bans();
         for round in 0..ROUND_LIMIT {
+            let floor_moved = self.move_fronts(natural(course));
             let moves = self.tops.marched(&self.loads, workers);
             let is_natural = |(pillar, next): &(usize, Domain)| {
                 let grows = next.level > self.tops.domains[*pillar].level;
@@ -570,27 +711,33 @@ impl<'a> Path<'a> {
             };
             let mut chosen: Vec<(usize, Domain)> =
                 moves.iter().filter(|m| is_natural(m)).copied().collect();
-            if chosen.is_empty() {
-                let others = moves.into_iter().filter(|(pillar, _)| !natural[*pillar]);
+            let mut moved = floor_moved;
+            if chosen.is_empty() && !moved {
+                let others = moves.into_iter().filter(|(pillar, _)| !grown[*pillar]);
                 chosen = others.collect();
+                if course == Course::Loading && take_backs < TAKE_BACKS {
+                    moved = self.move_fronts(FloorMove::TakeBack);
+                    take_backs += usize::from(moved);
+                }
             } else {
                 for (pillar, _) in &chosen {
-                    natural[*pillar] = true;
+                    grown[*pillar] = true;
                 }
             }
-            if chosen.is_empty() {
+            if chosen.is_empty() && !moved {
                 chosen = self.tops.adjusted(&self.loads, workers);
                 chosen.retain(|(pillar, _)| !adjusted[*pillar]);
                 for (pillar, _) in &chosen {
                     adjusted[*pillar] = true;
                 }
             }
-            if chosen.is_empty() {
+            if chosen.is_empty() && !moved {
                 return Ok(round > 0);
             }
             for (pillar, next) in chosen {
                 self.tops.domains[pillar] = next;
             }
+            self.fit_floor(course == Course::Unloading)?;
             if beta != 0.0 {
                 self.solve(Source::Unit)?;
             }
@@ -646,7 +793,10 @@ impl<'a> Path<'a> {
         let stored = self.elastic_energy() - energy;
         let parted = self.works.receding * change.lost - self.works.advancing * change.gained;
         let dissipated = done - stored - parted;
-        self.energies.dissipation += dissipated;
+        // On the way from the state before, along which the force counts as linear.
+        let spread = 0.5 * self.spread * (after - force);
+        self.energies.work += spread;
+        self.energies.dissipation += dissipated + spread;
         if farthest <= 1 {
             self.energies.between_levels += dissipated.abs();
         }
@@ -656,7 +806,8 @@ impl<'a> Path<'a> {
     }
 
     /// More pillars where the contact comes near the farthest ones, and fewer where it needs much less.
-    fn fit_sites(&mut self, course: Course) -> Result<(), SolveError> {
+    /// Returns whether there are others.
+    fn fit_sites(&mut self, course: Course) -> Result<bool, SolveError> {
         let (reach, pitch) = (self.reach(), self.scene.field.spacing());
         let lens = self.scene.lens.sphere_radius();
         if reach - 1.0 > LARGEST_CONTACT * lens {
@@ -672,13 +823,17 @@ impl<'a> Path<'a> {
             Course::Unloading if reach < self.needed() && self.sites.len() > FEW_PILLARS => {
                 reach + 0.1 * pitch
             }
-            _ => return Ok(()),
+            _ => return Ok(false),
         };
         let modes = self.contact.modes();
         let sites = checked_sites(self.scene, radius, modes, self.run)?;
-        let coupling = LatticeCoupling::of_sites(&sites, &self.pair, self.run.workers());
+        let coupling = SurfaceCoupling {
+            tops: LatticeCoupling::of_sites(&sites, &self.pair, self.run.workers()),
+            floor: None,
+        };
         let own_load = own_load(self.scene, &self.projector, &sites, modes);
         let mut contact = FrozenContact::new(self.run, coupling, modes, own_load);
+        let pressures = self.floor_pressures();
         let [present, unit] = self.contact.parts();
         let before = |pillar: usize| self.sites.find(sites.index(pillar));
         contact.start_from(self.indentation(), |pillar| {
@@ -692,7 +847,10 @@ impl<'a> Path<'a> {
         self.along.resize(sites.len() * modes, 0.0);
         self.contact = contact;
         self.sites = sites;
-        Ok(())
+        if let Some(pressures) = pressures {
+            self.lay_floor_again(&pressures, pressures.grid.radius)?;
+        }
+        Ok(true)
     }
 
     /// Pillars farther from the lens axis are kept while the contact reaches this far.
@@ -728,6 +886,36 @@ impl<'a> Path<'a> {
 
     /// The lowest point of the floor along the frozen response.
     pub(crate) fn lowest_floor(&self) -> Option<FloorPoint> {
+        let spacing = self.scene.field.spacing();
+        let floor = Uncovered {
+            lens: self.scene.lens.clone(),
+            height: self.scene.height,
+            around: Surroundings::of_sites(&self.sites, spacing, self.contact_radius()),
+        };
+        self.with_discs(|discs| FloorSearch::default().lowest(&floor, discs, &self.run.cancel))
+    }
+
+    /// Geometric mean of the radii of curvature of the gap at its lowest point, of second differences.
+    pub(crate) fn gap_radius(&self, lowest: &FloorPoint) -> f64 {
+        let step = GAP_STEP * self.scene.field.spacing();
+        self.with_discs(|discs| {
+            let gap = |u: f64, v: f64| {
+                let [x, y] = lowest.position;
+                let point = [x + u * step, y + v * step];
+                let [along, without] = discs.displacement(point);
+                let displaced = along.value * self.indentation() + without.value;
+                self.scene.lens.sag_with_brim(point) + displaced
+            };
+            let middle = 2.0 * gap(0.0, 0.0);
+            let xx = gap(1.0, 0.0) + gap(-1.0, 0.0) - middle;
+            let yy = gap(0.0, 1.0) + gap(0.0, -1.0) - middle;
+            let xy = 0.25 * (gap(1.0, 1.0) + gap(-1.0, -1.0) - gap(1.0, -1.0) - gap(-1.0, 1.0));
+            step * step / (xx * yy - xy * xy).max(f64::MIN_POSITIVE).sqrt()
+        })
+    }
+
+    /// What the tops in contact bear, as discs.
+    fn with_discs<R>(&self, ask: impl FnOnce(&LoadedDiscs<'_>) -> R) -> R {
         let modes = self.contact.modes();
         let touched: Vec<usize> = (0..self.sites.len())
             .filter(|pillar| !self.tops.domains[*pillar].is_out())
@@ -749,13 +937,7 @@ impl<'a> Path<'a> {
             coefficients: [&along, &without],
             run: self.run,
         };
-        let spacing = self.scene.field.spacing();
-        let floor = Uncovered {
-            lens: self.scene.lens.clone(),
-            height: self.scene.height,
-            around: Surroundings::of_sites(&self.sites, spacing, self.contact_radius()),
-        };
-        FloorSearch::default().lowest(&floor, &discs, &self.run.cancel)
+        ask(&discs)
     }
 }
 

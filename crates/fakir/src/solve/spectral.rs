@@ -400,8 +400,7 @@ mod tests {
     use crate::problem::pillar_field::{PillarBody, PillarList};
     use crate::problem::{Lens, Material};
     use crate::solve::frozen::{FrozenContact, Source};
-    use crate::solve::rules::floor::Places;
-    use crate::solve::rules::groups::Groups;
+    use crate::solve::rules::groups::{GroupedTops, Groups};
     use crate::solve::rules::tops::Tops;
     use std::sync::Arc;
 
@@ -453,11 +452,7 @@ mod tests {
         let own_load = vec![0.0; tops.sites.len() * mode_count(degree)];
         let mut contact = FrozenContact::new(run, coupling, mode_count(degree), own_load);
         let mut groups = grouped.then(|| Groups::new(&tops, workers).unwrap());
-        let mut places = Places {
-            tops: &tops,
-            floor: None,
-            groups: groups.as_mut(),
-        };
+        let mut places = GroupedTops::new(&tops, groups.as_mut());
         let solved = contact.solve(&mut places, Source::Unit, 1e-11).unwrap();
         assert_eq!(solved, Judgement::Good);
         (contact.stiffness(), contact.products())

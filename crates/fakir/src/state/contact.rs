@@ -119,6 +119,11 @@ pub enum Warning {
         /// Indentation over the thickness of the thinnest layer.
         ratio: f64,
     },
+    /// A floor that sticks is resolved by too few cells across the free rings round pillars.
+    CoarseFloor {
+        /// So many.
+        cells: f64,
+    },
     /// The contact of a plate reaches the border of a grid that stands free, or at the border a lens
     /// is below the highest of the surface: there may be more contact on a larger surface.
     ReachesBorder,
@@ -175,6 +180,11 @@ impl std::fmt::Display for Warning {
             Self::LayerStrain { ratio } => write!(
                 f,
                 "the indentation is {ratio:.2} of the thickness of a layer: above 0.05 small strains no longer describe that"
+            ),
+            Self::CoarseFloor { cells } => write!(
+                f,
+                "the cells of the floor are only {cells:.1} across the free rings round pillars: where it is in contact, and for how long, is an \
+                 order of magnitude; on so coarse cells it sticks too long"
             ),
             Self::ReachesBorder => f.write_str(
                 "at the border of the height map what is pressed is as low as the surface: what lies \

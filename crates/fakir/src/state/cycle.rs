@@ -46,6 +46,44 @@ pub struct CycleStation {
     pub contact_area: f64,
     /// How many of [`Cycle::events`] had happened.
     pub events: usize,
+    /// What of the floor is in contact, if it sticks.
+    pub floor: Option<HeldFloor>,
+}
+
+/// What of a floor that sticks is in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldFloor {
+    /// Force on it, N; negative where it pulls.
+    pub force: f64,
+    /// Area in contact, m^2.
+    pub area: f64,
+    /// Distance of the farthest cell in contact from the lens axis, m.
+    pub radius: f64,
+    /// Middles between three pillars of a hexagonal lattice that are in contact.
+    pub holes: usize,
+}
+
+/// How a floor that sticks was resolved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FloorResolution {
+    /// Root of the area of a cell, m.
+    pub cell: f64,
+    /// Cells across the free ring round a pillar, by the closed form of a ring without pressure. With fewer than
+    /// [`ENOUGH`](Self::ENOUGH) the numbers are orders of magnitude: the floor sticks too long.
+    pub cells_across_ring: f64,
+    /// Cells along the radius of the first patch, by its energy.
+    pub cells_along_patch: f64,
+}
+
+impl FloorResolution {
+    /// Cells across the ring with which the error of the fronts is a few per cent.
+    pub const ENOUGH: f64 = 4.0;
+
+    /// Whether the numbers are orders of magnitude.
+    #[must_use]
+    pub fn is_coarse(self) -> bool {
+        self.cells_across_ring < Self::ENOUGH
+    }
 }
 
 /// What happens at an event.
@@ -203,6 +241,8 @@ pub struct Cycle {
     pub turn: ContactState,
     /// Whether the floor ended the loading before what was planned.
     pub stopped_by_floor: bool,
+    /// How a floor that sticks was resolved; none if it does not, or was not touched.
+    pub floor: Option<FloorResolution>,
     /// The largest pull of the unloading; none without unloading, or if nothing pulls.
     pub pull_off: Option<PullOff>,
     /// Indentation of the last release, m; none if something is still in contact.
@@ -223,6 +263,20 @@ pub struct Cycle {
 }
 
 impl Cycle {
+    /// The jump onto a floor that sticks: the stations before and after it, at one indentation.
+    #[must_use]
+    pub fn floor_jump(&self) -> Option<[&CycleStation; 2]> {
+        let after = self.stations.iter().position(|s| s.floor.is_some())?;
+        Some([&self.stations[after.checked_sub(1)?], &self.stations[after]])
+    }
+
+    /// The last station with a contact with a floor that sticks, and the one after it.
+    #[must_use]
+    pub fn floor_lost(&self) -> Option<[&CycleStation; 2]> {
+        let last = self.stations.iter().rposition(|s| s.floor.is_some())?;
+        Some([&self.stations[last], self.stations.get(last + 1)?])
+    }
+
     /// Whether the numbers are the solution.
     #[must_use]
     pub fn converged(&self) -> bool {

@@ -24,7 +24,7 @@ pub struct FloorContact {
     /// Estimated relative errors.
     pub error: FloorErrors,
     /// How well the pressures meet the contact conditions: an upper bound of the error of the energy, over the energy. The pillar tops
-    /// count as solved.
+    /// count as solved. Zero where the floor sticks, whose fronts stand by their energy.
     pub energy_bound: f64,
     /// The cells in contact, of a grid with the lens axis at the origin, m; before it is [turned](Self::rotation).
     pub cells: Cells,

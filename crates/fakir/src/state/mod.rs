@@ -29,8 +29,8 @@ pub use cap_contact::{CapContact, CapErrors, CapSlopes, CapState};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{
-    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation, HeldContact,
-    HeldPillar, Passage, PullOff,
+    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation,
+    FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PullOff,
 };
 pub use error::SolveError;
 pub use fields::Fields;

@@ -134,6 +134,8 @@ pub struct CollapsedPoint {
     pub floor_area: f64,
     /// Pillars inside the front, and tops that stick outside.
     pub pillars_in_contact: usize,
+    /// Radius of the contact, m: that of the front or of the farthest top that sticks, whichever is larger.
+    pub contact_radius: f64,
     /// Outer radius of the widest annulus, m.
     pub widest_annulus: Option<f64>,
     /// Whether the model is in its range: its errors are those of [`MODEL_ERROR_OF_FORCE`] and [`MODEL_ERROR_OF_AREA`] then, and unknown otherwise.
@@ -820,6 +822,9 @@ impl Row<'_> {
         }
         let (loading, indentation) = (self.loading, self.indentation * self.floor.length);
         let state = self.state(place)?.clone();
+        let outermost = self.floor.orbits.iter().zip(&state.tops);
+        let outermost = outermost.rev().find(|(_, sticks)| **sticks);
+        let outermost = outermost.map_or(0.0, |(orbit, _)| orbit.radius + 1.0);
         let point = CollapsedPoint {
             unloading: !loading,
             indentation,
@@ -828,6 +833,7 @@ impl Row<'_> {
             energy: here.energy,
             floor_area: here.area,
             pillars_in_contact: state.pillars_inside + state.tops_outside,
+            contact_radius: state.front_radius.max(outermost * self.floor.length),
             widest_annulus: state.widest_annulus,
             in_range: state.in_range,
         };

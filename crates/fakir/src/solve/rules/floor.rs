@@ -6,8 +6,6 @@
 //! What one cell does to the others has an inverse of positive diagonal and, nearly, negative entries beside it. So after one step that
 //! takes in too many, the set shrinks onto the solution without going back.
 
-use super::groups::Groups;
-use super::tops::Tops;
 use crate::halfspace::elements::periodic::PeriodicInverse;
 use crate::halfspace::floor::grid::FloorGrid;
 use crate::numerics::convergence::{larger, within};
@@ -93,6 +91,11 @@ impl<'a> FloorCells<'a> {
         }
     }
 
+    /// Says whether one of them does.
+    pub(crate) fn set_one(&mut self, cell: usize, bears: bool) {
+        self.bears[cell] = bears;
+    }
+
     /// Takes over the states under the present loads (positive ones ask a cell to come down farther) and coefficients.
     pub(crate) fn update(
         &mut self,
@@ -127,22 +130,20 @@ impl<'a> FloorCells<'a> {
     }
 }
 
-/// All places of contact: pillar tops, and the floor where it is touched.
-pub(crate) struct Places<'n, 'a> {
-    pub(crate) tops: &'n Tops,
+/// All places of contact: pillar tops by a rule of theirs, and the floor where it is touched.
+pub(crate) struct Places<'n, 'a, T> {
+    pub(crate) tops: T,
     pub(crate) floor: Option<&'n mut FloorCells<'a>>,
-    /// Those of the tops with their present states, if that helps.
-    pub(crate) groups: Option<&'n mut Groups>,
 }
 
-impl Places<'_, '_> {
+impl<T> Places<'_, '_, T> {
     /// Number of coefficients of pillar tops, of so many.
     fn split(&self, size: usize) -> usize {
         size - self.floor.as_ref().map_or(0, |floor| floor.bears.len())
     }
 }
 
-impl Rule for Places<'_, '_> {
+impl<T: Rule> Rule for Places<'_, '_, T> {
     fn respond(&self, load: &[f64], coefficients: &mut [f64], workers: Workers<'_>) {
         let tops = self.split(load.len());
         let (of_tops, of_floor) = coefficients.split_at_mut(tops);
@@ -163,14 +164,10 @@ impl Rule for Places<'_, '_> {
         load: &mut [f64],
         workers: Workers<'_>,
     ) {
-        load.copy_from_slice(&residual[..load.len()]);
         let tops = self.split(residual.len());
         let (of_tops, of_floor) = direction.split_at_mut(tops);
-        self.tops.respond(&residual[..tops], of_tops, workers);
-        if let Some(groups) = &mut self.groups {
-            groups.add(of_tops, load);
-            self.tops.respond(load, of_tops, workers);
-        }
+        self.tops
+            .precondition(&residual[..tops], of_tops, load, workers);
         if let Some(floor) = &mut self.floor {
             floor.masked.copy_from_slice(&residual[tops..]);
             FloorCells::mask(&floor.bears, &mut floor.masked);

@@ -34,6 +34,44 @@ pub(crate) struct Groups {
     alone: Vec<f64>,
 }
 
+/// All tops with their groups, if these help.
+pub(crate) struct GroupedTops<'n> {
+    tops: &'n Tops,
+    groups: Option<&'n mut Groups>,
+}
+
+impl<'n> GroupedTops<'n> {
+    /// With groups made with the present states; each by itself without.
+    pub(crate) fn new(tops: &'n Tops, groups: Option<&'n mut Groups>) -> Self {
+        Self { tops, groups }
+    }
+}
+
+impl Rule for GroupedTops<'_> {
+    fn respond(&self, load: &[f64], coefficients: &mut [f64], workers: Workers<'_>) {
+        self.tops.respond(load, coefficients, workers);
+    }
+
+    fn add_constants(&self, coefficients: &mut [f64]) {
+        self.tops.add_constants(coefficients);
+    }
+
+    fn precondition(
+        &mut self,
+        residual: &[f64],
+        direction: &mut [f64],
+        load: &mut [f64],
+        workers: Workers<'_>,
+    ) {
+        load.copy_from_slice(residual);
+        self.tops.respond(residual, direction, workers);
+        if let Some(groups) = &mut self.groups {
+            groups.add(direction, load);
+            self.tops.respond(load, direction, workers);
+        }
+    }
+}
+
 /// Pillars of a group.
 #[derive(Debug, Clone, Copy, Default)]
 struct Group {

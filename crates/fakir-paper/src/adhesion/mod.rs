@@ -1,0 +1,230 @@
+//! What was announced at the end of the paper: adhesion, with a floor that sticks, as a parametric study.
+//!
+//! [`reproduce_adhesion`] makes all of it in a folder:
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `floor/`, `tops/`, `sizes/`, `offsets/`, `check/` | [sweeps](fakir_study::sweep_into), each a study that can be run by itself |
+//! | `tables/` | findings, laws, candidates of laws, ways of the lens |
+//! | `figures/` | every figure as SVG and PNG |
+//! | `report.html` | findings, laws and figures on one page |
+//! | `provenance.json` | version, study, what to cite |
+//!
+//! The floor is computed by the fast model of a collapsed floor and by closed forms, the tops exactly; every number of the model has its
+//! [validity](fakir_study::Validity) beside it.
+
+pub mod figures;
+pub mod findings;
+mod page;
+pub mod scaling;
+pub mod study;
+
+use crate::figures::Plate;
+use crate::{PaperError, pictures, prepare, swept};
+use fakir::state::Run;
+use fakir_case::Study;
+use fakir_study::citations::Topic;
+use fakir_study::output::{File, csv_file, save};
+use fakir_study::provenance::Provenance;
+use fakir_study::{DamagedLine, Existing};
+use findings::{Checked, Finding, findings};
+use page::Page;
+use scaling::{HeldOut, Law, Reduced, candidates, chosen};
+use serde::Serialize;
+use std::path::Path;
+use study::{Cases, FloorCase, Part, Scope, floor_cases, top_cases};
+
+/// How far it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Progress {
+    /// How far a part is.
+    Sweep(Part, fakir_study::Progress),
+    /// The figures are drawn.
+    Figures,
+}
+
+/// What was made.
+#[derive(Debug)]
+pub struct AdhesionStudy {
+    /// What was found.
+    pub findings: Vec<Finding>,
+    /// The laws, with how each does on systems that it does not come from.
+    pub laws: Vec<Checked>,
+    /// The cases.
+    pub cases: Cases,
+    /// The number of cases of all sweeps.
+    pub count: usize,
+    /// The number of cases without an answer.
+    pub failed: usize,
+    /// Lines of journals that were left out, and their cases computed again.
+    pub damaged: Vec<DamagedLine>,
+    /// The figures.
+    pub plates: Vec<Plate>,
+}
+
+#[derive(Serialize)]
+struct FindingRow<'a> {
+    finding: &'a str,
+    number: &'a str,
+    value: f64,
+}
+
+#[derive(Serialize)]
+struct LawRow {
+    quantity: &'static str,
+    chosen: bool,
+    groups: String,
+    exponents: String,
+    standard_errors: String,
+    ranges: String,
+    prefactor: f64,
+    cases: usize,
+    relative_scatter: f64,
+    largest_relative_distance: f64,
+    relative_scatter_left_out: f64,
+}
+
+/// Cases that laws come from: rigid and intermediate substrate with the lens axis on a pillar, and the other sizes. The soft substrate is drawn down as a whole with
+/// nearly every work of the study, and has no part in them.
+#[must_use]
+pub fn cases_of_laws(cases: &Cases) -> Vec<&FloorCase> {
+    use crate::grid::Substrate;
+    let hard = [Substrate::Rigid, Substrate::Intermediate].into_iter();
+    hard.flat_map(|substrate| cases.on_pillar(substrate))
+        .chain(&cases.sizes)
+        .collect()
+}
+
+/// Makes everything in a folder. An interrupted one goes on with [`Existing::Resume`].
+///
+/// # Errors
+/// [`PaperError`]
+pub fn reproduce_adhesion(
+    scope: &Scope,
+    folder: &Path,
+    existing: Existing,
+    run: &Run<'_>,
+    on_progress: &(dyn Fn(Progress) + Sync),
+) -> Result<AdhesionStudy, PaperError> {
+    prepare(folder, existing, &Part::ALL.map(Part::folder))?;
+    let mut damaged = Vec::new();
+    let mut parts = Vec::new();
+    for part in Part::ALL {
+        let study = scope.study(part)?;
+        let tell = |progress| on_progress(Progress::Sweep(part, progress));
+        let summary = swept(&study, &folder.join(part.folder()), existing, run, &tell)?;
+        damaged.extend(summary.damaged);
+        parts.push((study, summary.rows));
+    }
+    let [floor, tops, sizes, offsets, check] = &parts[..] else {
+        unreachable!("as many parts as there are");
+    };
+    let cases = Cases {
+        floor: [floor, offsets]
+            .into_iter()
+            .flat_map(|(study, rows)| floor_cases(study, rows))
+            .collect(),
+        tops: top_cases(&tops.0, &tops.1),
+        sizes: floor_cases(&sizes.0, &sizes.1),
+        check: floor_cases(&check.0, &check.1),
+    };
+    let of_laws = cases_of_laws(&cases);
+    let all: Vec<Vec<Law>> = Reduced::ALL
+        .into_iter()
+        .map(|reduced| candidates(reduced, &of_laws))
+        .collect();
+    let laws: Vec<Checked> = all
+        .iter()
+        .filter_map(|laws| chosen(laws))
+        .map(|law| (law.clone(), HeldOut::new(law, &cases.check)))
+        .collect();
+    let found = findings(scope, &cases, &laws);
+    on_progress(Progress::Figures);
+    let plates = figures::plates(scope, &cases, &laws, run)?;
+    let rows = || parts.iter().flat_map(|(_, rows)| rows);
+    let (count, failed) = (
+        rows().count(),
+        rows().filter(|row| row.problem.is_some()).count(),
+    );
+    let provenance = provenance(&floor.0);
+    let page = Page {
+        findings: &found,
+        laws: &laws,
+        plates: &plates,
+        cases: &cases,
+        citations: &provenance.citations,
+        count,
+        failed,
+    };
+    let mut files = vec![
+        csv_file("tables/findings.csv", finding_rows(&found)),
+        csv_file("tables/laws.csv", law_rows(&all)),
+    ];
+    files.extend(pictures(&plates, &provenance, run));
+    files.push(File::new("report.html", page.html()));
+    let names = files.iter().map(|file| file.name.as_ref());
+    files.push(provenance.file(names));
+    save(folder, &files)?;
+    Ok(AdhesionStudy {
+        findings: found,
+        laws,
+        cases,
+        count,
+        failed,
+        damaged,
+        plates,
+    })
+}
+
+fn provenance(study: &Study) -> Provenance {
+    let sweep = Provenance::of_study(study);
+    let topics = [
+        Topic::of_study(study),
+        vec![Topic::ClosedForms, Topic::LeastSquares],
+    ]
+    .concat();
+    Provenance::new(
+        "adhesion of lens and textured surface, with a floor that sticks",
+        sweep.method,
+        &topics,
+        study.to_toml(),
+    )
+}
+
+fn finding_rows(findings: &[Finding]) -> impl Iterator<Item = FindingRow<'_>> {
+    findings.iter().flat_map(|finding| {
+        finding.numbers.iter().map(|(number, value)| FindingRow {
+            finding: finding.name,
+            number,
+            value: *value,
+        })
+    })
+}
+
+fn law_rows(all: &[Vec<Law>]) -> impl Iterator<Item = LawRow> + '_ {
+    all.iter().flat_map(|laws| {
+        let best = chosen(laws);
+        laws.iter().map(move |law| {
+            let joined = |of: &dyn Fn(usize) -> String| {
+                let parts: Vec<String> = (0..law.groups.len()).map(of).collect();
+                parts.join("; ")
+            };
+            LawRow {
+                quantity: law.reduced.name(),
+                chosen: best.is_some_and(|best| best == law),
+                groups: joined(&|k| law.groups[k].name().to_owned()),
+                exponents: joined(&|k| law.exponents[k][0].to_string()),
+                standard_errors: joined(&|k| law.exponents[k][1].to_string()),
+                ranges: joined(&|k| {
+                    let [from, to] = law.ranges[k];
+                    format!("{from} to {to}")
+                }),
+                prefactor: law.prefactor,
+                cases: law.points,
+                relative_scatter: law.scatter,
+                largest_relative_distance: law.largest,
+                relative_scatter_left_out: law.left_out,
+            }
+        })
+    })
+}

@@ -1,0 +1,345 @@
+//! The cases of the study: what is varied, and the rows sorted.
+
+use crate::grid::Substrate;
+use fakir::theory::stuck_floor::StuckFloor;
+use fakir_case::study::Coordinate;
+use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
+use fakir_study::{Answer, Collapsed, Cycled, Row};
+use std::fmt::Write;
+
+/// A part of the study: a sweep in a folder of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The floor by the fast model: substrates, offsets, surface fractions and works of adhesion.
+    Floor,
+    /// The tops alone, the same cases.
+    Tops,
+    /// The floor on the intermediate substrate with other heights and diameters.
+    Sizes,
+    /// The floor with the lens axis beside a pillar, where fewer pillars are alike: some of the surface fractions.
+    Offsets,
+    /// Systems that are in no law: other lenses, pillars, moduli and works at once.
+    Check,
+}
+
+impl Part {
+    /// All of them, in the order in which they are computed.
+    pub const ALL: [Self; 5] = [
+        Self::Floor,
+        Self::Tops,
+        Self::Sizes,
+        Self::Offsets,
+        Self::Check,
+    ];
+
+    /// The folder.
+    #[must_use]
+    pub fn folder(self) -> &'static str {
+        match self {
+            Self::Floor => "floor",
+            Self::Tops => "tops",
+            Self::Sizes => "sizes",
+            Self::Offsets => "offsets",
+            Self::Check => "check",
+        }
+    }
+
+    /// What it is in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Floor => "a floor that sticks, by the fast model and closed forms",
+            Self::Tops => "tops alone, exactly",
+            Self::Sizes => "other heights and diameters",
+            Self::Offsets => "the lens axis beside a pillar",
+            Self::Check => "systems that are in no law",
+        }
+    }
+}
+
+/// How much is computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scope {
+    /// Offsets of the lens axis of a part of the study, in pitches.
+    pub offsets: Vec<f64>,
+    /// Surface fractions of that part.
+    pub offset_fractions: Vec<f64>,
+    /// Surface fractions.
+    pub fractions: Vec<f64>,
+    /// Works of adhesion, J/m^2.
+    pub works: Vec<f64>,
+    /// Heights of pillars of the sizes, m.
+    pub heights: Vec<f64>,
+    /// Diameters of pillars of the sizes, m.
+    pub diameters: Vec<f64>,
+    /// Surface fractions of the sizes.
+    pub sized_fractions: Vec<f64>,
+    /// Works of adhesion of the sizes, J/m^2.
+    pub sized_works: Vec<f64>,
+    /// Systems that are in no law.
+    pub checks: usize,
+}
+
+impl Scope {
+    /// The whole study.
+    #[must_use]
+    pub fn whole() -> Self {
+        Self {
+            offsets: vec![0.3],
+            offset_fractions: vec![0.01, 0.02, 0.03, 0.045],
+            fractions: vec![0.005, 0.01, 0.015, 0.02, 0.03, 0.045, 0.06, 0.08, 0.1],
+            works: [0.1, 0.3, 1.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 70.0, 100.0]
+                .map(|work| work * 1e-3)
+                .to_vec(),
+            heights: vec![1.5e-6, 2.2e-6, 3.3e-6],
+            diameters: vec![4.5e-6, 6e-6, 8e-6],
+            sized_fractions: vec![0.015, 0.03, 0.045],
+            sized_works: vec![5e-3, 15e-3, 50e-3, 100e-3],
+            checks: 20,
+        }
+    }
+
+    /// A coarse one, in less than two minutes.
+    #[must_use]
+    pub fn quick() -> Self {
+        Self {
+            offsets: vec![0.3],
+            offset_fractions: vec![0.02],
+            fractions: vec![0.01, 0.02, 0.03, 0.045],
+            works: vec![1e-3, 10e-3, 30e-3, 50e-3, 100e-3],
+            heights: vec![1.5e-6, 2.2e-6, 3.3e-6],
+            diameters: vec![4.5e-6, 6e-6, 8e-6],
+            sized_fractions: vec![0.02],
+            sized_works: vec![15e-3, 50e-3],
+            checks: 20,
+        }
+    }
+
+    /// The study of a part.
+    ///
+    /// # Errors
+    /// [`CaseError`] for values that cannot be.
+    pub fn study(&self, part: Part) -> Result<Study, CaseError> {
+        let list = |values: &[f64]| -> String {
+            let values: Vec<String> = values.iter().map(|value| format!("{value:e}")).collect();
+            values.join(", ")
+        };
+        let question = match part {
+            Part::Tops => "cycle",
+            _ => "collapse",
+        };
+        let mut text = format!("[study]\nquestion = \"{question}\"\n");
+        let mut axes = String::new();
+        let mut axis = |name: &str, values: &[f64]| {
+            let _ = writeln!(axes, "\"{name}\" = [{}]", list(values));
+        };
+        match part {
+            Part::Floor | Part::Tops => {
+                axis(
+                    "substrate.young_modulus",
+                    &Substrate::ALL.map(Substrate::young_modulus),
+                );
+                axis("texture.offset", &[0.0]);
+                axis("texture.surface_fraction", &self.fractions);
+                axis("adhesion.work", &self.works);
+            }
+            Part::Offsets => {
+                axis(
+                    "substrate.young_modulus",
+                    &[Substrate::Rigid, Substrate::Intermediate].map(Substrate::young_modulus),
+                );
+                axis("texture.offset", &self.offsets);
+                axis("texture.surface_fraction", &self.offset_fractions);
+                axis("adhesion.work", &self.works);
+            }
+            Part::Sizes => {
+                axis("texture.pillar.height", &self.heights);
+                axis("texture.pillar.diameter", &self.diameters);
+                axis("texture.surface_fraction", &self.sized_fractions);
+                axis("adhesion.work", &self.sized_works);
+            }
+            Part::Check => {
+                text.push_str("combine = \"zip\"\n");
+                let systems = others(self.checks, 0)?;
+                for (place, key) in VARIED.into_iter().enumerate() {
+                    let values: Vec<f64> = systems.iter().map(|system| system[place]).collect();
+                    axis(key.path(), &values);
+                }
+            }
+        }
+        let text = format!("{text}\n{}\n[axes]\n{axes}", Case::example().to_toml());
+        StudyFile::parse("the study of adhesion", &text)?.study()
+    }
+}
+
+/// What differs in systems that are in no law.
+pub const VARIED: [Key; 6] = [
+    Key::LensRadius,
+    Key::PillarHeight,
+    Key::PillarDiameter,
+    Key::SurfaceFraction,
+    Key::SubstrateYoungModulus,
+    Key::WorkOfAdhesion,
+];
+
+/// Systems with all of [`VARIED`] at once, spread evenly over the ranges of the laws: the first of them after so many others.
+///
+/// # Errors
+/// [`CaseError`] that no range of theirs has.
+pub fn others(count: usize, after: usize) -> Result<Vec<[f64; 6]>, CaseError> {
+    // The root of x^7 = x + 1: multiples of its powers are spread evenly in 6 dimensions (M. Roberts).
+    const ROOT: f64 = 1.112_775_684_278_705_5;
+    // Logarithmic ranges; of the work in units of that of collapse.
+    const RANGES: [[f64; 2]; 6] = [
+        [1.8e-3, 2.7e-3],
+        [1.6e-6, 3.1e-6],
+        [5e-6, 7.5e-6],
+        [0.016, 0.045],
+        [2e6, 1e9],
+        [0.6, 4.0],
+    ];
+    (after + 1..=after + count)
+        .map(|number| {
+            let mut step = 1.0;
+            let mut values = RANGES.map(|[low, high]: [f64; 2]| {
+                step /= ROOT;
+                let part = (0.5 + step * number as f64).fract();
+                low * (high / low).powf(part)
+            });
+            let mut file = CaseFile::parse("another system", &Case::example().to_toml())?;
+            for (key, value) in VARIED.into_iter().zip(values).take(5) {
+                file.set_number(key, value);
+            }
+            if let Ok(floor) = StuckFloor::of(&file.case()?.system) {
+                values[5] *= floor.collapse_threshold().work;
+            }
+            Ok(values)
+        })
+        .collect()
+}
+
+/// A case of the floor, with where it comes from.
+#[derive(Debug, Clone)]
+pub struct FloorCase {
+    /// Young's modulus of the substrate, Pa.
+    pub young_modulus: f64,
+    /// Offset of the lens axis, pitches.
+    pub offset: f64,
+    /// Height of a pillar, m.
+    pub height: f64,
+    /// Diameter of a pillar, m.
+    pub diameter: f64,
+    /// Radius of the lens, m.
+    pub lens_radius: f64,
+    /// The answer.
+    pub found: Collapsed,
+}
+
+/// A case of the tops.
+#[derive(Debug, Clone)]
+pub struct TopCase {
+    /// Young's modulus of the substrate, Pa.
+    pub young_modulus: f64,
+    /// Offset of the lens axis, pitches.
+    pub offset: f64,
+    /// The answer.
+    pub found: Cycled,
+}
+
+/// The value of a key of a row; that of the example where it is no axis.
+fn value(study: &Study, row: &Row, key: Key, or: f64) -> f64 {
+    let axes = study.axes().zip(&row.coordinates);
+    for (axis, coordinate) in axes {
+        if axis.variable().path() == key.path()
+            && let Coordinate::Number(number) = coordinate
+        {
+            return *number;
+        }
+    }
+    or
+}
+
+/// The cases of the floor in a sweep.
+#[must_use]
+pub fn floor_cases(study: &Study, rows: &[Row]) -> Vec<FloorCase> {
+    let system = Case::example().system;
+    let (pillar, lens) = (system.pillar(), system.lens().sphere_radius());
+    let case = |row: &Row| match &row.answer {
+        Some(Answer::Collapse(found)) if row.problem.is_none() => Some(FloorCase {
+            young_modulus: value(
+                study,
+                row,
+                Key::SubstrateYoungModulus,
+                Substrate::Intermediate.young_modulus(),
+            ),
+            offset: value(study, row, Key::Offset, 0.0),
+            height: value(study, row, Key::PillarHeight, pillar.height),
+            diameter: value(study, row, Key::PillarDiameter, pillar.diameter),
+            lens_radius: value(study, row, Key::LensRadius, lens),
+            found: found.clone(),
+        }),
+        _ => None,
+    };
+    rows.iter().filter_map(case).collect()
+}
+
+/// The cases of the tops in a sweep.
+#[must_use]
+pub fn top_cases(study: &Study, rows: &[Row]) -> Vec<TopCase> {
+    let case = |row: &Row| match &row.answer {
+        Some(Answer::Cycle(found)) if row.problem.is_none() => Some(TopCase {
+            young_modulus: value(study, row, Key::SubstrateYoungModulus, 0.0),
+            offset: value(study, row, Key::Offset, 0.0),
+            found: found.clone(),
+        }),
+        _ => None,
+    };
+    rows.iter().filter_map(case).collect()
+}
+
+/// Whether two numbers are the same but for rounding.
+#[must_use]
+pub fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+/// What was computed.
+#[derive(Debug, Clone)]
+pub struct Cases {
+    /// The floor.
+    pub floor: Vec<FloorCase>,
+    /// The tops.
+    pub tops: Vec<TopCase>,
+    /// Other sizes.
+    pub sizes: Vec<FloorCase>,
+    /// Systems that are in no law.
+    pub check: Vec<FloorCase>,
+}
+
+impl Cases {
+    /// The floor on a substrate with the lens axis on a pillar.
+    pub fn on_pillar(&self, substrate: Substrate) -> impl Iterator<Item = &FloorCase> {
+        let on = move |case: &&FloorCase| {
+            same(case.young_modulus, substrate.young_modulus()) && case.offset.abs() < 1e-12
+        };
+        self.floor.iter().filter(on)
+    }
+
+    /// The same at a surface fraction with a work of adhesion (J/m^2).
+    #[must_use]
+    pub fn at(&self, substrate: Substrate, fraction: f64, work: f64) -> Option<&FloorCase> {
+        self.on_pillar(substrate)
+            .find(|case| same(case.found.surface_fraction, fraction) && same(case.found.work, work))
+    }
+
+    /// The tops of a case of the floor.
+    #[must_use]
+    pub fn tops_of(&self, case: &FloorCase) -> Option<&TopCase> {
+        self.tops.iter().find(|tops| {
+            same(tops.young_modulus, case.young_modulus)
+                && (tops.offset - case.offset).abs() < 1e-12
+                && same(tops.found.surface_fraction, case.found.surface_fraction)
+                && same(tops.found.work, case.found.work)
+        })
+    }
+}

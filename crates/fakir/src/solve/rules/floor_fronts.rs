@@ -1,0 +1,439 @@
+//! Floor cells that stick to the lens: which come into contact and which out of it.
+//!
+//! The cells in contact, whatever they bear, are one set: a cell of it follows the lens, one outside bears nothing. Its border is a crack
+//! front, which moves by the energy that it releases (Griffith), `G = K^2/2` with the stress intensity `K`, in units of the reduced modulus.
+//! `K` is read from what is near the front. At a distance `x` from it the pressure inside is `-K/sqrt(2 pi x)` and the gap outside
+//! `4 K sqrt(x/(2 pi))`. On cells these are `-K phi(d)/sqrt h` and `K psi(d) sqrt h`, with `h` the root of the area of a cell, `d` the distance in
+//! cells, and `phi` and `psi` from [tables](PRESSURE) made on flat round punches.
+//!
+//! The distance follows from the set smoothed by a Gaussian of 1.2 cells, of which the set behind a straight front would make
+//! the normal distribution of `d/1.2`. Of the pressures those of cells at 1 to 2.6 cells are used, as those nearer depend on the corners of the
+//! front; of the gaps those at 0.25 to 2.6 cells. They are averaged by a Gaussian window of 1.5 cells, the inner ones with the weight
+//! [`INNER`] with which the next term of the series at the front, which changes pressures by `1 + c x` and gaps by `1 - c x/3`, drops out.
+//!
+//! Where a front faces a pillar across a free ring a few cells wide, the ring changes `K` within the window: a correction fitted to the
+//! exact ring ([`RING`]) takes that away.
+
+use super::floor::FloorCells;
+use super::fronts::Works;
+use crate::halfspace::floor::grid::FloorGrid;
+use crate::numerics::neighbours::{Nearest, Neighbours};
+use std::f64::consts::TAU;
+
+/// Standard deviations of the Gaussians of the distance and of the average, cells.
+const SMOOTHING: f64 = 1.2;
+const AVERAGE: f64 = 1.5;
+
+/// Cells to which both reach.
+const REACH: usize = 5;
+const WIDTH: usize = 2 * REACH + 1;
+
+/// Distances from the front of the data, cells, inside and outside.
+const INSIDE: [f64; 2] = [1.0, 2.6];
+const OUTSIDE: [f64; 2] = [0.25, 2.6];
+
+/// Cells farther from the front than this are not on it.
+const ON_FRONT: f64 = 1.1;
+
+/// Weight of a pressure beside a gap.
+const INNER: f64 = 0.38;
+
+/// `phi(d) sqrt(2 pi d)` at 1.0, 1.2, ... 2.6 cells inside, and `psi(d) sqrt(2 pi/d)/4` at 0.2, 0.4, ... 2.6 cells outside: means on flat round
+/// punches of 18 to 31 cells radius, what the curvature of their fronts does taken away. The test `tables_are_those_of_flat_punches` makes them again.
+const PRESSURE: [f64; 9] = [0.824, 0.871, 0.866, 0.879, 0.958, 1.003, 1.02, 1.025, 1.015];
+const GAP: [f64; 13] = [
+    1.213, 1.002, 1.0, 0.965, 0.987, 0.989, 0.985, 1.0, 1.003, 1.0, 0.997, 0.992, 0.998,
+];
+const TABLE_STEP: f64 = 0.2;
+
+/// `K` at a front that faces a pillar across `x` cells is too high by this over `x`, of which there are 3 at the least: 0.3 to 0.44 on rings of 3 to
+/// 20 cells against the closed form (the test `rings_round_a_pillar`).
+const RING: f64 = 0.4;
+const RING_LEAST: f64 = 3.0;
+
+/// `G` on both sides of a front differs by `2/x` a cell across such a ring: what is compared is half a cell on.
+const HALF_CELL_LEAST: f64 = 2.0;
+
+/// A cell of which nothing is known comes into contact where this part of its surroundings is.
+const ENCLOSED: f64 = 0.75;
+
+/// Cells taken back after an advance release so much more than what keeps them.
+const TAKE_BACK: f64 = 1.1;
+
+const NONE: u32 = u32::MAX;
+
+/// Where a front goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FloorMove {
+    Advance,
+    Recede,
+    /// After an advance: of what has come too far.
+    TakeBack,
+}
+
+/// The fronts on the floor.
+pub(crate) struct FloorFronts {
+    works: Works,
+    /// Grid with a margin: its row length, the place of every cell, the cell at every place.
+    stride: usize,
+    places: Vec<u32>,
+    cells: Vec<u32>,
+    /// The set in contact, smoothed.
+    smooth: Vec<f32>,
+    stamp: [[f32; WIDTH]; WIDTH],
+    window: [[f32; WIDTH]; WIDTH],
+    /// Of every cell: cells between it and the nearest rim, and the direction away from that.
+    rims: Vec<[f32; 3]>,
+    bounds: Bounds,
+    /// Data at every place: `K` and its weight, both zero where there is none; places that have some.
+    data: Vec<[f32; 2]>,
+    known: Vec<u32>,
+    /// What makes `K` of a pressure, and of a gap, by the value of the smoothed set.
+    factors: [Vec<f64>; 2],
+    /// Gap of every cell out of contact.
+    gaps: Vec<f64>,
+    /// Cells not to be taken in again.
+    banned: Vec<bool>,
+}
+
+/// Values of the smoothed set at distances.
+struct Bounds {
+    inside: [f32; 2],
+    outside: [f32; 2],
+    on_front: [f32; 2],
+}
+
+/// The normal distribution, to 1e-7: Abramowitz & Stegun 7.1.26.
+fn normal(x: f64) -> f64 {
+    let z = x.abs() / 2f64.sqrt();
+    let t = 1.0 / (1.0 + 0.327_591_1 * z);
+    let series = ((((1.061_405_429 * t - 1.453_152_027) * t + 1.421_413_741) * t - 0.284_496_736)
+        * t
+        + 0.254_829_592)
+        * t;
+    let erf = 1.0 - series * (-z * z).exp();
+    0.5 * (1.0 + erf.copysign(x))
+}
+
+/// The distance from the front that a value of the smoothed set means, cells; by bisection.
+fn distance_of(smooth: f64) -> f64 {
+    let (mut low, mut high) = (-4.0, 4.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if normal(middle / SMOOTHING) < smooth {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Between the values of a table from a first distance on.
+fn between(table: &[f64], first: f64, distance: f64) -> f64 {
+    let at = ((distance - first) / TABLE_STEP).clamp(0.0, table.len() as f64 - 1.001);
+    let place = at as usize;
+    let part = at - place as f64;
+    table[place] * (1.0 - part) + table[place + 1] * part
+}
+
+/// `phi` and `psi`.
+fn pressure_at(distance: f64) -> f64 {
+    between(&PRESSURE, 1.0, distance) / (TAU * distance).sqrt()
+}
+
+fn gap_at(distance: f64) -> f64 {
+    4.0 * between(&GAP, 0.2, distance) * (distance / TAU).sqrt()
+}
+
+/// A Gaussian on cells, of sum 1.
+fn gaussian(deviation: f64) -> [[f32; WIDTH]; WIDTH] {
+    let of = |k: usize| (-0.5 * ((k as f64 - REACH as f64) / deviation).powi(2)).exp();
+    let sum: f64 = (0..WIDTH).map(of).sum();
+    std::array::from_fn(|row| {
+        std::array::from_fn(|column| (of(row) * of(column) / (sum * sum)) as f32)
+    })
+}
+
+/// Steps of the values of the smoothed set by which factors are kept.
+const STEPS: usize = 1024;
+
+impl FloorFronts {
+    /// Of cells none of which is in contact.
+    pub(crate) fn new(grid: &FloorGrid, works: Works) -> Self {
+        let shape = grid.cells.grid();
+        let stride = shape.columns() + 2 * REACH;
+        let size = stride * (shape.rows() + 2 * REACH);
+        let places: Vec<u32> = grid
+            .cells
+            .positions()
+            .map(|(column, row)| ((row + REACH) * stride + column + REACH) as u32)
+            .collect();
+        let mut cells = vec![NONE; size];
+        for (cell, place) in places.iter().enumerate() {
+            cells[*place as usize] = cell as u32;
+        }
+        let side = grid.division.cell_area().sqrt();
+        let pillars = grid.pillars.iter();
+        let pillars = Neighbours::new(pillars.map(|pillar| (pillar.centre, pillar.body.radius)));
+        let rim = |[x, y]: [f64; 2]| {
+            let Some((pillar, distance)) = pillars.nearest([x, y], Nearest::Edge, 0.0, None) else {
+                return [f32::MAX, 0.0, 0.0];
+            };
+            let [px, py] = grid.pillars[pillar].centre;
+            let away = [x - px, y - py];
+            let length = away[0].hypot(away[1]);
+            [
+                (distance / side) as f32,
+                (away[0] / length) as f32,
+                (away[1] / length) as f32,
+            ]
+        };
+        let at = |distance: f64| normal(distance / SMOOTHING) as f32;
+        let table = |factor: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            let value = |step: usize| factor(distance_of(step as f64 / STEPS as f64));
+            (0..=STEPS).map(value).collect()
+        };
+        let root = side.sqrt();
+        let of_pressure = |d: f64| -root / pressure_at(d.max(INSIDE[0]));
+        let of_gap = |d: f64| 1.0 / (root * gap_at((-d).max(0.1)));
+        Self {
+            factors: [table(&of_pressure), table(&of_gap)],
+            works,
+            stride,
+            rims: grid.cells.centres().map(rim).collect(),
+            gaps: vec![0.0; places.len()],
+            banned: vec![false; places.len()],
+            places,
+            cells,
+            smooth: vec![0.0; size],
+            stamp: gaussian(SMOOTHING),
+            window: gaussian(AVERAGE),
+            bounds: Bounds {
+                inside: INSIDE.map(at),
+                outside: [at(-OUTSIDE[1]), at(-OUTSIDE[0])],
+                on_front: [at(-ON_FRONT), at(ON_FRONT)],
+            },
+            data: vec![[0.0; 2]; size],
+            known: Vec::new(),
+        }
+    }
+
+    /// Takes a cell into contact, or out of it.
+    pub(crate) fn set(&mut self, cells: &mut FloorCells<'_>, cell: usize, bonded: bool) {
+        if cells.bears()[cell] == bonded {
+            return;
+        }
+        cells.set_one(cell, bonded);
+        let corner = self.places[cell] as usize - REACH * (self.stride + 1);
+        let sign = if bonded { 1.0 } else { -1.0 };
+        for (row, stamp) in self.stamp.iter().enumerate() {
+            let values = &mut self.smooth[corner + row * self.stride..][..WIDTH];
+            for (value, stamp) in values.iter_mut().zip(stamp) {
+                *value += sign * stamp;
+            }
+        }
+    }
+
+    /// All cells may be taken in again.
+    pub(crate) fn lift_bans(&mut self) {
+        self.banned.fill(false);
+    }
+
+    /// Takes the data from how far cells are asked to come down more than they do, and from their pressures.
+    pub(crate) fn measure(
+        &mut self,
+        bonded: &[bool],
+        loads: impl Iterator<Item = f64>,
+        pressures: impl Iterator<Item = f64>,
+    ) {
+        for place in self.known.drain(..) {
+            self.data[place as usize] = [0.0; 2];
+        }
+        let factor = |of: &[f64], smooth: f32| {
+            let at = f64::from(smooth) * STEPS as f64;
+            let step = (at as usize).min(STEPS - 1);
+            let part = at - step as f64;
+            of[step] * (1.0 - part) + of[step + 1] * part
+        };
+        let Bounds {
+            inside, outside, ..
+        } = self.bounds;
+        let cells = bonded.iter().zip(loads.zip(pressures));
+        for (((bonded, (load, pressure)), place), gap) in
+            cells.zip(&self.places).zip(&mut self.gaps)
+        {
+            let smooth = self.smooth[*place as usize];
+            *gap = -load;
+            let datum = if *bonded {
+                if !(inside[0]..inside[1]).contains(&smooth) {
+                    continue;
+                }
+                let k = pressure * factor(&self.factors[0], smooth);
+                [(INNER * k) as f32, INNER as f32]
+            } else {
+                if !(outside[0]..outside[1]).contains(&smooth) {
+                    continue;
+                }
+                let k = *gap * factor(&self.factors[1], smooth);
+                [k as f32, 1.0]
+            };
+            self.data[*place as usize] = datum;
+            self.known.push(*place);
+        }
+    }
+
+    /// The stress intensity at a cell of the front by the data around it.
+    fn intensity(&self, cell: usize) -> Option<f64> {
+        let corner = self.places[cell] as usize - REACH * (self.stride + 1);
+        let [mut sum, mut weights] = [0.0_f32; 2];
+        for (row, window) in self.window.iter().enumerate() {
+            let data = &self.data[corner + row * self.stride..][..WIDTH];
+            for ([k, weight], factor) in data.iter().zip(window) {
+                sum += factor * k;
+                weights += factor * weight;
+            }
+        }
+        (weights > 1e-3).then(|| f64::from(sum / weights))
+    }
+
+    /// How much a front faces a pillar, 0 to 1, and cells between them.
+    fn facing(&self, cell: usize) -> [f64; 2] {
+        let place = self.places[cell] as usize;
+        let [distance, x, y] = self.rims[cell].map(f64::from);
+        let along = |step: usize| f64::from(self.smooth[place + step] - self.smooth[place - step]);
+        let inwards = [along(1), along(self.stride)];
+        let length = inwards[0].hypot(inwards[1]);
+        let cosine = if length > 0.0 {
+            ((inwards[0] * x + inwards[1] * y) / length).max(0.0)
+        } else {
+            0.0
+        };
+        [cosine * cosine, distance + 0.5]
+    }
+
+    /// `K` at a front, what a ring does to it taken away, and the factor by which `G` changes half a cell on.
+    fn corrected(&self, cell: usize) -> Option<[f64; 2]> {
+        let intensity = self.intensity(cell)?;
+        let [facing, across] = self.facing(cell);
+        let ring = 1.0 + RING * facing / across.max(RING_LEAST);
+        let half_cell = 1.0 + facing / across.max(HALF_CELL_LEAST);
+        Some([intensity / ring, half_cell])
+    }
+
+    fn neighbours(&self, cell: usize) -> [u32; 4] {
+        let place = self.places[cell] as usize;
+        [
+            place - 1,
+            place + 1,
+            place - self.stride,
+            place + self.stride,
+        ]
+        .map(|at| self.cells[at])
+    }
+
+    /// Cells that come into contact, or out of it, by the data. A gap below `entered` is none.
+    pub(crate) fn moves(&mut self, bonded: &[bool], which: FloorMove, entered: f64) -> Vec<usize> {
+        let mut moves = Vec::new();
+        let [low, high] = self.bounds.on_front;
+        let limit = match which {
+            FloorMove::Advance => self.works.advancing,
+            FloorMove::Recede => self.works.receding,
+            FloorMove::TakeBack => TAKE_BACK * self.works.receding,
+        };
+        let is_bonded = |cell: &u32| *cell != NONE && bonded[*cell as usize];
+        for (cell, bonded) in bonded.iter().enumerate() {
+            let smooth = self.smooth[self.places[cell] as usize];
+            if which == FloorMove::Advance {
+                if *bonded || self.banned[cell] {
+                    continue;
+                }
+                let touched = self.gaps[cell] < -entered;
+                if !touched && smooth < low {
+                    continue;
+                }
+                let neighbours = self.neighbours(cell);
+                if !neighbours.iter().any(is_bonded) {
+                    if touched {
+                        // A new spot: with all around it.
+                        moves.extend(self.around(cell));
+                    }
+                    continue;
+                }
+                let advances = touched
+                    || match self.corrected(cell) {
+                        Some([k, factor]) => k.abs() * k * 0.5 * factor < limit,
+                        None => f64::from(smooth) > ENCLOSED,
+                    };
+                if advances {
+                    moves.push(cell);
+                }
+            } else if *bonded
+                && smooth < high
+                && !self.neighbours(cell).iter().all(is_bonded)
+                && let Some([k, factor]) = self.corrected(cell)
+                && k.abs() * k * 0.5 > limit * factor
+            {
+                moves.push(cell);
+            }
+        }
+        if which == FloorMove::TakeBack {
+            for cell in &moves {
+                self.banned[*cell] = true;
+            }
+        }
+        moves
+    }
+
+    /// A cell and those around it.
+    pub(crate) fn around(&self, cell: usize) -> impl Iterator<Item = usize> + '_ {
+        let place = self.places[cell] as usize;
+        let rows = [place - self.stride, place, place + self.stride];
+        rows.into_iter()
+            .flat_map(|at| [at - 1, at, at + 1])
+            .map(|at| self.cells[at])
+            .filter(|cell| *cell != NONE)
+            .map(|cell| cell as usize)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    impl FloorFronts {
+        /// Of every cell the distance from the front by the smoothed set, inside positive.
+        pub(crate) fn distances(&self) -> Vec<f64> {
+            let of = |place: &u32| distance_of(f64::from(self.smooth[*place as usize]));
+            self.places.iter().map(of).collect()
+        }
+
+        /// `K` at every cell of the front, by the last data.
+        pub(crate) fn intensities(&self, bonded: &[bool]) -> Vec<(usize, f64)> {
+            let on_front = |cell: &usize| {
+                bonded[*cell]
+                    && self
+                        .neighbours(*cell)
+                        .iter()
+                        .any(|other| *other == NONE || !bonded[*other as usize])
+            };
+            let cells = (0..bonded.len()).filter(on_front);
+            cells
+                .filter_map(|cell| Some((cell, self.corrected(cell)?[0])))
+                .collect()
+        }
+    }
+
+    pub(crate) fn tables() -> [(f64, &'static [f64]); 2] {
+        [(1.0, &PRESSURE), (0.2, &GAP)]
+    }
+
+    /// Abramowitz & Stegun, table 26.1.
+    #[test]
+    fn distances_are_those_of_a_straight_front() {
+        for (x, value) in [(0.0, 0.5), (1.0, 0.841_344_75), (-2.0, 0.022_750_13)] {
+            assert!((normal(x) - value).abs() < 1e-7);
+            assert!((distance_of(value) - SMOOTHING * x).abs() < 1e-5);
+        }
+    }
+}

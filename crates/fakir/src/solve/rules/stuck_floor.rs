@@ -1,0 +1,56 @@
+//! The floor as far as it sticks: its cells and the fronts on them.
+
+use super::floor::FloorCells;
+use super::floor_fronts::{FloorFronts, FloorMove};
+use super::fronts::Course;
+use crate::halfspace::floor::coupling::FloorKernels;
+
+/// Rounds in which cells are taken back after an advance.
+pub(crate) const TAKE_BACKS: usize = 12;
+
+/// The floor where it sticks.
+pub(crate) struct StuckFloor<'a> {
+    pub(crate) cells: FloorCells<'a>,
+    pub(crate) fronts: FloorFronts,
+    /// Pillars up to this distance from the lens axis are coupled with it.
+    pub(crate) reach: f64,
+    pub(crate) kernels: FloorKernels,
+}
+
+/// What of the floor is in contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct FloorStation {
+    pub(crate) force: f64,
+    pub(crate) area: f64,
+    /// Distance of the farthest cell in contact from the lens axis.
+    pub(crate) radius: f64,
+    /// Middles between three pillars of a hexagonal lattice that are in contact.
+    pub(crate) holes: usize,
+}
+
+impl StuckFloor<'_> {
+    /// Number of cells in contact.
+    pub(crate) fn bonded(&self) -> usize {
+        self.cells.bears().iter().filter(|bonded| **bonded).count()
+    }
+
+    /// Area in contact.
+    pub(crate) fn area(&self) -> f64 {
+        self.bonded() as f64 * self.cells.grid.division.cell_area()
+    }
+
+    /// Distance of the farthest cell in contact from the lens axis.
+    pub(crate) fn radius(&self) -> f64 {
+        let cells = self.cells.grid.cells.centres().zip(self.cells.bears());
+        let bonded = cells.filter(|(_, bonded)| **bonded);
+        bonded.map(|([x, y], _)| x.hypot(y)).fold(0.0, f64::max)
+    }
+}
+
+/// How fronts go on a course.
+pub(crate) fn natural(course: Course) -> FloorMove {
+    match course {
+        Course::Loading => FloorMove::Advance,
+        Course::Unloading => FloorMove::Recede,
+    }
+}
