@@ -299,6 +299,11 @@ impl<'a> Path<'a> {
         self.contact.indentation()
     }
 
+    /// Whether what was solved so far is a solution.
+    pub(crate) fn termination(&self) -> Termination {
+        self.failed.unwrap_or(Termination::Converged)
+    }
+
     pub(crate) fn force(&self) -> f64 {
         let Refined {
             indentation,
