@@ -266,7 +266,7 @@ fn stuck_floor(list: &mut QuantityList, cycle: &Cycle) {
         && let Some(floor) = &after.floor
     {
         let words = format!(
-            "from {} at {}, {}",
+            "from {} at {}{}",
             with_unit(before.force, Dimension::Force, 3),
             with_unit(after.indentation, Dimension::Length, 4),
             error_remark(errors.jump_force)
@@ -291,7 +291,7 @@ fn stuck_floor(list: &mut QuantityList, cycle: &Cycle) {
                 "floor lost",
                 last.indentation,
                 format!(
-                    "force {} before and {} after, {}",
+                    "force {} before and {} after{}",
                     with_unit(last.force, Dimension::Force, 3),
                     with_unit(after.force, Dimension::Force, 3),
                     error_remark(errors.lost_indentation)

@@ -143,6 +143,8 @@ struct FloorObject {
     jump: Option<FloorRow>,
     /// The last state with the floor in contact; none if it still is.
     last: Option<FloorRow>,
+    /// Indentation at the station after it is lost, m: it is lost between that and the last one.
+    indentation_after_loss_m: Option<f64>,
     /// Force after it is lost, N.
     force_after_loss_N: Option<f64>,
     /// Root of the area of a cell, m.
@@ -174,6 +176,7 @@ impl FloorObject {
             force_before_jump_N: cycle.floor_jump().map(|[before, _]| before.force),
             jump: stations.first().copied(),
             last: cycle.floor_lost().and(stations.last().copied()),
+            indentation_after_loss_m: cycle.floor_lost().map(|[_, after]| after.indentation),
             force_after_loss_N: cycle.floor_lost().map(|[_, after]| after.force),
             cell_m: resolution.cell,
             cells_across_ring: resolution.cells_across_ring,

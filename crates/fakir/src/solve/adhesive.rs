@@ -153,7 +153,7 @@ fn sticking_scene(system: &System) -> Result<Scene, SolveError> {
         let refuse = |what| Err(SolveError::FloorDoesNotStick { what });
         if scene.hexagonal_lattice().is_none() {
             return refuse(
-                "they stand otherwise: let texture.arrangement be \"hexagonal\" without texture.rotation, texture.columns and scatter",
+                "they stand otherwise: let texture.lattice be \"hexagonal\" without texture.rotation, texture.columns and scatter",
             );
         }
         if !scene.layers.is_empty() {
