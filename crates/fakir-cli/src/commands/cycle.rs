@@ -187,6 +187,14 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
 pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
     let errors = &cycle.errors;
     let turn = &cycle.turn;
+    let on_floor = cycle.floor.filter(|_| turn.floor.is_some());
+    let turn_error = |error: CycleError| match on_floor {
+        Some(floor) => CycleError {
+            fronts: floor.errors().jump_force,
+            ..error
+        },
+        None => error,
+    };
     let reason = match &cycle.critical {
         Some(critical) if turn.indentation > critical.contact.indentation => {
             let state = &critical.contact;
@@ -222,7 +230,7 @@ pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
         turn.indentation,
         Dimension::Length,
         known(errors.critical_indentation),
-        remark(errors.critical_indentation),
+        remark(turn_error(errors.critical_indentation)),
     )
     .row(
         "  with pillars in contact",

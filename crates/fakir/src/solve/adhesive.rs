@@ -351,7 +351,8 @@ impl<'a> Loading<'a> {
         let radius = path.contact_radius();
         let (force, partly) = (path.force(), partly_borne(&pillars));
         let error = if termination == Termination::Converged {
-            let share = relative(PARTIAL_ERROR * partly / scene.force(), force);
+            let share = relative(PARTIAL_ERROR * partly / scene.force(), force)
+                + floor.as_ref().map_or(0.0, |_| self.floor_error());
             let [degree, _] = self.degree_errors();
             ErrorEstimate {
                 force: degree + share,
@@ -518,6 +519,11 @@ impl Loading<'_> {
         }
     }
 
+    /// Error of forces by the fronts on the floor.
+    fn floor_error(&self) -> f64 {
+        self.floor.map_or(0.0, |floor| floor.errors().jump_force)
+    }
+
     /// Where the errors of the figures come from.
     fn errors(&self, critical: Option<&CriticalState>, pull_off: Option<&PullOff>) -> CycleErrors {
         let [degree, rim] = self.degree_errors();
@@ -536,14 +542,23 @@ impl Loading<'_> {
             levels: if alone(pull) { 0.0 } else { LEVEL_ERROR },
             rim_angles: ANGLE_ERROR,
             degree: rim,
-            fronts: if alone(pull) { 0.0 } else { FRONT_ERROR },
+            fronts: if self.path.stations[pull.station].floor.is_some() {
+                FRONT_ERROR.max(self.floor_error())
+            } else if alone(pull) {
+                0.0
+            } else {
+                FRONT_ERROR
+            },
         });
         let energies = self.path.energies;
         let loop_area = CycleError {
             levels: LEVEL_ERROR_OF_LOOP + relative(energies.between_levels, energies.work),
             rim_angles: 2.0 * ANGLE_ERROR,
             degree: 2.0 * rim,
-            fronts: FRONT_ERROR,
+            // What the floor dissipates follows from where it jumps and where it is lost.
+            fronts: self
+                .floor
+                .map_or(FRONT_ERROR, |floor| floor.errors().jump_area),
         };
         CycleErrors {
             critical_force,

@@ -802,7 +802,7 @@ impl<'a> Path<'a> {
         let spread = 0.5 * self.spread * (after - force);
         self.energies.work += spread;
         self.energies.dissipation += dissipated + spread;
-        if farthest <= 1 {
+        if farthest <= 1 && self.floor.is_none() {
             self.energies.between_levels += dissipated.abs();
         }
         self.energies.receded += change.lost;
