@@ -17,7 +17,7 @@ known in closed form, `fakir.love` contacts on height maps, `fakir.plot` figures
 
 from . import errors, love, plot, theory
 from ._comparison import Comparison
-from ._cycle import Adhesion, Cycle, CycleError, PullOff
+from ._cycle import Adhesion, Cycle, CycleError, PullOff, StuckFloor
 from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
@@ -104,6 +104,7 @@ __all__ = [
     "RectangularTexture",
     "SolveError",
     "Spread",
+    "StuckFloor",
     "SquareTexture",
     "StudyError",
     "Substrate",

@@ -32,17 +32,23 @@ class Adhesion:
         Energy per area that is won where contact is made: a number in J/m^2, or a text such as ``"50 mJ/m2"``.
     work_receding
         Energy per area that it takes to break contact, if that is more.
+    floor
+        Whether the floor sticks too: the lens jumps onto it where it first touches it, and loses it later than it came.
     """
 
     work: float
     work_receding: float | None
+    floor: bool
 
-    def __init__(self, work: Quantity, work_receding: Quantity | None = None) -> None:
+    def __init__(
+        self, work: Quantity, work_receding: Quantity | None = None, *, floor: bool = False
+    ) -> None:
         object.__setattr__(self, "work", si(work, "energy per area", "adhesion.work"))
         receding = work_receding
         if receding is not None:
             receding = si(receding, "energy per area", "adhesion.work_receding")
         object.__setattr__(self, "work_receding", receding)
+        object.__setattr__(self, "floor", bool(floor))
 
 
 class CycleError(NamedTuple):
@@ -52,6 +58,28 @@ class CycleError(NamedTuple):
     """Of the numerical solution."""
     model: float
     """Of the model: from the shapes that the fronts of partial contacts can take."""
+
+
+@dataclass(frozen=True)
+class StuckFloor:
+    """A floor that sticks, in a cycle. Numbers are in SI units."""
+
+    force_before_jump: float
+    """Force before the lens jumps onto the floor, N."""
+    jump: dict[str, Any]
+    """The state after the jump: a row of ``floor.csv``."""
+    last: dict[str, Any] | None
+    """The last state with the floor in contact; none if it still is."""
+    force_after_loss: float | None
+    """Force after the floor is lost, N."""
+    cells_across_ring: float
+    """Cells across the free ring round a pillar."""
+    coarse: bool
+    """Whether the cells are so coarse that the figures are orders of magnitude."""
+    errors: dict[str, float]
+    """Estimated relative errors of ``jump_force``, ``jump_contact_area`` and ``lost_indentation``."""
+    stations: list[dict[str, Any]]
+    """The stations at which the floor is in contact: the rows of ``floor.csv``."""
 
 
 @dataclass(frozen=True)
@@ -150,6 +178,24 @@ class Cycle:
     def stopped_by_floor(self) -> bool:
         """Whether the floor ended the loading before what was asked for."""
         return bool(self._summary["stopped_by_floor"])
+
+    @property
+    def floor(self) -> StuckFloor | None:
+        """What a floor that sticks did; none if it does not, or was not touched."""
+        found = self._summary.get("floor")
+        if found is None or found["jump"] is None:
+            return None
+        found = copy.deepcopy(found)
+        return StuckFloor(
+            found["force_before_jump_N"],
+            found["jump"],
+            found["last"],
+            found["force_after_loss_N"],
+            found["cells_across_ring"],
+            found["coarse"],
+            found["relative_error_estimate"],
+            found["stations"],
+        )
 
     @property
     def last_release_indentation(self) -> float | None:

@@ -708,6 +708,8 @@ class System:
             ("texture.pillar.compliance", texture.compliance),
             ("floor.contact", "true" if floor_contact else "false"),
         ]
+        if isinstance(adhesion, Adhesion) and adhesion.floor:
+            words.append(("adhesion.floor", "true"))
         pillars = None
         if isinstance(texture, Pillars):
             height, diameter = texture.reference
@@ -862,7 +864,11 @@ class System:
         values = self._case.values()
         if "adhesion.work" not in values:
             return None
-        return Adhesion(values["adhesion.work"], values.get("adhesion.work_receding"))
+        return Adhesion(
+            values["adhesion.work"],
+            values.get("adhesion.work_receding"),
+            floor=values.get("adhesion.floor") == "true",
+        )
 
     @property
     def method(self) -> str:
@@ -1138,7 +1144,8 @@ class System:
             work = f"work {1e3 * self.adhesion.work:g} mJ/m2"
             receding = self.adhesion.work_receding
             more = "" if receding is None else f", {1e3 * receding:g} mJ/m2 to part"
-            rows.append(("adhesion", work + more))
+            floor = ", of the floor too" if self.adhesion.floor else ""
+            rows.append(("adhesion", work + more + floor))
         return rows
 
     def __repr__(self) -> str:

@@ -139,6 +139,7 @@ impl Case {
         let does_without = match key {
             Key::WorkOfAdhesion => adhesion == Adhesion::NONE,
             Key::RecedingWorkOfAdhesion => adhesion.work_receding.is_none(),
+            Key::FloorSticks => !adhesion.floor,
             Key::Columns => parts.texture.columns.is_nan(),
             Key::Pillars => parts.texture.pillars.is_empty(),
             Key::LensShape => parts.shape.form == ShapeForm::Sphere,

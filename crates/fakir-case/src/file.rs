@@ -15,8 +15,8 @@ use crate::row::{Field, Presence, Range};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
-    Adhesion, Arrangement, InvalidQuantity, LensProfile, LensShape, Method, PillarList, Quantity,
-    Requirement, ShapedLens, System, Texture,
+    Adhesion, Arrangement, FloorModel, InvalidQuantity, LensProfile, LensShape, Method, PillarList,
+    Quantity, Requirement, ShapedLens, System, Texture,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -248,6 +248,7 @@ impl CaseFile {
             .with_adhesion(adhesion)
             .map_err(|invalid| self.impossible(&invalid))?;
         self.check_adhesion(adhesion, method)?;
+        self.check_floor_that_sticks(adhesion, parts.texture.floor)?;
         self.check_bases(&parts)?;
         let [substrate, lens] = [&parts.substrate_layer, &parts.lens_layer];
         let system = system
@@ -333,7 +334,7 @@ impl CaseFile {
         Adhesion {
             work: given.work,
             work_receding: receding.map(|_| given.work_receding),
-            floor: false,
+            floor: given.floor.0,
         }
     }
 
@@ -385,6 +386,38 @@ impl CaseFile {
                     Key::MethodName
                 ))),
         }
+    }
+
+    /// Refuses a floor that sticks where nothing else does, or where the lens goes through it.
+    fn check_floor_that_sticks(
+        &self,
+        adhesion: Adhesion,
+        model: FloorModel,
+    ) -> Result<(), CaseError> {
+        let key = Key::FloorSticks;
+        if !adhesion.floor {
+            return Ok(());
+        }
+        if adhesion.is_none() {
+            return Err(self
+                .problem(key, "nothing sticks without a work of adhesion")
+                .accepted(format!("give {} too, as \"10 mJ/m2\"", Key::WorkOfAdhesion)));
+        }
+        if model == FloorModel::Ignored {
+            return Err(self
+                .problem(
+                    key,
+                    format!(
+                        "a floor that the lens goes through does not stick: {} = false",
+                        Key::FloorContact
+                    ),
+                )
+                .accepted(format!(
+                    "leave it out, or let {} be true",
+                    Key::FloorContact
+                )));
+        }
+        Ok(())
     }
 
     /// Refuses a thickness that is none, and what a body rests on where that is a half-space.

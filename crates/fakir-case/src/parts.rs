@@ -69,6 +69,18 @@ pub(crate) struct TextureParts {
 pub(crate) struct AdhesionParts {
     pub(crate) work: f64,
     pub(crate) work_receding: f64,
+    pub(crate) floor: FloorSticks,
+}
+
+/// Whether the floor sticks too.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct FloorSticks(pub(crate) bool);
+
+impl Words for FloorSticks {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        (TRUE_OR_FALSE[0], Self(true)),
+        (TRUE_OR_FALSE[1], Self(false)),
+    ];
 }
 
 #[derive(Debug, Clone)]
@@ -170,6 +182,7 @@ impl Default for Parts {
                 adhesion: AdhesionParts {
                     work: 0.0,
                     work_receding: NOT_GIVEN,
+                    floor: FloorSticks::default(),
                 },
             },
             method: MethodParts {
@@ -238,6 +251,7 @@ impl Parts {
         parts.texture.adhesion = AdhesionParts {
             work: adhesion.work,
             work_receding: adhesion.receding(),
+            floor: FloorSticks(adhesion.floor),
         };
         parts.texture.surface_fraction = match case.spacing {
             Spacing::SurfaceFraction(fraction) => fraction,

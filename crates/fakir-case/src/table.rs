@@ -208,6 +208,9 @@ keys! {
                 .label("receding work of adhesion")
                 .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`")
                 .of(Quantity::RecedingWorkOfAdhesion);
+        FloorSticks = "adhesion.floor" is
+            word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.texture.adhesion.floor)
+                .label("floor that sticks").optional();
     }
     HeightMap {
         HeightMap = "surface.height_map" is

@@ -60,6 +60,7 @@ impl Topic {
         [Self::Method(case.method)]
             .into_iter()
             .chain(sticks.then_some(Self::Adhesion))
+            .chain(case.system.adhesion().floor.then_some(Self::StuckFloor))
             .chain(case.system.has_layers().then_some(Self::Layers))
             .chain(range.map(|_| Self::AttractionRange))
             .collect()

@@ -10,7 +10,7 @@ use crate::report::state::{
 use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::problem::{Adhesion, CyclePlan, Drive};
-use fakir::state::{Branch, Cycle, CycleError, CycleEventKind, CycleStation};
+use fakir::state::{Branch, Cycle, CycleError, CycleEventKind, CycleStation, HeldFloor};
 use fakir_case::Case;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_figure::{cycle_curve, release_map};
@@ -18,7 +18,7 @@ use fakir_study::citations::Topic;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::{
-    CycleSummary, EventRow, StationRow, csv, cycle_warnings, json, pillars_of,
+    CycleSummary, EventRow, FloorRow, StationRow, csv, cycle_warnings, json, pillars_of,
 };
 use std::time::Instant;
 
@@ -50,6 +50,9 @@ pub(crate) fn run(
         csv("cycle.csv", cycle.stations.iter().map(StationRow::from)),
         csv("events.csv", cycle.events.iter().map(EventRow::from)),
     ];
+    if cycle.floor.is_some() {
+        tables.push(csv("floor.csv", FloorRow::of(&cycle)));
+    }
     if let Some(pull_off) = &cycle.pull_off {
         let table = pillars_of(&pull_off.pillars);
         tables.extend(table.some_csv("pull-off-pillars.csv"));
@@ -95,8 +98,13 @@ fn adhesion_words(adhesion: Adhesion) -> String {
     let receding = adhesion
         .work_receding
         .map(|work| format!(" ({} to part)", words(work)));
+    let floor = if adhesion.floor {
+        ", of the floor too"
+    } else {
+        ""
+    };
     format!(
-        "work of adhesion {}{}",
+        "work of adhesion {}{}{floor}",
         words(adhesion.work),
         receding.unwrap_or_default()
     )
@@ -130,6 +138,7 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
         list.length("at rest without load", indentation, String::new());
     }
     turn_and_pull_off(&mut list, cycle);
+    stuck_floor(&mut list, cycle);
     match cycle.separation {
         Some(indentation) => list.length("last release", indentation, String::new()),
         None => list.row("last release", "-".to_owned(), "", "something still holds"),
@@ -178,11 +187,24 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
 pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
     let errors = &cycle.errors;
     let turn = &cycle.turn;
+    let on_floor = cycle.floor.filter(|_| turn.floor.is_some());
+    let turn_error = |error: CycleError| match on_floor {
+        Some(floor) => CycleError {
+            fronts: floor.errors().jump_force,
+            ..error
+        },
+        None => error,
+    };
     let reason = match &cycle.critical {
         Some(critical) if turn.indentation > critical.contact.indentation => {
             let state = &critical.contact;
+            let how = if cycle.floor.is_some() {
+                "on the floor, which sticks"
+            } else {
+                "as if without floor"
+            };
             format!(
-                "as if without floor: the critical state is at {} and {}",
+                "{how}: the critical state is at {} and {}",
                 with_unit(state.force, Dimension::Force, known(errors.critical_force)),
                 with_unit(
                     state.indentation,
@@ -191,6 +213,7 @@ pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
                 )
             )
         }
+        Some(_) if cycle.floor.is_some() => "after the jump onto the floor".to_owned(),
         Some(_) => "critical state: the lens just reaches the floor".to_owned(),
         None if cycle.stopped_by_floor => "the lens reaches the floor".to_owned(),
         None => String::new(),
@@ -207,7 +230,7 @@ pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
         turn.indentation,
         Dimension::Length,
         known(errors.critical_indentation),
-        remark(errors.critical_indentation),
+        remark(turn_error(errors.critical_indentation)),
     )
     .row(
         "  with pillars in contact",
@@ -235,6 +258,64 @@ pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
             "",
         );
     }
+}
+
+/// What a floor that sticks does: the jump onto it, and where it is lost.
+fn stuck_floor(list: &mut QuantityList, cycle: &Cycle) {
+    let Some(resolution) = cycle.floor else {
+        return;
+    };
+    let errors = resolution.errors();
+    let filled = |floor: &HeldFloor| {
+        let share = with_unit(floor.force, Dimension::Force, 3);
+        format!("{} holes filled, floor {share}", floor.holes)
+    };
+    if let Some([before, after]) = cycle.floor_jump()
+        && let Some(floor) = &after.floor
+    {
+        let words = format!(
+            "from {} at {}{}",
+            with_unit(before.force, Dimension::Force, 3),
+            with_unit(after.indentation, Dimension::Length, 4),
+            error_remark(errors.jump_force)
+        );
+        list.quantity(
+            "jump onto the floor",
+            after.force,
+            Dimension::Force,
+            3,
+            words,
+        )
+        .row(
+            "  with an area of",
+            significant(floor.area * 1e12, 3),
+            "um^2",
+            &filled(floor),
+        );
+    }
+    match cycle.floor_lost() {
+        Some([last, after]) => {
+            list.length(
+                "floor lost",
+                last.indentation,
+                format!(
+                    "force {} before and {} after{}",
+                    with_unit(last.force, Dimension::Force, 3),
+                    with_unit(after.force, Dimension::Force, 3),
+                    error_remark(errors.lost_indentation)
+                ),
+            );
+        }
+        None => {
+            list.row("floor lost", "-".to_owned(), "", "it still sticks");
+        }
+    }
+    list.row(
+        "cells across a free ring",
+        significant(resolution.cells_across_ring, 2),
+        "",
+        &format!("of {}", with_unit(resolution.cell, Dimension::Length, 2)),
+    );
 }
 
 /// What is smaller than any error that matters is rounding, and differs between machines.

@@ -3,7 +3,7 @@
 use super::{LimitObject, warnings_of};
 use crate::VERSION;
 use fakir::problem::Method;
-use fakir::state::{Cycle, CycleError, CycleEvent, CycleStation};
+use fakir::state::{Cycle, CycleError, CycleEvent, CycleStation, HeldFloor};
 use serde::Serialize;
 
 /// A point of the curve of force over indentation, which is linear between one and the next: a row of `cycle.csv`.
@@ -87,6 +87,111 @@ impl From<&CycleEvent> for EventRow {
     }
 }
 
+/// A station at which the floor sticks to the lens: a row of `floor.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub struct FloorRow {
+    /// Its place among the stations, from 0 on.
+    pub station: usize,
+    /// `loading` or `unloading`.
+    pub branch: &'static str,
+    /// Indentation, m.
+    pub indentation_m: f64,
+    /// Normal force, N.
+    pub force_N: f64,
+    /// Force on the floor, N; negative where it pulls.
+    pub floor_force_N: f64,
+    /// That over the normal force.
+    pub floor_share: f64,
+    /// Area of the floor in contact, m^2.
+    pub floor_contact_area_m2: f64,
+    /// Distance of its farthest point in contact from the lens axis, m.
+    pub floor_radius_m: f64,
+    /// Middles between three pillars that are in contact.
+    pub filled_holes: usize,
+}
+
+impl FloorRow {
+    fn new(station: usize, state: &CycleStation, floor: &HeldFloor) -> Self {
+        Self {
+            station,
+            branch: state.branch.name(),
+            indentation_m: state.indentation,
+            force_N: state.force,
+            floor_force_N: floor.force,
+            floor_share: floor.force / state.force,
+            floor_contact_area_m2: floor.area,
+            floor_radius_m: floor.radius,
+            filled_holes: floor.holes,
+        }
+    }
+
+    /// The stations of a cycle at which the floor sticks to the lens.
+    pub fn of(cycle: &Cycle) -> impl Iterator<Item = Self> + '_ {
+        let stations = cycle.stations.iter().enumerate();
+        stations.filter_map(|(place, it)| Some(Self::new(place, it, it.floor.as_ref()?)))
+    }
+}
+
+/// A floor that sticks, in a cycle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct FloorObject {
+    /// Force before the lens jumps onto it, N; at the indentation of the jump.
+    force_before_jump_N: Option<f64>,
+    /// The state after the jump.
+    jump: Option<FloorRow>,
+    /// The last state with the floor in contact; none if it still is.
+    last: Option<FloorRow>,
+    /// Indentation at the station after it is lost, m: it is lost between that and the last one.
+    indentation_after_loss_m: Option<f64>,
+    /// Force after it is lost, N.
+    force_after_loss_N: Option<f64>,
+    /// Root of the area of a cell, m.
+    cell_m: f64,
+    /// Cells across the free ring round a pillar, and along the radius of the first patch.
+    cells_across_ring: f64,
+    cells_along_patch: f64,
+    /// Whether cells are so coarse that the figures are orders of magnitude.
+    coarse: bool,
+    relative_error_estimate: FloorErrorsObject,
+    stations: Vec<FloorRow>,
+}
+
+/// Estimated relative errors by the model of the fronts and by the cells.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct FloorErrorsObject {
+    jump_force: f64,
+    jump_contact_area: f64,
+    /// Of the indentation at which the floor is lost.
+    lost_indentation: f64,
+}
+
+impl FloorObject {
+    fn new(cycle: &Cycle) -> Option<Self> {
+        let resolution = cycle.floor?;
+        let stations: Vec<FloorRow> = FloorRow::of(cycle).collect();
+        let errors = resolution.errors();
+        Some(Self {
+            force_before_jump_N: cycle.floor_jump().map(|[before, _]| before.force),
+            jump: stations.first().copied(),
+            last: cycle.floor_lost().and(stations.last().copied()),
+            indentation_after_loss_m: cycle.floor_lost().map(|[_, after]| after.indentation),
+            force_after_loss_N: cycle.floor_lost().map(|[_, after]| after.force),
+            cell_m: resolution.cell,
+            cells_across_ring: resolution.cells_across_ring,
+            cells_along_patch: resolution.cells_along_patch,
+            coarse: resolution.is_coarse(),
+            relative_error_estimate: FloorErrorsObject {
+                jump_force: errors.jump_force,
+                jump_contact_area: errors.jump_area,
+                lost_indentation: errors.lost_indentation,
+            },
+            stations,
+        })
+    }
+}
+
 /// Estimated relative errors of a figure of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CycleErrorObject {
@@ -163,6 +268,9 @@ pub struct CycleSummary {
     /// Relative difference of the last two; none of a path that is not closed.
     certificate: Option<f64>,
     relative_error_estimate: CycleErrorsObject,
+    /// None if the floor does not stick, or was not touched.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    floor: Option<FloorObject>,
     limits: Vec<LimitObject>,
     stations: Vec<StationRow>,
     events: Vec<EventRow>,
@@ -220,6 +328,7 @@ impl CycleSummary {
                 pull_off_force: pull_off.map(|_| errors.pull_off_force.into()),
                 hysteresis: certificate.map(|_| errors.loop_area.into()),
             },
+            floor: FloorObject::new(cycle),
             limits: LimitObject::all(cycle.limits(None)),
             stations: cycle.stations.iter().map(StationRow::from).collect(),
             events: cycle.events.iter().map(EventRow::from).collect(),

@@ -23,7 +23,7 @@ pub use approach::{ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceL
 pub use compare::{CompareSummary, MethodRow};
 pub use contact::{FloorObject, PressSummary, of_floor};
 pub use critical::TransitionSummary;
-pub use cycle::{CycleErrorObject, CycleSummary, EventRow, StationRow, cycle_warnings};
+pub use cycle::{CycleErrorObject, CycleSummary, EventRow, FloorRow, StationRow, cycle_warnings};
 pub use gradient::GradientObject;
 pub use pillars::{pillars, pillars_of};
 pub use rounded::{RoundedPressSummary, left_out_words, rounded_pillars, rounded_warnings};

@@ -15,7 +15,7 @@ pub struct CyclePlan {
 }
 
 /// Where loading ends. With a floor that is neither ignored nor [sticks](crate::problem::Adhesion::floor) it ends at the critical state at the latest:
-/// what follows with tops that stick alone is not solved.
+/// what follows with tops that stick alone is not solved. On a floor that sticks the critical indentation itself, the part 1, is where the lens has jumped onto it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Turn {
     /// At this part of the critical indentation, above 0 and at most 1.

@@ -11,7 +11,9 @@ use super::touched::nearest_first;
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE};
 use crate::numerics::vector::dot;
 use crate::problem::scaled::Scene;
-use crate::problem::{Accuracy, Control, CyclePlan, Drive, FloorModel, Method, System, Turn};
+use crate::problem::{
+    Accuracy, Control, CyclePlan, Drive, FloorModel, Method, PillarCompliance, System, Turn,
+};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::limit::LARGEST_STRAIN;
@@ -76,7 +78,7 @@ pub(crate) fn press(
         Control::Force(force) => End::Force(force / scene.force()),
         Control::FloorContact => End::Floor,
     };
-    let loaded = loading.until(end)?;
+    let loaded = loading.until(end, false)?;
     if loaded.stopped_by_floor {
         return Err(SolveError::PastTransition {
             indentation: loaded.turn.indentation,
@@ -120,7 +122,7 @@ pub(crate) fn cycle(
     };
     let mut loading = Loading::new(system, &scene, accuracy, plan.drive, run)?;
     loading.path.followed_by(&told);
-    let mut loaded = loading.until(end)?;
+    let mut loaded = loading.until(end, true)?;
     let path = &mut loaded.loading.path;
     if plan.retract
         && loaded.turn.converged()
@@ -147,7 +149,28 @@ fn sticking_scene(system: &System) -> Result<Scene, SolveError> {
                     texture.pillar.compliance be \"none\"";
         return Err(SolveError::TopsDiffer { what });
     }
+    if floor_sticks(system) {
+        let refuse = |what| Err(SolveError::FloorDoesNotStick { what });
+        if scene.hexagonal_lattice().is_none() {
+            return refuse(
+                "they stand otherwise: let texture.lattice be \"hexagonal\" without texture.rotation, texture.columns and scatter",
+            );
+        }
+        if !scene.layers.is_empty() {
+            return refuse("one is a layer: leave substrate.thickness and lens.thickness out");
+        }
+        if system.pillar().compliance == PillarCompliance::Elastic {
+            return refuse(
+                "pillars are elastic bodies: let texture.pillar.compliance be \"column\" or \"none\"",
+            );
+        }
+    }
     Ok(scene)
+}
+
+/// Whether the lens goes on sticking to the floor where it reaches that.
+fn floor_sticks(system: &System) -> bool {
+    system.adhesion().floor && system.floor_model() != FloorModel::Ignored
 }
 
 /// A lens that comes down on tops that stick.
@@ -201,8 +224,8 @@ impl<'a> Loading<'a> {
         })
     }
 
-    /// Down to an end, or to the floor, unless that is ignored.
-    fn until(mut self, end: End) -> Result<Loaded<'a>, SolveError> {
+    /// Down to an end, or to the floor, unless that is ignored. Where that is the end and sticks, up to the state after the jump onto it if `jumps`.
+    fn until(mut self, end: End, jumps: bool) -> Result<Loaded<'a>, SolveError> {
         let ignored = self.system.floor_model() == FloorModel::Ignored;
         let (mut critical, mut events_before_floor) = (None, None);
         loop {
@@ -217,9 +240,18 @@ impl<'a> Loading<'a> {
                         ..self.state(Termination::Converged)
                     };
                     critical = Some(CriticalState::new(contact.clone()));
-                    if self.system.adhesion().floor && !ignored && end != End::Floor {
+                    if floor_sticks(self.system) && (jumps || end != End::Floor) {
                         self.stick(lowest)?;
-                        continue;
+                        if end != End::Floor {
+                            continue;
+                        }
+                        return Ok(Loaded {
+                            turn: self.state(self.path.termination()),
+                            loading: self,
+                            critical,
+                            events_before_floor,
+                            stopped_by_floor: false,
+                        });
                     }
                     if ignored && end != End::Floor {
                         continue;
@@ -319,7 +351,8 @@ impl<'a> Loading<'a> {
         let radius = path.contact_radius();
         let (force, partly) = (path.force(), partly_borne(&pillars));
         let error = if termination == Termination::Converged {
-            let share = relative(PARTIAL_ERROR * partly / scene.force(), force);
+            let share = relative(PARTIAL_ERROR * partly / scene.force(), force)
+                + floor.as_ref().map_or(0.0, |_| self.floor_error());
             let [degree, _] = self.degree_errors();
             ErrorEstimate {
                 force: degree + share,
@@ -486,6 +519,11 @@ impl Loading<'_> {
         }
     }
 
+    /// Error of forces by the fronts on the floor.
+    fn floor_error(&self) -> f64 {
+        self.floor.map_or(0.0, |floor| floor.errors().jump_force)
+    }
+
     /// Where the errors of the figures come from.
     fn errors(&self, critical: Option<&CriticalState>, pull_off: Option<&PullOff>) -> CycleErrors {
         let [degree, rim] = self.degree_errors();
@@ -504,14 +542,23 @@ impl Loading<'_> {
             levels: if alone(pull) { 0.0 } else { LEVEL_ERROR },
             rim_angles: ANGLE_ERROR,
             degree: rim,
-            fronts: if alone(pull) { 0.0 } else { FRONT_ERROR },
+            fronts: if self.path.stations[pull.station].floor.is_some() {
+                FRONT_ERROR.max(self.floor_error())
+            } else if alone(pull) {
+                0.0
+            } else {
+                FRONT_ERROR
+            },
         });
         let energies = self.path.energies;
         let loop_area = CycleError {
             levels: LEVEL_ERROR_OF_LOOP + relative(energies.between_levels, energies.work),
             rim_angles: 2.0 * ANGLE_ERROR,
             degree: 2.0 * rim,
-            fronts: FRONT_ERROR,
+            // What the floor dissipates follows from where it jumps and where it is lost.
+            fronts: self
+                .floor
+                .map_or(FRONT_ERROR, |floor| floor.errors().jump_area),
         };
         CycleErrors {
             critical_force,

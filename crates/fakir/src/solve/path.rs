@@ -299,6 +299,11 @@ impl<'a> Path<'a> {
         self.contact.indentation()
     }
 
+    /// Whether what was solved so far is a solution.
+    pub(crate) fn termination(&self) -> Termination {
+        self.failed.unwrap_or(Termination::Converged)
+    }
+
     pub(crate) fn force(&self) -> f64 {
         let Refined {
             indentation,
@@ -797,7 +802,7 @@ impl<'a> Path<'a> {
         let spread = 0.5 * self.spread * (after - force);
         self.energies.work += spread;
         self.energies.dissipation += dissipated + spread;
-        if farthest <= 1 {
+        if farthest <= 1 && self.floor.is_none() {
             self.energies.between_levels += dissipated.abs();
         }
         self.energies.receded += change.lost;

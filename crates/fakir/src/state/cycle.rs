@@ -75,7 +75,30 @@ pub struct FloorResolution {
     pub cells_along_patch: f64,
 }
 
+/// Estimated relative errors of what a floor that sticks does. They are of the model of its fronts, which move at works that are right to about 5 %, and of
+/// the cells; next to a barrier between rings of holes one ring more or less may be in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StuckFloorErrors {
+    /// Of the force after the jump.
+    pub jump_force: f64,
+    /// Of the area in contact after the jump.
+    pub jump_area: f64,
+    /// Of the indentation at which the floor is lost.
+    pub lost_indentation: f64,
+}
+
 impl FloorResolution {
+    /// Errors of what the floor does: bars from two programs and several grids at 1 and 10 mJ/m^2; order of magnitude, 1, on coarse cells.
+    #[must_use]
+    pub fn errors(self) -> StuckFloorErrors {
+        let known = |error: f64| if self.is_coarse() { 1.0 } else { error };
+        StuckFloorErrors {
+            jump_force: known(0.02),
+            jump_area: known(0.15),
+            lost_indentation: known(0.05),
+        }
+    }
+
     /// Cells across the ring with which the error of the fronts is a few per cent.
     pub const ENOUGH: f64 = 4.0;
 

@@ -137,6 +137,15 @@ pub enum SolveError {
         /// What is different, and what can be done.
         what: &'static str,
     },
+    /// A floor that sticks where that is not known.
+    #[error(
+        "a floor that sticks is known between pillars on an endless hexagonal lattice that is not turned, whose bodies are half-spaces, and here {what}; or \
+         let adhesion.floor be false, so that the tops stick alone"
+    )]
+    FloorDoesNotStick {
+        /// What is different, and what can be done.
+        what: &'static str,
+    },
     /// What is made for a spherical lens, asked of another shape.
     #[error(
         "{what} is made for a spherical lens, not for this shape ({shape}): use the spectral method, without adhesion, \

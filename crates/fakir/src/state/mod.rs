@@ -30,7 +30,7 @@ pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termin
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{
     Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation,
-    FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PullOff,
+    FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PullOff, StuckFloorErrors,
 };
 pub use error::SolveError;
 pub use fields::Fields;
