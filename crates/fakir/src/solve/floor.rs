@@ -7,7 +7,8 @@
 
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
-use crate::halfspace::disc::exterior::{Exterior, FieldJet, LaneJets, MAXIMUM_DEGREE};
+use crate::halfspace::disc::exterior::{Exterior, LaneJets, MAXIMUM_DEGREE};
+use crate::halfspace::jet::FieldJet;
 use crate::numerics::neighbours::Neighbours;
 use crate::numerics::vector::{LANES, Lanes, dot, widest};
 use crate::numerics::workers::CancelToken;

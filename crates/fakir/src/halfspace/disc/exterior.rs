@@ -10,6 +10,7 @@
 //! `2 y_lm (-1)^((l-m)/2) ∫ (Phi(k) - 1) j_l(k) J_m(k delta) dk` is added, with the same angular factor. That goes on inside the disc.
 
 use super::basis::{Mode, equator_value, gamma_degree, modes};
+use crate::halfspace::jet::FieldJet;
 use crate::halfspace::layer::force::AroundForce;
 use crate::halfspace::layer::table::{RadialPart, RadialTable};
 use crate::numerics::special::gamma_half;
@@ -224,34 +225,6 @@ impl RadialFunction {
     pub(crate) fn value(&self, inverse_distance: f64) -> f64 {
         let z = inverse_distance * inverse_distance;
         inverse_distance.powi(self.twice_power as i32) * self.series(z)
-    }
-}
-
-/// A scalar field in the plane with its gradient and Hessian `[xx, xy, yy]`.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct FieldJet {
-    pub(crate) value: f64,
-    pub(crate) gradient: [f64; 2],
-    pub(crate) hessian: [f64; 3],
-}
-
-impl FieldJet {
-    /// Adds `factor` times another field.
-    pub(crate) fn add_scaled(&mut self, factor: f64, other: &Self) {
-        self.value += factor * other.value;
-        for k in 0..2 {
-            self.gradient[k] += factor * other.gradient[k];
-        }
-        for k in 0..3 {
-            self.hessian[k] += factor * other.hessian[k];
-        }
-    }
-
-    /// The value a step away, to second order.
-    pub(crate) fn expanded(&self, [x, y]: [f64; 2]) -> f64 {
-        let [along, cross, across] = self.hessian;
-        let slope = self.gradient[0] * x + self.gradient[1] * y;
-        self.value + slope + 0.5 * (along * x * x + across * y * y) + cross * x * y
     }
 }
 

@@ -1,7 +1,7 @@
 //! What layers add around a force.
 
 use super::table::{RadialPart, RadialTable};
-use crate::halfspace::disc::exterior::FieldJet;
+use crate::halfspace::jet::FieldJet;
 use crate::problem::layer::WeightedLayer;
 
 /// What layers add to `1/r` around a unit force, `DK(r) = sum_b (w_b/t_b) Psi_b(r/t_b)`.

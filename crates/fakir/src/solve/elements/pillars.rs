@@ -16,11 +16,11 @@
 use super::closing::Closing;
 use super::solver::{ElementContact, Prescribed, Settings};
 use crate::halfspace::coupling::sites::Sites;
-use crate::halfspace::disc::exterior::FieldJet;
 use crate::halfspace::elements::scattered::{Interactions, PlacedGrid, ScatteredGrids};
 use crate::halfspace::elements::{
     Columns, Dense, FreeSpaceConvolution, LatticeOfGrids, Operator, Preconditioned,
 };
+use crate::halfspace::jet::FieldJet;
 use crate::halfspace::layer::force::AroundForce;
 use crate::numerics::convergence::{Judgement, larger, within};
 use crate::numerics::workers::CancelToken;
