@@ -66,8 +66,9 @@ pub(crate) enum Command {
     /// there the loading ends at --to. With --output the states are saved as a table, and force, contact radius
     /// and the part of the floor over the indentation as a figure.
     ///
-    /// With pillar tops that stick (a case with [adhesion]) the loading ends at the critical state: the floor does
-    /// not stick, and what it bears then is not solved. With --retract the lens is pulled off again.
+    /// With pillar tops that stick (a case with [adhesion]) the loading ends at the critical state: what the floor
+    /// bears then is not solved. With --retract the lens is pulled off again, and with adhesion.floor = true it goes
+    /// through the critical state: it jumps onto the floor, which sticks.
     #[command(
         after_help = "Example: fakir approach case.toml --to 18um --output through-the-transition
          fakir approach case.toml --set adhesion.work=50mJ/m2 --retract"
@@ -341,8 +342,8 @@ pub(crate) struct Approach {
     /// Pull the lens off again: for pillar tops that stick (a case with [adhesion])
     ///
     /// Loading ends at --to or --to-force, or at the critical state, and at the latest where the lens reaches the
-    /// floor: that does not stick, and what it bears with tops that stick is not solved (but see
-    /// --without-floor). Every change of contact on the way is found as such, so that there are no steps. With
+    /// floor, unless that sticks too (adhesion.floor = true): what it bears otherwise with tops that stick is not
+    /// solved (but see --without-floor). Every change of contact on the way is found as such, so that there are no steps. With
     /// --output the curve, the events and the pillars that hold at pull-off are saved as tables and
     /// figures.
     #[arg(long, conflicts_with_all = ["step", "until"])]
