@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
 /// How often the calling thread looks whether the sweep is cancelled, and tells the progress.
@@ -116,11 +116,10 @@ pub(crate) fn complete(
     let total = shared.cost();
     let mut outcome = Ok(());
     std::thread::scope(|scope| {
-        let (sender, receiver) = channel();
-        for _ in 0..Threads::asked(options.threads)
-            .number()
-            .min(shared.chains.len())
-        {
+        let threads = Threads::asked(options.threads).number();
+        // Threads wait where the journal does not follow.
+        let (sender, receiver) = sync_channel(threads);
+        for _ in 0..threads.min(shared.chains.len()) {
             let (shared, sender) = (&shared, sender.clone());
             scope.spawn(move || shared.run(&sender));
         }
@@ -203,7 +202,7 @@ impl<'a> SharedSweep<'a> {
     }
 
     /// Computes chain after chain, until there is none left or the sweep is stopped.
-    fn run(&self, sender: &Sender<(Row, f64)>) {
+    fn run(&self, sender: &SyncSender<(Row, f64)>) {
         while let Some(chain) = self.chains.get(self.next.fetch_add(1, Ordering::Relaxed)) {
             for index in chain.cases.clone() {
                 if self.known.contains(&index) {
