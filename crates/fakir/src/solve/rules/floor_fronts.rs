@@ -367,7 +367,7 @@ impl FloorFronts {
     }
 
     /// The stress intensity at a cell of the front by the data around it.
-    fn intensity(&self, cell: usize) -> Option<f64> {
+    fn intensity(&self, cell: usize, which: FloorMove) -> Option<f64> {
         let corner = self.places[cell] as usize - REACH * (self.stride + 1);
         let mut sums = Datum::default();
         for (row, window) in self.window.iter().enumerate() {
@@ -387,7 +387,11 @@ impl FloorFronts {
             let [u, uu, k, ku] =
                 [u, uu, k + curvature * bent, ku + curvature * bent_u].map(|sum| sum / weight);
             let slope = (ku - k * u) / (uu - u * u + SPREAD * SPREAD);
-            let known = ((u - ONE_SIDED[0]) / (ONE_SIDED[1] - ONE_SIDED[0])).clamp(0.0, 1.0);
+            // A patch that has just been taken in is not taken back because of the gaps beside it, which the lens alone makes.
+            let known = match which {
+                FloorMove::TakeBack => 1.0,
+                _ => ((u - ONE_SIDED[0]) / (ONE_SIDED[1] - ONE_SIDED[0])).clamp(0.0, 1.0),
+            };
             let change = known * slope * u;
             (k - change) / (1.0 + ANISOTROPY * direction)
         })
@@ -431,8 +435,8 @@ impl FloorFronts {
     }
 
     /// `K` at a front, what a ring does to it taken away, and the factor by which `G` changes half a cell on.
-    fn corrected(&self, cell: usize) -> Option<[f64; 2]> {
-        let intensity = self.intensity(cell)?;
+    fn corrected(&self, cell: usize, which: FloorMove) -> Option<[f64; 2]> {
+        let intensity = self.intensity(cell, which)?;
         let [facing, across] = self.facing(cell);
         let ring = 1.0 + RING * facing / across.max(RING_LEAST);
         let half_cell = 1.0 + ONE_CELL + facing / across.max(HALF_CELL_LEAST);
@@ -479,7 +483,7 @@ impl FloorFronts {
                     continue;
                 }
                 let advances = touched
-                    || match self.corrected(cell) {
+                    || match self.corrected(cell, which) {
                         Some([k, factor]) => k.abs() * k * 0.5 * factor < limit,
                         None => f64::from(smooth) > ENCLOSED,
                     };
@@ -489,7 +493,7 @@ impl FloorFronts {
             } else if *bonded
                 && smooth < high
                 && !self.neighbours(cell).iter().all(is_bonded)
-                && let Some([k, factor]) = self.corrected(cell)
+                && let Some([k, factor]) = self.corrected(cell, which)
                 && k.abs() * k * 0.5 > limit * factor
             {
                 moves.push(cell);
@@ -537,7 +541,7 @@ pub(crate) mod tests {
             };
             let cells = (0..bonded.len()).filter(on_front);
             cells
-                .filter_map(|cell| Some((cell, self.corrected(cell)?[0])))
+                .filter_map(|cell| Some((cell, self.corrected(cell, FloorMove::Recede)?[0])))
                 .collect()
         }
     }
