@@ -3,6 +3,8 @@
 import json
 import os
 import subprocess
+import tempfile
+from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -18,7 +20,10 @@ import fakir  # noqa: E402
 
 pytestmark = pytest.mark.filterwarnings("ignore:4 states .* are past the transition")
 
-DATA = EXAMPLES / "fit" / "loading.csv"
+# The last four states of the example are past the transition, which takes most of the time of a fit; the manual fits them too.
+WHOLE = EXAMPLES / "fit" / "loading.csv"
+DATA = Path(tempfile.mkdtemp()) / WHOLE.name
+DATA.write_text("".join(WHOLE.read_text().splitlines(keepends=True)[:-4]))
 CASE = EXAMPLES / "fit" / "case.toml"
 FREE = ["substrate.young_modulus", "contact_point", "machine_compliance"]
 
@@ -111,7 +116,7 @@ def test_headings_of_instruments_and_columns_by_hand(system, fitted):
 def test_a_fit_that_does_not_describe_the_data_says_so(system):
     exact = system.replace({"method.name": "spectral"})
     with pytest.warns(fakir.FakirWarning, match="it would take machine_compliance"):
-        poor = fakir.fit(DATA, exact, FREE[:2])
+        poor = fakir.fit(WHOLE, exact, FREE[:2])
     assert not poor.describes_data and "does not describe" in repr(poor)
     most = poor.left_out[0]
     assert most.name == "machine_compliance" and most.wanted and most.p_value < 1e-9
