@@ -394,13 +394,12 @@ fn holes_within(system: &System, radius: f64) -> usize {
     let Some(lattice) = system.hexagonal_lattice() else {
         return 0;
     };
-    let aside = lattice.pitch / 3f64.sqrt();
     let most = (2.0 * radius / lattice.pitch).ceil() as i64 + 3;
     let middle = lattice.nearest_pillar([0.0, 0.0]);
     let all = (-most..=most).flat_map(|i| (-most..=most).map(move |j| (i, j)));
     let centres = all.map(|(i, j)| lattice.centre(middle.0 + i, middle.1 + j));
     centres
-        .flat_map(|[x, y]| [[x - aside, y], [x + aside, y]])
+        .flat_map(|centre| lattice.middles_beside(centre))
         .filter(|[x, y]| x.hypot(*y) < radius)
         .count()
 }

@@ -99,6 +99,14 @@ impl HexagonalLattice {
         nearest
     }
 
+    /// The two middles of three pillars that lie beside a pillar centre along x, at `e/sqrt3` from it, m. Over all
+    /// pillars every middle comes once.
+    #[must_use]
+    pub fn middles_beside(&self, [x, y]: Point) -> [Point; 2] {
+        let aside = self.pitch / 3f64.sqrt();
+        [[x + aside, y], [x - aside, y]]
+    }
+
     /// Area of the lattice cell, `sqrt3/2 e^2`, m^2.
     #[must_use]
     pub fn cell_area(&self) -> f64 {

@@ -51,10 +51,6 @@ const RIM_DEGREE_ERROR: f64 = 1.3;
 const LEVEL_ERROR: f64 = 0.03;
 const LEVEL_ERROR_OF_LOOP: f64 = 0.015;
 
-/// Error of share and area of a floor that sticks: the work at which fronts on it move is right to about 5 %, and beside a barrier between rings of
-/// holes that is a ring.
-const FLOOR_FRONT_ERROR: f64 = 0.15;
-
 /// The first window of a floor that sticks reaches so many distances of pillars beyond the first patch.
 const FIRST_WINDOW: f64 = 1.5;
 
@@ -312,11 +308,7 @@ impl<'a> Loading<'a> {
         let patches = patches(Some(&floor.cells));
         let (cells, pressure) = path.stuck_load()?.in_metres(scene.length, scene.pressure);
         let force = path.contact.floor_force();
-        let error = if self.floor.is_some_and(FloorResolution::is_coarse) {
-            1.0
-        } else {
-            FLOOR_FRONT_ERROR
-        };
+        let error = self.floor?.errors().jump_area;
         Some(FloorContact {
             force: force * scene.force(),
             share: force / path.force(),

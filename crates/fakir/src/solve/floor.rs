@@ -148,11 +148,10 @@ fn starts_on_lattice(lattice: &HexagonalLattice) -> Starts {
         .map(|(i, j)| lattice.centre(i, j))
         .collect();
     pillars.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
-    let hole = pitch / 3f64.sqrt();
     let mut holes: Vec<Point> = Vec::new();
     for point in pillars
         .iter()
-        .flat_map(|[x, y]| [[x + hole, *y], [x - hole, *y]])
+        .flat_map(|centre| lattice.middles_beside(*centre))
     {
         let near = point[0].hypot(point[1]) < 1.6 * pitch;
         if near

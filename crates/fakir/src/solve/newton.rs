@@ -19,7 +19,7 @@ use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
-use crate::halfspace::floor::coupling::{FloorCoupling, FloorKernels, SurfaceCoupling};
+use crate::halfspace::floor::coupling::{FloorKernels, SurfaceCoupling};
 use crate::halfspace::floor::grid::FloorGrid;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
@@ -229,10 +229,8 @@ impl<'a> Newton<'a> {
             pillars: tops.sites.len(),
             touched: 0,
         });
-        let coupling = SurfaceCoupling {
-            tops: LatticeCoupling::of_sites(&tops.sites, pair, run.workers()),
-            floor: None,
-        };
+        let coupling = LatticeCoupling::of_sites(&tops.sites, pair, run.workers());
+        let coupling = SurfaceCoupling::of_tops(coupling);
         Self {
             scene: scene.clone(),
             run,
@@ -446,19 +444,9 @@ impl<'a> Newton<'a> {
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
         let (kernels, layers) = (&mut self.kernels, &self.scene.layers[..]);
         let couple = |coupling: &mut SurfaceCoupling<'a>| {
-            // The room of the one before it is needed.
-            coupling.floor = None;
-            let floor = FloorCoupling::new(
-                &cells.grid,
-                (sites, reach),
-                [modes, degree],
-                layers,
-                kernels.take(),
-                run.workers(),
-                run.pool,
-            );
-            *kernels = Some(floor.kernels());
-            coupling.floor = Some(Box::new(floor));
+            let threads = (run.workers(), run.pool);
+            let (pillars, modes) = ((sites, reach), [modes, degree]);
+            coupling.lay_floor(&cells.grid, pillars, modes, layers, kernels, threads);
         };
         let own_load = cells.lens_load(&self.scene);
         self.contact

@@ -260,10 +260,8 @@ impl<'a> Path<'a> {
         let radius = scene.nearest_edge() + 1.0 + MARGIN * pitch;
         let radius = radius.max(scene.reach_of_tops(first_touch));
         let sites = checked_sites(scene, radius, modes, run)?;
-        let coupling = SurfaceCoupling {
-            tops: LatticeCoupling::of_sites(&sites, &pair, run.workers()),
-            floor: None,
-        };
+        let coupling = LatticeCoupling::of_sites(&sites, &pair, run.workers());
+        let coupling = SurfaceCoupling::of_tops(coupling);
         let own_load = own_load(scene, &projector, &sites, modes);
         let mut path = Self {
             scene,
@@ -337,13 +335,11 @@ impl<'a> Path<'a> {
     }
 
     fn longest_step(&self) -> f64 {
-        let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
-        let longest = (LONGEST_STEP * self.scene.height).max(part_of_path);
         if self.floor.is_some() {
-            STUCK_STEP * self.scene.height
-        } else {
-            longest
+            return STUCK_STEP * self.scene.height;
         }
+        let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
+        (LONGEST_STEP * self.scene.height).max(part_of_path)
     }
 
     /// Goes on until the end. Where `watch_floor` a loading stops at the floor too.
@@ -425,10 +421,9 @@ impl<'a> Path<'a> {
         let sign = course.sign();
         let to_end = self.distance(sign, end);
         self.spread = sign * longest.min(to_end);
-        let events = self.stations.len();
+        let stations = self.stations.len();
         self.advance(self.spread);
-        let changed = self.cascade(course);
-        let changed = changed? > 0 || self.stations.len() > events;
+        let changed = self.cascade(course)? > 0 || self.stations.len() > stations;
         self.spread = 0.0;
         if !changed {
             self.record(course);
@@ -832,10 +827,8 @@ impl<'a> Path<'a> {
         };
         let modes = self.contact.modes();
         let sites = checked_sites(self.scene, radius, modes, self.run)?;
-        let coupling = SurfaceCoupling {
-            tops: LatticeCoupling::of_sites(&sites, &self.pair, self.run.workers()),
-            floor: None,
-        };
+        let coupling = LatticeCoupling::of_sites(&sites, &self.pair, self.run.workers());
+        let coupling = SurfaceCoupling::of_tops(coupling);
         let own_load = own_load(self.scene, &self.projector, &sites, modes);
         let mut contact = FrozenContact::new(self.run, coupling, modes, own_load);
         let pressures = self.floor_pressures();

@@ -67,35 +67,23 @@ impl<'a> Path<'a> {
             fronts.set(&mut cells, cell, pressure.is_some());
         }
         let start = |cell: usize| known[cell].unwrap_or_default().map(|p| unit_cell * p);
-        let kernels = self.floor.take().map(|floor| floor.kernels);
-        let (sites, run, modes) = (&self.sites, self.run, self.contact.modes());
+        let mut kernels = self.floor.take().and_then(|floor| floor.kernels);
         let layers = &self.scene.layers;
+        let pillars = (&self.sites, reach);
         let degree = FLOOR_DEGREE.min(self.tops.fronts.degree());
-        let mut kept = None;
+        let modes = [self.contact.modes(), degree];
+        let threads = (self.run.workers(), self.run.pool);
         let couple = |coupling: &mut SurfaceCoupling<'a>| {
-            coupling.floor = None;
-            let floor = FloorCoupling::new(
-                &cells.grid,
-                (sites, reach),
-                [modes, degree],
-                layers,
-                kernels,
-                run.workers(),
-                run.pool,
-            );
-            kept = Some(floor.kernels());
-            coupling.floor = Some(Box::new(floor));
+            coupling.lay_floor(&cells.grid, pillars, modes, layers, &mut kernels, threads);
         };
         let own_load = cells.lens_load(self.scene);
         self.contact.set_floor(unit_cell, own_load, start, couple);
-        if let Some(kernels) = kept {
-            self.floor = Some(StuckFloor {
-                cells,
-                fronts,
-                reach,
-                kernels,
-            });
-        }
+        self.floor = Some(StuckFloor {
+            cells,
+            fronts,
+            reach,
+            kernels,
+        });
         self.find_loads();
         Ok(())
     }
@@ -219,9 +207,8 @@ impl<'a> Path<'a> {
         for (index, own) in grid.cells.indices().zip(floor.cells.bears()) {
             bonded[index] = *own;
         }
-        let hole = lattice.pitch / 3f64.sqrt();
         let centres = self.sites.centres().iter();
-        let holes = centres.flat_map(|[x, y]| [[x - hole, *y], [x + hole, *y]]);
+        let holes = centres.flat_map(|centre| lattice.middles_beside(*centre));
         holes
             .filter(|point| {
                 grid.position_of(*point)
@@ -299,13 +286,9 @@ mod tests {
             advancing,
             receding,
         };
-        Path::new(
-            scene,
-            run,
-            Fronts::new(2, 0.0, works, true),
-            Held::Indentation,
-        )
-        .unwrap()
+        let kappa = scene.field.column().shortening;
+        let fronts = Fronts::new(2, kappa, works, true);
+        Path::new(scene, run, fronts, Held::Indentation).unwrap()
     }
 
     /// A flat round punch that pulls: its contact is given, in cells.
@@ -565,19 +548,11 @@ mod tests {
     /// Without adhesion the floor is pressed where the lens would enter it, and nowhere else: what the contact is without it.
     #[test]
     fn without_adhesion_it_is_the_mixed_contact() {
-        let lattice = reference::lattice(0.03);
-        let system =
-            reference::on_lattice(lattice, reference::INTERMEDIATE, PillarCompliance::Column);
+        let system = reference::intermediate(0.03);
         let scene = Scene::new(&system);
         let run = Run::default();
         let w = 1e-6 / (scene.pressure * scene.length);
-        let works = Works {
-            advancing: w,
-            receding: w,
-        };
-        let kappa = scene.field.column().shortening;
-        let fronts = Fronts::new(2, kappa, works, true);
-        let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
+        let mut path = path(&scene, &run, [w; 2]);
         let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
             panic!("the floor is reached");
         };
@@ -605,19 +580,11 @@ mod tests {
     /// phi = 0.03 with the bars that it gives.
     #[test]
     fn a_cycle_is_that_of_an_independent_program() {
-        let lattice = reference::lattice(0.03);
-        let system =
-            reference::on_lattice(lattice, reference::INTERMEDIATE, PillarCompliance::Column);
+        let system = reference::intermediate(0.03);
         let scene = Scene::new(&system);
         let run = Run::default();
         let w = 0.01 / (scene.pressure * scene.length);
-        let works = Works {
-            advancing: w,
-            receding: w,
-        };
-        let kappa = scene.field.column().shortening;
-        let fronts = Fronts::new(2, kappa, works, true);
-        let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
+        let mut path = path(&scene, &run, [w; 2]);
         let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
             panic!("the floor is reached");
         };

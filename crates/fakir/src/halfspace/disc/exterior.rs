@@ -243,7 +243,7 @@ pub(crate) struct Exterior {
 #[derive(Debug)]
 struct OnLayers {
     radial: RadialTable,
-    force: Option<AroundForce>,
+    force: AroundForce,
 }
 
 /// Highest degree of which derivatives are evaluated.
@@ -274,9 +274,9 @@ impl Exterior {
 
     /// The same on layers, given in the radius of the disc.
     pub(crate) fn with_layers(self, layers: &[WeightedLayer]) -> Self {
-        if layers.is_empty() {
+        let Some(force) = AroundForce::at_point(layers) else {
             return self;
-        }
+        };
         let of_mode = |mode: &Mode| {
             let angular = if mode.order == 0 { 1.0 } else { SQRT_2 };
             let half = (mode.degree - mode.order) / 2;
@@ -291,7 +291,7 @@ impl Exterior {
         let parts = self.modes.iter().filter(|mode| !mode.sine).map(of_mode);
         let layers = OnLayers {
             radial: RadialTable::new(layers, parts.collect()),
-            force: AroundForce::at_point(layers),
+            force,
         };
         Self {
             layers: Some(Arc::new(layers)),
@@ -440,9 +440,8 @@ impl Exterior {
             gradient: [-third * x, -third * y],
             hessian: [fifth * x * x - third, fifth * x * y, fifth * y * y - third],
         };
-        let layers = self.layers.as_ref();
-        if let Some(force) = layers.and_then(|layers| layers.force.as_ref()) {
-            jet.add_scaled(PI.recip(), &force.jet([x, y]));
+        if let Some(layers) = &self.layers {
+            jet.add_scaled(PI.recip(), &layers.force.jet([x, y]));
         }
         jet
     }

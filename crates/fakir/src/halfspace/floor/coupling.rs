@@ -61,6 +61,29 @@ impl Coupling for SurfaceCoupling<'_> {
 }
 
 impl<'a> SurfaceCoupling<'a> {
+    /// The tops alone.
+    pub(crate) fn of_tops(tops: LatticeCoupling<'a>) -> Self {
+        Self { tops, floor: None }
+    }
+
+    /// With the cells of a grid as the floor, and pillars up to a distance from the lens axis. The [modes](FloorCoupling::new) are those of a pillar and
+    /// the degree that the floor sees; `kernels` are those of the last grid, and then of this one.
+    pub(crate) fn lay_floor(
+        &mut self,
+        grid: &FloorGrid,
+        pillars: (&Sites, f64),
+        modes: [usize; 2],
+        layers: &[WeightedLayer],
+        kernels: &mut Option<FloorKernels>,
+        (workers, pool): (Workers<'_>, Option<&'a ThreadPool>),
+    ) {
+        // The room of the one before it is needed.
+        self.floor = None;
+        let floor = FloorCoupling::new(grid, pillars, modes, layers, kernels.take(), workers, pool);
+        *kernels = Some(floor.kernels());
+        self.floor = Some(Box::new(floor));
+    }
+
     /// The tops with each other, and then with the floor by one of its products.
     fn apply_by(
         &mut self,

@@ -14,7 +14,8 @@ pub(crate) struct StuckFloor<'a> {
     pub(crate) fronts: FloorFronts,
     /// Pillars up to this distance from the lens axis are coupled with it.
     pub(crate) reach: f64,
-    pub(crate) kernels: FloorKernels,
+    /// Of its grid.
+    pub(crate) kernels: Option<FloorKernels>,
 }
 
 /// What of the floor is in contact.
