@@ -200,7 +200,20 @@ struct Answers<'a, T> {
     columns: &'a mut Vec<Column>,
 }
 
-impl<T> Answers<'_, T> {
+impl<'a, T> Answers<'a, T> {
+    /// Those that are of one kind.
+    fn of(
+        rows: &'a [Row],
+        columns: &'a mut Vec<Column>,
+        kind: impl Fn(&'a Answer) -> Option<&'a T>,
+    ) -> Self {
+        let answers = rows.iter().map(|row| row.answer.as_ref().and_then(&kind));
+        Self {
+            answers: answers.collect(),
+            columns,
+        }
+    }
+
     fn push(&mut self, name: &str, values: Values) {
         self.columns.push(Column {
             name: name.to_owned(),
@@ -243,14 +256,10 @@ impl<T> Answers<'_, T> {
 }
 
 fn critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let answers = rows.iter().map(|row| match &row.answer {
-        Some(Answer::Transition(critical)) => Some(critical),
+    let mut of: Answers<'_, Critical> = Answers::of(rows, columns, |answer| match answer {
+        Answer::Transition(critical) => Some(critical),
         _ => None,
     });
-    let mut of: Answers<'_, Critical> = Answers {
-        answers: answers.collect(),
-        columns,
-    };
     of.word("method", |it| it.method.clone());
     of.word("regime", |it| it.regime.name().to_owned());
     of.number("surface_fraction", |it| it.surface_fraction);
@@ -285,14 +294,10 @@ fn critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
 }
 
 fn pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let answers = rows.iter().map(|row| match &row.answer {
-        Some(Answer::Press(pressed)) => Some(pressed),
+    let mut of: Answers<'_, Pressed> = Answers::of(rows, columns, |answer| match answer {
+        Answer::Press(pressed) => Some(pressed),
         _ => None,
     });
-    let mut of: Answers<'_, Pressed> = Answers {
-        answers: answers.collect(),
-        columns,
-    };
     of.word("method", |it| it.method.clone());
     of.number("force_N", |it| it.force);
     of.number("indentation_m", |it| it.indentation);
@@ -325,14 +330,10 @@ fn pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
 }
 
 fn cycle_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let answers = rows.iter().map(|row| match &row.answer {
-        Some(Answer::Cycle(cycle)) => Some(cycle),
+    let mut of: Answers<'_, Cycled> = Answers::of(rows, columns, |answer| match answer {
+        Answer::Cycle(cycle) => Some(cycle),
         _ => None,
     });
-    let mut of: Answers<'_, Cycled> = Answers {
-        answers: answers.collect(),
-        columns,
-    };
     of.word("method", |it| it.method.clone());
     of.number("surface_fraction", |it| it.surface_fraction);
     of.number("pitch_m", |it| it.pitch);
@@ -391,14 +392,10 @@ fn cycle_columns(rows: &[Row], columns: &mut Vec<Column>) {
 }
 
 fn collapse_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let answers = rows.iter().map(|row| match &row.answer {
-        Some(Answer::Collapse(collapsed)) => Some(collapsed),
+    let mut of: Answers<'_, Collapsed> = Answers::of(rows, columns, |answer| match answer {
+        Answer::Collapse(collapsed) => Some(collapsed),
         _ => None,
     });
-    let mut of: Answers<'_, Collapsed> = Answers {
-        answers: answers.collect(),
-        columns,
-    };
     of.word("method", |it| it.method.clone());
     of.number("surface_fraction", |it| it.surface_fraction);
     of.number("pitch_m", |it| it.pitch);
@@ -437,14 +434,10 @@ fn collapse_columns(rows: &[Row], columns: &mut Vec<Column>) {
 }
 
 fn surface_critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let answers = rows.iter().map(|row| match &row.answer {
-        Some(Answer::SurfaceTransition(critical)) => Some(critical),
+    let mut of: Answers<'_, SurfaceCritical> = Answers::of(rows, columns, |answer| match answer {
+        Answer::SurfaceTransition(critical) => Some(critical),
         _ => None,
     });
-    let mut of: Answers<'_, SurfaceCritical> = Answers {
-        answers: answers.collect(),
-        columns,
-    };
     of.word("method", |it| it.common.method.clone());
     of.word("regime", |it| it.regime.name().to_owned());
     of.number("critical_force_N", |it| it.force);
@@ -457,14 +450,10 @@ fn surface_critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
 }
 
 fn surface_pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let answers = rows.iter().map(|row| match &row.answer {
-        Some(Answer::SurfacePress(pressed)) => Some(pressed),
+    let mut of: Answers<'_, SurfacePressed> = Answers::of(rows, columns, |answer| match answer {
+        Answer::SurfacePress(pressed) => Some(pressed),
         _ => None,
     });
-    let mut of: Answers<'_, SurfacePressed> = Answers {
-        answers: answers.collect(),
-        columns,
-    };
     of.word("method", |it| it.common.method.clone());
     of.number("force_N", |it| it.force);
     of.number("indentation_m", |it| it.indentation);
