@@ -3,8 +3,6 @@
 import json
 import os
 import subprocess
-import tempfile
-from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -20,10 +18,7 @@ import fakir  # noqa: E402
 
 pytestmark = pytest.mark.filterwarnings("ignore:4 states .* are past the transition")
 
-# The last four states of the example are past the transition, which takes most of the time of a fit; the manual fits them too.
 WHOLE = EXAMPLES / "fit" / "loading.csv"
-DATA = Path(tempfile.mkdtemp()) / WHOLE.name
-DATA.write_text("".join(WHOLE.read_text().splitlines(keepends=True)[:-4]))
 CASE = EXAMPLES / "fit" / "case.toml"
 FREE = ["substrate.young_modulus", "contact_point", "machine_compliance"]
 
@@ -33,13 +28,26 @@ def system():
     return fakir.System.from_file(CASE)
 
 
+# The last four states of the example are past the transition, which takes most of the time of a fit; the manual fits them too.
 @pytest.fixture(scope="module")
-def fitted(system):
-    return fakir.fit(DATA, system, FREE)
+def data(tmp_path_factory):
+    path = tmp_path_factory.mktemp("fit") / WHOLE.name
+    path.write_text("".join(WHOLE.read_text().splitlines(keepends=True)[:-4]))
+    return path
 
 
-def test_the_fit_of_the_program(fitted, tmp_path):
-    run = [os.environ["FAKIR"], "fit", DATA, "--case", CASE, "--free", ",".join(FREE)]
+@pytest.fixture
+def table(data):
+    return pandas.read_csv(data, comment="#")
+
+
+@pytest.fixture(scope="module")
+def fitted(data, system):
+    return fakir.fit(data, system, FREE)
+
+
+def test_the_fit_of_the_program(data, fitted, tmp_path):
+    run = [os.environ["FAKIR"], "fit", data, "--case", CASE, "--free", ",".join(FREE)]
     done = subprocess.run(
         [*run, "--json", "--quiet", "--output", tmp_path / "out"], capture_output=True, check=True
     )
@@ -70,8 +78,7 @@ def test_the_truth_is_in_the_intervals(fitted):
     assert "<table>" in fitted._repr_html_()
 
 
-def test_columns_tables_and_units(system, fitted):
-    table = pandas.read_csv(DATA, comment="#")
+def test_columns_tables_and_units(table, system, fitted):
     of_table = fakir.fit(table, system, FREE)
     assert of_table["contact_point"].value == fitted["contact_point"].value
     units = pint.UnitRegistry()
@@ -84,8 +91,7 @@ def test_columns_tables_and_units(system, fitted):
     assert abs(found.value - expected.value) < 0.01 * expected.standard_error
 
 
-def test_given_errors_and_figure(system):
-    table = pandas.read_csv(DATA, comment="#")
+def test_given_errors_and_figure(table, system):
     given = fakir.fit(table, system, FREE, force_error="0.5 uN", threads=1)
     assert 0.5 < given.reduced_chi_square < 2.0
     axes = fakir.plot.fit(given)
@@ -93,8 +99,7 @@ def test_given_errors_and_figure(system):
     assert all(axis.has_data() for axis in axes)
 
 
-def test_headings_of_instruments_and_columns_by_hand(system, fitted):
-    table = pandas.read_csv(DATA, comment="#")
+def test_headings_of_instruments_and_columns_by_hand(table, system, fitted):
     columns = {
         "Sample": ["a"] * len(table),
         "Z position [um]": table.displacement_m * 1e6,
@@ -125,8 +130,7 @@ def test_a_fit_that_does_not_describe_the_data_says_so(system):
     assert fakir.plot.fit(poor)[0].get_title() == "does not describe the data"
 
 
-def test_drifts_and_starts(system):
-    table = pandas.read_csv(DATA, comment="#")
+def test_drifts_and_starts(table, system):
     table["time_s"] = np.arange(len(table)) * 2.0
     table["force_N"] += 4e-6 * table.time_s / table.time_s.max()
     found = fakir.fit(table, system, [*FREE, "force_drift"], starts=2)
@@ -138,8 +142,7 @@ def test_drifts_and_starts(system):
         fakir.fit(table, system, FREE, starts=0)
 
 
-def test_what_is_not_determined_is_said(system):
-    table = pandas.read_csv(DATA, comment="#")
+def test_what_is_not_determined_is_said(table, system):
     free = ["substrate.young_modulus", "lens.young_modulus", "contact_point"]
     known = system.replace({"texture.pillar.compliance": "none"})
     with pytest.warns(fakir.FakirWarning, match="lens.young_modulus"):
@@ -168,7 +171,7 @@ def test_data_that_cannot_be(system, columns, words):
         fakir.fit(columns, system, ["substrate.young_modulus"])
 
 
-def test_arguments_that_cannot_be(system):
+def test_arguments_that_cannot_be(data, system):
     for free, words in [
         (["substrate.young_moduls"], "cannot be fitted: give some of substrate.young_modulus"),
         (["lens.poisson_ratio"], "cannot be fitted"),
@@ -176,17 +179,17 @@ def test_arguments_that_cannot_be(system):
         (["contact_point", "contact_point"], "given twice"),
     ]:
         with pytest.raises(ValueError, match=words):
-            fakir.fit(DATA, system, free)
+            fakir.fit(data, system, free)
     with pytest.raises(TypeError, match="give a list of names"):
-        fakir.fit(DATA, system, "contact_point")
+        fakir.fit(data, system, "contact_point")
     with pytest.raises(TypeError, match="measurements are of type int"):
         fakir.fit(3, system, FREE)
     with pytest.raises(fakir.FitError, match="no-such.csv: cannot read"):
         fakir.fit("no-such.csv", system, FREE)
     with pytest.raises(ValueError, match="force_error is -1.0: it must be greater than 0"):
-        fakir.fit(DATA, system, FREE, force_error=-1)
+        fakir.fit(data, system, FREE, force_error=-1)
     with pytest.raises(ValueError, match="MPa is a unit of pressure"):
-        fakir.fit(DATA, system, FREE, contact_point="3 MPa")
+        fakir.fit(data, system, FREE, contact_point="3 MPa")
 
 
 def test_a_retraction_is_fitted_and_a_pull_off_designed():

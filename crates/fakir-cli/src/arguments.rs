@@ -930,24 +930,21 @@ pub(crate) struct Reproduce {
 impl Reproduce {
     /// Refuses what is not for what is reproduced.
     pub(crate) fn check(&self) -> Result<(), Failure> {
-        let (given, of) = match self.publication {
-            Publication::Paper => (
-                [("--quick", self.quick), ("", false), ("", false)],
-                "adhesion",
-            ),
+        let (other, options) = match self.publication {
+            Publication::Paper => ("adhesion", vec![("--quick", self.quick)]),
             Publication::Adhesion => (
-                [
+                "paper",
+                vec![
                     ("--dense", self.dense),
                     ("--points", self.points.is_some()),
                     ("--measured", self.measured.is_some()),
                 ],
-                "paper",
             ),
         };
-        match given.into_iter().find(|(_, given)| *given) {
+        match options.into_iter().find(|(_, is_given)| *is_given) {
             None => Ok(()),
             Some((name, _)) => Err(Failure::Argument(format!(
-                "{name} is for fakir reproduce {of}: leave it out"
+                "{name} is for fakir reproduce {other}: leave it out"
             ))),
         }
     }
