@@ -190,7 +190,7 @@ pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
     let on_floor = cycle.floor.filter(|_| turn.floor.is_some());
     let turn_error = |error: CycleError| match on_floor {
         Some(floor) => CycleError {
-            fronts: floor.errors().jump_force,
+            fronts: floor.errors.turn_force,
             ..error
         },
         None => error,
@@ -265,7 +265,7 @@ fn stuck_floor(list: &mut QuantityList, cycle: &Cycle) {
     let Some(resolution) = cycle.floor else {
         return;
     };
-    let errors = resolution.errors();
+    let errors = resolution.errors;
     let filled = |floor: &HeldFloor| {
         let share = with_unit(floor.force, Dimension::Force, 3);
         format!("{} holes filled, floor {share}", floor.holes)

@@ -158,9 +158,13 @@ struct FloorObject {
     stations: Vec<FloorRow>,
 }
 
-/// Estimated relative errors by the model of the fronts and by the cells.
+/// Estimated relative errors by the model of the fronts and by the cells: of two more cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 struct FloorErrorsObject {
+    /// At the end of loading.
+    turn_force: f64,
+    turn_share: f64,
+    turn_contact_area: f64,
     jump_force: f64,
     jump_contact_area: f64,
     /// Of the indentation at which the floor is lost.
@@ -171,7 +175,7 @@ impl FloorObject {
     fn new(cycle: &Cycle) -> Option<Self> {
         let resolution = cycle.floor?;
         let stations: Vec<FloorRow> = FloorRow::of(cycle).collect();
-        let errors = resolution.errors();
+        let errors = resolution.errors;
         Some(Self {
             force_before_jump_N: cycle.floor_jump().map(|[before, _]| before.force),
             jump: stations.first().copied(),
@@ -183,6 +187,9 @@ impl FloorObject {
             cells_along_patch: resolution.cells_along_patch,
             coarse: resolution.is_coarse(),
             relative_error_estimate: FloorErrorsObject {
+                turn_force: errors.turn_force,
+                turn_share: errors.turn_share,
+                turn_contact_area: errors.turn_area,
                 jump_force: errors.jump_force,
                 jump_contact_area: errors.jump_area,
                 lost_indentation: errors.lost_indentation,

@@ -7,6 +7,7 @@ use super::mixed::patches;
 use super::path::{End, Held, HeldTop, Path, Station, Stop, TopEvent};
 use super::rules::fronts::{Course, Fronts, Works};
 use super::spectral::degrees;
+use super::stuck_errors::{Figures, PLAIN, VARIATIONS, Variation};
 use super::touched::nearest_first;
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE};
 use crate::numerics::vector::dot;
@@ -21,7 +22,7 @@ use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
     CycleEventKind, CycleStation, ErrorEstimate, Fields, FloorContact, FloorErrors,
     FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus,
-    PullOff, Run, SolveError, Termination, Warning,
+    PullOff, Run, SolveError, StuckFloorErrors, Termination, Warning,
 };
 use crate::theory::stuck_floor::{AnnulusEdge, StuckPillar};
 use std::f64::consts::PI;
@@ -68,13 +69,18 @@ pub(crate) fn press(
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let scene = sticking_scene(system)?;
-    let loading = Loading::new(system, &scene, accuracy, Drive::Displacement, run)?;
     let end = match control {
         Control::Indentation(indentation) => End::Indentation(indentation / scene.length),
         Control::Force(force) => End::Force(force / scene.force()),
         Control::FloorContact => End::Floor,
     };
-    let loaded = loading.until(end, false)?;
+    let route = Route {
+        drive: Drive::Displacement,
+        end,
+        jumps: false,
+        retract: false,
+    };
+    let loaded = route.followed(system, &scene, accuracy, run, &|_| {})?;
     if loaded.stopped_by_floor {
         return Err(SolveError::PastTransition {
             indentation: loaded.turn.indentation,
@@ -116,17 +122,66 @@ pub(crate) fn cycle(
         Turn::Indentation(indentation) => End::Indentation(indentation / scene.length),
         Turn::Force(force) => End::Force(force / scene.force()),
     };
-    let mut loading = Loading::new(system, &scene, accuracy, plan.drive, run)?;
-    loading.path.followed_by(&told);
-    let mut loaded = loading.until(end, true)?;
-    let path = &mut loaded.loading.path;
-    if plan.retract
-        && loaded.turn.converged()
-        && let Stop::Failed(termination) = path.go(Course::Unloading, End::Separation, false)?
-    {
-        loaded.turn.termination = termination;
-    }
+    let route = Route {
+        drive: plan.drive,
+        end,
+        jumps: true,
+        retract: plan.retract,
+    };
+    let loaded = route.followed(system, &scene, accuracy, run, &told)?;
     Ok(loaded.cycle(plan))
+}
+
+/// Which path is asked for.
+#[derive(Clone, Copy)]
+struct Route {
+    drive: Drive,
+    /// Where loading ends.
+    end: End,
+    /// Whether a path that ends at a floor that sticks goes up to the state after the jump onto it.
+    jumps: bool,
+    /// Whether the lens is pulled off again.
+    retract: bool,
+}
+
+impl Route {
+    /// Where it leads to. What a floor that sticks does has its errors by the same path once more in its variations.
+    fn followed<'a>(
+        self,
+        system: &'a System,
+        scene: &'a Scene,
+        accuracy: Accuracy,
+        run: &'a Run<'a>,
+        told: &'a dyn Fn(&Path<'a>),
+    ) -> Result<Loaded<'a>, SolveError> {
+        let varied = |variation, told| {
+            let mut loading = Loading::new(system, scene, accuracy, self.drive, run)?;
+            loading.variation = variation;
+            loading.path.floor_works = variation.works;
+            loading.path.followed_by(told);
+            let mut loaded = loading.until(self.end, self.jumps)?;
+            let path = &mut loaded.loading.path;
+            if self.retract
+                && loaded.turn.converged()
+                && let Stop::Failed(termination) =
+                    path.go(Course::Unloading, End::Separation, false)?
+            {
+                loaded.turn.termination = termination;
+            }
+            Ok::<_, SolveError>(loaded)
+        };
+        let mut loaded = varied(PLAIN, told)?;
+        if let Some(floor) = loaded.loading.floor {
+            if !floor.is_coarse() && loaded.turn.converged() {
+                let others = VARIATIONS.map(|variation| Ok(varied(variation, &|_| {})?.figures()));
+                let others: Vec<Figures> = others.into_iter().collect::<Result<_, SolveError>>()?;
+                let errors = loaded.figures().errors(&others);
+                loaded.loading.floor = Some(FloorResolution { errors, ..floor });
+            }
+            loaded.weigh();
+        }
+        Ok(loaded)
+    }
 }
 
 /// The scene, if its tops can stick: these are of one size and on columns that are alike, whatever their heights.
@@ -176,6 +231,7 @@ struct Loading<'a> {
     path: Path<'a>,
     /// How the floor was resolved, if it sticks and was touched.
     floor: Option<FloorResolution>,
+    variation: Variation,
 }
 
 /// Where it came to.
@@ -217,6 +273,7 @@ impl<'a> Loading<'a> {
             accuracy,
             path: Path::new(scene, run, fronts, held)?,
             floor: None,
+            variation: PLAIN,
         })
     }
 
@@ -288,12 +345,13 @@ impl<'a> Loading<'a> {
         };
         let curvature = self.path.gap_radius(&lowest);
         let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
-        let division = self.path.stuck_division(ring, patch);
+        let division = self.path.stuck_division(ring, patch, self.variation.cells);
         let cell = division.cell_area().sqrt();
         self.floor = Some(FloorResolution {
             cell: cell * scene.length,
             cells_across_ring: ring / cell,
             cells_along_patch: patch / cell,
+            errors: StuckFloorErrors::UNKNOWN,
         });
         let radius = lowest.position[0].hypot(lowest.position[1]) + patch;
         let window = radius + FIRST_WINDOW * scene.field.spacing();
@@ -308,7 +366,6 @@ impl<'a> Loading<'a> {
         let patches = patches(Some(&floor.cells));
         let (cells, pressure) = path.stuck_load()?.in_metres(scene.length, scene.pressure);
         let force = path.contact.floor_force();
-        let error = self.floor?.errors().jump_area;
         Some(FloorContact {
             force: force * scene.force(),
             share: force / path.force(),
@@ -318,8 +375,8 @@ impl<'a> Loading<'a> {
             radius: patches.radius * scene.length,
             smallest_distance_to_rim: patches.rim_distance * scene.length,
             error: FloorErrors {
-                share: error,
-                area: error,
+                share: 1.0, // until it is known
+                area: 1.0,
             },
             energy_bound: 0.0,
             cells,
@@ -343,8 +400,7 @@ impl<'a> Loading<'a> {
         let radius = path.contact_radius();
         let (force, partly) = (path.force(), partly_borne(&pillars));
         let error = if termination == Termination::Converged {
-            let share = relative(PARTIAL_ERROR * partly / scene.force(), force)
-                + floor.as_ref().map_or(0.0, |_| self.floor_error());
+            let share = relative(PARTIAL_ERROR * partly / scene.force(), force);
             let [degree, _] = self.degree_errors();
             ErrorEstimate {
                 force: degree + share,
@@ -410,6 +466,51 @@ impl<'a> Loading<'a> {
 }
 
 impl Loaded<'_> {
+    /// What the floor does; nothing of it if there is no solution.
+    fn figures(&self) -> Figures {
+        let (path, turn) = (&self.loading.path, &self.turn);
+        if !turn.converged() {
+            return Figures::default();
+        }
+        let stations = &path.stations;
+        let after_jump = stations.iter().find(|station| station.floor.is_some());
+        let last = stations.iter().rposition(|station| station.floor.is_some());
+        let lost = last.and_then(|last| Some([&stations[last], stations.get(last + 1)?]));
+        let strongest = path.strongest.as_ref();
+        let floor = turn.floor.as_ref();
+        let closed = path.tops.counts()[0] == 0 && path.floor.is_none();
+        Figures {
+            turn: [
+                Some(turn.force),
+                floor.map(|it| it.share),
+                floor.map(|it| it.area),
+            ],
+            jump: [
+                after_jump.map(|it| it.force),
+                after_jump.and_then(|it| Some(it.floor?.area)),
+            ],
+            lost: lost.map(|stations| stations.map(|it| it.indentation)),
+            pull_off: strongest.map(|pull| stations[pull.station].force),
+            loop_area: closed.then_some(path.energies.work),
+        }
+    }
+
+    /// Adds what is known of the floor's errors to those of the contact where the loading ended.
+    fn weigh(&mut self) {
+        let (Some(resolution), Some(floor)) = (self.loading.floor, &mut self.turn.floor) else {
+            return;
+        };
+        let errors = resolution.errors;
+        floor.error = FloorErrors {
+            share: errors.turn_share,
+            area: errors.turn_area,
+        };
+        if self.turn.converged() {
+            self.turn.error.force += errors.turn_force;
+            self.turn.error.indentation += INDENTATION_SHARE * errors.turn_force;
+        }
+    }
+
     fn cycle(self, plan: CyclePlan) -> Cycle {
         let Self {
             loading,
@@ -511,14 +612,11 @@ impl Loading<'_> {
         }
     }
 
-    /// Error of forces by the fronts on the floor.
-    fn floor_error(&self) -> f64 {
-        self.floor.map_or(0.0, |floor| floor.errors().jump_force)
-    }
-
     /// Where the errors of the figures come from.
     fn errors(&self, critical: Option<&CriticalState>, pull_off: Option<&PullOff>) -> CycleErrors {
         let [degree, rim] = self.degree_errors();
+        let of_floor =
+            |error: fn(&StuckFloorErrors) -> f64| self.floor.map_or(0.0, |it| error(&it.errors));
         let of_critical = critical.map_or([0.0; 2], |critical| {
             let borne = PARTIAL_ERROR * partly_borne(&critical.contact.pillars);
             let share = relative(borne, critical.contact.force);
@@ -534,23 +632,15 @@ impl Loading<'_> {
             levels: if alone(pull) { 0.0 } else { LEVEL_ERROR },
             rim_angles: ANGLE_ERROR,
             degree: rim,
-            fronts: if self.path.stations[pull.station].floor.is_some() {
-                FRONT_ERROR.max(self.floor_error())
-            } else if alone(pull) {
-                0.0
-            } else {
-                FRONT_ERROR
-            },
+            fronts: if alone(pull) { 0.0 } else { FRONT_ERROR }
+                .max(of_floor(|it| it.pull_off_force)),
         });
         let energies = self.path.energies;
         let loop_area = CycleError {
             levels: LEVEL_ERROR_OF_LOOP + relative(energies.between_levels, energies.work),
             rim_angles: 2.0 * ANGLE_ERROR,
             degree: 2.0 * rim,
-            // What the floor dissipates follows from where it jumps and where it is lost.
-            fronts: self
-                .floor
-                .map_or(FRONT_ERROR, |floor| floor.errors().jump_area),
+            fronts: FRONT_ERROR.max(of_floor(|it| it.loop_area)),
         };
         CycleErrors {
             critical_force,

@@ -26,4 +26,5 @@ mod reach;
 pub(crate) mod rules;
 pub(crate) mod spectral;
 mod stuck;
+mod stuck_errors;
 mod touched;

@@ -226,6 +226,8 @@ pub(crate) struct Path<'a> {
     pub(crate) floor: Option<StuckFloor<'a>>,
     exterior: Exterior,
     pub(super) works: Works,
+    /// Fronts on the floor move at so many times these: 1 but where their errors are asked for.
+    pub(super) floor_works: f64,
     held: Held,
     /// Indentation from which on the floor is looked at again.
     look_again: f64,
@@ -268,6 +270,7 @@ impl<'a> Path<'a> {
             run,
             follower: &|_| {},
             works: fronts.works(),
+            floor_works: 1.0,
             tops: StickyTops::new(fronts, &sites),
             loads: vec![0.0; own_load.len()],
             along: vec![0.0; own_load.len()],

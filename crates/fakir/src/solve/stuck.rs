@@ -33,7 +33,7 @@ const ENTERED: f64 = 1e-5;
 
 /// Cells across the free ring round a pillar and along the radius of the first patch at the least, and sides of cells, pillar radii.
 const CELLS_ACROSS_RING: f64 = 5.0;
-const CELLS_ALONG_PATCH: f64 = 10.0;
+const CELLS_ALONG_PATCH: f64 = 15.0;
 const LARGEST_CELL: f64 = 0.7;
 const SMALLEST_CELL: f64 = 1e-3;
 
@@ -59,7 +59,7 @@ impl<'a> Path<'a> {
             return Ok(());
         };
         let mut cells = FloorCells::new(grid, self.run.pool);
-        let mut fronts = FloorFronts::new(&cells.grid, self.works);
+        let mut fronts = FloorFronts::new(&cells.grid, self.works.times(self.floor_works));
         let unit_cell = cells.unit_cell();
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
         let known: Vec<Option<[f64; 2]>> = centres.into_iter().map(known).collect();
@@ -228,8 +228,9 @@ impl Path<'_> {
         Some(FloorLoad::new(cells.bearing(), pressures.collect()))
     }
 
-    /// The division of the floor for a free ring of this width and a first patch of this radius, as fine as it can be afforded.
-    pub(super) fn stuck_division(&self, ring: f64, patch: f64) -> Division {
+    /// The division of the floor for a free ring of this width and a first patch of this radius, as fine as it can be afforded; or with cells that are
+    /// about so many times as large.
+    pub(super) fn stuck_division(&self, ring: f64, patch: f64, larger: f64) -> Division {
         let field = &self.scene.field;
         let cell = (ring / CELLS_ACROSS_RING)
             .min(patch / CELLS_ALONG_PATCH)
@@ -244,8 +245,12 @@ impl Path<'_> {
             FloorCoupling::points(&division, radius, extent, FLOOR_DEGREE) < MOST_POINTS
                 && FloorCoupling::memory_estimate(&division, radius, extent, FLOOR_DEGREE) < limit
         };
-        let fineness = (FEWEST_HALVES as usize..=finest).rev().find(affordable);
-        Division::new(field, fineness.unwrap_or(FEWEST_HALVES as usize))
+        let fewest = FEWEST_HALVES as usize;
+        let fineness = (fewest..=finest).rev().find(affordable).unwrap_or(fewest);
+        Division::new(
+            field,
+            ((fineness as f64 / larger).round() as usize).max(fewest - 1),
+        )
     }
 }
 

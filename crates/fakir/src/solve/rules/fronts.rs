@@ -109,6 +109,16 @@ pub(crate) struct Works {
     pub(crate) receding: f64,
 }
 
+impl Works {
+    /// So many times these.
+    pub(crate) fn times(self, factor: f64) -> Self {
+        Self {
+            advancing: factor * self.advancing,
+            receding: factor * self.receding,
+        }
+    }
+}
+
 /// `q_c` of a work of adhesion: the edge coefficient that the rim of a top holds.
 pub(crate) fn critical_edge_coefficient(work: f64) -> f64 {
     (2.0 * work / PI).sqrt()
