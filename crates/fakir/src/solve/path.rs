@@ -57,6 +57,9 @@ const GAP_STEP: f64 = 0.02;
 /// Steps while the floor sticks, in the height of the pillars: after each of them all that changes does, on tops and floor.
 const STUCK_STEP: f64 = 0.04;
 
+/// A quarter of that on unloading where what sticks is not farther from the lens axis than this, in distances of pillars: there it is lost.
+const NEAR_LOSS: f64 = 2.5;
+
 /// A force is reached where the rest of the way is less than this part of a step.
 const NEAR_END: f64 = 0.02;
 
@@ -291,7 +294,8 @@ impl<'a> Path<'a> {
             failed: None,
         };
         let start = first_touch.min(scene.height);
-        path.contact.move_to(start - path.longest_step());
+        path.contact
+            .move_to(start - path.longest_step(Course::Loading));
         path.record(Course::Loading);
         Ok(path)
     }
@@ -337,9 +341,12 @@ impl<'a> Path<'a> {
         touched.map(|(_, [x, y])| x.hypot(*y)).fold(0.0, f64::max)
     }
 
-    fn longest_step(&self) -> f64 {
-        if self.floor.is_some() {
-            return STUCK_STEP * self.scene.height;
+    fn longest_step(&self, course: Course) -> f64 {
+        if let Some(floor) = &self.floor {
+            let is_near_loss = course == Course::Unloading
+                && floor.radius() < NEAR_LOSS * self.scene.field.spacing();
+            let part = if is_near_loss { 0.25 } else { 1.0 };
+            return part * STUCK_STEP * self.scene.height;
         }
         let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
         (LONGEST_STEP * self.scene.height).max(part_of_path)
@@ -363,7 +370,7 @@ impl<'a> Path<'a> {
             if end == End::Separation && self.tops.counts()[0] == 0 && self.floor.is_none() {
                 return Ok(Stop::End);
             }
-            let longest = self.longest_step();
+            let longest = self.longest_step(course);
             if self.floor.is_some() {
                 if self.step_with_floor(course, end, longest)? {
                     return Ok(Stop::End);

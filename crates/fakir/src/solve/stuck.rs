@@ -594,7 +594,8 @@ mod tests {
             panic!("the floor is reached");
         };
         let critical = path.indentation();
-        let division = Division::new(&scene.field, 16);
+        // As the ring of 4 um at this work asks for.
+        let division = path.stuck_division(4.0e-6 / scene.length, f64::INFINITY, 1.0);
         path.stick(lowest, division, 2.0 * scene.field.spacing())
             .unwrap();
         let newton = scene.force();

@@ -28,6 +28,9 @@ pub(super) const VARIATIONS: [Variation; 2] = [
     },
 ];
 
+/// Fronts on cells wait for the next one, which takes energy in proportion to the size of the cells: of the loop area twice the difference is left.
+const LOOP_AREA: f64 = 2.0;
+
 /// What a path came to, in any units; none of what did not happen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Figures {
@@ -63,7 +66,7 @@ impl Figures {
             jump_area: error(&|it| it.jump[1]),
             lost_indentation: between + error(&|it| it.lost.map(|[last, _]| last)),
             pull_off_force: error(&|it| it.pull_off),
-            loop_area: error(&|it| it.loop_area),
+            loop_area: LOOP_AREA * error(&|it| it.loop_area),
         }
     }
 }
@@ -87,6 +90,7 @@ mod tests {
             pull_off: None,
             loop_area: Some(3.0),
         };
+        assert_eq!(own.errors(&[own, own]).loop_area, 0.0);
         let less = Figures {
             turn: [Some(2.2), Some(-0.4), Some(8.0)],
             lost: Some([1.2, 1.1]),
@@ -103,7 +107,7 @@ mod tests {
             jump_area: 0.0,
             lost_indentation: 0.1 + 0.2,
             pull_off_force: 0.0,
-            loop_area: 1.0,
+            loop_area: 2.0,
         };
         for (found, expected) in errors.all().into_iter().zip(expected.all()) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
