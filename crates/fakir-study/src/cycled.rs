@@ -1,6 +1,7 @@
 //! The answer to a case of which a cycle of loading and unloading with adhesion is asked.
 
 use crate::answer::exact;
+use crate::collapsed::{FloorJump, FloorLoss};
 use fakir::problem::Method;
 use fakir::state::{Cycle, CycleError};
 use fakir::theory::adhesion::kendall_pull_off;
@@ -44,6 +45,9 @@ pub struct Cycled {
     pub work_of_separation: f64,
     /// The loop of force over indentation; none of a path that is not closed.
     pub hysteresis: Option<Hysteresis>,
+    /// What a floor that sticks does; none if it does not, or was not touched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floor: Option<OnStuckFloor>,
     /// Stress of Kendall's punch at pull-off over the modulus of the substrate.
     #[serde(with = "exact")]
     pub kendall_strain: f64,
@@ -111,6 +115,51 @@ pub struct Hysteresis {
     pub error: Errors,
 }
 
+/// What a floor that sticks does, on cells.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OnStuckFloor {
+    /// The state after the jump onto it.
+    pub jump: FloorJump,
+    /// Where it is lost: the last state with the floor in contact; none if it still is.
+    pub lost: Option<FloorLoss>,
+    /// Whether cells are so coarse that these are orders of magnitude.
+    pub coarse: bool,
+    /// Estimated relative error of the force after the jump.
+    #[serde(with = "exact")]
+    pub jump_force_error: f64,
+    /// That of the area.
+    #[serde(with = "exact")]
+    pub jump_area_error: f64,
+    /// That of the indentation at which the floor is lost.
+    #[serde(with = "exact")]
+    pub lost_indentation_error: f64,
+}
+
+impl OnStuckFloor {
+    fn of(cycle: &Cycle) -> Option<Self> {
+        let resolution = cycle.floor?;
+        let [_, after] = cycle.floor_jump()?;
+        let floor = after.floor?;
+        let errors = resolution.errors;
+        Some(Self {
+            jump: FloorJump {
+                force: after.force,
+                floor_area: floor.area,
+                front_radius: floor.radius,
+                holes: floor.holes,
+            },
+            lost: cycle.floor_lost().map(|[last, _]| FloorLoss {
+                indentation: last.indentation,
+                force: last.force,
+            }),
+            coarse: resolution.is_coarse(),
+            jump_force_error: errors.jump_force,
+            jump_area_error: errors.jump_area,
+            lost_indentation_error: errors.lost_indentation,
+        })
+    }
+}
+
 /// Estimated relative errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
@@ -164,6 +213,7 @@ impl From<&Cycle> for Cycled {
                 certificate,
                 error: cycle.errors.loop_area.into(),
             }),
+            floor: OnStuckFloor::of(cycle),
             kendall_strain: system.kendall_strain(),
             converged: cycle.converged(),
         }

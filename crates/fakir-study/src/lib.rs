@@ -70,7 +70,7 @@ pub use collapsed::{
     Collapsed, Fate, FloorJump, FloorLoss, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
     Validity, collapse, collapse_path,
 };
-pub use cycled::{Cycled, Errors, Hysteresis, Loading, Pull};
+pub use cycled::{Cycled, Errors, Hysteresis, Loading, OnStuckFloor, Pull};
 pub use error::StudyError;
 pub use folder::{Existing, Ledger, Summary, merge, sweep_into};
 pub use journal::DamagedLine;

@@ -1,7 +1,7 @@
 //! The rows of a sweep as a table: one row per case, one column per axis and per number.
 
 use crate::answer::{Answer, Critical, Pressed, Row};
-use crate::collapsed::Collapsed;
+use crate::collapsed::{Collapsed, FloorJump, FloorLoss};
 use crate::cycled::{Cycled, Errors};
 use crate::output::File;
 use crate::provenance::Provenance;
@@ -371,6 +371,19 @@ fn cycle_columns(rows: &[Row], columns: &mut Vec<Column>) {
         Some(it.hysteresis?.normalized)
     });
     of.number_if_any("certificate", |it| Some(it.hysteresis?.certificate));
+    if of.answers.iter().flatten().any(|it| it.floor.is_some()) {
+        jump_columns(&mut of, |it| Some(it.floor?.jump));
+        loss_columns(&mut of, |it| it.floor?.lost);
+        of.number_if_any("relative_error_estimate_jump_force", |it| {
+            Some(it.floor?.jump_force_error)
+        });
+        of.number_if_any("relative_error_estimate_jump_floor_area", |it| {
+            Some(it.floor?.jump_area_error)
+        });
+        of.number_if_any("relative_error_estimate_floor_lost_indentation", |it| {
+            Some(it.floor?.lost_indentation_error)
+        });
+    }
     of.number("kendall_strain", |it| it.kendall_strain);
     type Of = fn(&Cycled) -> Option<Errors>;
     let errors: [(&str, Of); 4] = [
@@ -389,6 +402,20 @@ fn cycle_columns(rows: &[Row], columns: &mut Vec<Column>) {
             Some(error(it)?.model)
         });
     }
+}
+
+/// The jump onto a floor that sticks.
+fn jump_columns<T>(of: &mut Answers<'_, T>, jump: impl Fn(&T) -> Option<FloorJump>) {
+    of.number_if_any("jump_force_N", |it| Some(jump(it)?.force));
+    of.number_if_any("jump_floor_area_m2", |it| Some(jump(it)?.floor_area));
+    of.number_if_any("jump_front_radius_m", |it| Some(jump(it)?.front_radius));
+    of.count_if_any("jump_holes", |it| Some(jump(it)?.holes));
+}
+
+/// Where it is lost.
+fn loss_columns<T>(of: &mut Answers<'_, T>, lost: impl Fn(&T) -> Option<FloorLoss>) {
+    of.number_if_any("floor_lost_indentation_m", |it| Some(lost(it)?.indentation));
+    of.number_if_any("floor_lost_force_N", |it| Some(lost(it)?.force));
 }
 
 fn collapse_columns(rows: &[Row], columns: &mut Vec<Column>) {
@@ -415,14 +442,10 @@ fn collapse_columns(rows: &[Row], columns: &mut Vec<Column>) {
     of.number("relative_error_estimate_critical_force", |it| {
         it.relative_error_estimate_critical_force
     });
-    of.number_if_any("jump_force_N", |it| Some(it.jump?.force));
-    of.number_if_any("jump_floor_area_m2", |it| Some(it.jump?.floor_area));
-    of.number_if_any("jump_front_radius_m", |it| Some(it.jump?.front_radius));
-    of.count_if_any("jump_holes", |it| Some(it.jump?.holes));
+    jump_columns(&mut of, |it| it.jump);
     of.number_if_any("turn_indentation_m", |it| it.turn_indentation);
     of.word("fate", |it| it.fate.name().to_owned());
-    of.number_if_any("floor_lost_indentation_m", |it| Some(it.lost?.indentation));
-    of.number_if_any("floor_lost_force_N", |it| Some(it.lost?.force));
+    loss_columns(&mut of, |it| it.lost);
     of.number_if_any("floor_pull_off_force_N", |it| it.pull_off);
     of.number_if_any("floor_hysteresis_J", |it| it.hysteresis);
     of.word("jump_validity", |it| it.jump_validity.name().to_owned());
