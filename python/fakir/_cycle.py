@@ -77,7 +77,8 @@ class StuckFloor:
     coarse: bool
     """Whether the cells are so coarse that the figures are orders of magnitude."""
     errors: dict[str, float]
-    """Estimated relative errors of ``jump_force``, ``jump_contact_area`` and ``lost_indentation``."""
+    """Estimated relative errors of ``turn_force``, ``turn_share`` and ``turn_contact_area`` at the end of loading, of ``jump_force``, ``jump_contact_area``
+    and ``lost_indentation``: by two more cycles on larger cells."""
     stations: list[dict[str, Any]]
     """The stations at which the floor is in contact: the rows of ``floor.csv``."""
 

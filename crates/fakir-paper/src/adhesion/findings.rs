@@ -6,6 +6,7 @@ use crate::claims::{percent, short};
 use crate::grid::Substrate;
 use fakir::theory::collapsed_floor::{MODEL_ERROR_OF_AREA, MODEL_ERROR_OF_FORCE};
 use fakir_study::{Fate, MODEL_ERROR_OF_LOSS, Validity};
+use std::fmt::Write;
 
 /// The work of adhesion of the paper's rubber, J/m^2.
 pub const RUBBER: f64 = 50e-3;
@@ -35,7 +36,8 @@ pub type Checked = (Law, Option<HeldOut>);
 /// All findings.
 #[must_use]
 pub fn findings(scope: &Scope, cases: &Cases, laws: &[Checked]) -> Vec<Finding> {
-    let mut all = vec![coverage(cases), tops(cases), thresholds(cases)];
+    let mut all = vec![coverage(cases), on_cells(cases)];
+    all.extend([tops(cases), thresholds(cases)]);
     all.extend([jump(cases), border(cases), pulls(cases), losses(cases)]);
     all.push(rubber(scope, cases));
     all.extend(laws.iter().map(|law| Some(scaling(law))));
@@ -98,6 +100,96 @@ fn coverage(cases: &Cases) -> Option<Finding> {
             ("annuli_meet", meet as f64),
             ("no_front", none as f64),
             ("in_range_and_steep", steep as f64),
+        ]),
+    })
+}
+
+fn counted(cases: usize) -> String {
+    format!("{cases} {}", if cases == 1 { "case" } else { "cases" })
+}
+
+/// The fast model beside cells of the floor.
+fn on_cells(cases: &Cases) -> Option<Finding> {
+    // Differences, each with the error of the cells by their own estimate.
+    let mut force: Vec<[f64; 2]> = Vec::new();
+    let mut area: Vec<[f64; 2]> = Vec::new();
+    let mut loss: Vec<[f64; 2]> = Vec::new();
+    for cells in &cases.cells {
+        let same_case = |case: &&FloorCase| {
+            same(case.found.surface_fraction, cells.surface_fraction)
+                && same(case.found.work, cells.work)
+        };
+        let mut model = cases.on_pillar(Substrate::Intermediate);
+        let (Some(case), Some(floor)) = (model.find(same_case), cells.floor) else {
+            continue;
+        };
+        let model = &case.found;
+        if let Some(jump) = model.jump
+            && model.jump_validity == Validity::InRange
+        {
+            let [by_model, by_cells] =
+                [jump.force, floor.jump.force].map(|force| force / model.critical_force);
+            let error = floor.jump_force_error * by_cells.abs();
+            force.push([(by_model - by_cells).abs(), error]);
+            let ratio = jump.floor_area / floor.jump.floor_area;
+            area.push([(ratio - 1.0).abs(), floor.jump_area_error]);
+        }
+        if let (Some(by_model), Some(by_cells)) = (model.lost, floor.lost)
+            && model.unloading_validity == Validity::InRange
+        {
+            let [by_model, by_cells] =
+                [by_model, by_cells].map(|lost| lost.indentation / model.critical_indentation);
+            let error = floor.lost_indentation_error * by_cells.abs();
+            loss.push([(by_model - by_cells).abs(), error]);
+        }
+    }
+    let largest = |of: &[[f64; 2]]| [0, 1].map(|k| of.iter().map(|it| it[k]).fold(0.0, f64::max));
+    let [of_force, of_area, of_loss] = [&force, &area, &loss].map(|of| largest(of));
+    let mut text = format!(
+        "On the intermediate substrate tops and floor were solved together, on cells of the floor, for {}.",
+        counted(cases.cells.len())
+    );
+    if !force.is_empty() {
+        let [[force_change, force_error], [area_change, area_error]] =
+            [of_force, of_area].map(|of| of.map(percent));
+        let _ = write!(
+            text,
+            " After the jump the fast model is in its range for {}: its force differs by {force_change} of the critical force at most, and its area by {area_change}, where \
+             cells are right to {force_error} and {area_error} by their own estimates.",
+            counted(force.len()),
+        );
+    }
+    if !loss.is_empty() {
+        let [change, error] = of_loss.map(short);
+        let _ = write!(
+            text,
+            " Where the lens turns back it is for {}: the indentation at which the floor is lost differs by {change} ζ_c at most, where cells are right to {error} ζ_c.",
+            counted(loss.len()),
+        );
+    }
+    (!(force.is_empty() && loss.is_empty())).then(|| Finding {
+        name: "cells",
+        title: "The fast model beside cells",
+        text,
+        numbers: named([
+            ("cases_on_cells", cases.cells.len() as f64),
+            ("cases_in_range_after_jump", force.len() as f64),
+            ("largest_change_of_force_over_critical_force", of_force[0]),
+            (
+                "largest_error_of_force_of_cells_over_critical_force",
+                of_force[1],
+            ),
+            ("largest_relative_change_of_area", of_area[0]),
+            ("largest_relative_error_of_area_of_cells", of_area[1]),
+            ("cases_in_range_at_turn", loss.len() as f64),
+            (
+                "largest_change_of_loss_over_critical_indentation",
+                of_loss[0],
+            ),
+            (
+                "largest_error_of_loss_of_cells_over_critical_indentation",
+                of_loss[1],
+            ),
         ]),
     })
 }

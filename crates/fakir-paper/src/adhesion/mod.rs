@@ -4,14 +4,14 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `floor/`, `tops/`, `sizes/`, `offsets/`, `check/` | [sweeps](fakir_study::sweep_into), each a study that can be run by itself |
+//! | `floor/`, `tops/`, `sizes/`, `offsets/`, `check/`, `cells/` | [sweeps](fakir_study::sweep_into), each a study that can be run by itself |
 //! | `tables/` | findings, laws, candidates of laws, ways of the lens |
 //! | `figures/` | every figure as SVG and PNG |
 //! | `report.html` | findings, laws and figures on one page |
 //! | `provenance.json` | version, study, what to cite |
 //!
 //! The floor is computed by the fast model of a collapsed floor and by closed forms, the tops exactly; every number of the model has its
-//! [validity](fakir_study::Validity) beside it.
+//! [validity](fakir_study::Validity) beside it, and the model is held against some cases on cells of the floor.
 
 pub mod figures;
 pub mod findings;
@@ -32,7 +32,7 @@ use page::Page;
 use scaling::{HeldOut, Law, Reduced, candidates, chosen};
 use serde::Serialize;
 use std::path::Path;
-use study::{Cases, FloorCase, Part, Scope, floor_cases, top_cases};
+use study::{Cases, FloorCase, Part, Scope, cell_cases, floor_cases, top_cases};
 
 /// How far it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,7 +116,7 @@ pub fn reproduce_adhesion(
         damaged.extend(summary.damaged);
         parts.push((study, summary.rows));
     }
-    let [floor, tops, sizes, offsets, check] = &parts[..] else {
+    let [floor, tops, sizes, offsets, check, cells] = &parts[..] else {
         unreachable!("as many parts as there are");
     };
     let cases = Cases {
@@ -127,6 +127,7 @@ pub fn reproduce_adhesion(
         tops: top_cases(&tops.0, &tops.1),
         sizes: floor_cases(&sizes.0, &sizes.1),
         check: floor_cases(&check.0, &check.1),
+        cells: cell_cases(&cells.1),
     };
     let of_laws = cases_of_laws(&cases);
     let all: Vec<Vec<Law>> = Reduced::ALL

@@ -20,16 +20,19 @@ pub enum Part {
     Offsets,
     /// Systems that are in no law: other lenses, pillars, moduli and works at once.
     Check,
+    /// Some cases on cells of the floor, tops and floor solved together, which the fast model is held against.
+    Cells,
 }
 
 impl Part {
     /// All of them, in the order in which they are computed.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Floor,
         Self::Tops,
         Self::Sizes,
         Self::Offsets,
         Self::Check,
+        Self::Cells,
     ];
 
     /// The folder.
@@ -41,6 +44,7 @@ impl Part {
             Self::Sizes => "sizes",
             Self::Offsets => "offsets",
             Self::Check => "check",
+            Self::Cells => "cells",
         }
     }
 
@@ -53,6 +57,7 @@ impl Part {
             Self::Sizes => "other heights and diameters",
             Self::Offsets => "the lens axis beside a pillar",
             Self::Check => "systems that are in no law",
+            Self::Cells => "some cases on cells of the floor",
         }
     }
 }
@@ -78,6 +83,10 @@ pub struct Scope {
     pub sized_works: Vec<f64>,
     /// Systems that are in no law.
     pub checks: usize,
+    /// Surface fractions of the cases on cells.
+    pub cell_fractions: Vec<f64>,
+    /// Works of adhesion of those, J/m^2.
+    pub cell_works: Vec<f64>,
 }
 
 impl Scope {
@@ -96,6 +105,8 @@ impl Scope {
             sized_fractions: vec![0.015, 0.03, 0.045],
             sized_works: vec![5e-3, 15e-3, 50e-3, 100e-3],
             checks: 20,
+            cell_fractions: vec![0.015, 0.02, 0.03],
+            cell_works: vec![5e-3, 10e-3, 20e-3],
         }
     }
 
@@ -112,6 +123,8 @@ impl Scope {
             sized_fractions: vec![0.02],
             sized_works: vec![15e-3, 50e-3],
             checks: 20,
+            cell_fractions: vec![0.03],
+            cell_works: vec![10e-3],
         }
     }
 
@@ -125,10 +138,11 @@ impl Scope {
             values.join(", ")
         };
         let question = match part {
-            Part::Tops => "cycle",
+            Part::Tops | Part::Cells => "cycle",
             _ => "collapse",
         };
         let mut text = format!("[study]\nquestion = \"{question}\"\n");
+        let mut case = Case::example().to_toml();
         let mut axes = String::new();
         let mut axis = |name: &str, values: &[f64]| {
             let _ = writeln!(axes, "\"{name}\" = [{}]", list(values));
@@ -158,6 +172,11 @@ impl Scope {
                 axis("texture.surface_fraction", &self.sized_fractions);
                 axis("adhesion.work", &self.sized_works);
             }
+            Part::Cells => {
+                case.push_str("\n[adhesion]\nwork = 0.01\nfloor = true\n");
+                axis("texture.surface_fraction", &self.cell_fractions);
+                axis("adhesion.work", &self.cell_works);
+            }
             Part::Check => {
                 text.push_str("combine = \"zip\"\n");
                 let systems = others(self.checks, 0)?;
@@ -167,7 +186,7 @@ impl Scope {
                 }
             }
         }
-        let text = format!("{text}\n{}\n[axes]\n{axes}", Case::example().to_toml());
+        let text = format!("{text}\n{case}\n[axes]\n{axes}");
         StudyFile::parse("the study of adhesion", &text)?.study()
     }
 }
@@ -297,6 +316,17 @@ pub fn top_cases(study: &Study, rows: &[Row]) -> Vec<TopCase> {
     rows.iter().filter_map(case).collect()
 }
 
+/// The cycles in a sweep, those of which the floor is known to more than an order of magnitude.
+#[must_use]
+pub fn cell_cases(rows: &[Row]) -> Vec<Cycled> {
+    let case = |row: &Row| match &row.answer {
+        Some(Answer::Cycle(found)) if row.problem.is_none() => Some(found.clone()),
+        _ => None,
+    };
+    let fine = |cycle: &Cycled| cycle.floor.is_some_and(|floor| !floor.coarse);
+    rows.iter().filter_map(case).filter(fine).collect()
+}
+
 /// Whether two numbers are the same but for rounding.
 #[must_use]
 pub fn same(a: f64, b: f64) -> bool {
@@ -314,6 +344,8 @@ pub struct Cases {
     pub sizes: Vec<FloorCase>,
     /// Systems that are in no law.
     pub check: Vec<FloorCase>,
+    /// Some on cells of the floor, on the intermediate substrate.
+    pub cells: Vec<Cycled>,
 }
 
 impl Cases {

@@ -90,7 +90,6 @@ mod tests {
             pull_off: None,
             loop_area: Some(3.0),
         };
-        assert_eq!(own.errors(&[own, own]).loop_area, 0.0);
         let less = Figures {
             turn: [Some(2.2), Some(-0.4), Some(8.0)],
             lost: Some([1.2, 1.1]),
