@@ -7,7 +7,7 @@ use super::mixed::patches;
 use super::path::{End, Held, HeldTop, Path, Station, Stop, TopEvent};
 use super::rules::fronts::{Course, Fronts, Works};
 use super::spectral::degrees;
-use super::stuck_errors::{Figures, PLAIN, VARIATIONS, Variation};
+use super::stuck_errors::{Figures, PLAIN, VARIATIONS};
 use super::touched::nearest_first;
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE};
 use crate::numerics::vector::dot;
@@ -156,8 +156,7 @@ impl Route {
     ) -> Result<Loaded<'a>, SolveError> {
         let varied = |variation, told| {
             let mut loading = Loading::new(system, scene, accuracy, self.drive, run)?;
-            loading.variation = variation;
-            loading.path.floor_works = variation.works;
+            loading.path.variation = variation;
             loading.path.followed_by(told);
             let mut loaded = loading.until(self.end, self.jumps)?;
             let path = &mut loaded.loading.path;
@@ -231,7 +230,6 @@ struct Loading<'a> {
     path: Path<'a>,
     /// How the floor was resolved, if it sticks and was touched.
     floor: Option<FloorResolution>,
-    variation: Variation,
 }
 
 /// Where it came to.
@@ -273,7 +271,6 @@ impl<'a> Loading<'a> {
             accuracy,
             path: Path::new(scene, run, fronts, held)?,
             floor: None,
-            variation: PLAIN,
         })
     }
 
@@ -345,7 +342,7 @@ impl<'a> Loading<'a> {
         };
         let curvature = self.path.gap_radius(&lowest);
         let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
-        let division = self.path.stuck_division(ring, patch, self.variation.cells);
+        let division = self.path.stuck_division(ring, patch);
         let cell = division.cell_area().sqrt();
         self.floor = Some(FloorResolution {
             cell: cell * scene.length,

@@ -18,6 +18,7 @@ use super::rules::sticky::StickyTops;
 use super::rules::stuck_floor::{FloorStation, StuckFloor, TAKE_BACKS, natural};
 use super::rules::tops::lens_over;
 use super::spectral::{LARGEST_CONTACT, checked_sites};
+use super::stuck_errors::{PLAIN, Variation};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::sites::Sites;
@@ -57,7 +58,7 @@ const GAP_STEP: f64 = 0.02;
 /// Steps while the floor sticks, in the height of the pillars: after each of them all that changes does, on tops and floor.
 const STUCK_STEP: f64 = 0.04;
 
-/// A quarter of that on unloading where what sticks is not farther from the lens axis than this, in distances of pillars: there it is lost.
+/// Shorter on unloading where what sticks is not farther from the lens axis than this, in distances of pillars: there it is lost.
 const NEAR_LOSS: f64 = 2.5;
 
 /// A force is reached where the rest of the way is less than this part of a step.
@@ -229,8 +230,8 @@ pub(crate) struct Path<'a> {
     pub(crate) floor: Option<StuckFloor<'a>>,
     exterior: Exterior,
     pub(super) works: Works,
-    /// Fronts on the floor move at so many times these: 1 but where their errors are asked for.
-    pub(super) floor_works: f64,
+    /// How the floor is gone about.
+    pub(super) variation: Variation,
     held: Held,
     /// Indentation from which on the floor is looked at again.
     look_again: f64,
@@ -273,7 +274,7 @@ impl<'a> Path<'a> {
             run,
             follower: &|_| {},
             works: fronts.works(),
-            floor_works: 1.0,
+            variation: PLAIN,
             tops: StickyTops::new(fronts, &sites),
             loads: vec![0.0; own_load.len()],
             along: vec![0.0; own_load.len()],
@@ -345,7 +346,11 @@ impl<'a> Path<'a> {
         if let Some(floor) = &self.floor {
             let is_near_loss = course == Course::Unloading
                 && floor.radius() < NEAR_LOSS * self.scene.field.spacing();
-            let part = if is_near_loss { 0.25 } else { 1.0 };
+            let part = if is_near_loss {
+                self.variation.loss_step
+            } else {
+                1.0
+            };
             return part * STUCK_STEP * self.scene.height;
         }
         let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();

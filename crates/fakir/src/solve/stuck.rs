@@ -59,7 +59,7 @@ impl<'a> Path<'a> {
             return Ok(());
         };
         let mut cells = FloorCells::new(grid, self.run.pool);
-        let mut fronts = FloorFronts::new(&cells.grid, self.works.times(self.floor_works));
+        let mut fronts = FloorFronts::new(&cells.grid, self.works.times(self.variation.works));
         let unit_cell = cells.unit_cell();
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
         let known: Vec<Option<[f64; 2]>> = centres.into_iter().map(known).collect();
@@ -228,9 +228,9 @@ impl Path<'_> {
         Some(FloorLoad::new(cells.bearing(), pressures.collect()))
     }
 
-    /// The division of the floor for a free ring of this width and a first patch of this radius, as fine as it can be afforded; or with cells that are
-    /// about so many times as large.
-    pub(super) fn stuck_division(&self, ring: f64, patch: f64, larger: f64) -> Division {
+    /// The division of the floor for a free ring of this width and a first patch of this radius, as fine as it can be afforded; with cells that are
+    /// as many times as large as the variation says, about.
+    pub(super) fn stuck_division(&self, ring: f64, patch: f64) -> Division {
         let field = &self.scene.field;
         let cell = (ring / CELLS_ACROSS_RING)
             .min(patch / CELLS_ALONG_PATCH)
@@ -249,7 +249,7 @@ impl Path<'_> {
         let fineness = (fewest..=finest).rev().find(affordable).unwrap_or(fewest);
         Division::new(
             field,
-            ((fineness as f64 / larger).round() as usize).max(fewest - 1),
+            ((fineness as f64 / self.variation.cells).round() as usize).max(fewest - 1),
         )
     }
 }
@@ -595,7 +595,7 @@ mod tests {
         };
         let critical = path.indentation();
         // As the ring of 4 um at this work asks for.
-        let division = path.stuck_division(4.0e-6 / scene.length, f64::INFINITY, 1.0);
+        let division = path.stuck_division(4.0e-6 / scene.length, f64::INFINITY);
         path.stick(lowest, division, 2.0 * scene.field.spacing())
             .unwrap();
         let newton = scene.force();
