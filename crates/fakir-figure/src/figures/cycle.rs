@@ -17,7 +17,8 @@ use std::collections::{BTreeMap, HashSet};
 type Point = [f64; 2];
 
 /// Force over indentation of both branches, the same near the pull-off, and how many pillars are in contact. Where pillars come into
-/// contact and are released, the critical state and the pull-off are marked.
+/// contact and are released, the critical state and the pull-off are marked. Of a floor that sticks there is its area in contact too, and the jump onto it and
+/// its loss are marked.
 ///
 /// # Errors
 /// [`FigureError::TooFewData`] of a curve of fewer than two stations.
@@ -50,21 +51,20 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
         charts.push(Chart::new(x(), y, series));
         heights.push(122.0);
     }
-    let count = |branch, style| {
-        let on_branch = stations.iter().filter(|station| station.branch == branch);
-        let points = on_branch.map(|station| {
-            let count = station.pillars_in_contact as f64;
-            [across.of(station.indentation), count]
+    let mut of_branches = |name: &str, value: &dyn Fn(&CycleStation) -> f64| {
+        let series = BRANCHES.map(|(branch, _, style)| {
+            let on_branch = stations.iter().filter(|station| station.branch == branch);
+            let points = on_branch.map(|station| [across.of(station.indentation), value(station)]);
+            Series::unnamed(points.collect(), style())
         });
-        Series::unnamed(points.collect(), style)
+        charts.push(Chart::new(x(), Axis::linear(name), series.into()));
+        heights.push(80.0);
     };
-    let counts = BRANCHES.map(|(branch, _, style)| count(branch, style()));
-    charts.push(Chart::new(
-        x(),
-        Axis::linear("pillars in contact"),
-        counts.into(),
-    ));
-    heights.push(80.0);
+    of_branches("pillars in contact", &|it| it.pillars_in_contact as f64);
+    if cycle.floor.is_some() {
+        let area = |station: &CycleStation| station.floor.map_or(0.0, |floor| floor.area);
+        of_branches("area on the floor (µm²)", &|it| 1e12 * area(it));
+    }
     let figure = Grid {
         name: "cycle",
         width: COLUMN,
@@ -81,7 +81,7 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
         "Loading, unloading and pull-off",
         "Force over indentation while the lens is lowered and withdrawn, the same where it is pulled off, and the number of \
          pillars in contact; marks show where pillars come into contact and are released, the critical state and the \
-         pull-off.",
+         pull-off. Where the floor sticks its area in contact is below, and the jump onto it and its loss are marked.",
     ))
 }
 
@@ -144,6 +144,18 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2], largest: Option<f64>) ->
         let place = at([state.indentation, state.force]);
         let style = marks(Tint::Black, Marker::Diamond);
         series.push(Series::new("critical state", vec![place], style));
+    }
+    let jump = cycle.floor_jump().map(|[_, after]| after);
+    let lost = cycle.floor_lost().map(|[last, _]| last);
+    for (station, name, tint) in [
+        (jump, "jump onto the floor", Tint::Orange),
+        (lost, "floor lost", Tint::Purple),
+    ] {
+        if let Some(station) = station.filter(|station| seen(station.force)) {
+            let place = at([station.indentation, station.force]);
+            let style = marks(tint, Marker::Triangle);
+            series.push(Series::new(name, vec![place], style));
+        }
     }
     if let Some(pull_off) = &cycle.pull_off {
         let place = at([pull_off.indentation, pull_off.force]);
