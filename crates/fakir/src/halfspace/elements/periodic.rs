@@ -67,6 +67,14 @@ impl<'p> PeriodicConvolution<'p> {
         }
     }
 
+    /// The operator on other cells of the same grid, sharing the kernel.
+    pub(super) fn on_cells(&self, cells: Cells) -> Self {
+        let (transform, pool) = (self.convolution.transform(), self.convolution.pool());
+        Self {
+            convolution: Convolution::new(cells, [0, 0], Arc::clone(transform), pool),
+        }
+    }
+
     /// About how many bytes the operator on `cells` takes, without the cells themselves; shared
     /// between `threads` threads.
     #[must_use]
