@@ -211,7 +211,7 @@ impl<'a> ActiveCells<'a> {
         (surface.check_memory)(cells.len(), bytes)?;
         surface.check_cancelled()?;
         let half_space = self.half_space(surface, cells);
-        let operator = Preconditioned::new(half_space, cells.clone(), surface.pool);
+        let operator = Preconditioned::in_single_precision(half_space, cells.clone(), surface.pool);
         let mut operator = surface.on_columns(operator, cells);
         let separation: Vec<f64> = cells
             .indices()

@@ -29,7 +29,7 @@
 //! effect of the smallest wavelengths.
 
 use super::solver::Prescribed;
-use super::surface_level::{Level, Pressed, check_fields};
+use super::surface_level::{Level, Pressed, check_whole};
 use crate::numerics::convergence::larger;
 use crate::problem::{Boundary, Control, HeightMap, SurfaceSystem};
 use crate::state::{ErrorEstimate, Regime, Run, SolveError, SurfaceContact, SurfaceTransition};
@@ -54,7 +54,7 @@ impl SurfaceSystem {
         };
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
-        check_fields(self.surface.grid(), run)?;
+        check_whole(self, run)?;
         for surface in self.levels() {
             let mut level = Level::new(self, surface, removed_floor, run);
             if removed_floor.is_some() && !level.has_floor() {

@@ -763,6 +763,16 @@ pub(super) fn check_fields(grid: &Grid, run: &Run<'_>) -> Result<(), SolveError>
     check_memory(grid, grid, cells, BYTES_PER_CELL * cells, run)
 }
 
+/// Whether these fit, with the operator that makes them in the end.
+pub(super) fn check_whole(system: &SurfaceSystem, run: &Run<'_>) -> Result<(), SolveError> {
+    let grid = system.surface().grid();
+    let threads = run.pool.map_or(1, rayon::ThreadPool::current_num_threads);
+    let cells = Cells::all(grid);
+    let operator = HalfSpace::memory_estimate(system.boundary(), &cells, threads);
+    let fields = BYTES_PER_CELL * cells.len();
+    check_memory(grid, grid, cells.len(), fields + operator, run)
+}
+
 /// Whether `bytes` for `cells` of the surface on a level fit the memory allowed.
 fn check_memory(
     whole: &Grid,
