@@ -147,14 +147,15 @@ fn solve(arguments: &Arguments) -> Answer<()> {
     Ok(())
 }
 
-/// Seconds of processors that the process took, of all its threads, to a hundredth of one.
+/// Seconds of processors that the threads of the process took, as Linux keeps them.
 fn processor_seconds() -> Answer<f64> {
-    let status = std::fs::read_to_string("/proc/self/stat")?;
-    // User and system time are the 14th and 15th word; the second is in brackets, and may hold blanks.
-    let (_, after) = status.rsplit_once(')').ok_or("no name of the process")?;
-    let ticks = after.split_whitespace().skip(11).take(2);
-    let ticks = ticks.map(str::parse::<u64>).sum::<Result<u64, _>>()?;
-    Ok(ticks as f64 / 100.0)
+    let mut nanoseconds = 0;
+    for thread in std::fs::read_dir("/proc/self/task")? {
+        let status = std::fs::read_to_string(thread?.path().join("schedstat"))?;
+        let running = status.split_whitespace().next().unwrap_or_default();
+        nanoseconds += running.parse::<u64>()?;
+    }
+    Ok(nanoseconds as f64 * 1e-9)
 }
 
 /// Bytes of memory the process holds.

@@ -54,26 +54,23 @@ pub(super) struct Pressures {
 }
 
 impl Pressures {
-    /// On cells half as large, so many along x and y; all finer cells of one have its pressure.
+    /// On the cells of a grid that are half as large: all of one have its pressure.
     pub(super) fn refined(&self, grid: &Grid) -> Self {
-        let columns = self.cells.grid().columns();
-        let mut loaded = Vec::with_capacity(self.values.len());
-        for (cell, value) in self.cells.indices().zip(&self.values) {
-            if *value > 0.0 {
-                loaded.push((cell, *value));
-            }
-        }
-        let place = |cell: usize| {
+        let [columns, rows] = [self.cells.grid().columns(), self.cells.grid().rows()];
+        let mut known = vec![0.0; columns * rows];
+        self.cells.scatter(&self.values, &mut known);
+        let pressure = |cell: usize| {
             let (column, row) = (cell % grid.columns() / 2, cell / grid.columns() / 2);
-            (column < columns).then(|| row * columns + column)
+            // A last odd column or row belongs to no larger cell.
+            let inside = column < columns && row < rows;
+            if inside {
+                known[row * columns + column]
+            } else {
+                0.0
+            }
         };
-        let coarse = |cell: usize| {
-            let known = place(cell)?;
-            let at = loaded.binary_search_by_key(&known, |(cell, _)| *cell);
-            at.ok().map(|at| loaded[at].1)
-        };
-        let cells = Cells::where_true(grid, |cell| coarse(cell).is_some());
-        let values = cells.indices().filter_map(coarse).collect();
+        let cells = Cells::where_true(grid, |cell| pressure(cell) > 0.0);
+        let values = cells.indices().map(pressure).collect();
         Self { cells, values }
     }
 

@@ -10,7 +10,8 @@
 //! On a half-space that stands free it counts from where the lowest point of the lens, or the
 //! plate, is level with the highest point of the surface, wherever that is. Displacements under
 //! pressure are never negative there, so that only cells with a separation of the undeformed
-//! surfaces below the indentation can be touched, and only those are unknowns. Under a
+//! surfaces below the indentation can be touched, and of those the ones where pressure is likely are
+//! unknowns, until no other interpenetrates. Under a
 //! prescribed force the indentation found with some of them is an upper bound of the true one;
 //! their number grows until it is below all separations left out.
 //!
