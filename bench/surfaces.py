@@ -23,7 +23,8 @@ HEAD = """\
 
 fakir {version} and {aspher}; {processor}; {day}; medians of {repeats}, the programs taking turns, one thread. Command: `{command}`.
 Load average of the machine before and after: {before} and {after}; times are processor time, user and system, of the solution with its setting up.
-*Error*: of the indentation, relative to fakir's with an energy bound of 1e-12. What is compared, and how: [README.md](../README.md).
+*Error*: of the indentation, relative to fakir's with an energy bound of 1e-12. Products are those on the
+finest cells for fakir, and what aspher counts. What is compared, and how: [README.md](../README.md).
 
 | surface | tolerance | program | time, s | memory, MB | products | in contact | error | time and memory over fakir's |
 |---|---|---|---|---|---|---|---|---|

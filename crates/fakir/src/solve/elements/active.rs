@@ -202,10 +202,7 @@ impl<'a> ActiveCells<'a> {
         load: Prescribed,
         settings: &Settings,
     ) -> Result<ElementContact, SolveError> {
-        let bytes = surface.half_space_memory(cells)
-            + Preconditioned::<FreeSpaceConvolution<'_>>::memory_estimate(cells)
-            + BYTES_PER_UNKNOWN * cells.len();
-        (surface.check_memory)(cells.len(), bytes)?;
+        (surface.check_memory)(cells.len(), surface.solution_memory(cells))?;
         surface.check_cancelled()?;
         let half_space = self.half_space(surface, cells);
         let operator = Preconditioned::in_single_precision(half_space, cells.clone(), surface.pool);
@@ -248,6 +245,8 @@ impl<'a> ActiveCells<'a> {
             cells
         };
         let bytes = surface.half_space_memory(&cells) + BYTES_PER_LOOK * cells.len();
+        // What is to be solved takes about as much as on the cells known: what is refused is refused for the larger of both.
+        let bytes = bytes.max(surface.solution_memory(&known.cells));
         (surface.check_memory)(cells.len(), bytes)?;
         surface.check_cancelled()?;
         let half_space = self.half_space(surface, &cells);
@@ -296,6 +295,12 @@ impl<'a> Surface<'_, 'a> {
     fn half_space_memory(&self, cells: &Cells) -> usize {
         let threads = self.pool.map_or(1, ThreadPool::current_num_threads);
         HalfSpace::memory_estimate(self.boundary, cells, threads)
+    }
+
+    fn solution_memory(&self, cells: &Cells) -> usize {
+        self.half_space_memory(cells)
+            + Preconditioned::<FreeSpaceConvolution<'_>>::memory_estimate(cells)
+            + BYTES_PER_UNKNOWN * cells.len()
     }
 
     fn on_columns<O: Operator>(&self, operator: O, cells: &Cells) -> Columns<O> {
