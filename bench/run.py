@@ -3,6 +3,7 @@
     python3 bench/run.py                  # everything
     python3 bench/run.py texture --surface-fraction 0.1
     python3 bench/run.py elements
+    python3 bench/run.py surfaces
     python3 bench/run.py adhesion
     python3 bench/run.py limits
 """
@@ -14,9 +15,11 @@ from pathlib import Path
 import adhesion
 import elements
 import limits
+import surfaces
 import texture
 
-PARTS = {"texture": texture.run, "elements": elements.run, "adhesion": adhesion.run, "limits": limits.run}
+PARTS = {"texture": texture.run, "elements": elements.run, "surfaces": surfaces.run, "adhesion": adhesion.run,
+         "limits": limits.run}
 
 
 def main():
@@ -33,7 +36,7 @@ def main():
                        help="only this (repeatable); what is known of the others is kept")
     group.add_argument("--resume", action="store_true", help="keep all runs that are in the table, and do the others")
     group.add_argument("--report", action="store_true", help="measure nothing; write the report and figures anew")
-    group = parser.add_argument_group("elements")
+    group = parser.add_argument_group("elements and surfaces")
     group.add_argument("--repeats", type=int, default=3)
     group.add_argument("--problem", action="append", default=[], help="only this, such as 'sphere 512' (repeatable)")
     group.add_argument("--no-products", action="store_true")

@@ -8,16 +8,14 @@
 //!
 //! The file holds the separation of the undeformed surfaces at every cell as little-endian
 //! doubles, rows of x one after the other; cells whose separation exceeds `reach` are left out, as
-//! they can bear no pressure. The compliance is 1. Prints one JSON object; memory is that of the
+//! they can bear no pressure. The compliance is 1. `cells` are those that the contact was solved on at last. Prints one JSON object; memory is that of the
 //! process above what it held before the operator was made.
 
-use fakir::halfspace::elements::{
-    FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
-};
-use fakir::problem::{Cells, Grid};
-use fakir::solve::elements::solver;
+use fakir::halfspace::elements::{FreeSpaceConvolution, Operator};
+use fakir::problem::{Boundary, Cells, Grid};
+use fakir::solve::elements::separation::{ActiveContact, Separation};
 use fakir::solve::elements::solver::{Prescribed, Settings};
-use fakir::state::CancelToken;
+use fakir::state::Run;
 use rayon::ThreadPool;
 use std::collections::HashMap;
 use std::error::Error;
@@ -104,7 +102,7 @@ fn solve(arguments: &Arguments) -> Answer<()> {
         ..Settings::default()
     };
     let pool = arguments.pool()?;
-    let field: Vec<f64> = std::fs::read(arguments.text("separation")?)?
+    let mut field: Vec<f64> = std::fs::read(arguments.text("separation")?)?
         .as_chunks()
         .0
         .iter()
@@ -113,46 +111,51 @@ fn solve(arguments: &Arguments) -> Answer<()> {
     let reach = arguments.value("reach").unwrap_or(f64::INFINITY);
     let baseline = resident()?;
 
-    let start = Instant::now();
-    let cells = Cells::where_true(&grid, |index| field[index] <= reach);
-    let separation = if cells.len() == field.len() {
-        field
-    } else {
-        let mut separation = vec![0.0; cells.len()];
-        cells.gather(&field, &mut separation);
-        separation
+    let (start, processor) = (Instant::now(), processor_seconds()?);
+    for separation in field.iter_mut().filter(|separation| **separation > reach) {
+        *separation = f64::INFINITY;
+    }
+    let separation = Separation {
+        grid,
+        values: &field,
+        boundary: match arguments.text("boundary")? {
+            "free" => Boundary::FreeSpace,
+            "periodic" => Boundary::Periodic,
+            other => return Err(format!("boundary={other}: free or periodic?").into()),
+        },
+        compliance: 1.0,
     };
-    let pool = pool.as_ref();
-    let operator: Box<dyn Operator + '_> = match arguments.text("boundary")? {
-        "free" => Box::new(FreeSpaceConvolution::new(cells.clone(), 1.0, pool)),
-        "periodic" => Box::new(PeriodicConvolution::new(cells.clone(), 1.0, pool)),
-        other => return Err(format!("boundary={other}: free or periodic?").into()),
+    let run = Run {
+        pool: pool.as_ref(),
+        ..Run::default()
     };
-    let mut operator = Preconditioned::new(operator, cells, pool);
-    let setup = start.elapsed().as_secs_f64();
-    let contact = solver::solve(
-        &mut operator,
-        &separation,
-        grid.cell_area(),
-        load,
-        None,
-        &settings,
-        &CancelToken::default(),
-    );
+    let ActiveContact { cells, contact } = separation.press(load, &settings, &run)?;
     let total = start.elapsed().as_secs_f64();
+    let processor = processor_seconds()? - processor;
     let loaded = contact.pressure.iter().filter(|p| **p > 0.0).count();
     println!(
-        r#"{{"setup_s": {setup:e}, "total_s": {total:e}, "memory_bytes": {}, "iterations": {}, "products": {}, "force": {:.15e}, "indentation": {:.15e}, "bound": {:e}, "cells": {}, "loaded": {loaded}, "ended": "{}"}}"#,
+        r#"{{"total_s": {total:e}, "processor_s": {processor:e}, "memory_bytes": {}, "iterations": {}, "products": {}, "force": {:.15e}, "indentation": {:.15e}, "bound": {:e}, "cells": {}, "loaded": {loaded}, "ended": "{}"}}"#,
         peak()?.saturating_sub(baseline),
         contact.products,
         contact.products,
         contact.force,
         contact.indentation,
         contact.certificate.energy_bound,
-        separation.len(),
+        cells.len(),
         contact.termination.description(),
     );
     Ok(())
+}
+
+/// Seconds of processors that the threads of the process took, as Linux keeps them.
+fn processor_seconds() -> Answer<f64> {
+    let mut nanoseconds = 0;
+    for thread in std::fs::read_dir("/proc/self/task")? {
+        let status = std::fs::read_to_string(thread?.path().join("schedstat"))?;
+        let running = status.split_whitespace().next().unwrap_or_default();
+        nanoseconds += running.parse::<u64>()?;
+    }
+    Ok(nanoseconds as f64 * 1e-9)
 }
 
 /// Bytes of memory the process holds.

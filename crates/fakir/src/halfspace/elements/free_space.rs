@@ -137,6 +137,11 @@ impl FreeSpaceConvolution<'_> {
     pub fn cells(&self) -> &Cells {
         self.convolution.cells()
     }
+
+    /// Columns and rows that the kernel reaches over.
+    pub(super) fn shape(&self) -> [usize; 2] {
+        self.convolution.transform().shape
+    }
 }
 
 impl Operator for FreeSpaceConvolution<'_> {

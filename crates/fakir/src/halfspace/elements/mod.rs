@@ -17,6 +17,7 @@
 mod conformance;
 pub(crate) mod convolution;
 pub(crate) mod free_space;
+pub(crate) mod half_space;
 pub(crate) mod lattice;
 pub(crate) mod operator;
 pub(crate) mod periodic;

@@ -81,6 +81,39 @@ pub struct ElementContact {
     pub products: usize,
 }
 
+impl ElementContact {
+    /// Widens the certificate to elements that had no part in the solution, the lowest of whose gaps is known (m).
+    ///
+    /// `separation` is that of the elements that had.
+    pub(super) fn take_in(
+        &mut self,
+        lowest: f64,
+        load: Prescribed,
+        separation: impl Iterator<Item = f64>,
+    ) {
+        let deeper = -lowest - self.certificate.interpenetration;
+        if deeper <= 0.0 {
+            return;
+        }
+        self.certificate.interpenetration += deeper;
+        let (mut sum, mut work) = (0.0, 0.0);
+        for ((p, gap), s) in self.pressure.iter().zip(&self.gap).zip(separation) {
+            sum += p;
+            work += p * (gap + self.indentation - s);
+        }
+        // As in the solution: the depth, and the work over the distance by which a prescribed indentation is missed.
+        let times = match load {
+            Prescribed::Indentation(_) => 2.0,
+            Prescribed::Force(_) => 1.0,
+        };
+        self.certificate.energy_bound += if work > 0.0 {
+            2.0 * times * sum * deeper / work
+        } else {
+            f64::INFINITY
+        };
+    }
+}
+
 /// Products after which the certificate must have improved, or the solver has stagnated.
 const PATIENCE: usize = 200;
 

@@ -10,7 +10,8 @@
 //! On a half-space that stands free it counts from where the lowest point of the lens, or the
 //! plate, is level with the highest point of the surface, wherever that is. Displacements under
 //! pressure are never negative there, so that only cells with a separation of the undeformed
-//! surfaces below the indentation can be touched, and only those are unknowns. Under a
+//! surfaces below the indentation can be touched, and of those the ones where pressure is likely are
+//! unknowns, until no other interpenetrates. Under a
 //! prescribed force the indentation found with some of them is an upper bound of the true one;
 //! their number grows until it is below all separations left out.
 //!
@@ -29,7 +30,7 @@
 //! effect of the smallest wavelengths.
 
 use super::solver::Prescribed;
-use super::surface_level::{Level, Pressed, check_fields};
+use super::surface_level::{Level, Pressed, check_whole};
 use crate::numerics::convergence::larger;
 use crate::problem::{Boundary, Control, HeightMap, SurfaceSystem};
 use crate::state::{ErrorEstimate, Regime, Run, SolveError, SurfaceContact, SurfaceTransition};
@@ -54,7 +55,7 @@ impl SurfaceSystem {
         };
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
-        check_fields(self.surface.grid(), run)?;
+        check_whole(self, run)?;
         for surface in self.levels() {
             let mut level = Level::new(self, surface, removed_floor, run);
             if removed_floor.is_some() && !level.has_floor() {

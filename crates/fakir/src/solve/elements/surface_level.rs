@@ -1,15 +1,14 @@
 //! The contact with a surface on cells of one size.
 
+use super::active::{ActiveCells, Pressures, Surface};
 use super::closing::Closing;
 use super::pillars::missing_compliances;
 use super::solver::{Prescribed, Settings};
-use crate::halfspace::elements::{
-    Columns, FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
-};
+use crate::halfspace::elements::half_space::HalfSpace;
+use crate::halfspace::elements::{Columns, Operator};
 use crate::numerics::convergence::Judgement;
 use crate::problem::scaled::RISING;
 use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Point, SurfaceSystem};
-use crate::solve::elements::solver;
 use crate::solve::spectral::LARGEST_CONTACT;
 use crate::state::limit::DOUBTFUL_CONTACT;
 use crate::state::{
@@ -41,10 +40,6 @@ const GROWN: f64 = 1.25;
 /// conditions are met to less.
 const BORDER_TOLERANCE: f64 = 1e-6;
 
-/// Bytes of a solution for every unknown, besides the operator: twelve arrays of the solver,
-/// labels, segments.
-const BYTES_PER_UNKNOWN: usize = 150;
-
 /// Bytes for every cell of the surface: the heights, separation, start and the fields that are
 /// returned.
 const BYTES_PER_CELL: usize = 60;
@@ -53,20 +48,11 @@ const BYTES_PER_CELL: usize = 60;
 /// fraction are no round tops.
 const ROUND: f64 = 0.4;
 
-/// The cells that may bear pressure, and their operator.
-struct Candidates<'a> {
-    /// The largest separation among them.
-    bound: f64,
-    cells: Cells,
-    operator: Box<dyn Operator + 'a>,
-    separation: Vec<f64>,
-}
-
 /// The floor cells that may be touched, among all cells that may.
 struct FloorCells<'a> {
     bound: f64,
     cells: Cells,
-    operator: Box<dyn Operator + 'a>,
+    operator: HalfSpace<'a>,
 }
 
 /// Forces and pressures on the cells of one size.
@@ -96,7 +82,9 @@ pub(super) struct Level<'a> {
     expected: Option<f64>,
     /// Slope of the floor gap over the indentation, as far as it is known.
     floor_slope: Option<f64>,
-    candidates: Option<Candidates<'a>>,
+    /// The largest separation of cells that may bear pressure.
+    bound: f64,
+    active: ActiveCells<'a>,
     floor_cells: Option<FloorCells<'a>>,
     products: usize,
 }
@@ -122,7 +110,8 @@ impl<'a> Level<'a> {
             pressure: vec![0.0; cell_count],
             expected: None,
             floor_slope: None,
-            candidates: None,
+            bound: f64::NEG_INFINITY,
+            active: ActiveCells::default(),
             floor_cells: None,
             products: 0,
             system,
@@ -159,13 +148,13 @@ impl<'a> Level<'a> {
         match load {
             Prescribed::Indentation(indentation) => {
                 self.check_periodic_indentation(indentation)?;
-                self.choose_candidates(indentation)?;
+                self.allow(indentation);
                 self.solve(load)
             }
             Prescribed::Force(force) if force > 0.0 => self.press_with_force(force),
             Prescribed::Force(_) => {
                 self.pressure.fill(0.0);
-                self.choose_candidates(0.0)?;
+                self.allow(0.0);
                 self.solve(Prescribed::Indentation(0.0))
             }
         }
@@ -180,12 +169,11 @@ impl<'a> Level<'a> {
                 .max(self.smooth_indentation(force)),
         };
         loop {
-            self.choose_candidates(bound)?;
+            self.allow(bound);
             let pressed = self.solve(Prescribed::Force(force))?;
-            let count = self.candidates.as_ref().map_or(0, |c| c.cells.len());
             let farthest = self.farthest_allowed();
-            let all = self.separation.iter().filter(|s| **s <= farthest).count();
-            if count == all || pressed.indentation <= bound {
+            let count = self.count_up_to(bound.min(farthest));
+            if count == self.count_up_to(farthest) || pressed.indentation <= bound {
                 return Ok(pressed);
             }
             // With fewer cells to bear the force the indentation is larger: enough is known.
@@ -221,6 +209,10 @@ impl<'a> Level<'a> {
         *separation.select_nth_unstable_by(place, f64::total_cmp).1
     }
 
+    fn count_up_to(&self, separation: f64) -> usize {
+        self.separation.iter().filter(|s| **s <= separation).count()
+    }
+
     /// A uniform pressure works against the mean separation alone, unless there are columns, or layers that it squeezes.
     fn check_periodic_indentation(&self, indentation: f64) -> Result<(), SolveError> {
         let mean_separation = self.separation.iter().sum::<f64>() / self.separation.len() as f64;
@@ -246,40 +238,11 @@ impl<'a> Level<'a> {
         self.system.boundary() == Boundary::Periodic || self.system.has_layers()
     }
 
-    /// Takes the cells with a separation up to `bound` as unknowns; all where displacements can be negative. None too far out for the lens: a contact that reaches
-    /// the last of those kept is refused.
-    fn choose_candidates(&mut self, bound: f64) -> Result<(), SolveError> {
+    /// Lets cells with a separation up to `bound` bear pressure; all where displacements can be negative. None too far out for the lens: a
+    /// contact that reaches the last of those kept is refused.
+    fn allow(&mut self, bound: f64) {
         let bound = if self.rises() { f64::MAX } else { bound };
-        if self.candidates.as_ref().is_some_and(|c| c.bound >= bound) {
-            return Ok(());
-        }
-        self.candidates = None;
-        let farthest = self.farthest_allowed();
-        let grid = *self.surface.grid();
-        let cells = Cells::where_true(&grid, |cell| {
-            let free = self.floor.as_ref().is_none_or(|floor| !floor[cell]);
-            free && self.separation[cell] <= bound && self.separation[cell] <= farthest
-        });
-        let bytes = self.half_space_memory(&cells)
-            + Preconditioned::<FreeSpaceConvolution<'_>>::memory_estimate(&cells)
-            + BYTES_PER_UNKNOWN * cells.len();
-        self.check_memory(cells.len(), bytes)?;
-        self.check_cancelled()?;
-        let operator =
-            Preconditioned::new(self.half_space(cells.clone()), cells.clone(), self.run.pool);
-        let labels = cells
-            .indices()
-            .map(|cell| self.surface.label(cell))
-            .collect();
-        let area = grid.cell_area();
-        let influence = self.column_compliance.iter().map(|c| c * area).collect();
-        self.candidates = Some(Candidates {
-            bound,
-            separation: cells.indices().map(|cell| self.separation[cell]).collect(),
-            operator: Box::new(Columns::new(operator, labels, influence)),
-            cells,
-        });
-        Ok(())
+        self.bound = self.bound.max(bound);
     }
 
     /// Separation beyond which a contact is too large for the lens: that of half its radius, at
@@ -294,26 +257,16 @@ impl<'a> Level<'a> {
         }
     }
 
-    fn half_space(&self, cells: Cells) -> Box<dyn Operator + 'a> {
+    fn half_space(&self, cells: Cells) -> HalfSpace<'a> {
         let compliance = self.system.contact_compliance();
-        let (layers, pool) = (self.system.weighted_layers(), self.run.pool);
-        match self.system.boundary() {
-            Boundary::FreeSpace => Box::new(FreeSpaceConvolution::on_layers(
-                cells, compliance, &layers, pool,
-            )),
-            Boundary::Periodic => Box::new(PeriodicConvolution::on_layers(
-                cells, compliance, &layers, pool,
-            )),
-        }
+        let (layers, boundary) = (self.system.weighted_layers(), self.system.boundary());
+        HalfSpace::new(boundary, cells, compliance, &layers, self.run.pool)
     }
 
     fn half_space_memory(&self, cells: &Cells) -> usize {
         let pool = self.run.pool;
         let threads = pool.map_or(1, rayon::ThreadPool::current_num_threads);
-        match self.system.boundary() {
-            Boundary::FreeSpace => FreeSpaceConvolution::memory_estimate(cells, threads),
-            Boundary::Periodic => PeriodicConvolution::memory_estimate(cells, threads),
-        }
+        HalfSpace::memory_estimate(self.system.boundary(), cells, threads)
     }
 
     /// Whether `bytes` for `cells` of them fit the memory allowed, with the fields.
@@ -331,33 +284,49 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// Solves on the candidates, from the pressures known.
+    /// Solves from the pressures known.
     fn solve(&mut self, load: Prescribed) -> Result<Pressed, SolveError> {
         self.check_cancelled()?;
-        let Candidates {
-            cells,
-            operator,
-            separation,
-            ..
-        } = self
-            .candidates
-            .as_mut()
-            .expect("candidates are chosen before they are solved for");
-        let mut start = vec![0.0; cells.len()];
-        cells.gather(&self.pressure, &mut start);
         let settings = Settings {
             tolerance: TOLERANCE,
             ..Settings::default()
         };
-        let contact = solver::solve(
-            &mut **operator,
-            separation,
-            self.surface.grid().cell_area(),
-            load,
-            Some(&start),
-            &settings,
-            &self.run.cancel,
-        );
+        let grid = *self.surface.grid();
+        let loaded = Cells::where_true(&grid, |cell| self.pressure[cell] > 0.0);
+        let mut values = vec![0.0; loaded.len()];
+        loaded.gather(&self.pressure, &mut values);
+        let start = (!loaded.is_empty()).then_some(Pressures {
+            cells: loaded,
+            values,
+        });
+        let layers = self.system.weighted_layers();
+        let influence: Vec<f64> = self
+            .column_compliance
+            .iter()
+            .map(|c| c * grid.cell_area())
+            .collect();
+        let bound = self.bound.min(self.farthest_allowed());
+        let mut active = std::mem::take(&mut self.active);
+        let surface = Surface {
+            grid,
+            separation: &self.separation,
+            may_bear: &|cell| {
+                self.separation[cell] <= bound
+                    && self.floor.as_ref().is_none_or(|floor| !floor[cell])
+            },
+            rises: self.rises(),
+            boundary: self.system.boundary(),
+            compliance: self.system.contact_compliance(),
+            layers: &layers,
+            pillar: &|cell| self.surface.label(cell),
+            influence: &influence,
+            check_memory: &|cells, bytes| self.check_memory(cells, bytes),
+            pool: self.run.pool,
+            cancel: &self.run.cancel,
+        };
+        let solved = active.solve(&surface, start, self.expected, load, &settings);
+        self.active = active;
+        let (cells, contact) = solved?;
         if contact.termination == Termination::Interrupted {
             return Err(SolveError::Interrupted);
         }
@@ -439,7 +408,7 @@ impl<'a> Level<'a> {
         let mut closing = Closing::new(start, least, self.floor_slope);
         for _ in 0..SEARCH_LIMIT {
             let indentation = closing.indentation();
-            self.choose_candidates(MARGIN * indentation)?;
+            self.allow(MARGIN * indentation);
             let mut pressed = self.solve(Prescribed::Indentation(indentation))?;
             let (gap, cell) = self.floor_gap(indentation)?;
             pressed.floor_cell = Some(cell);
@@ -455,7 +424,7 @@ impl<'a> Level<'a> {
             }
         }
         let indentation = closing.indentation();
-        self.choose_candidates(indentation)?;
+        self.allow(indentation);
         let pressed = self.solve(Prescribed::Indentation(indentation))?;
         let (_, cell) = self.floor_gap(indentation)?;
         Ok(Pressed {
@@ -573,7 +542,7 @@ impl<'a> Level<'a> {
         pressed: &Pressed,
         error: Option<ErrorEstimate>,
     ) -> Result<SurfaceContact, SolveError> {
-        self.candidates = None;
+        self.active = ActiveCells::default();
         self.floor_cells = None;
         let displacement = self.displacement()?;
         self.check_border(&displacement, pressed.indentation)?;
@@ -792,6 +761,16 @@ fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
 pub(super) fn check_fields(grid: &Grid, run: &Run<'_>) -> Result<(), SolveError> {
     let cells = grid.cell_count();
     check_memory(grid, grid, cells, BYTES_PER_CELL * cells, run)
+}
+
+/// Whether these fit, with the operator that makes them in the end.
+pub(super) fn check_whole(system: &SurfaceSystem, run: &Run<'_>) -> Result<(), SolveError> {
+    let grid = system.surface().grid();
+    let threads = run.pool.map_or(1, rayon::ThreadPool::current_num_threads);
+    let cells = Cells::all(grid);
+    let operator = HalfSpace::memory_estimate(system.boundary(), &cells, threads);
+    let fields = BYTES_PER_CELL * cells.len();
+    check_memory(grid, grid, cells.len(), fields + operator, run)
 }
 
 /// Whether `bytes` for `cells` of the surface on a level fit the memory allowed.
