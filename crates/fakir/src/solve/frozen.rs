@@ -206,6 +206,11 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             // The loads on pillars are about what they were, and no others are needed before the first product.
             return;
         }
+        self.couple();
+    }
+
+    /// What all coefficients do to each other, anew.
+    fn couple(&mut self) {
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             if coefficients.iter().all(|c| *c == 0.0) {
@@ -214,15 +219,6 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 self.products += 1;
                 self.coupling.apply(coefficients, far, self.run.workers());
             }
-        }
-    }
-
-    /// What all coefficients do to each other, anew.
-    fn couple(&mut self) {
-        self.products += 2;
-        for response in [&mut self.unit, &mut self.present] {
-            let Response { coefficients, far } = response;
-            self.coupling.apply(coefficients, far, self.run.workers());
         }
     }
 
@@ -424,8 +420,16 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         tolerance: f64,
     ) -> Result<Response, SolveError> {
         let mut response = Response::none(load.len());
-        self.conjugate_gradients(rule, Source::Given(load), tolerance, &mut response)
-            .map(|_| response)
+        let mut solve = |response: &mut Response| {
+            self.conjugate_gradients(rule, Source::Given(load), tolerance, response)
+                .map(|_| ())
+        };
+        solve(&mut response)?;
+        if tolerance <= ROUGH_TOLERANCE {
+            // Again from an exact product on: what it started from was nothing.
+            solve(&mut response)?;
+        }
+        Ok(response)
     }
 
     /// `B c`
