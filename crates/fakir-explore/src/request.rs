@@ -109,12 +109,7 @@ pub(crate) const LATTICES: [&str; 4] = ["hexagonal", "square", "rectangular", "o
 
 /// Whether the page has a key: it shows [lattices](LATTICES), and no pillars of a list.
 pub(crate) fn is_on_page(key: Key) -> bool {
-    let of_other_arrangements = [
-        Key::Pillars,
-        Key::AxisX,
-        Key::AxisY,
-        Key::TopRadius,
-    ];
+    let of_other_arrangements = [Key::Pillars, Key::AxisX, Key::AxisY, Key::TopRadius];
     let of_other_lenses = [
         Key::LensShape,
         Key::LensAngle,
@@ -159,7 +154,11 @@ pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
 pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)> {
     if !LATTICES.contains(&case.system.arrangement().name()) {
         let words = "the page shows pillars on lattices";
-        return Some((Key::Lattice, words, "hexagonal, square, rectangular or oblique"));
+        return Some((
+            Key::Lattice,
+            words,
+            "hexagonal, square, rectangular or oblique",
+        ));
     }
     if case.system.lens().sphere().is_none() {
         return Some((Key::LensShape, "the page shows a spherical lens", "sphere"));
@@ -214,7 +213,11 @@ fn check_size(case: &Case) -> Result<(), Refusal> {
             let limit = largest_fraction(&case.system, MOST_PILLARS);
             // With another pitch along the second rows the surface fraction goes as one over this one.
             let ratio = case.system.texture().surface_fraction() / limit;
-            let power = if case.value(Key::PitchY).is_some() { 1.0 } else { 0.5 };
+            let power = if case.value(Key::PitchY).is_some() {
+                1.0
+            } else {
+                0.5
+            };
             let pitch = case.system.pitch() * ratio.powf(power);
             (Key::Pitch, format!("from {:.4} um", pitch * 1e6))
         }

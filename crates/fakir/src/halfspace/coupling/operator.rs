@@ -17,6 +17,11 @@ pub(crate) trait Coupling {
     fn error(&self) -> f64 {
         0.0
     }
+
+    /// Relative error of a solution from nothing by rough products, where they are to be made up for.
+    fn rough_error(&self) -> f64 {
+        0.0
+    }
 }
 
 /// The sum of two operators, such as of a half-space and of what differs from it.

@@ -64,6 +64,10 @@ impl Coupling for SurfaceCoupling<'_> {
     fn error(&self) -> f64 {
         self.tops.error()
     }
+
+    fn rough_error(&self) -> f64 {
+        self.tops.rough_error()
+    }
 }
 
 impl<'a> SurfaceCoupling<'a> {
