@@ -76,6 +76,43 @@ def test_a_square_lattice_with_scatter(explore, tmp_path):
     assert page.results() == hexagonal
 
 
+def test_rectangular_and_oblique_lattices(explore, tmp_path):
+    """A lattice with two pitches begins as that of one which it was; the numbers are those of the program."""
+    page = explore("#" + "&".join(paper(0.02)))
+    hexagonal = page.results()
+    page.page.select_option("#texture-lattice", "oblique")
+    page.rest()
+    # Rows of one pitch at 60 degrees are the hexagonal lattice. Six digits of the pitch are kept, four of the force.
+    assert page.page.input_value("#texture-lattice_angle") == "60°"
+    assert [float(value) for value in page.results()[:2]] == pytest.approx(
+        [float(value) for value in hexagonal[:2]], rel=1e-3
+    )
+    assert not page.page.locator("#texture-surface_fraction").is_visible()
+    page.page.select_option("#texture-lattice", "rectangular")
+    page.rest()
+    assert not page.page.locator("#texture-lattice_angle").is_visible()
+    page.enter("texture.pitch", "30 um")
+    page.enter("texture.pitch_y", "45 um")
+    found = page.results()
+    case = tmp_path / "case.toml"
+    case.write_text(page.text("case-file"))
+    assert tomllib.loads(case.read_text())["texture"]["pitch_y"] == "45 um"
+    answer = subprocess.run(
+        [os.environ["FAKIR"], "transition", str(case), "--json"], check=True, capture_output=True
+    )
+    force = json.loads(answer.stdout)["critical_force_N"]
+    scale = {"mN": 1e3, "µN": 1e6}[page.text("force-unit")]
+    assert float(found[0]) == pytest.approx(scale * force, rel=1e-3)
+    assert "fakir.RectangularTexture(" in page.text("python")
+    # What is wrong is said where it is, in the words of the program.
+    page.enter("texture.pitch_y", "1 um")
+    assert "at least texture.pillar.diameter" in page.text("texture-pitch_y-note")
+    page.page.select_option("#texture-lattice", "square")
+    page.rest()
+    assert page.page.input_value("#texture-pitch") == "30 µm"
+    assert not page.page.locator("#texture-pitch_y").is_visible()
+
+
 def test_sliders_change_the_result(explore):
     page = explore("#" + "&".join(paper(0.02)))
     before = page.results()

@@ -8,7 +8,7 @@ use crate::row::{
 };
 use fakir::problem::pattern::PatternQuantity as Q;
 use fakir::problem::{LARGEST_TILT, Quantity};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
 /// Makes the enum of keys, the list of them, and their rows.
@@ -151,9 +151,11 @@ keys! {
                 .range(Range::AtLeast(Key::PillarDiameter)).or(Key::SurfaceFraction).with(Key::Lattice, PLANE_LATTICES).of(Quantity::Pitch);
         PitchY = "texture.pitch_y" is
             length("distance along the second rows: along y of a rectangular lattice", |p| &mut p.texture.pitch_y)
+                .usual(1e-6, 1e-3)
                 .range(Range::AtLeast(Key::PillarDiameter)).with(Key::Lattice, &["rectangular", "oblique"]).of(Quantity::PitchY);
         LatticeAngle = "texture.lattice_angle" is
             angle("between the rows of an oblique lattice", |p| &mut p.texture.lattice_angle)
+                .usual(FRAC_PI_6, 5.0 * FRAC_PI_6)
                 .range(Range::Words("above 0 and below 180 deg")).with(Key::Lattice, &["oblique"]).of(Quantity::LatticeAngle);
         Offset = "texture.offset" is
             number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.texture.lattice.offset)

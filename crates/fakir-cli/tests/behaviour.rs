@@ -541,20 +541,16 @@ fn the_explorer_says_what_keeps_it_from_starting() {
         "{}",
         outcome.stderr
     );
-    let sheared = [
-        "texture.lattice=oblique",
-        "texture.pitch_y=30um",
-        "texture.lattice_angle=70deg",
-        "texture.pitch=30um",
-    ];
+    bench.write("pillars.csv", "x_m,y_m\n0,0\n3e-5,0\n");
+    let listed = ["texture.lattice=listed", "texture.pillars=pillars.csv"];
     let mut arguments = vec!["explore", "--no-browser"];
-    arguments.extend(sheared.iter().flat_map(|setting| ["--set", setting]));
+    arguments.extend(listed.iter().flat_map(|setting| ["--set", setting]));
     let outcome = bench.run(&arguments);
     assert_eq!(outcome.status, Some(2));
     assert!(
         outcome
             .stderr
-            .contains("texture.lattice: the page shows hexagonal and square lattices"),
+            .contains("texture.lattice: the page shows pillars on lattices"),
         "{}",
         outcome.stderr
     );

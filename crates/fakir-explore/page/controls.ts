@@ -2,7 +2,7 @@
 
 import type { Key, Refusal, Value, Values } from "./engine.js";
 import { editable, engineeringText, parse, type Dimension } from "./numbers.js";
-import { FRACTION, LATTICE, PITCH, RECEDING, WORK } from "./store.js";
+import { FRACTION, PITCH, RECEDING, WORK, withSpacing } from "./store.js";
 
 /** A key that takes a number. */
 interface Field extends Key {
@@ -10,8 +10,6 @@ interface Field extends Key {
 }
 
 const DEGREE = Math.PI / 180;
-
-const DIAMETER = "texture.pillar.diameter";
 
 /** The tables of a case file that stand first on the page, before all others in their order. */
 const FIRST_TABLES = ["texture", "texture.pillar"];
@@ -64,7 +62,7 @@ export class Controls {
 
   /** Shows a case everywhere but in the field that was just `typed` into. */
   show(values: Values, typed: string | null): void {
-    const shown = withReceding(this.withSpacing(values));
+    const shown = withReceding(withSpacing(values));
     this.widgets.get(FRACTION)?.box.classList.toggle("derived", values[FRACTION] === undefined);
     this.widgets.get(PITCH)?.box.classList.toggle("derived", values[PITCH] === undefined);
     const valueOf = (key: Key): Value => shown[key.key] ?? key.default ?? "";
@@ -81,22 +79,6 @@ export class Controls {
     const receding = this.widgets.get(RECEDING)?.box;
     receding?.classList.toggle("derived", values[RECEDING] === undefined);
     receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
-  }
-
-  /** A case with both surface fraction and pitch: that which is not given follows from the other. */
-  private withSpacing(values: Values): Values {
-    const [fraction, pitch, diameter] = [values[FRACTION], values[PITCH], values[DIAMETER]];
-    // The surface fraction at which pillars touch each other: there the pitch is their diameter.
-    const hexagonal = this.keys.find(({ key }) => key === FRACTION)?.greatest ?? 1;
-    const most = values[LATTICE] === "square" ? Math.PI / 4 : hexagonal;
-    if (typeof diameter !== "number") return values;
-    if (typeof fraction === "number" && fraction > 0) {
-      return { ...values, [PITCH]: rounded(diameter * Math.sqrt(most / fraction)) };
-    }
-    if (typeof pitch === "number" && pitch > 0) {
-      return { ...values, [FRACTION]: rounded(most * (diameter / pitch) ** 2) };
-    }
-    return values;
   }
 
   /** Shows what is wrong at its field, and nothing at others; false if it is at no field. */
@@ -292,9 +274,4 @@ function sliderPlace(field: Field, value: number): string {
   const part =
     low > 0 ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
   return String(Math.round(STEPS * Math.min(1, Math.max(0, part))));
-}
-
-/** A value that follows from others, in the digits that are shown. */
-function rounded(value: number): number {
-  return Number(value.toPrecision(6));
 }

@@ -37,6 +37,9 @@ export const FRACTION = "texture.surface_fraction";
 export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
 export const LATTICE = "texture.lattice";
+const PITCH_Y = "texture.pitch_y";
+const LATTICE_ANGLE = "texture.lattice_angle";
+const DIAMETER = "texture.pillar.diameter";
 export const WORK = "adhesion.work";
 export const RECEDING = "adhesion.work_receding";
 
@@ -247,6 +250,7 @@ export class Store {
       if (other.alternative === key || leaves) delete values[other.key];
     }
     values[key] = value;
+    if (key === LATTICE) Object.assign(values, spacingOn(String(value), this.#state.chosen.case));
     // Without adhesion nothing recedes; what is not given is as the work of adhesion.
     if (key === WORK && value === 0) delete values[RECEDING];
     const isEndless = this.#state.start.keys.some((known) => known.key === key && known.endless);
@@ -334,6 +338,39 @@ export function isOlder(
   if (shown === null || reference === null || shown.of.number >= reference.number) return false;
   const sameLoad = dependsOn === "case" || shown.of.load === reference.load;
   return shown.of.name !== reference.name || !sameLoad;
+}
+
+/** The surface fraction of a lattice at which pillars touch each other: there the pitch is their diameter. */
+function densest(lattice: Value | undefined): number {
+  return lattice === "square" ? Math.PI / 4 : Math.PI / Math.sqrt(12);
+}
+
+/** A case on a lattice of one pitch with both surface fraction and pitch: that which is not given follows from the other. */
+export function withSpacing(values: Values): Values {
+  const [fraction, pitch, diameter] = [values[FRACTION], values[PITCH], values[DIAMETER]];
+  const most = densest(values[LATTICE]);
+  if (typeof diameter !== "number") return values;
+  if (typeof fraction === "number" && fraction > 0) {
+    return { ...values, [PITCH]: rounded(diameter * Math.sqrt(most / fraction)) };
+  }
+  if (typeof pitch === "number" && pitch > 0 && values[PITCH_Y] === undefined) {
+    return { ...values, [FRACTION]: rounded(most * (diameter / pitch) ** 2) };
+  }
+  return values;
+}
+
+/** What a lattice needs that the one before it had not: the pitch of that along both rows, and the angle between the rows of a hexagonal one. */
+function spacingOn(lattice: string, before: Values): Values {
+  if (lattice !== "rectangular" && lattice !== "oblique") return {};
+  const pitch = withSpacing(before)[PITCH];
+  const own: Values = pitch === undefined ? {} : { [PITCH]: pitch, [PITCH_Y]: before[PITCH_Y] ?? pitch };
+  if (lattice === "oblique") own[LATTICE_ANGLE] = Math.PI / 3;
+  return own;
+}
+
+/** A value that follows from others, in the digits that are shown. */
+function rounded(value: number): number {
+  return Number(value.toPrecision(6));
 }
 
 /** Whether pillar tops stick. */

@@ -80,6 +80,8 @@ fn python(case: &Case, question: Question) -> String {
             .map(|table| arguments(case, table));
     let kind = match case.system.arrangement().name() {
         "square" => "SquareTexture",
+        "rectangular" => "RectangularTexture",
+        "oblique" => "ObliqueTexture",
         _ => "HexagonalTexture",
     };
     let floor = match case.system.floor_model() {
@@ -119,7 +121,7 @@ fn python(case: &Case, question: Question) -> String {
 }
 
 /// The keys of a table as arguments of a call: `radius="2.2 mm", young_modulus="2 MPa"`. Python
-/// has the same names, but for the name of the method.
+/// has the same names, but for the name of the method and the angle of a lattice.
 fn arguments(case: &Case, table: &str) -> String {
     let keys = Key::ALL.into_iter().filter(|key| key.table() == table);
     // What tells lattices of equal pillars from others is said where it differs.
@@ -136,6 +138,7 @@ fn arguments(case: &Case, table: &str) -> String {
     let arguments = keys.filter(is_said).filter_map(|key| {
         let name = match key {
             Key::MethodName => table,
+            Key::LatticeAngle => "angle",
             _ => key.name(),
         };
         Some(format!("{name}={}", case.value(key)?))
@@ -174,6 +177,33 @@ mod tests {
             again.set(setting.trim_end_matches(['\\', ' '])).unwrap();
         }
         assert_eq!(again.case().unwrap(), case);
+    }
+
+    #[test]
+    fn the_lines_for_python_are_of_the_lattice() {
+        let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+        let changes = [
+            "texture.lattice=rectangular",
+            "texture.pitch=20um",
+            "texture.pitch_y=30um",
+        ];
+        for change in changes {
+            file.set(change).unwrap();
+        }
+        let rectangular = python(&file.case().unwrap(), Question::Contact(None));
+        assert!(
+            rectangular.contains("fakir.RectangularTexture(")
+                && rectangular.contains("pitch=\"20 um\", pitch_y=\"30 um\", offset=0"),
+            "{rectangular}"
+        );
+        file.set("texture.lattice=oblique").unwrap();
+        file.set("texture.lattice_angle=70deg").unwrap();
+        let oblique = python(&file.case().unwrap(), Question::Contact(None));
+        assert!(
+            oblique.contains("fakir.ObliqueTexture(")
+                && oblique.contains("pitch_y=\"30 um\", angle=\"70 deg\", offset=0"),
+            "{oblique}"
+        );
     }
 
     #[test]

@@ -104,19 +104,12 @@ impl LoadPoint {
     }
 }
 
-/// The lattices that the page shows. Others have keys that these have not.
-pub(crate) const LATTICES: [&str; 2] = ["hexagonal", "square"];
+/// The arrangements that the page shows.
+pub(crate) const LATTICES: [&str; 4] = ["hexagonal", "square", "rectangular", "oblique"];
 
-/// Whether the page has a key: it shows [some lattices](LATTICES), and no pillars of a list.
+/// Whether the page has a key: it shows [lattices](LATTICES), and no pillars of a list.
 pub(crate) fn is_on_page(key: Key) -> bool {
-    let of_other_arrangements = [
-        Key::Pillars,
-        Key::AxisX,
-        Key::AxisY,
-        Key::PitchY,
-        Key::LatticeAngle,
-        Key::TopRadius,
-    ];
+    let of_other_arrangements = [Key::Pillars, Key::AxisX, Key::AxisY, Key::TopRadius];
     let of_other_lenses = [
         Key::LensShape,
         Key::LensAngle,
@@ -160,8 +153,12 @@ pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
 /// What of a case the page does not show: its key, what the page does show, and which values it has.
 pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)> {
     if !LATTICES.contains(&case.system.arrangement().name()) {
-        let words = "the page shows hexagonal and square lattices";
-        return Some((Key::Lattice, words, "hexagonal or square"));
+        let words = "the page shows pillars on lattices";
+        return Some((
+            Key::Lattice,
+            words,
+            "hexagonal, square, rectangular or oblique",
+        ));
     }
     if case.system.lens().sphere().is_none() {
         return Some((Key::LensShape, "the page shows a spherical lens", "sphere"));
@@ -214,8 +211,14 @@ fn check_size(case: &Case) -> Result<(), Refusal> {
         }
         Some(_) => {
             let limit = largest_fraction(&case.system, MOST_PILLARS);
-            let system = at_fraction(&case.system, limit);
-            let pitch = system.map_or(f64::INFINITY, |system| system.pitch());
+            // With another pitch along the second rows the surface fraction goes as one over this one.
+            let ratio = case.system.texture().surface_fraction() / limit;
+            let power = if case.value(Key::PitchY).is_some() {
+                1.0
+            } else {
+                0.5
+            };
+            let pitch = case.system.pitch() * ratio.powf(power);
             (Key::Pitch, format!("from {:.4} um", pitch * 1e6))
         }
     };

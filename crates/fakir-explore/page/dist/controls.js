@@ -1,8 +1,7 @@
 // The quantities of a case: a slider and a field with unit for each, and what is wrong with it.
 import { editable, engineeringText, parse } from "./numbers.js";
-import { FRACTION, LATTICE, PITCH, RECEDING, WORK } from "./store.js";
+import { FRACTION, PITCH, RECEDING, WORK, withSpacing } from "./store.js";
 const DEGREE = Math.PI / 180;
-const DIAMETER = "texture.pillar.diameter";
 /** The tables of a case file that stand first on the page, before all others in their order. */
 const FIRST_TABLES = ["texture", "texture.pillar"];
 /** The words of a key that is either so or not. */
@@ -35,7 +34,7 @@ export class Controls {
     }
     /** Shows a case everywhere but in the field that was just `typed` into. */
     show(values, typed) {
-        const shown = withReceding(this.withSpacing(values));
+        const shown = withReceding(withSpacing(values));
         this.widgets.get(FRACTION)?.box.classList.toggle("derived", values[FRACTION] === undefined);
         this.widgets.get(PITCH)?.box.classList.toggle("derived", values[PITCH] === undefined);
         const valueOf = (key) => shown[key.key] ?? key.default ?? "";
@@ -53,22 +52,6 @@ export class Controls {
         const receding = this.widgets.get(RECEDING)?.box;
         receding?.classList.toggle("derived", values[RECEDING] === undefined);
         receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
-    }
-    /** A case with both surface fraction and pitch: that which is not given follows from the other. */
-    withSpacing(values) {
-        const [fraction, pitch, diameter] = [values[FRACTION], values[PITCH], values[DIAMETER]];
-        // The surface fraction at which pillars touch each other: there the pitch is their diameter.
-        const hexagonal = this.keys.find(({ key }) => key === FRACTION)?.greatest ?? 1;
-        const most = values[LATTICE] === "square" ? Math.PI / 4 : hexagonal;
-        if (typeof diameter !== "number")
-            return values;
-        if (typeof fraction === "number" && fraction > 0) {
-            return { ...values, [PITCH]: rounded(diameter * Math.sqrt(most / fraction)) };
-        }
-        if (typeof pitch === "number" && pitch > 0) {
-            return { ...values, [FRACTION]: rounded(most * (diameter / pitch) ** 2) };
-        }
-        return values;
     }
     /** Shows what is wrong at its field, and nothing at others; false if it is at no field. */
     refuse(refusal) {
@@ -253,8 +236,4 @@ function sliderPlace(field, value) {
     const [low, high] = ends(field);
     const part = low > 0 ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
     return String(Math.round(STEPS * Math.min(1, Math.max(0, part))));
-}
-/** A value that follows from others, in the digits that are shown. */
-function rounded(value) {
-    return Number(value.toPrecision(6));
 }

@@ -8,6 +8,9 @@ export const FRACTION = "texture.surface_fraction";
 export const FLOOR = "floor.contact";
 export const PITCH = "texture.pitch";
 export const LATTICE = "texture.lattice";
+const PITCH_Y = "texture.pitch_y";
+const LATTICE_ANGLE = "texture.lattice_angle";
+const DIAMETER = "texture.pillar.diameter";
 export const WORK = "adhesion.work";
 export const RECEDING = "adhesion.work_receding";
 /** With adhesion the load goes on to the last release, on the way back. */
@@ -87,6 +90,8 @@ export class Store {
                 delete values[other.key];
         }
         values[key] = value;
+        if (key === LATTICE)
+            Object.assign(values, spacingOn(String(value), this.#state.chosen.case));
         // Without adhesion nothing recedes; what is not given is as the work of adhesion.
         if (key === WORK && value === 0)
             delete values[RECEDING];
@@ -168,6 +173,38 @@ export function isOlder({ reference }, shown, dependsOn) {
         return false;
     const sameLoad = dependsOn === "case" || shown.of.load === reference.load;
     return shown.of.name !== reference.name || !sameLoad;
+}
+/** The surface fraction of a lattice at which pillars touch each other: there the pitch is their diameter. */
+function densest(lattice) {
+    return lattice === "square" ? Math.PI / 4 : Math.PI / Math.sqrt(12);
+}
+/** A case on a lattice of one pitch with both surface fraction and pitch: that which is not given follows from the other. */
+export function withSpacing(values) {
+    const [fraction, pitch, diameter] = [values[FRACTION], values[PITCH], values[DIAMETER]];
+    const most = densest(values[LATTICE]);
+    if (typeof diameter !== "number")
+        return values;
+    if (typeof fraction === "number" && fraction > 0) {
+        return { ...values, [PITCH]: rounded(diameter * Math.sqrt(most / fraction)) };
+    }
+    if (typeof pitch === "number" && pitch > 0 && values[PITCH_Y] === undefined) {
+        return { ...values, [FRACTION]: rounded(most * (diameter / pitch) ** 2) };
+    }
+    return values;
+}
+/** What a lattice needs that the one before it had not: the pitch of that along both rows, and the angle between the rows of a hexagonal one. */
+function spacingOn(lattice, before) {
+    if (lattice !== "rectangular" && lattice !== "oblique")
+        return {};
+    const pitch = withSpacing(before)[PITCH];
+    const own = pitch === undefined ? {} : { [PITCH]: pitch, [PITCH_Y]: before[PITCH_Y] ?? pitch };
+    if (lattice === "oblique")
+        own[LATTICE_ANGLE] = Math.PI / 3;
+    return own;
+}
+/** A value that follows from others, in the digits that are shown. */
+function rounded(value) {
+    return Number(value.toPrecision(6));
 }
 /** Whether pillar tops stick. */
 export function sticks(values) {

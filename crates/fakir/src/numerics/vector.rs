@@ -27,8 +27,11 @@ impl Lanes {
     }
 
     #[inline(always)]
-    pub(crate) fn map(self, each: impl Fn(f64) -> f64) -> Self {
-        Self(self.0.map(each))
+    pub(crate) fn map(mut self, each: impl Fn(f64) -> f64) -> Self {
+        for value in &mut self.0 {
+            *value = each(*value);
+        }
+        self
     }
 
     #[inline(always)]
@@ -38,8 +41,12 @@ impl Lanes {
     }
 
     #[inline(always)]
-    fn with(self, other: Self, each: impl Fn(f64, f64) -> f64) -> Self {
-        Self(std::array::from_fn(|k| each(self.0[k], other.0[k])))
+    fn with(mut self, other: Self, each: impl Fn(f64, f64) -> f64) -> Self {
+        // What makes arrays from closures is not always inlined.
+        for (value, other) in self.0.iter_mut().zip(other.0) {
+            *value = each(*value, other);
+        }
+        self
     }
 }
 

@@ -30,6 +30,9 @@ const ITERATION_LIMIT: usize = 600;
 /// With a larger tolerance than this, single precision does for the product that the iteration starts from.
 const ROUGH_TOLERANCE: f64 = 1e-5;
 
+/// Starts from an exact product, at the most.
+const MOST_STARTS: usize = 3;
+
 /// How the places of contact answer to the loads on them, their states frozen.
 pub(crate) trait Rule {
     /// `c = P s`, place by place. Of a place without a compliance of its own `c` stays, or is zero if it bears no pressure.
@@ -206,6 +209,11 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             // The loads on pillars are about what they were, and no others are needed before the first product.
             return;
         }
+        self.couple();
+    }
+
+    /// What all coefficients do to each other, anew.
+    fn couple(&mut self) {
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             if coefficients.iter().all(|c| *c == 0.0) {
@@ -214,15 +222,6 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 self.products += 1;
                 self.coupling.apply(coefficients, far, self.run.workers());
             }
-        }
-    }
-
-    /// What all coefficients do to each other, anew.
-    fn couple(&mut self) {
-        self.products += 2;
-        for response in [&mut self.unit, &mut self.present] {
-            let Response { coefficients, far } = response;
-            self.coupling.apply(coefficients, far, self.run.workers());
         }
     }
 
@@ -452,11 +451,21 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         response: &mut Response,
     ) -> Result<Judgement, SolveError> {
         let mut room = std::mem::take(&mut self.room);
-        let solved = self.iterate(rule, source, tolerance, response, &mut room);
+        let mut solved = Ok(Judgement::TooLarge);
+        for _ in 0..MOST_STARTS {
+            let mut before = 0.0;
+            solved = self.iterate(rule, source, tolerance, response, &mut room, &mut before);
+            let rough = self.coupling.rough_error() * before > tolerance;
+            if !(rough && matches!(solved, Ok(Judgement::Good))) {
+                break;
+            }
+            // Rough products have left more than that: once more, from an exact one on.
+        }
         self.room = room;
         solved
     }
 
+    /// From what the response was before; `before` is told how large the residual was then, relatively.
     fn iterate(
         &mut self,
         rule: &mut impl Rule,
@@ -464,6 +473,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         tolerance: f64,
         response: &mut Response,
         room: &mut Room,
+        before: &mut f64,
     ) -> Result<Judgement, SolveError> {
         let Response { coefficients, far } = response;
         let workers = self.run.workers();
@@ -498,6 +508,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             // Before anything bears pressure there is no other energy to compare with.
             scale = larger(scale, energy);
         }
+        *before = (energy / larger(scale, f64::MIN_POSITIVE)).sqrt();
         for _ in 0..ITERATION_LIMIT {
             let bound = tolerance * tolerance * larger(scale, f64::MIN_POSITIVE);
             match judge(energy, bound) {

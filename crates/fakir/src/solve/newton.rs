@@ -14,6 +14,7 @@ use super::rules::groups::{GroupedTops, Groups};
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
+use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::UNIT_FORCE;
@@ -30,6 +31,9 @@ use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 
 /// Relative energy of the residual at which a linear solution counts as exact.
 pub(super) const LINEAR_TOLERANCE: f64 = 1e-10;
+
+/// Where products have an error of their own, part of that which a linear solution may add.
+const PART_OF_PRODUCTS: f64 = 0.2;
 
 /// The same with the floor, and on a coarse grid of that.
 const FLOOR_LINEAR_TOLERANCE: f64 = 1e-9;
@@ -127,12 +131,14 @@ struct Tolerances {
 }
 
 impl Tolerances {
-    fn new(purpose: Purpose, with_floor: bool, indentation: f64) -> Self {
+    /// `of_products` is their relative error.
+    fn new(purpose: Purpose, with_floor: bool, indentation: f64, of_products: f64) -> Self {
         let exact = match purpose {
             Purpose::Answer if with_floor => FLOOR_LINEAR_TOLERANCE,
             Purpose::Answer | Purpose::Start => LINEAR_TOLERANCE,
             Purpose::Level => LEVEL_LINEAR_TOLERANCE,
         };
+        let exact = exact.max(PART_OF_PRODUCTS * of_products);
         let [present, decrease, fast_decrease] = if with_floor {
             [FLOOR_FIRST_TOLERANCE, FLOOR_DECREASE, FLOOR_FAST_DECREASE]
         } else {
@@ -262,8 +268,12 @@ impl<'a> Newton<'a> {
         target: Control,
         purpose: Purpose,
     ) -> Result<Outcome, SolveError> {
-        let mut tolerances =
-            Tolerances::new(purpose, self.cells.is_some(), self.contact.indentation());
+        let mut tolerances = Tolerances::new(
+            purpose,
+            self.cells.is_some(),
+            self.contact.indentation(),
+            self.contact.coupling().error(),
+        );
         let mut outcome = Outcome {
             indentation: self.contact.indentation(),
             termination: Termination::IterationLimit,

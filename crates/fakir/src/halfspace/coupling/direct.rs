@@ -2,7 +2,7 @@
 
 use super::pair::PairCoupling;
 use crate::numerics::fft::Real;
-use crate::numerics::vector::widest;
+use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::numerics::workers::Workers;
 use crate::problem::Point;
 use std::ops::Range;
@@ -132,24 +132,39 @@ fn add_known<const MODES: usize, R: Real>(
     [own, source]: [&[f64]; 2],
     [own_far, back]: [&mut [f64]; 2],
 ) {
-    let (Ok(own), Ok(mut sums)) = (
-        <[f64; MODES]>::try_from(own),
-        <[f64; MODES]>::try_from(&*own_far),
-    ) else {
-        return;
-    };
+    // Whole lanes, then what is left.
+    let (mut whole, mut rest) = ([Lanes::default(); MOST_LANES], [0.0; LANES]);
+    let (own_lanes, own_rest) = own.as_chunks::<LANES>();
+    let count = MODES / LANES;
     let columns = block.as_chunks::<MODES>().0.iter();
     for ((column, c), back) in columns.zip(source).zip(back) {
-        let column = column.map(Real::double);
-        let mut products = 0.0;
-        for k in 0..MODES {
-            sums[k] += column[k] * c;
-            products += column[k] * own[k];
+        let (lanes, left) = column.as_chunks::<LANES>();
+        let mut products = Lanes::default();
+        for k in 0..count {
+            let mut values = [0.0; LANES];
+            for (value, b) in values.iter_mut().zip(lanes[k]) {
+                *value = b.double();
+            }
+            whole[k] += Lanes(values) * Lanes::splat(*c);
+            products += Lanes(values) * Lanes(own_lanes[k]);
         }
-        *back += products;
+        let mut sum = products.sum();
+        for k in 0..MODES % LANES {
+            let b = left[k].double();
+            rest[k] += b * c;
+            sum += b * own_rest[k];
+        }
+        *back += sum;
     }
-    own_far.copy_from_slice(&sums);
+    let sums = whole.iter().flat_map(|lanes| lanes.0).take(count * LANES);
+    let sums = sums.chain(rest).take(MODES);
+    for (far, sum) in own_far.iter_mut().zip(sums) {
+        *far += sum;
+    }
 }
+
+/// Enough for the modes that [`add_known`] knows.
+const MOST_LANES: usize = 4;
 
 /// What a source does to a receiver, and the receiver to the source.
 fn add_block<R: Real>(block: &[R], [own, source]: [&[f64]; 2], [own_far, back]: [&mut [f64]; 2]) {

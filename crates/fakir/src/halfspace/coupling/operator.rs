@@ -12,6 +12,16 @@ pub(crate) trait Coupling {
     fn apply_roughly(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
         self.apply(coefficients, far, workers);
     }
+
+    /// Relative error of its products beyond rounding.
+    fn error(&self) -> f64 {
+        0.0
+    }
+
+    /// Relative error of a solution from nothing by rough products, where they are to be made up for.
+    fn rough_error(&self) -> f64 {
+        0.0
+    }
 }
 
 /// The sum of two operators, such as of a half-space and of what differs from it.

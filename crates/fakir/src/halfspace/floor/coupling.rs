@@ -52,11 +52,21 @@ pub(crate) struct SurfaceCoupling<'a> {
 
 impl Coupling for SurfaceCoupling<'_> {
     fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
-        self.apply_by(FloorCoupling::apply, coefficients, far, workers);
+        let tops = LatticeCoupling::apply;
+        self.apply_by(tops, FloorCoupling::apply, coefficients, far, workers);
     }
 
     fn apply_roughly(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
-        self.apply_by(FloorCoupling::apply_roughly, coefficients, far, workers);
+        let (tops, floor) = (LatticeCoupling::apply_roughly, FloorCoupling::apply_roughly);
+        self.apply_by(tops, floor, coefficients, far, workers);
+    }
+
+    fn error(&self) -> f64 {
+        self.tops.error()
+    }
+
+    fn rough_error(&self) -> f64 {
+        self.tops.rough_error()
     }
 }
 
@@ -84,22 +94,23 @@ impl<'a> SurfaceCoupling<'a> {
         self.floor = Some(Box::new(floor));
     }
 
-    /// The tops with each other, and then with the floor by one of its products.
+    /// The tops with each other by one of their products, and then with the floor by one of its.
     fn apply_by(
         &mut self,
-        product: impl FnOnce(&mut FloorCoupling<'a>, [&[f64]; 2], [&mut [f64]; 2]),
+        couple_tops: impl FnOnce(&mut LatticeCoupling<'a>, &[f64], &mut [f64], Workers<'_>),
+        couple_floor: impl FnOnce(&mut FloorCoupling<'a>, [&[f64]; 2], [&mut [f64]; 2]),
         coefficients: &[f64],
         far: &mut [f64],
         workers: Workers<'_>,
     ) {
         let Some(floor) = &mut self.floor else {
-            return self.tops.apply(coefficients, far, workers);
+            return couple_tops(&mut self.tops, coefficients, far, workers);
         };
         let tops = far.len() - floor.cells;
         let (of_tops, of_floor) = coefficients.split_at(tops);
         let (far_tops, far_floor) = far.split_at_mut(tops);
-        self.tops.apply(of_tops, far_tops, workers);
-        product(floor, [of_tops, of_floor], [far_tops, far_floor]);
+        couple_tops(&mut self.tops, of_tops, far_tops, workers);
+        couple_floor(floor, [of_tops, of_floor], [far_tops, far_floor]);
     }
 }
 
