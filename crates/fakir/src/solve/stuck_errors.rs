@@ -59,7 +59,7 @@ impl Figures {
             let of = |other: &Self| figure(other).map_or(1.0, |it| relative(it - own, own));
             variations.iter().map(of).fold(0.0, f64::max)
         };
-        // It is lost somewhere between two states.
+        // It is lost somewhere between two states, and how long the last barriers hold is not known to more than a full step.
         let between = self
             .lost
             .map_or(0.0, |[last, after]| relative(last - after, last));
@@ -69,7 +69,8 @@ impl Figures {
             turn_area: error(&|it| it.turn[2]),
             jump_force: error(&|it| it.jump[0]),
             jump_area: error(&|it| it.jump[1]),
-            lost_indentation: between + error(&|it| it.lost.map(|[last, _]| last)),
+            lost_indentation: between
+                + error(&|it| it.lost.map(|[last, _]| last)).max(between / PLAIN.loss_step),
             pull_off_force: error(&|it| it.pull_off),
             loop_area: LOOP_AREA * error(&|it| it.loop_area),
         }
@@ -109,7 +110,7 @@ mod tests {
             turn_area: 0.0,
             jump_force: 0.0,
             jump_area: 0.0,
-            lost_indentation: 0.1 + 0.2,
+            lost_indentation: 0.1 + 0.4,
             pull_off_force: 0.0,
             loop_area: 2.0,
         };
