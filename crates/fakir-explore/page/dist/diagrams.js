@@ -263,12 +263,14 @@ function curveContents(state, { of }) {
     if (curves === null || critical === null)
         return null;
     const { small, large, homogenised, exact } = curves.is;
-    if (small.length + large.length === 0)
+    // Closed forms are of the hexagonal lattice on half-spaces.
+    const all = [...small, ...large, ...homogenised, ...exact];
+    if (all.length === 0)
         return null;
     const older = isBefore(curves, critical);
     const now = of(pointOf(critical.is));
     const present = critical.is.surface_fraction;
-    const fractions = [...small, ...large].map((point) => point.surface_fraction);
+    const fractions = all.map((point) => point.surface_fraction);
     const places = (points) => points
         .filter((point) => of(point) > 0)
         .map((point) => [point.surface_fraction, of(point)]);
