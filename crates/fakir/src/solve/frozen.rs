@@ -33,6 +33,24 @@ const ROUGH_TOLERANCE: f64 = 1e-5;
 /// Starts from an exact product, at the most.
 const MOST_STARTS: usize = 3;
 
+/// How much of the load a solution may leave, in the norm of the energy: the larger of two parts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Remainder {
+    /// Of the load itself.
+    pub(crate) of_load: f64,
+    /// Of what was left at the start.
+    pub(crate) of_start: f64,
+}
+
+impl From<f64> for Remainder {
+    fn from(of_load: f64) -> Self {
+        Self {
+            of_load,
+            of_start: 0.0,
+        }
+    }
+}
+
 /// How the places of contact answer to the loads on them, their states frozen.
 pub(crate) trait Rule {
     /// `c = P s`, place by place. Of a place without a compliance of its own `c` stays, or is zero if it bears no pressure.
@@ -124,6 +142,8 @@ pub(crate) struct FrozenContact<'a, O> {
     base: f64,
     /// Products with the coupling so far.
     products: usize,
+    /// What the last solution left.
+    remainder: f64,
     room: Room,
 }
 
@@ -154,6 +174,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             present: Response::none(size),
             base: 0.0,
             products: 0,
+            remainder: 0.0,
             room: Room {
                 load: vector(),
                 residual: vector(),
@@ -255,6 +276,11 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         self.products
     }
 
+    /// The part of the load that the last solution left, in the norm of the energy.
+    pub(crate) fn remainder(&self) -> f64 {
+        self.remainder
+    }
+
     /// The indentation of the present response.
     pub(crate) fn indentation(&self) -> f64 {
         self.base
@@ -302,6 +328,13 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
     /// Coefficients of the floor cells.
     pub(crate) fn floor_coefficients(&self) -> &[f64] {
         &self.present.coefficients[self.tops..]
+    }
+
+    /// Changes the coefficients of a floor cell by a factor, as a better start of the next solution.
+    pub(crate) fn scale_floor(&mut self, cell: usize, factor: f64) {
+        for response in [&mut self.present, &mut self.unit] {
+            response.coefficients[self.tops + cell] *= factor;
+        }
     }
 
     /// Coefficients of the floor cells under a unit indentation.
@@ -401,13 +434,13 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         &mut self,
         rule: &mut impl Rule,
         source: Source<'_>,
-        tolerance: f64,
+        tolerance: impl Into<Remainder>,
     ) -> Result<Judgement, SolveError> {
         let mut response = std::mem::take(match source {
             Source::Unit => &mut self.unit,
             _ => &mut self.present,
         });
-        let solved = self.conjugate_gradients(rule, source, tolerance, &mut response);
+        let solved = self.conjugate_gradients(rule, source, tolerance.into(), &mut response);
         match source {
             Source::Unit => self.unit = response,
             _ => self.present = response,
@@ -423,7 +456,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         tolerance: f64,
     ) -> Result<Response, SolveError> {
         let mut response = Response::none(load.len());
-        self.conjugate_gradients(rule, Source::Given(load), tolerance, &mut response)
+        self.conjugate_gradients(rule, Source::Given(load), tolerance.into(), &mut response)
             .map(|_| response)
     }
 
@@ -447,7 +480,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         &mut self,
         rule: &mut impl Rule,
         source: Source<'_>,
-        tolerance: f64,
+        tolerance: Remainder,
         response: &mut Response,
     ) -> Result<Judgement, SolveError> {
         let mut room = std::mem::take(&mut self.room);
@@ -455,7 +488,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         for _ in 0..MOST_STARTS {
             let mut before = 0.0;
             solved = self.iterate(rule, source, tolerance, response, &mut room, &mut before);
-            let rough = self.coupling.rough_error() * before > tolerance;
+            let rough = self.coupling.rough_error() * before > tolerance.of_load;
             if !(rough && matches!(solved, Ok(Judgement::Good))) {
                 break;
             }
@@ -470,7 +503,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         &mut self,
         rule: &mut impl Rule,
         source: Source<'_>,
-        tolerance: f64,
+        tolerance: Remainder,
         response: &mut Response,
         room: &mut Room,
         before: &mut f64,
@@ -491,7 +524,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         }
         let mut scale = vectors.dot(&room.load, coefficients).abs();
         self.products += 1;
-        if tolerance > ROUGH_TOLERANCE {
+        if tolerance.of_load > ROUGH_TOLERANCE {
             self.coupling.apply_roughly(coefficients, far, workers);
         } else {
             self.coupling.apply(coefficients, far, workers);
@@ -509,8 +542,11 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             scale = larger(scale, energy);
         }
         *before = (energy / larger(scale, f64::MIN_POSITIVE)).sqrt();
+        let of_start = tolerance.of_start.powi(2) * energy;
         for _ in 0..ITERATION_LIMIT {
-            let bound = tolerance * tolerance * larger(scale, f64::MIN_POSITIVE);
+            let scale = larger(scale, f64::MIN_POSITIVE);
+            let bound = larger(tolerance.of_load.powi(2) * scale, of_start);
+            self.remainder = (energy / scale).sqrt();
             match judge(energy, bound) {
                 Judgement::TooLarge => {}
                 ended => return Ok(ended),

@@ -10,7 +10,7 @@
 use super::floor::{
     FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
 };
-use super::frozen::{FrozenContact, Rule, Source};
+use super::frozen::{FrozenContact, Remainder, Rule, Source};
 use super::rules::floor::Places;
 use super::rules::floor_fronts::FloorMove;
 use super::rules::fronts::{Course, Domain, Fronts, Works};
@@ -38,9 +38,12 @@ const UNIT_TOLERANCE: f64 = 1e-5;
 const PRESENT_TOLERANCE: f64 = 1e-7;
 const TOLERANCE: f64 = 1e-9;
 
-/// The same at the present indentation while fronts move on the floor, and of the states after that.
+/// The same at the present indentation while fronts move on the floor: of the load, and of what the last moves changed, as others follow. And of the
+/// states after that: at the present indentation, and to a unit one, which are the steps' first guesses and leave of the force the product of both alone.
 const STUCK_TOLERANCE: f64 = 3e-4;
+const STUCK_PART: f64 = 0.02;
 const STUCK_STATE_TOLERANCE: f64 = 3e-6;
+const STUCK_UNIT_TOLERANCE: f64 = 3e-4;
 
 /// The path goes this much beyond an event, in the unit of length or of the indentation, so that rounding does not hide it ...
 const BEYOND: f64 = 1e-8;
@@ -563,11 +566,15 @@ impl<'a> Path<'a> {
     /// Solves with the present domains. Where the indentation is held the residuals need only be as small as makes their
     /// product negligible: see [`refine`](Self::refine).
     fn solve(&mut self, source: Source<'_>) -> Result<(), SolveError> {
-        let tolerance = match (self.held, source) {
-            (_, Source::Present) if self.floor.is_some() => STUCK_TOLERANCE,
-            (Held::Indentation, Source::Unit) => UNIT_TOLERANCE,
-            (Held::Indentation, _) => PRESENT_TOLERANCE,
-            _ => TOLERANCE,
+        let tolerance = match (self.held, source, self.floor.is_some()) {
+            (_, Source::Present, true) => Remainder {
+                of_load: STUCK_TOLERANCE,
+                of_start: STUCK_PART,
+            },
+            (Held::Indentation, Source::Unit, true) => STUCK_UNIT_TOLERANCE.into(),
+            (Held::Indentation, Source::Unit, false) => UNIT_TOLERANCE.into(),
+            (Held::Indentation, ..) => PRESENT_TOLERANCE.into(),
+            _ => TOLERANCE.into(),
         };
         self.solve_within(source, tolerance)
     }
@@ -584,7 +591,7 @@ impl<'a> Path<'a> {
     pub(super) fn solve_within(
         &mut self,
         source: Source<'_>,
-        tolerance: f64,
+        tolerance: impl Into<Remainder>,
     ) -> Result<(), SolveError> {
         self.tops.prepare(&self.sites);
         let mut places = Places {
@@ -747,6 +754,12 @@ impl<'a> Path<'a> {
                 }
             }
             if chosen.is_empty() && !moved {
+                if self.floor.is_some() && self.contact.remainder() > STUCK_TOLERANCE {
+                    // Nothing moves by a rough solution: once more by a better one.
+                    self.solve_within(Source::Present, STUCK_TOLERANCE)?;
+                    self.contact.all_loads(&mut self.loads);
+                    continue;
+                }
                 return Ok(round > 0);
             }
             for (pillar, next) in chosen {

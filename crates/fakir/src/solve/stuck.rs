@@ -33,15 +33,17 @@ const ENTERED: f64 = 1e-5;
 
 /// Cells across the free ring round a pillar and along the radius of the first patch at the least, and sides of cells, pillar radii.
 const CELLS_ACROSS_RING: f64 = 5.0;
-const CELLS_ALONG_PATCH: f64 = 15.0;
+const CELLS_ALONG_PATCH: f64 = 10.0;
+const WANTED_ALONG_PATCH: f64 = 20.0;
 const LARGEST_CELL: f64 = 0.7;
 const SMALLEST_CELL: f64 = 1e-3;
 
 /// Cells along half the shortest distance of pillars at the least.
 const FEWEST_HALVES: f64 = 4.0;
 
-/// Points of a transform up to which cells are made as small as they should be.
+/// Points of a transform up to which cells are made as small as they should be, and smaller along the first patch.
 const MOST_POINTS: f64 = 2e6;
+const EASY_POINTS: f64 = 1e6;
 
 impl<'a> Path<'a> {
     /// Lays the cells of a grid, of which those at the points that are `known` are in contact: under the present load and under a
@@ -151,8 +153,8 @@ impl<'a> Path<'a> {
             .fronts
             .moves(bonded, which, ENTERED * self.scene.height);
         let bonds = which == FloorMove::Advance;
-        for cell in &moves {
-            floor.fronts.set(&mut floor.cells, *cell, bonds);
+        for (cell, factor) in floor.fronts.shift(&mut floor.cells, &moves, bonds) {
+            self.contact.scale_floor(cell, factor);
         }
         !moves.is_empty()
     }
@@ -232,21 +234,26 @@ impl Path<'_> {
     /// as many times as large as the variation says, about.
     pub(super) fn stuck_division(&self, ring: f64, patch: f64) -> Division {
         let field = &self.scene.field;
-        let cell = (ring / CELLS_ACROSS_RING)
-            .min(patch / CELLS_ALONG_PATCH)
-            .clamp(SMALLEST_CELL, LARGEST_CELL);
         let shortest = field.shortest_distance();
-        let finest = (0.5 * shortest / cell).ceil().max(FEWEST_HALVES) as usize;
         let radius = self.reach() + field.spacing();
         let extent = PillarExtent::new(&self.sites, radius, field.pillar_grid().is_some());
         let limit = self.run.memory_limit() as f64;
-        let affordable = |fineness: &usize| {
-            let division = Division::new(field, *fineness);
-            FloorCoupling::points(&division, radius, extent, FLOOR_DEGREE) < MOST_POINTS
-                && FloorCoupling::memory_estimate(&division, radius, extent, FLOOR_DEGREE) < limit
-        };
         let fewest = FEWEST_HALVES as usize;
-        let fineness = (fewest..=finest).rev().find(affordable).unwrap_or(fewest);
+        let finest = |along_patch: f64, points: f64| {
+            let cell = (ring / CELLS_ACROSS_RING)
+                .min(patch / along_patch)
+                .clamp(SMALLEST_CELL, LARGEST_CELL);
+            let wanted = (0.5 * shortest / cell).ceil().max(FEWEST_HALVES) as usize;
+            let affordable = |fineness: &usize| {
+                let division = Division::new(field, *fineness);
+                FloorCoupling::points(&division, radius, extent, FLOOR_DEGREE) < points
+                    && FloorCoupling::memory_estimate(&division, radius, extent, FLOOR_DEGREE)
+                        < limit
+            };
+            (fewest..=wanted).rev().find(affordable).unwrap_or(fewest)
+        };
+        let fineness =
+            finest(CELLS_ALONG_PATCH, MOST_POINTS).max(finest(WANTED_ALONG_PATCH, EASY_POINTS));
         Division::new(
             field,
             ((fineness as f64 / self.variation.cells).round() as usize).max(fewest - 1),
@@ -467,6 +474,7 @@ mod tests {
         for (cells, works, tolerance) in [
             (12.0, [1.0; 2], 0.03),
             (25.0, [1.0; 2], 0.03),
+            (50.0, [1.0; 2], 0.01),
             (12.0, [1.0 / 3.0, 1.0], 0.03),
         ] {
             let [jump, pull_off, dissipated] = sphere(cells, works);

@@ -15,7 +15,7 @@ pub(super) struct Variation {
 pub(super) const PLAIN: Variation = Variation {
     cells: 1.0,
     works: 1.0,
-    loss_step: 0.25,
+    loss_step: 0.5,
 };
 
 /// The intensity at fronts is right to 3.5 % in the worst direction (round contacts and rings in the tests of [`stuck`](super::stuck)), and so is

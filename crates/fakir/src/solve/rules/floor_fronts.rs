@@ -77,9 +77,9 @@ const TAKE_BACK: f64 = 1.1;
 /// `K` is too high by this along the grid, and too low by as much across its diagonals (the test `intensities_of_round_contacts`).
 const ANISOTROPY: f64 = 0.021;
 
-/// Taking one cell more or less changes `G` at it by this factor, of which half is `1/(2 pi (1.2^2 + 1.5^2))`: by what the bulge of a front does to its `K`
-/// (Rice), smoothed as the front and `K` are. What is compared is half a cell on.
-const ONE_CELL: f64 = 0.043;
+/// A front of the curvature `c`, over cells, leaves rows of the grid by pieces of the length `2 sqrt(2/c)`, the chord one cell high. Such a piece one cell
+/// ahead changes `K` at its middle by `2/pi` over its length (Rice), and `G` by twice that: what is compared is half a cell on, by this times `sqrt c`.
+const PIECE: f64 = 0.225;
 
 /// Largest curvature of a front that is taken away, over cells.
 const CURVATURE_LIMIT: f64 = 0.2;
@@ -120,6 +120,10 @@ pub(crate) struct FloorFronts {
     known: Vec<u32>,
     /// What makes `K` of a pressure, and of a gap, by the value of the smoothed set, by how much the curvature of the front changes each, and `u`.
     factors: [Vec<[f64; 3]>; 2],
+    /// `phi` by the value of the smoothed set.
+    pressures: Vec<f64>,
+    /// The smoothed set before the last moves.
+    before: Vec<f32>,
     /// Gap of every cell out of contact.
     gaps: Vec<f64>,
     /// Cells not to be taken in again.
@@ -179,6 +183,17 @@ fn between(table: &[f64], first: f64, distance: f64) -> f64 {
     table[place] * (1.0 - part) + table[place + 1] * part
 }
 
+/// `phi` at any distance inside, about: a cell at the front has the mean over it, which is `2/sqrt(2 pi)`.
+fn pressure_near(distance: f64) -> f64 {
+    let (at_front, table_end) = (2.0 / TAU.sqrt(), INSIDE[1]);
+    if distance < INSIDE[0] {
+        let part = ((distance - 0.5) / (INSIDE[0] - 0.5)).max(-0.5);
+        return at_front + part * (pressure_at(INSIDE[0]) - at_front);
+    }
+    let beyond = (distance / table_end).max(1.0);
+    pressure_at(distance.min(table_end)) / beyond.sqrt()
+}
+
 /// `phi` and `psi`.
 fn pressure_at(distance: f64) -> f64 {
     between(&PRESSURE, 1.0, distance) / (TAU * distance).sqrt()
@@ -219,6 +234,9 @@ fn slopes(deviation: f64) -> [[[f32; WIDTH]; WIDTH]; 5] {
 
 /// Steps of the values of the smoothed set by which factors are kept.
 const STEPS: usize = 1024;
+
+/// Changes of those values below this change no pressure.
+const LEAST_CHANGE: f32 = 1e-4;
 
 impl FloorFronts {
     /// Of cells none of which is in contact.
@@ -269,6 +287,10 @@ impl FloorFronts {
         };
         Self {
             factors: [table(&of_pressure), table(&of_gap)],
+            pressures: (0..=STEPS)
+                .map(|step| pressure_near(distance_of(step as f64 / STEPS as f64)))
+                .collect(),
+            before: Vec::new(),
             works,
             stride,
             rims: grid.cells.centres().map(rim).collect(),
@@ -304,6 +326,30 @@ impl FloorFronts {
                 *value += sign * stamp;
             }
         }
+    }
+
+    /// Takes cells into contact, or out of it. Returns cells in contact beside them with the factors by which their pressures change, about.
+    pub(crate) fn shift(
+        &mut self,
+        cells: &mut FloorCells<'_>,
+        moves: &[usize],
+        bonded: bool,
+    ) -> Vec<(usize, f64)> {
+        self.before.clone_from(&self.smooth);
+        for cell in moves {
+            self.set(cells, *cell, bonded);
+        }
+        let pressure = |smooth: f32| {
+            let step = f64::from(smooth).clamp(0.0, 1.0) * STEPS as f64;
+            self.pressures[step as usize]
+        };
+        let all = cells.bears().iter().zip(&self.places).enumerate();
+        let changed = all.filter_map(|(cell, (bonded, place))| {
+            let [before, now] = [&self.before, &self.smooth].map(|of| of[*place as usize]);
+            let moved = *bonded && (before - now).abs() > LEAST_CHANGE;
+            moved.then(|| (cell, pressure(now) / pressure(before)))
+        });
+        changed.collect()
     }
 
     /// All cells may be taken in again.
@@ -366,8 +412,8 @@ impl FloorFronts {
         }
     }
 
-    /// The stress intensity at a cell of the front by the data around it.
-    fn intensity(&self, cell: usize, which: FloorMove) -> Option<f64> {
+    /// The stress intensity at a cell of the front by the data around it, and the curvature of the front there.
+    fn intensity(&self, cell: usize, which: FloorMove) -> Option<(f64, f64)> {
         let corner = self.places[cell] as usize - REACH * (self.stride + 1);
         let mut sums = Datum::default();
         for (row, window) in self.window.iter().enumerate() {
@@ -393,7 +439,7 @@ impl FloorFronts {
                 _ => ((u - ONE_SIDED[0]) / (ONE_SIDED[1] - ONE_SIDED[0])).clamp(0.0, 1.0),
             };
             let change = known * slope * u;
-            (k - change) / (1.0 + ANISOTROPY * direction)
+            ((k - change) / (1.0 + ANISOTROPY * direction), curvature)
         })
     }
 
@@ -436,10 +482,11 @@ impl FloorFronts {
 
     /// `K` at a front, what a ring does to it taken away, and the factor by which `G` changes half a cell on.
     fn corrected(&self, cell: usize, which: FloorMove) -> Option<[f64; 2]> {
-        let intensity = self.intensity(cell, which)?;
+        let (intensity, curvature) = self.intensity(cell, which)?;
         let [facing, across] = self.facing(cell);
         let ring = 1.0 + RING * facing / across.max(RING_LEAST);
-        let half_cell = 1.0 + ONE_CELL + facing / across.max(HALF_CELL_LEAST);
+        let piece = PIECE * curvature.abs().sqrt();
+        let half_cell = 1.0 + piece + facing / across.max(HALF_CELL_LEAST);
         Some([intensity / ring, half_cell])
     }
 
