@@ -3,6 +3,7 @@
 use super::convolution::{
     Bounds, ColumnBlock, Convolution, Transform, Workspace, line_stride, memory_estimate, multiply,
 };
+use super::half_space::HalfSpace;
 use super::operator::Operator;
 use crate::halfspace::layer::LayerResponse;
 use crate::numerics::fft::{Real, RealPlans, quick_length};
@@ -116,6 +117,8 @@ impl Operator for PeriodicConvolution<'_> {
 pub struct Preconditioned<'p, O, R: Real = f64> {
     operator: O,
     inverse: PeriodicInverse<'p, R>,
+    /// The operator itself, roughly, of the shape of the inverse.
+    rough: Option<Periodic<R>>,
 }
 
 /// The inverse of the periodic half-space, up to a factor, on the smallest grid that holds some cells: the wave number.
@@ -161,6 +164,7 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
         Self {
             operator,
             inverse: PeriodicInverse::new(cells, pool),
+            rough: None,
         }
     }
 
@@ -174,18 +178,34 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
     }
 }
 
-impl<'p, O: Operator> Preconditioned<'p, O, f32> {
+impl<'p> Preconditioned<'p, HalfSpace<'p>, f32> {
     /// With a preconditioner in single precision, which takes half of the memory and about half of the time. The solution is as exact, since
     /// residuals are those of the operator.
+    ///
+    /// So do [steps](Operator::apply_to_step) on a periodic half-space of which the cells are much: they have the transforms of the preconditioner.
     pub(crate) fn in_single_precision(
-        operator: O,
+        operator: HalfSpace<'p>,
         cells: Cells,
         pool: Option<&'p ThreadPool>,
     ) -> Self {
         assert_eq!(operator.len(), cells.len(), "the cells of the operator");
-        Self {
-            operator,
-            inverse: PeriodicInverse::new(cells, pool),
+        let [columns, rows] = Bounds::of(&cells).shape;
+        match &operator {
+            HalfSpace::Periodic(exact) if 2 * columns * rows > cells.grid().cell_count() => {
+                let rough = exact.convolution.transform().in_single_precision();
+                let inverse = rough.with_kernel(cells.grid().cell(), |[x, y]| x.hypot(y));
+                let convolution = Convolution::new(cells, [0, 0], Arc::new(inverse), pool);
+                Self {
+                    operator,
+                    inverse: PeriodicInverse { convolution },
+                    rough: Some(rough),
+                }
+            }
+            _ => Self {
+                operator,
+                inverse: PeriodicInverse::new(cells, pool),
+                rough: None,
+            },
         }
     }
 }
@@ -197,6 +217,13 @@ impl<O: Operator, R: Real> Operator for Preconditioned<'_, O, R> {
 
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         self.operator.apply(pressure, displacement);
+    }
+
+    fn apply_to_step(&mut self, step: &[f64], displacement: &mut [f64]) {
+        match &self.rough {
+            Some(rough) => self.inverse.convolution.apply_by(rough, step, displacement),
+            None => self.operator.apply_to_step(step, displacement),
+        }
     }
 
     fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
@@ -238,31 +265,59 @@ struct Periodic<R = f64> {
 
 impl<R: Real> Periodic<R> {
     /// The kernel is a function of the wave vector; of half the smallest there is, for the mean.
-    fn new([columns, rows]: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
-        let [width, height] = cell;
-        let wave = |index: usize, period: f64| 2.0 * PI * index as f64 / period;
-        let longest = (width * columns as f64).max(height * rows as f64);
-        let smallest = PI / longest;
-        let scale = 1.0 / (columns * rows) as f64;
-        let kernel: Vec<R> = (0..=columns / 2)
-            .flat_map(|column| (0..=rows / 2).map(move |row| (column, row)))
-            .map(|(column, row)| {
-                let x = wave(column, width * columns as f64);
-                let y = wave(row, height * rows as f64);
-                let wave = if (column, row) == (0, 0) {
-                    [smallest, 0.0]
-                } else {
-                    [x, y]
-                };
-                R::of(scale * of_wave(wave))
-            })
-            .collect();
+    fn new(shape: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         Self {
-            shape: [columns, rows],
-            plans: RealPlans::new(rows, columns),
-            kernel,
+            shape,
+            plans: RealPlans::new(shape[1], shape[0]),
+            kernel: kernel(shape, cell, of_wave),
         }
     }
+
+    /// The same transforms with another kernel.
+    fn with_kernel(&self, cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
+        Self {
+            shape: self.shape,
+            plans: self.plans.clone(),
+            kernel: kernel(self.shape, cell, of_wave),
+        }
+    }
+
+    fn in_single_precision(&self) -> Periodic<f32> {
+        let [columns, rows] = self.shape;
+        Periodic {
+            shape: self.shape,
+            plans: RealPlans::new(rows, columns),
+            kernel: self
+                .kernel
+                .iter()
+                .map(|value| f32::of(value.double()))
+                .collect(),
+        }
+    }
+}
+
+fn kernel<R: Real>(
+    [columns, rows]: [usize; 2],
+    [width, height]: [f64; 2],
+    of_wave: impl Fn([f64; 2]) -> f64,
+) -> Vec<R> {
+    let wave = |index: usize, period: f64| 2.0 * PI * index as f64 / period;
+    let longest = (width * columns as f64).max(height * rows as f64);
+    let smallest = PI / longest;
+    let scale = 1.0 / (columns * rows) as f64;
+    (0..=columns / 2)
+        .flat_map(|column| (0..=rows / 2).map(move |row| (column, row)))
+        .map(|(column, row)| {
+            let x = wave(column, width * columns as f64);
+            let y = wave(row, height * rows as f64);
+            let wave = if (column, row) == (0, 0) {
+                [smallest, 0.0]
+            } else {
+                [x, y]
+            };
+            R::of(scale * of_wave(wave))
+        })
+        .collect()
 }
 
 impl<R: Real> Transform for Periodic<R> {

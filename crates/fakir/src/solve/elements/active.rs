@@ -150,7 +150,7 @@ impl<'a> ActiveCells<'a> {
                 },
                 product_limit: settings.product_limit.saturating_sub(products),
             };
-            let mut contact = self.solve_on(surface, &cells, &values, load, &inner)?;
+            let mut contact = self.solve_on(surface, &cells, values, load, &inner)?;
             products += contact.products;
             contact.products = products;
             if cells.len() == allowed.len() || contact.termination == Termination::Interrupted {
@@ -198,7 +198,7 @@ impl<'a> ActiveCells<'a> {
         &mut self,
         surface: &Surface<'_, 'a>,
         cells: &Cells,
-        start: &[f64],
+        start: Vec<f64>,
         load: Prescribed,
         settings: &Settings,
     ) -> Result<ElementContact, SolveError> {
@@ -211,12 +211,12 @@ impl<'a> ActiveCells<'a> {
             .indices()
             .map(|cell| surface.separation[cell])
             .collect();
-        Ok(solver::solve(
+        Ok(solver::solve_from(
             &mut operator,
             &separation,
             surface.grid.cell_area(),
             load,
-            Some(start),
+            start,
             settings,
             surface.cancel,
         ))

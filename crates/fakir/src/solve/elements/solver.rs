@@ -141,6 +141,20 @@ pub fn solve<O: Operator + ?Sized>(
     settings: &Settings,
     cancel: &CancelToken,
 ) -> ElementContact {
+    let start = start.map_or_else(|| vec![0.0; separation.len()], <[f64]>::to_vec);
+    solve_from(operator, separation, area, load, start, settings, cancel)
+}
+
+/// [Solves](solve) from pressures that become those of the contact.
+pub(super) fn solve_from<O: Operator + ?Sized>(
+    operator: &mut O,
+    separation: &[f64],
+    area: f64,
+    load: Prescribed,
+    start: Vec<f64>,
+    settings: &Settings,
+    cancel: &CancelToken,
+) -> ElementContact {
     assert_eq!(separation.len(), operator.len());
     let mut iteration = Iteration::new(operator, separation, area, load, start);
     let termination = iteration.run(settings, cancel);
@@ -180,10 +194,9 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         separation: &'a [f64],
         area: f64,
         load: Prescribed,
-        start: Option<&[f64]>,
+        mut pressure: Vec<f64>,
     ) -> Self {
         let count = separation.len();
-        let mut pressure = start.map_or_else(|| vec![0.0; count], <[f64]>::to_vec);
         assert_eq!(pressure.len(), count);
         for value in &mut pressure {
             *value = larger(*value, 0.0);
@@ -277,8 +290,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             if self.products > best_at + PATIENCE {
                 return Termination::Stagnated;
             }
-            let grown = self.find_free();
-            let slope = self.find_direction(restart || grown);
+            self.find_free();
+            let slope = self.find_direction(restart);
             match self.advance(slope) {
                 Step::Plain => (fresh, restart) = (false, false),
                 Step::Projected => (fresh, restart) = (true, false),
@@ -342,15 +355,13 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         };
     }
 
-    /// Finds the elements that bear pressure or interpenetrate; says whether there are new ones.
-    fn find_free(&mut self) -> bool {
-        let mut grown = false;
+    /// Finds the elements that bear pressure or interpenetrate.
+    fn find_free(&mut self) {
         let mut sum = 0.0;
         self.free_count = 0;
         for element in 0..self.pressure.len() {
             let gap = self.gap(element);
             let free = self.pressure[element] > 0.0 || gap < 0.0;
-            grown |= free && !self.free[element];
             self.free[element] = free;
             if free {
                 self.free_count += 1;
@@ -358,7 +369,6 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             }
         }
         self.mean_gap = self.mean_of_free(sum);
-        grown
     }
 
     /// Under a prescribed force, which directions must leave alone, the mean over the free
@@ -437,7 +447,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
     /// Goes to the minimum along the direction, on which the energy falls with the given slope,
     /// projected onto pressures that are not negative.
     fn advance(&mut self, slope: f64) -> Step {
-        self.operator.apply(&self.direction, &mut self.response);
+        self.operator
+            .apply_to_step(&self.direction, &mut self.response);
         self.products += 1;
         let stiffness = dot(&self.direction, &self.response);
         if stiffness.is_nan() || stiffness <= 0.0 {
@@ -485,7 +496,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         for element in 0..self.pressure.len() {
             self.direction[element] = self.residual(element);
         }
-        self.operator.apply(&self.direction, &mut self.search);
+        self.operator
+            .apply_to_step(&self.direction, &mut self.search);
         self.products += 1;
         dot(&self.direction, &self.direction) / dot(&self.direction, &self.search)
     }
