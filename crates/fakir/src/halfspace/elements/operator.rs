@@ -172,7 +172,12 @@ impl<O: Operator> Columns<O> {
         assert_eq!(pillars.len(), operator.len(), "one label for every cell");
         Self {
             operator,
-            pillars,
+            // Where none sinks, nothing is asked about them.
+            pillars: if influence.is_empty() {
+                Vec::new()
+            } else {
+                pillars
+            },
             sums: vec![0.0; influence.len()],
             influence,
         }
