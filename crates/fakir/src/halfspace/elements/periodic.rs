@@ -182,7 +182,8 @@ impl<'p> Preconditioned<'p, HalfSpace<'p>, f32> {
     /// With a preconditioner in single precision, which takes half of the memory and about half of the time. The solution is as exact, since
     /// residuals are those of the operator.
     ///
-    /// So do [steps](Operator::apply_to_step) on a periodic half-space of which the cells are much: they have the transforms of the preconditioner.
+    /// On a periodic half-space where the cells reach over more than half of it, [steps](Operator::apply_to_step) are in single precision too: they
+    /// share the transforms and the memory of the preconditioner.
     pub(crate) fn in_single_precision(
         operator: HalfSpace<'p>,
         cells: Cells,
@@ -264,7 +265,7 @@ struct Periodic<R = f64> {
 }
 
 impl<R: Real> Periodic<R> {
-    /// The kernel is a function of the wave vector; of half the smallest there is, for the mean.
+    /// With a [`kernel`] of the wave vector.
     fn new(shape: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         Self {
             shape,
@@ -296,6 +297,7 @@ impl<R: Real> Periodic<R> {
     }
 }
 
+/// A function of the wave vector, of half the smallest there is for the mean; with the normalisation of the transforms.
 fn kernel<R: Real>(
     [columns, rows]: [usize; 2],
     [width, height]: [f64; 2],

@@ -27,7 +27,9 @@
 //! operator's own approximate inverse. Directions stay conjugate, after E. Polak and G. Ribiere, as
 //! elements come and go: a restart for every element that joins makes steepest descents of nearly
 //! all steps where much is in contact. Under a force, residuals and directions lose their mean
-//! over these elements, so that pressures keep their sum. Steps that fail to lower the energy, as
+//! over these elements, so that pressures keep their sum. What a step does to the displacement may
+//! be known to [single precision](Operator::apply_to_step) only: before it is certified, the
+//! displacement is computed anew from the pressures. Steps that fail to lower the energy, as
 //! projection can make them, are replaced by projected gradient steps, halved until they do.
 
 use crate::halfspace::elements::Operator;
@@ -160,6 +162,14 @@ pub(super) fn solve_from<O: Operator + ?Sized>(
     assert_eq!(separation.len(), operator.len());
     let mut iteration = Iteration::new(operator, separation, area, load, start);
     let termination = iteration.run(settings, cancel);
+    if matches!(
+        termination,
+        Termination::IterationLimit | Termination::Stagnated
+    ) {
+        // Steps in single precision may have left errors in the displacement, which the certificate is to know.
+        iteration.refresh_displacement();
+        iteration.assess();
+    }
     iteration.finish(termination)
 }
 
