@@ -265,7 +265,7 @@ fn steps_are_good_to_single_precision() {
         for cells in [Cells::all(&grid), discs(&grid), few.clone()] {
             let exact = HalfSpace::new(boundary, cells.clone(), COMPLIANCE, &[], None);
             let half_space = exact.on_cells(cells.clone()).unwrap();
-            let rough = Preconditioned::in_single_precision(half_space, cells.clone(), None);
+            let rough = half_space.preconditioned(cells.clone(), None);
             let mut exact = Columns::new(exact, labels(&cells), vec![1e-7]);
             let mut rough = Columns::new(rough, labels(&cells), vec![1e-7]);
             let step = numbers(cells.len(), 1.1);

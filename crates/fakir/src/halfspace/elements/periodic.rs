@@ -3,7 +3,6 @@
 use super::convolution::{
     Bounds, ColumnBlock, Convolution, Transform, Workspace, line_stride, memory_estimate, multiply,
 };
-use super::half_space::HalfSpace;
 use super::operator::Operator;
 use crate::halfspace::layer::LayerResponse;
 use crate::numerics::fft::{Real, RealPlans, quick_length};
@@ -74,6 +73,14 @@ impl<'p> PeriodicConvolution<'p> {
         Self {
             convolution: Convolution::new(cells, [0, 0], Arc::clone(transform), pool),
         }
+    }
+
+    /// The same in single precision, where the cells reach over more than half of the period.
+    pub(super) fn in_single_precision(&self) -> Option<Periodic<f32>> {
+        let cells = self.cells();
+        let [columns, rows] = Bounds::of(cells).shape;
+        let wide = 2 * columns * rows > cells.grid().cell_count();
+        wide.then(|| self.convolution.transform().in_single_precision())
     }
 
     /// About how many bytes the operator on `cells` takes, without the cells themselves; shared
@@ -178,35 +185,32 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
     }
 }
 
-impl<'p> Preconditioned<'p, HalfSpace<'p>, f32> {
+impl<'p, O: Operator> Preconditioned<'p, O, f32> {
     /// With a preconditioner in single precision, which takes half of the memory and about half of the time. The solution is as exact, since
     /// residuals are those of the operator.
     ///
-    /// On a periodic half-space where the cells reach over more than half of it, [steps](Operator::apply_to_step) are in single precision too: they
-    /// share the transforms and the memory of the preconditioner.
-    pub(crate) fn in_single_precision(
-        operator: HalfSpace<'p>,
+    /// If there is the operator in single precision too, [steps](Operator::apply_to_step) are by that, and share the transforms and the
+    /// memory of the preconditioner.
+    pub(super) fn in_single_precision(
+        operator: O,
         cells: Cells,
+        rough: Option<Periodic<f32>>,
         pool: Option<&'p ThreadPool>,
     ) -> Self {
         assert_eq!(operator.len(), cells.len(), "the cells of the operator");
-        let [columns, rows] = Bounds::of(&cells).shape;
-        match &operator {
-            HalfSpace::Periodic(exact) if 2 * columns * rows > cells.grid().cell_count() => {
-                let rough = exact.convolution.transform().in_single_precision();
+        let inverse = match &rough {
+            Some(rough) => {
                 let inverse = rough.with_kernel(cells.grid().cell(), |[x, y]| x.hypot(y));
-                let convolution = Convolution::new(cells, [0, 0], Arc::new(inverse), pool);
-                Self {
-                    operator,
-                    inverse: PeriodicInverse { convolution },
-                    rough: Some(rough),
+                PeriodicInverse {
+                    convolution: Convolution::new(cells, [0, 0], Arc::new(inverse), pool),
                 }
             }
-            _ => Self {
-                operator,
-                inverse: PeriodicInverse::new(cells, pool),
-                rough: None,
-            },
+            None => PeriodicInverse::new(cells, pool),
+        };
+        Self {
+            operator,
+            inverse,
+            rough,
         }
     }
 }
@@ -256,7 +260,7 @@ fn of_means(wave: [f64; 2], cell: [f64; 2]) -> f64 {
 }
 
 /// Transforms and kernel of the periodic half-space.
-struct Periodic<R = f64> {
+pub(super) struct Periodic<R = f64> {
     shape: [usize; 2],
     plans: RealPlans<R>,
     /// For every column of the transform, its rows that are not mirror images, `rows/2 + 1`;

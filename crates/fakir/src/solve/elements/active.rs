@@ -205,7 +205,7 @@ impl<'a> ActiveCells<'a> {
         (surface.check_memory)(cells.len(), surface.solution_memory(cells))?;
         surface.check_cancelled()?;
         let half_space = self.half_space(surface, cells);
-        let operator = Preconditioned::in_single_precision(half_space, cells.clone(), surface.pool);
+        let operator = half_space.preconditioned(cells.clone(), surface.pool);
         let mut operator = surface.on_columns(operator, cells);
         let separation: Vec<f64> = cells
             .indices()
